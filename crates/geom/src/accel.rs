@@ -1,0 +1,64 @@
+use crate::{Aabb, Hit, Ray};
+
+/// A structure that finds the triangle a ray meets.
+///
+/// # Contract
+/// Every implementation gives the same answers, bit for bit; `globillum-geom`'s conformance
+/// suite checks it.
+///
+/// 1. A hit is reported iff `t_min < t < t_max`, both strict, with `t` as
+///    [`decide::Shear::decide`](crate::decide::Shear::decide) computes it. `occluded(r)` is
+///    `intersect(r).is_some()`, always.
+/// 2. Among equal `t` the smallest triangle index wins.
+/// 3. A ray that is not [traceable](Ray::is_traceable) hits nothing. `-0.0` acts as `+0.0`.
+/// 4. Scaling a direction by `2^k` scales `t` by exactly `2^-k`.
+/// 5. Degenerate triangles are never hit; a structure over no triangles hits nothing.
+/// 6. Queries neither panic nor allocate more than their output.
+pub trait Accel: Send + Sync {
+    /// The closest hit in the ray's range; `None` if there is none.
+    fn intersect(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether anything is hit in the ray's range.
+    fn occluded(&self, ray: &Ray) -> bool;
+
+    /// [`intersect`](Accel::intersect) for many rays: `hits` is cleared, then filled with one
+    /// entry a ray, in order.
+    fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.extend(rays.iter().map(|ray| self.intersect(ray)));
+    }
+
+    /// [`occluded`](Accel::occluded) for many rays: `occluded` is cleared, then filled with one
+    /// entry a ray, in order.
+    fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        occluded.clear();
+        occluded.extend(rays.iter().map(|ray| self.occluded(ray)));
+    }
+
+    /// The smallest box around everything that can be hit; empty if nothing can.
+    fn bounds(&self) -> Aabb;
+
+    /// Bytes of memory held, the triangles included.
+    fn bytes(&self) -> usize;
+}
+
+impl<A: Accel + ?Sized> Accel for Box<A> {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        (**self).intersect(ray)
+    }
+    fn occluded(&self, ray: &Ray) -> bool {
+        (**self).occluded(ray)
+    }
+    fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        (**self).intersect_batch(rays, hits);
+    }
+    fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        (**self).occluded_batch(rays, occluded);
+    }
+    fn bounds(&self) -> Aabb {
+        (**self).bounds()
+    }
+    fn bytes(&self) -> usize {
+        (**self).bytes()
+    }
+}

@@ -1,0 +1,153 @@
+use super::{Lattice, UniformGrid};
+use crate::{Aabb, GeomError, Triangle, Triangles};
+use std::ops::RangeInclusive;
+
+/// How a [`UniformGrid`] is built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct GridOptions {
+    /// Cells for each triangle, where no resolution is given; finite and `> 0`.
+    pub density: f64,
+    /// Cells along each axis, each at least 1; `None` to follow `density`. An axis along which
+    /// the scene is flat always has one.
+    pub resolution: Option<[u32; 3]>,
+}
+
+impl Default for GridOptions {
+    fn default() -> Self {
+        Self { density: 4.0, resolution: None }
+    }
+}
+
+/// The most cells that are ever made.
+const MAX_CELLS: u64 = 1 << 27;
+
+impl UniformGrid {
+    /// Builds the grid.
+    ///
+    /// Memory is bounded beforehand: at most `8 n + 64` cells (fewer than `2^27`) unless a
+    /// resolution is given, and at most `16 n + 1024` references to `n` triangles; a resolution
+    /// that follows the density is halved until the references fit.
+    ///
+    /// # Errors
+    /// [`GeomError::Param`] for an option out of its range, [`GeomError::Budget`] for a given
+    /// resolution with more than `2^27` cells or too many references; nothing is allocated then.
+    pub fn build(triangles: &Triangles, options: &GridOptions) -> Result<Self, GeomError> {
+        let lattice = choose_lattice(triangles, options)?;
+        let boxes = || triangles.live().iter().map(|&i| (i, triangles.get(i)));
+        let mut starts = vec![0_u32; cell_count(lattice.resolution) as usize + 1];
+        for (_, triangle) in boxes() {
+            lattice.for_each_cell(triangle, |cell| starts[cell + 1] += 1);
+        }
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        let mut references = vec![0; starts[starts.len() - 1] as usize];
+        let mut next = starts.clone();
+        for (index, triangle) in boxes() {
+            lattice.for_each_cell(triangle, |cell| {
+                references[next[cell] as usize] = index;
+                next[cell] += 1;
+            });
+        }
+        Ok(Self { triangles: triangles.clone(), lattice, starts, references })
+    }
+}
+
+fn choose_lattice(triangles: &Triangles, options: &GridOptions) -> Result<Lattice, GeomError> {
+    let bounds = triangles.bounds();
+    let count = triangles.live().len();
+    let reference_budget = (16 * count as u64 + 1024).min(u64::from(u32::MAX));
+    let mut resolution = match options.resolution {
+        Some(given) => check_resolution(given, &bounds)?,
+        None => resolution_for(&bounds, count, options.density)?,
+    };
+    loop {
+        let lattice = Lattice::new(&bounds, resolution);
+        let live = triangles.live().iter();
+        let requested: u64 = live.map(|&i| lattice.cells_of(triangles.get(i))).sum();
+        if requested <= reference_budget {
+            return Ok(lattice);
+        }
+        if options.resolution.is_some() {
+            let what = "grid references";
+            return Err(GeomError::Budget { what, requested, budget: reference_budget });
+        }
+        resolution = resolution.map(|r| r.div_ceil(2));
+    }
+}
+
+/// The given resolution, with one cell along flat axes.
+fn check_resolution(given: [u32; 3], bounds: &Aabb) -> Result<[u32; 3], GeomError> {
+    if given.contains(&0) {
+        return Err(GeomError::Param { name: "resolution", value: 0.0, range: "[1, 2^27]" });
+    }
+    // In floating point, since the product of three u32 can overflow a u64.
+    let requested = given.map(f64::from).into_iter().product::<f64>();
+    if requested > MAX_CELLS as f64 {
+        return Err(GeomError::Budget { what: "grid cells", requested: requested as u64, budget: MAX_CELLS });
+    }
+    let extent = bounds.extent();
+    Ok([0, 1, 2].map(|axis| if extent[axis] > 0.0 { given[axis] } else { 1 }))
+}
+
+/// Nearly cubic cells, `density` of them for each of `count` triangles.
+fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> Result<[u32; 3], GeomError> {
+    if !(density.is_finite() && density > 0.0) {
+        return Err(GeomError::Param { name: "density", value: density, range: "(0, inf)" });
+    }
+    let most = (8 * count as u64 + 64).min(MAX_CELLS) as f64;
+    let wanted = (density * count as f64).clamp(1.0, most);
+    // Longest axes first: an axis too short for a second cell leaves its share to the others.
+    let extent = bounds.extent();
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&a, &b| extent[a].total_cmp(&extent[b]));
+    let mut resolution = [1; 3];
+    let mut left = wanted;
+    for (done, &axis) in axes.iter().enumerate() {
+        let remaining = &axes[done..];
+        let longest = extent[axes[2]];
+        if longest <= 0.0 {
+            break;
+        }
+        // Extents relative to the longest axis keep the product in range at any scale.
+        let volume: f64 = remaining.iter().map(|&a| extent[a] / longest).product();
+        let cells_per_extent = (left / volume).powf(1.0 / remaining.len() as f64);
+        let cells = (extent[axis] / longest * cells_per_extent).clamp(1.0, left.max(1.0));
+        resolution[axis] = if cells.is_finite() { cells as u32 } else { 1 };
+        left /= f64::from(resolution[axis]);
+    }
+    Ok(resolution)
+}
+
+fn cell_count(resolution: [u32; 3]) -> u64 {
+    resolution.map(u64::from).into_iter().product()
+}
+
+impl Lattice {
+    /// The cells along `axis` that the triangle's box touches.
+    ///
+    /// Both ends go through the same monotone map as any point between them, so the cell that
+    /// [`Lattice::index`] gives for a point of the triangle is always among them.
+    fn span_of(&self, triangle: &Triangle, axis: usize) -> RangeInclusive<u32> {
+        let bounds = triangle.bounds();
+        let cell = |x: f32| self.index(axis, f64::from(x) - self.corner[axis]);
+        cell(bounds.min[axis])..=cell(bounds.max[axis])
+    }
+
+    fn cells_of(&self, triangle: &Triangle) -> u64 {
+        let cells = |axis| u64::from(self.span_of(triangle, axis).count() as u32);
+        cells(0) * cells(1) * cells(2)
+    }
+
+    fn for_each_cell(&self, triangle: &Triangle, mut visit: impl FnMut(usize)) {
+        let [xs, ys, zs] = [0, 1, 2].map(|axis| self.span_of(triangle, axis));
+        for z in zs {
+            for y in ys.clone() {
+                for x in xs.clone() {
+                    visit(self.flat([x, y, z]));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! A k-d tree over triangles: cells halved by axis-parallel planes, leaves listing the triangles
+//! that touch them.
+
+mod build;
+mod sah;
+mod traverse;
+
+pub use build::KdOptions;
+
+use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Triangles};
+
+/// A k-d tree built by the surface area heuristic.
+///
+/// A triangle that straddles a plane is listed on both sides, so the cells of a ray's search
+/// never overlap and can be visited front to back.
+#[derive(Clone, Debug)]
+pub struct KdTree {
+    triangles: Triangles,
+    /// Depth first: an inner node's lower child follows it.
+    nodes: Vec<Node>,
+    /// Triangle indices of all leaves, ascending within each.
+    references: Vec<u32>,
+}
+
+/// One cell of the tree.
+#[derive(Clone, Copy, Debug)]
+enum Node {
+    /// Halved at `axis = position`; the upper half is node `upper`.
+    Split { axis: u8, position: f32, upper: u32 },
+    /// Not halved: lists `references[first..][..count]`.
+    Leaf { first: u32, count: u32 },
+}
+
+impl KdTree {
+    /// The deepest tree that is ever built, whatever the options ask for.
+    pub const MAX_DEPTH: u32 = 60;
+
+    /// Every splitting plane as axis (0 to 2) and position, in depth-first order.
+    pub fn planes(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
+        self.nodes.iter().filter_map(|node| match *node {
+            Node::Split { axis, position, .. } => Some((usize::from(axis), position)),
+            Node::Leaf { .. } => None,
+        })
+    }
+
+    /// How many triangle references the leaves hold; at least one a live triangle.
+    pub fn reference_count(&self) -> usize {
+        self.references.len()
+    }
+
+    /// How many nodes there are, leaves included.
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// The number of planes above the deepest leaf.
+    pub fn depth(&self) -> u32 {
+        // Walked with an explicit stack of (node, depth), so that depth costs no call stack.
+        let mut deepest = 0;
+        let mut open = vec![(0, 0)];
+        while let Some((index, depth)) = open.pop() {
+            deepest = deepest.max(depth);
+            if let Node::Split { upper, .. } = self.nodes[index] {
+                open.push((index + 1, depth + 1));
+                open.push((upper as usize, depth + 1));
+            }
+        }
+        deepest
+    }
+}
+
+impl Accel for KdTree {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.search(ray, Closest::new(ray), &mut ()).hit()
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.search(ray, Any::new(ray), &mut ()).found()
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.triangles.bounds()
+    }
+
+    fn bytes(&self) -> usize {
+        self.triangles.bytes() + size_of_val(&*self.nodes) + size_of_val(&*self.references)
+    }
+}

@@ -1,0 +1,148 @@
+//! The surface area heuristic: halve a cell where the expected cost of a ray is least.
+//!
+//! A ray that crosses a cell crosses a part of it with a probability that is the ratio of their
+//! surface areas (Goldsmith and Salmon 1987). The cost is piecewise linear in the plane's
+//! position, with its minima at the triangles' bounds, so sweeping those finds the best plane
+//! (Wald and Havran, "On building fast kd-trees for ray tracing", 2006).
+
+use crate::Aabb;
+
+/// A plane `axis = position`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Plane {
+    pub(super) axis: usize,
+    pub(super) position: f32,
+    /// To which side triangles that lie within the plane go.
+    pub(super) within: Side,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Lower,
+    Upper,
+}
+
+/// Costs in units of deciding one triangle.
+#[derive(Clone, Copy)]
+pub(super) struct Costs {
+    pub(super) traversal: f64,
+    pub(super) empty_factor: f64,
+}
+
+/// What the sweep meets at a position, in the order in which it must count it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Event {
+    End,
+    Within,
+    Start,
+}
+
+/// The cheapest plane strictly inside `cell` for its `members`, whose boxes are
+/// `bounds[member]`; `None` if deciding them all is no dearer.
+pub(super) fn best_split(cell: &Aabb, members: &[u32], bounds: &[Aabb], costs: Costs) -> Option<Plane> {
+    let mut best = None;
+    let mut best_cost = members.len() as f64;
+    let mut events = Vec::with_capacity(2 * members.len());
+    for axis in 0..3 {
+        if cell.min[axis] == cell.max[axis] {
+            continue;
+        }
+        collect_events(cell, members, bounds, axis, &mut events);
+        sweep(cell, axis, members.len(), &events, |plane, counts| {
+            let cost = split_cost(cell, plane, counts, costs);
+            if cost < best_cost {
+                best_cost = cost;
+                best = Some(plane);
+            }
+        });
+    }
+    best
+}
+
+fn collect_events(
+    cell: &Aabb,
+    members: &[u32],
+    bounds: &[Aabb],
+    axis: usize,
+    events: &mut Vec<(f32, Event)>,
+) {
+    events.clear();
+    for &member in members {
+        let b = &bounds[member as usize];
+        let min = b.min[axis].max(cell.min[axis]);
+        let max = b.max[axis].min(cell.max[axis]);
+        if min == max {
+            events.push((min, Event::Within));
+        } else {
+            events.extend([(min, Event::Start), (max, Event::End)]);
+        }
+    }
+    events.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+}
+
+/// Calls `visit` with each candidate plane and the numbers of triangles on its two sides.
+fn sweep(
+    cell: &Aabb,
+    axis: usize,
+    count: usize,
+    events: &[(f32, Event)],
+    mut visit: impl FnMut(Plane, [usize; 2]),
+) {
+    let (mut lower, mut upper) = (0, count);
+    for here in events.chunk_by(|a, b| a.0 == b.0) {
+        let position = here[0].0;
+        let of = |kind| here.iter().filter(|e| e.1 == kind).count();
+        let within = of(Event::Within);
+        upper -= of(Event::End) + within;
+        if cell.min[axis] < position && position < cell.max[axis] {
+            visit(Plane { axis, position, within: Side::Lower }, [lower + within, upper]);
+            visit(Plane { axis, position, within: Side::Upper }, [lower, upper + within]);
+        }
+        lower += of(Event::Start) + within;
+    }
+}
+
+fn split_cost(cell: &Aabb, plane: Plane, counts: [usize; 2], costs: Costs) -> f64 {
+    let [mut low, mut high] = [*cell; 2];
+    low.max[plane.axis] = plane.position;
+    high.min[plane.axis] = plane.position;
+    let tests = low.half_area() * counts[0] as f64 + high.half_area() * counts[1] as f64;
+    let factor = if counts.contains(&0) { costs.empty_factor } else { 1.0 };
+    factor * (costs.traversal + tests / cell.half_area())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    const COSTS: Costs = Costs { traversal: 1.0, empty_factor: 0.8 };
+
+    #[test]
+    fn the_sweep_counts_every_triangle() {
+        let boxes: Vec<Aabb> = [(0.0, 1.0), (1.0, 1.0), (0.5, 3.0), (2.0, 4.0)]
+            .map(|(a, b)| Aabb { min: Vec3::new(a, 0.0, 0.0), max: Vec3::new(b, 1.0, 1.0) })
+            .to_vec();
+        let cell = boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b));
+        let mut events = Vec::new();
+        collect_events(&cell, &[0, 1, 2, 3], &boxes, 0, &mut events);
+        sweep(&cell, 0, boxes.len(), &events, |plane, counts| {
+            let s = plane.position;
+            let within = |b: &&Aabb| b.min.x == s && b.max.x == s;
+            let side = |side| if plane.within == side { boxes.iter().filter(within).count() } else { 0 };
+            let low = boxes.iter().filter(|b| b.min.x < s).count() + side(Side::Lower);
+            let high = boxes.iter().filter(|b| b.max.x > s).count() + side(Side::Upper);
+            assert_eq!(counts, [low, high], "{plane:?}");
+        });
+    }
+
+    #[test]
+    fn empty_space_is_cut_off_and_identical_boxes_are_left_together() {
+        let small = Aabb { min: Vec3::ZERO, max: Vec3::splat(0.1) };
+        let cell = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+        let members: Vec<u32> = (0..100).collect();
+        let plane = best_split(&cell, &members, &vec![small; 100], COSTS).unwrap();
+        assert_eq!(plane.position, 0.1);
+        assert_eq!(best_split(&small, &members, &vec![small; 100], COSTS), None);
+    }
+}

@@ -1,0 +1,68 @@
+use super::{KdTree, Node};
+use crate::decide::Shear;
+use crate::prune::{Pruner, Span};
+use crate::search::offer_all;
+use crate::{Probe, Ray, Search};
+use arrayvec::ArrayVec;
+
+/// A node still to be visited, over the part of the ray within its widened cell.
+struct Pending {
+    node: u32,
+    span: Span,
+}
+
+impl KdTree {
+    /// Runs `search` along `ray`, counting into `probe`: the one traversal behind every query.
+    ///
+    /// Front to back over cells whose planes are widened by the pruning slack, so a ray near a
+    /// plane visits both sides (Havran 2000, with thick planes).
+    pub fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
+        if let Some(shear) = Shear::new(ray) {
+            let bounds = self.triangles.bounds();
+            if !bounds.is_empty() {
+                let pruner = Pruner::new(ray, &bounds);
+                let span = pruner.clip(ray, &bounds);
+                self.traverse(&shear, &pruner, span, &mut search, probe);
+            }
+        }
+        search
+    }
+
+    fn traverse<S: Search, P: Probe>(
+        &self,
+        shear: &Shear,
+        pruner: &Pruner,
+        span: Span,
+        search: &mut S,
+        probe: &mut P,
+    ) {
+        // Each level leaves at most one node behind, so the stack can not overflow.
+        let mut pending = ArrayVec::<Pending, { KdTree::MAX_DEPTH as usize + 1 }>::new();
+        pending.push(Pending { node: 0, span });
+        while let Some(Pending { mut node, mut span }) = pending.pop() {
+            while span.start <= span.end.min(search.t_end()) {
+                match self.nodes[node as usize] {
+                    Node::Leaf { first, count } => {
+                        probe.open();
+                        let listed = &self.references[first as usize..][..count as usize];
+                        offer_all(shear, &self.triangles, listed, search, probe);
+                        break;
+                    }
+                    Node::Split { axis, position, upper } => {
+                        probe.visit();
+                        let axis = usize::from(axis);
+                        let distance = f64::from(position) - pruner.origin[axis];
+                        let forward = pruner.direction[axis] > 0.0;
+                        let (near, far) = if forward { (node + 1, upper) } else { (upper, node + 1) };
+                        let far_start = span.start.max(pruner.crossing(axis, distance, false));
+                        if far_start <= span.end {
+                            pending.push(Pending { node: far, span: Span { start: far_start, ..span } });
+                        }
+                        node = near;
+                        span.end = span.end.min(pruner.crossing(axis, distance, true));
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Triangles and the structures that find them.
+//!
+//! The crate answers one question: which triangle does a ray meet first? It answers it the same
+//! way, to the last bit, whichever structure is asked. In the order the data flows:
+//!
+//! - [`Triangle`]s are checked once and become [`Triangles`], the only thing an accelerator is
+//!   built from;
+//! - [`BruteForce`], [`KdTree`] and [`UniformGrid`] implement [`Accel`], whose documentation is
+//!   the contract they share;
+//! - a [`Ray`] goes in, a [`Hit`] comes out, decided by the one routine in [`decide`];
+//! - the hit becomes a [`SurfacePoint`], from which the next ray can leave without meeting the
+//!   triangle it starts on.
+//!
+//! Vertices are stored in `f32`; rays, decisions and points are `f64`. No constant in this crate
+//! has a unit of length, so a scene may be of any size.
+//!
+//! ```
+//! use globillum_geom::{Accel, KdOptions, KdTree, Ray, Triangle, Triangles};
+//! use glam::{DVec3, Vec3};
+//!
+//! let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
+//! let tree = KdTree::build(&triangles, &KdOptions::default())?;
+//! let ray = Ray::new(DVec3::new(0.25, 0.25, 1.0), -DVec3::Z);
+//! let hit = tree.intersect(&ray).expect("the ray points at the triangle");
+//! assert_eq!((hit.t, hit.u, hit.v, hit.triangle), (1.0, 0.25, 0.25, 0));
+//! # Ok::<(), globillum_geom::GeomError>(())
+//! ```
+
+mod aabb;
+mod accel;
+mod brute;
+pub mod decide;
+mod error;
+mod exact;
+mod frame;
+mod grid;
+mod hit;
+mod kdtree;
+mod measure;
+mod probe;
+mod prune;
+mod ray;
+mod search;
+mod surface;
+mod triangle;
+mod triangles;
+
+pub use aabb::Aabb;
+pub use accel::Accel;
+pub use brute::BruteForce;
+pub use error::GeomError;
+pub use frame::Frame;
+pub use grid::{GridOptions, UniformGrid};
+pub use hit::Hit;
+pub use kdtree::{KdOptions, KdTree};
+pub use measure::{PdfArea, PdfSolidAngle};
+pub use probe::{Counts, Probe};
+pub use ray::Ray;
+pub use search::{Any, Closest, Search};
+pub use surface::SurfacePoint;
+pub use triangle::Triangle;
+pub use triangles::Triangles;

@@ -1,0 +1,39 @@
+//! Probability densities, each with its measure in its type.
+
+/// A probability density per unit of surface area, `>= 0`.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct PdfArea(pub f64);
+
+/// A probability density per steradian, `>= 0`.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct PdfSolidAngle(pub f64);
+
+impl PdfArea {
+    /// The same density per steradian, seen from a point at squared distance `distance_sq` whose
+    /// connecting line makes an angle of cosine `cos_light` with the surface's normal:
+    /// `p_omega = p_area * r^2 / |cos theta_light|` (Veach 1997, equation 8.2).
+    ///
+    /// `None` where the surface is seen edge-on (`cos_light == 0`): no direction leads there.
+    pub fn to_solid_angle(self, distance_sq: f64, cos_light: f64) -> Option<PdfSolidAngle> {
+        let pdf = self.0 * distance_sq / cos_light.abs();
+        pdf.is_finite().then_some(PdfSolidAngle(pdf))
+    }
+
+    /// The density of a choice made with probability `choice_prob` beforehand.
+    #[must_use]
+    pub fn chosen_with(self, choice_prob: f64) -> Self {
+        Self(self.0 * choice_prob)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn area_density_becomes_solid_angle_density() {
+        let pdf = PdfArea(0.25).chosen_with(0.5);
+        assert_eq!(pdf.to_solid_angle(4.0, -0.5), Some(PdfSolidAngle(1.0)));
+        assert_eq!(pdf.to_solid_angle(4.0, 0.0), None);
+    }
+}

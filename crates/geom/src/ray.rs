@@ -1,0 +1,100 @@
+use glam::DVec3;
+
+/// A ray `origin + t * direction`, searched for `t_min < t < t_max`, both strict.
+///
+/// The direction need not be a unit vector: `t` counts in multiples of it, so scaling the
+/// direction by `2^k` scales every `t` by exactly `2^-k`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where `t = 0`.
+    pub origin: DVec3,
+    /// What one unit of `t` adds. Not necessarily of unit length.
+    pub direction: DVec3,
+    /// Lower end of the searched range, excluded.
+    pub t_min: f64,
+    /// Upper end of the searched range, excluded. Infinity is allowed.
+    pub t_max: f64,
+}
+
+impl Ray {
+    /// The largest origin coordinate, in magnitude, that is traced: `2^300`.
+    pub const MAX_ORIGIN: f64 = power_of_two(300);
+    /// The range of the largest direction component, in magnitude, that is traced:
+    /// `2^-600..=2^600`.
+    pub const DIRECTION_DOMAIN: std::ops::RangeInclusive<f64> = power_of_two(-600)..=power_of_two(600);
+
+    /// A ray searched over all of `0 < t`.
+    pub const fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
+    }
+
+    /// The open segment from `from` (`t = 0`) to `to` (`t = 1`), both ends excluded.
+    pub fn segment(from: DVec3, to: DVec3) -> Self {
+        Self { origin: from, direction: to - from, t_min: 0.0, t_max: 1.0 }
+    }
+
+    /// The same ray searched over `t_min < t < t_max`.
+    #[must_use]
+    pub const fn with_range(self, t_min: f64, t_max: f64) -> Self {
+        Self { t_min, t_max, ..self }
+    }
+
+    /// The point at parameter `t`, rounded.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+
+    /// Whether the ray can hit anything at all.
+    ///
+    /// `false` for a NaN or infinite origin or direction, a zero direction, an origin beyond
+    /// [`Ray::MAX_ORIGIN`], a direction outside [`Ray::DIRECTION_DOMAIN`], and a range that is
+    /// empty or has a NaN end. Accelerators report no hit for such a ray.
+    pub fn is_traceable(&self) -> bool {
+        let reach = self.origin.abs().max_element();
+        let speed = self.direction.abs().max_element();
+        // `max_element` may drop a NaN, so finiteness is asked for on its own.
+        self.origin.is_finite()
+            && self.direction.is_finite()
+            && reach <= Self::MAX_ORIGIN
+            && Self::DIRECTION_DOMAIN.contains(&speed)
+            && self.t_min < self.t_max
+    }
+}
+
+/// `2^exponent` for the normal range of exponents.
+const fn power_of_two(exponent: i64) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        assert_eq!(power_of_two(0), 1.0);
+        assert_eq!(power_of_two(-600), 2.0_f64.powi(-600));
+        assert_eq!(Ray::MAX_ORIGIN, 2.0_f64.powi(300));
+    }
+
+    #[test]
+    fn senseless_rays_are_not_traceable() {
+        let good = Ray::new(DVec3::ZERO, DVec3::X);
+        assert!(good.is_traceable());
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for axis in 0..3 {
+                let mut ray = good;
+                ray.origin[axis] = bad;
+                assert!(!ray.is_traceable(), "{ray:?}");
+                let mut ray = good;
+                ray.direction[axis] = bad;
+                assert!(!ray.is_traceable(), "{ray:?}");
+            }
+        }
+        assert!(!Ray::new(DVec3::ZERO, DVec3::ZERO).is_traceable());
+        assert!(!good.with_range(1.0, 1.0).is_traceable());
+        assert!(!good.with_range(f64::NAN, 1.0).is_traceable());
+        assert!(!good.with_range(0.0, f64::NAN).is_traceable());
+        assert!(!good.with_range(f64::INFINITY, f64::INFINITY).is_traceable());
+    }
+}

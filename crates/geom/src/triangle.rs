@@ -1,0 +1,137 @@
+use crate::exact::cross;
+use crate::{Aabb, PdfArea, SurfacePoint};
+use glam::{DVec3, Vec3};
+
+/// A triangle with `f32` vertices, the unit of all geometry.
+///
+/// Its front is the side from which the vertices run counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// The three corners.
+    pub vertices: [Vec3; 3],
+}
+
+impl Triangle {
+    /// The triangle with these corners.
+    pub const fn new(v0: Vec3, v1: Vec3, v2: Vec3) -> Self {
+        Self { vertices: [v0, v1, v2] }
+    }
+
+    /// The smallest box around the triangle.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::around(self.vertices)
+    }
+
+    /// The two edges that leave the first vertex, in `f64`, each component within half an ulp.
+    pub fn edges(&self) -> [DVec3; 2] {
+        let [v0, v1, v2] = self.vertices.map(|v| v.as_dvec3());
+        [v1 - v0, v2 - v0]
+    }
+
+    /// The area in square units of length.
+    pub fn area(&self) -> f64 {
+        0.5 * self.area_vector().length()
+    }
+
+    /// The unit geometric normal, on the front side.
+    ///
+    /// NaN for a triangle whose edges are parallel in `f64`; [`Triangles`](crate::Triangles)
+    /// drops those.
+    pub fn normal(&self) -> DVec3 {
+        let n = self.area_vector();
+        // Dividing by the largest component first keeps the square in range at any scale.
+        let n = n / n.abs().max_element();
+        n / n.length()
+    }
+
+    /// Cross product of the edges: twice the area along the front normal.
+    pub(crate) fn area_vector(&self) -> DVec3 {
+        let [e1, e2] = self.edges();
+        cross(e1, e2)
+    }
+
+    /// Whether the three vertices lie on one line, decided exactly, or so nearly on one line that
+    /// the triangle's normal is lost to rounding.
+    pub fn is_degenerate(&self) -> bool {
+        let v = self.vertices.map(|v| v.as_dvec3());
+        let projected_area = |i: usize, j: usize| {
+            let [a, b, c] = v.map(|p| robust::Coord { x: p[i], y: p[j] });
+            robust::orient2d(a, b, c)
+        };
+        let collinear =
+            projected_area(0, 1) == 0.0 && projected_area(1, 2) == 0.0 && projected_area(2, 0) == 0.0;
+        collinear || self.area_vector() == DVec3::ZERO
+    }
+
+    /// The point `(1 - u - v) * v0 + u * v1 + v * v2`, with what is needed to leave it.
+    pub fn surface_point(&self, u: f64, v: f64) -> SurfacePoint {
+        SurfacePoint::on(self, u, v)
+    }
+
+    /// A point chosen uniformly by area from `u` in `[0, 1)^2`, as barycentrics `(u, v)`, by the
+    /// square-root warp (Turk, Graphics Gems, 1990). `u + v <= 1`, both in `[0, 1]`.
+    pub fn sample_uniform(u: [f64; 2]) -> (f64, f64) {
+        let root = (1.0 - u[0]).sqrt();
+        (1.0 - root, u[1] * root)
+    }
+
+    /// The random numbers from which [`Triangle::sample_uniform`] makes the barycentrics `(u, v)`.
+    pub fn invert_uniform(u: f64, v: f64) -> [f64; 2] {
+        let root = 1.0 - u;
+        [1.0 - root * root, if root > 0.0 { v / root } else { 0.0 }]
+    }
+
+    /// Density of [`Triangle::sample_uniform`] per unit of area: one over the area.
+    pub fn pdf_uniform(&self) -> PdfArea {
+        PdfArea(1.0 / self.area())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const CORNER: Triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+
+    #[test]
+    fn area_and_normal_follow_the_winding() {
+        assert_eq!(CORNER.area(), 0.5);
+        assert_eq!(CORNER.normal(), DVec3::Z);
+        let [a, b, c] = CORNER.vertices;
+        assert_eq!(Triangle::new(a, c, b).normal(), -DVec3::Z);
+    }
+
+    #[test]
+    fn normals_exist_at_every_scale() {
+        for exponent in [-120, -40, 0, 40, 59] {
+            let s = 2.0_f32.powi(exponent);
+            let t = Triangle::new(Vec3::ZERO, Vec3::X * s, Vec3::Y * s);
+            assert_eq!(t.normal(), DVec3::Z, "scale 2^{exponent}");
+            assert!(!t.is_degenerate());
+        }
+    }
+
+    #[test]
+    fn collinear_and_repeated_vertices_are_degenerate() {
+        let (a, b) = (Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.7, -0.4, 0.9));
+        assert!(Triangle::new(a, a, b).is_degenerate());
+        assert!(Triangle::new(a, a, a).is_degenerate());
+        assert!(Triangle::new(Vec3::ZERO, b, b * 2.0).is_degenerate());
+        assert!(Triangle::new(Vec3::ZERO, b * 2.0_f32.powi(30), b).is_degenerate());
+        // One ulp off the line is a triangle.
+        let mut c = b * 2.0;
+        c.x = c.x.next_up();
+        assert!(!Triangle::new(Vec3::ZERO, b, c).is_degenerate());
+    }
+
+    proptest! {
+        #[test]
+        fn uniform_samples_stay_inside_and_invert(a in 0.0..1.0f64, b in 0.0..1.0f64) {
+            let (u, v) = Triangle::sample_uniform([a, b]);
+            prop_assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 + f64::EPSILON);
+            let back = Triangle::invert_uniform(u, v);
+            prop_assert!((back[0] - a).abs() < 1e-15 && (back[1] - b).abs() < 1e-7);
+        }
+    }
+}

@@ -1,0 +1,119 @@
+use crate::{Aabb, GeomError, Triangle};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Triangles that have been checked, the only thing an accelerator is built from.
+///
+/// Indices are those of the input. Degenerate triangles (all three vertices on a line) keep
+/// their index but are never hit: they are not [`live`](Triangles::live). Cloning is cheap; the
+/// triangles are shared.
+#[derive(Clone, Debug)]
+pub struct Triangles {
+    all: Arc<[Triangle]>,
+    live: Arc<[u32]>,
+    bounds: Aabb,
+}
+
+impl Triangles {
+    /// The largest coordinate, in magnitude: `2^60`, about `1.15e18`.
+    ///
+    /// Up to here no product that a decision needs can overflow.
+    pub const MAX_COORDINATE: f32 = (1_u64 << 60) as f32;
+
+    /// The largest number of triangles; three times as many still index in `u32`.
+    pub const MAX_COUNT: usize = (u32::MAX / 3) as usize;
+
+    /// Checks `triangles` and takes them.
+    ///
+    /// # Errors
+    /// [`GeomError::NonFinite`] or [`GeomError::Domain`] for the first bad coordinate,
+    /// [`GeomError::TooMany`] beyond [`Triangles::MAX_COUNT`].
+    pub fn new(mut triangles: Vec<Triangle>) -> Result<Self, GeomError> {
+        check_count(triangles.len())?;
+        let mut live = Vec::with_capacity(triangles.len());
+        let mut bounds = Aabb::EMPTY;
+        for (index, triangle) in triangles.iter_mut().enumerate() {
+            check_vertices(index, triangle)?;
+            // A negative zero would show in the sign of a zero `t`.
+            triangle.vertices = triangle.vertices.map(|v| v + Vec3::ZERO);
+            if !triangle.is_degenerate() {
+                live.push(index as u32);
+                bounds = bounds.union(&triangle.bounds());
+            }
+        }
+        Ok(Self { all: triangles.into(), live: live.into(), bounds })
+    }
+
+    /// The triangle of that index, degenerate or not.
+    ///
+    /// # Panics
+    /// If `index` is not below [`Triangles::len`].
+    #[inline]
+    pub fn get(&self, index: u32) -> &Triangle {
+        &self.all[index as usize]
+    }
+
+    /// All triangles in input order, degenerate ones included.
+    pub fn as_slice(&self) -> &[Triangle] {
+        &self.all
+    }
+
+    /// Indices, ascending, of the triangles that can be hit.
+    pub fn live(&self) -> &[u32] {
+        &self.live
+    }
+
+    /// How many there are, degenerate ones included.
+    pub fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    /// Whether there are none at all.
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// How many were found degenerate and can not be hit.
+    pub fn degenerate_count(&self) -> usize {
+        self.all.len() - self.live.len()
+    }
+
+    /// The smallest box around the live triangles; empty if there are none.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Bytes that the triangles occupy, whoever shares them.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.all) + size_of_val(&*self.live)
+    }
+}
+
+fn check_count(count: usize) -> Result<(), GeomError> {
+    let limit = Triangles::MAX_COUNT;
+    if count > limit { Err(GeomError::TooMany { count, limit }) } else { Ok(()) }
+}
+
+fn check_vertices(index: usize, triangle: &Triangle) -> Result<(), GeomError> {
+    for (vertex, v) in triangle.vertices.iter().enumerate() {
+        if !v.is_finite() {
+            return Err(GeomError::NonFinite { triangle: index, vertex });
+        }
+        if let Some(value) = v.to_array().into_iter().find(|x| x.abs() > Triangles::MAX_COORDINATE) {
+            return Err(GeomError::Domain { triangle: index, vertex, value });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn indices_must_fit() {
+        assert!(check_count(Triangles::MAX_COUNT).is_ok());
+        let count = Triangles::MAX_COUNT + 1;
+        assert_eq!(check_count(count), Err(GeomError::TooMany { count, limit: count - 1 }));
+    }
+}

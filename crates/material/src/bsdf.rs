@@ -1,0 +1,133 @@
+use crate::warp::CosineHemisphere;
+use crate::{Reflectance, Rgb};
+use glam::DVec3;
+use globillum_geom::PdfSolidAngle;
+use std::f64::consts::FRAC_1_PI;
+
+/// How a surface scatters light, alike on both of its sides.
+///
+/// Directions are unit vectors in the local frame; light is reflected only within the side of
+/// the surface on which `wo` lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Bsdf {
+    /// Ideal diffuse: the value is `albedo / pi` per steradian in every direction.
+    Lambert(Reflectance),
+    /// Ideal specular: all light goes to the mirror direction, scaled by the reflectance.
+    Mirror(Reflectance),
+}
+
+/// The density with which a direction was chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// A finite density per steradian.
+    SolidAngle(PdfSolidAngle),
+    /// All probability in this one direction: no density, and no other technique finds it.
+    Delta,
+}
+
+/// A direction chosen by [`Bsdf::sample`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfSample {
+    /// Unit direction, local frame.
+    pub wi: DVec3,
+    /// `f |cos| / pdf`, the factor on what arrives along `wi`. Each component in `[0, 1]`.
+    pub weight: Rgb,
+    /// The density of `wi`.
+    pub density: Density,
+}
+
+impl Bsdf {
+    /// Chooses an incident direction for `wo` as a pure function of `u` in `[0, 1)^2`; a mirror
+    /// ignores `u`.
+    ///
+    /// `None` if `wo` lies in the surface's plane: nothing is reflected there.
+    pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
+        if wo.z == 0.0 {
+            return None;
+        }
+        Some(match self {
+            Self::Lambert(albedo) => {
+                let above = CosineHemisphere::sample(u);
+                let density = Density::SolidAngle(CosineHemisphere::pdf(above));
+                let wi = DVec3::new(above.x, above.y, above.z.copysign(wo.z));
+                BsdfSample { wi, weight: albedo.rgb(), density }
+            }
+            Self::Mirror(reflectance) => {
+                let wi = DVec3::new(-wo.x, -wo.y, wo.z);
+                BsdfSample { wi, weight: reflectance.rgb(), density: Density::Delta }
+            }
+        })
+    }
+
+    /// The value `f(wo, wi)` per steradian, without the cosine. Black for a mirror, whose value
+    /// is a delta, and where the directions lie on different sides.
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        match self {
+            Self::Lambert(albedo) if same_side(wo, wi) => albedo.rgb() * FRAC_1_PI,
+            _ => Rgb::BLACK,
+        }
+    }
+
+    /// The density per steradian with which [`sample`](Bsdf::sample) chooses `wi`; 0 for a
+    /// mirror and where the directions lie on different sides.
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> PdfSolidAngle {
+        match self {
+            Self::Lambert(_) if same_side(wo, wi) => {
+                CosineHemisphere::pdf(DVec3::new(wi.x, wi.y, wi.z.abs()))
+            }
+            _ => PdfSolidAngle(0.0),
+        }
+    }
+
+    /// Whether all of its light goes to single directions, so that sampling lights is no use.
+    pub fn is_delta(&self) -> bool {
+        matches!(self, Self::Mirror(_))
+    }
+}
+
+fn same_side(wo: DVec3, wi: DVec3) -> bool {
+    wo.z * wi.z > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lambert() -> Bsdf {
+        Bsdf::Lambert(Reflectance::new(Rgb::new(0.2, 0.5, 0.8)).unwrap())
+    }
+
+    #[test]
+    fn weight_is_value_times_cosine_over_density() {
+        let bsdf = lambert();
+        for wo in [DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.6, 0.0, -0.8)] {
+            for i in 0..64 {
+                let u = [f64::from(i % 8) / 8.0, f64::from(i / 8) / 8.0];
+                let s = bsdf.sample(wo, u).unwrap();
+                assert!(s.wi.z * wo.z > 0.0);
+                let pdf = bsdf.pdf(wo, s.wi);
+                assert_eq!(s.density, Density::SolidAngle(pdf));
+                let weight = bsdf.eval(wo, s.wi) * (s.wi.z.abs() / pdf.0);
+                assert!((weight.g - s.weight.g).abs() < 1e-15 && (weight.b - s.weight.b).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn a_mirror_is_a_delta_and_nothing_else() {
+        let mirror = Bsdf::Mirror(Reflectance::new(Rgb::splat(0.9)).unwrap());
+        let wo = DVec3::new(0.6, 0.0, -0.8);
+        let s = mirror.sample(wo, [0.1, 0.2]).unwrap();
+        assert_eq!((s.wi, s.density), (DVec3::new(-0.6, 0.0, -0.8), Density::Delta));
+        assert_eq!(mirror.eval(wo, s.wi), Rgb::BLACK);
+        assert_eq!(mirror.pdf(wo, s.wi), PdfSolidAngle(0.0));
+    }
+
+    #[test]
+    fn nothing_passes_through_or_along_the_surface() {
+        assert_eq!(lambert().eval(DVec3::Z, -DVec3::Z), Rgb::BLACK);
+        assert_eq!(lambert().pdf(DVec3::Z, -DVec3::Z), PdfSolidAngle(0.0));
+        assert_eq!(lambert().sample(DVec3::X, [0.5, 0.5]), None);
+    }
+}

@@ -1,0 +1,14 @@
+use crate::Rgb;
+use thiserror::Error;
+
+/// Why a material could not be made.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MaterialError {
+    /// A reflectance component is outside `[0, 1]` or not a number.
+    #[error("reflectance {0} is not within [0, 1]")]
+    Reflectance(Rgb),
+    /// An emitted radiance component is negative or not finite.
+    #[error("emitted radiance {0} is negative or not finite")]
+    Emission(Rgb),
+}

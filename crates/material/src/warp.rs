@@ -1,0 +1,61 @@
+//! Maps from the unit square to directions, each with its density and its inverse.
+
+use glam::DVec3;
+use globillum_geom::PdfSolidAngle;
+use std::f64::consts::{FRAC_1_PI, TAU};
+
+/// Directions of the upper hemisphere with density proportional to their cosine with `+z`.
+///
+/// The map keeps areas: `u[0]` is the squared sine of the polar angle, `u[1]` the azimuth as a
+/// fraction of a turn (Malley's method, without its disk).
+#[derive(Clone, Copy, Debug)]
+pub struct CosineHemisphere;
+
+impl CosineHemisphere {
+    /// The unit direction for `u` in `[0, 1)^2`; its cosine is above zero for every such `u`.
+    pub fn sample(u: [f64; 2]) -> DVec3 {
+        let radius = u[0].sqrt();
+        // Not the platform's sine: the same direction on every machine.
+        let (sin, cos) = libm::sincos(TAU * u[1]);
+        DVec3::new(radius * cos, radius * sin, (1.0 - u[0]).max(0.0).sqrt())
+    }
+
+    /// Density per steradian of the unit direction `w`: `cos / pi`, and 0 below the horizon.
+    pub fn pdf(w: DVec3) -> PdfSolidAngle {
+        PdfSolidAngle(w.z.max(0.0) * FRAC_1_PI)
+    }
+
+    /// The random numbers that give the unit direction `w` of the upper hemisphere.
+    pub fn invert(w: DVec3) -> [f64; 2] {
+        let turn = libm::atan2(w.y, w.x) / TAU;
+        [w.x * w.x + w.y * w.y, if turn < 0.0 { turn + 1.0 } else { turn }]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn cosine_samples_are_unit_and_invert(a in 0.0..1.0f64, b in 0.0..1.0f64) {
+            let w = CosineHemisphere::sample([a, b]);
+            prop_assert!((w.length() - 1.0).abs() < 1e-15);
+            let back = CosineHemisphere::invert(w);
+            prop_assert!((back[0] - a).abs() < 1e-15);
+            let turn = (back[1] - b).abs();
+            prop_assert!(a < 1e-20 || turn < 1e-15 || turn > 1.0 - 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_corners_of_the_square_give_usable_directions() {
+        for a in [0.0, 5e-324, 1.0_f64.next_down()] {
+            for b in [0.0, 5e-324, 1.0_f64.next_down()] {
+                let w = CosineHemisphere::sample([a, b]);
+                assert!(w.z > 0.0 && w.is_finite() && CosineHemisphere::pdf(w).0 > 0.0, "{a} {b} {w}");
+            }
+        }
+    }
+}
