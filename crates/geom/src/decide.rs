@@ -13,7 +13,7 @@
 
 use crate::exact::difference_of_products;
 use crate::{Ray, Triangle};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// What a ray and a triangle have in common, before any range is considered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,8 @@ impl Shear {
     /// bounded in docs/numerics.md.
     #[inline]
     pub fn decide(&self, triangle: &Triangle) -> Option<Intersection> {
-        let [a, b, c] = triangle.vertices.map(|v| self.project(v.as_dvec3()));
+        let [v0, v1, v2] = &triangle.vertices;
+        let (a, b, c) = (self.project(v0), self.project(v1), self.project(v2));
         // A plain difference of rounded products has the right sign or is zero: enough to turn
         // away nearly all triangles before the careful evaluation.
         if differ_in_sign(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x) {
@@ -96,9 +97,9 @@ impl Shear {
     }
 
     #[inline]
-    fn project(&self, vertex: DVec3) -> Sheared {
-        let v = vertex.to_array();
-        let [x, y, z] = self.axes.map(|axis| v[axis] - self.origin[axis]);
+    fn project(&self, vertex: &Vec3) -> Sheared {
+        let along = |axis: usize| f64::from(vertex[axis]) - self.origin[axis];
+        let (x, y, z) = (along(self.axes[0]), along(self.axes[1]), along(self.axes[2]));
         Sheared { x: x - self.slope_x * z, y: y - self.slope_y * z, z }
     }
 }
@@ -128,7 +129,6 @@ fn flush(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
     use proptest::prelude::*;
 
     fn decide(origin: DVec3, direction: DVec3, triangle: &Triangle) -> Option<Intersection> {

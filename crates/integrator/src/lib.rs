@@ -1,1 +1,50 @@
-//! x
+//! How light adds up: Monte-Carlo path tracing over waves of rays.
+//!
+//! In the order the data flows: a [`Model`] (triangles with materials) becomes a [`Scene`] with
+//! an accelerator and its [`Emitters`]; a [`Camera`] sends rays; [`render`] traces paths tile by
+//! tile, wave by wave, with random numbers from a [`Stream`]; a [`Film`] sums what they carry.
+//!
+//! A picture is decided by scene, camera and [`Settings`]: its bits do not depend on the number
+//! of threads, on the accelerator, or on the scene's unit of length.
+//!
+//! ```
+//! use glam::{DVec3, Vec3};
+//! use globillum_geom::{KdOptions, KdTree, Triangle};
+//! use globillum_integrator::{Camera, Model, Scene, Settings, render};
+//! use globillum_material::{Material, Rgb};
+//!
+//! let mut model = Model::default();
+//! let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
+//! model.add(Material::lamp(Rgb::new(1.0, 0.5, 0.25))?, [Triangle::new(a, b, c)]);
+//! let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+//! let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 40.0_f64.to_radians())?;
+//! let picture = render(&scene, &camera, &Settings::new(8, 8, 4), &())?;
+//! assert_eq!(picture.film.mean(3, 3), Rgb::new(1.0, 0.5, 0.25));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod alias;
+mod camera;
+mod emitters;
+mod error;
+mod film;
+mod model;
+mod monitor;
+mod path;
+mod render;
+mod scene;
+mod settings;
+mod stream;
+mod tile;
+
+pub use camera::Camera;
+pub use emitters::{EmitterSample, Emitters};
+pub use error::RenderError;
+pub use film::Film;
+pub use model::Model;
+pub use monitor::{Monitor, Progress};
+pub use path::{Counters, Estimator};
+pub use render::{Picture, render};
+pub use scene::{Interaction, Scene};
+pub use settings::{Roulette, Settings};
+pub use stream::Stream;

@@ -1,0 +1,78 @@
+/// Chooses an index with probability proportional to its weight, in constant time (Walker 1974,
+/// built by Vose 1991).
+#[derive(Clone, Debug)]
+pub(crate) struct AliasTable {
+    columns: Vec<Column>,
+}
+
+/// One of `n` equally likely columns: below `threshold` its own index, above it `alias`.
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    threshold: f64,
+    alias: u32,
+}
+
+impl AliasTable {
+    /// A table over `weights`, all finite and above zero.
+    pub(crate) fn new(weights: &[f64]) -> Self {
+        let scale = weights.len() as f64 / weights.iter().sum::<f64>();
+        let mut columns: Vec<Column> =
+            (0..).zip(weights).map(|(alias, weight)| Column { threshold: weight * scale, alias }).collect();
+        let indices = 0..weights.len();
+        let (mut small, mut large): (Vec<_>, Vec<_>) = indices.partition(|&i| columns[i].threshold < 1.0);
+        while let (Some(poor), Some(&rich)) = (small.pop(), large.last()) {
+            columns[poor].alias = rich as u32;
+            // The rich column gives what the poor one lacks.
+            columns[rich].threshold -= 1.0 - columns[poor].threshold;
+            if columns[rich].threshold < 1.0 {
+                large.pop();
+                small.push(rich);
+            }
+        }
+        Self { columns }
+    }
+
+    /// The index that `u` in `[0, 1)` chooses; `None` from an empty table.
+    pub(crate) fn sample(&self, u: f64) -> Option<usize> {
+        let scaled = u * self.columns.len() as f64;
+        // The product may round up to the number of columns.
+        let index = (scaled as usize).min(self.columns.len().checked_sub(1)?);
+        let Column { threshold, alias } = self.columns[index];
+        Some(if scaled - (index as f64) < threshold { index } else { alias as usize })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Summing each index's share of all columns gives its probability without any sampling.
+    fn shares(table: &AliasTable) -> Vec<f64> {
+        let n = table.columns.len() as f64;
+        let mut shares = vec![0.0; table.columns.len()];
+        for (i, column) in table.columns.iter().enumerate() {
+            let own = column.threshold.clamp(0.0, 1.0);
+            shares[i] += own / n;
+            shares[column.alias as usize] += (1.0 - own) / n;
+        }
+        shares
+    }
+
+    #[test]
+    fn every_index_has_its_share() {
+        let spread: Vec<f64> = (0..1000).map(|i| 10.0_f64.powf(f64::from(i % 13) - 6.0)).collect();
+        for weights in [vec![1.0], vec![1.0, 3.0], vec![2.0; 7], spread] {
+            let total: f64 = weights.iter().sum();
+            for (share, weight) in shares(&AliasTable::new(&weights)).iter().zip(&weights) {
+                assert!((share - weight / total).abs() < 1e-13, "{share} {weight}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_ends_of_the_interval_are_ordinary() {
+        let table = AliasTable::new(&[1.0, 3.0]);
+        assert!(table.sample(0.0).is_some() && table.sample(1.0_f64.next_down()).is_some());
+        assert_eq!(AliasTable::new(&[]).sample(0.5), None);
+    }
+}

@@ -1,0 +1,67 @@
+use crate::RenderError;
+use glam::DVec3;
+use globillum_geom::Ray;
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    eye: DVec3,
+    forward: DVec3,
+    /// Half the picture's height at distance 1, along the picture's right and up.
+    right: DVec3,
+    up: DVec3,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`, with `up` upward in the picture and a vertical
+    /// field of view of `fov_y` radians.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] if `eye` and `target` coincide, `up` is parallel to the view, or a
+    /// coordinate is not finite; [`RenderError::Param`] unless `0 < fov_y < pi`.
+    pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, fov_y: f64) -> Result<Self, RenderError> {
+        if !(fov_y > 0.0 && fov_y < std::f64::consts::PI) {
+            return Err(RenderError::Param { name: "fov_y", value: fov_y, range: "(0, pi) radians" });
+        }
+        let forward = (target - eye)
+            .try_normalize()
+            .ok_or(RenderError::Camera("eye and target must be finite and apart"))?;
+        let right = forward
+            .cross(up)
+            .try_normalize()
+            .ok_or(RenderError::Camera("up must be finite and not parallel to the view"))?;
+        let half_height = (0.5 * fov_y).tan();
+        Ok(Self { eye, forward, right: right * half_height, up: right.cross(forward) * half_height })
+    }
+
+    /// The ray through the film at `x`, `y`, which run from -1 to 1 rightward and upward over a
+    /// picture `aspect` times as wide as high. The direction is not a unit vector.
+    pub fn ray(&self, x: f64, y: f64, aspect: f64) -> Ray {
+        Ray::new(self.eye, self.forward + (x * aspect) * self.right + y * self.up)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn corners_of_the_film_see_the_corners_of_the_view() {
+        let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, FRAC_PI_2).unwrap();
+        let corner = camera.ray(1.0, 1.0, 2.0).direction;
+        assert!((corner - DVec3::new(2.0, 1.0, -1.0)).length() < 1e-15);
+    }
+
+    #[test]
+    fn impossible_cameras_are_refused() {
+        let look = |eye, up, fov| Camera::look_at(eye, -DVec3::Z, up, fov);
+        assert!(look(DVec3::ZERO, DVec3::Y, 1.0).is_ok());
+        assert!(look(-DVec3::Z, DVec3::Y, 1.0).is_err());
+        assert!(look(DVec3::ZERO, DVec3::Z, 1.0).is_err());
+        assert!(look(DVec3::NAN, DVec3::Y, 1.0).is_err());
+        for fov in [0.0, -1.0, std::f64::consts::PI, f64::NAN] {
+            assert!(look(DVec3::ZERO, DVec3::Y, fov).is_err(), "{fov}");
+        }
+    }
+}

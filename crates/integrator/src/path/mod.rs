@@ -1,0 +1,9 @@
+//! Path tracing (Kajiya 1986): each sample follows one path of light back from the camera.
+
+mod counters;
+mod estimator;
+mod wave;
+
+pub use counters::Counters;
+pub use estimator::Estimator;
+pub(crate) use wave::{PassSamples, Wave};

@@ -1,0 +1,247 @@
+use super::Counters;
+use crate::film::PixelSum;
+use crate::tile::Tile;
+use crate::{Camera, Interaction, RenderError, Roulette, Scene, Settings, Stream};
+use glam::DVec3;
+use globillum_geom::{Accel, Frame, Hit, PdfSolidAngle, Ray};
+use globillum_material::{Density, Rgb};
+
+/// The samples of each pixel that one pass takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PassSamples {
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+}
+
+/// All paths of one tile and pass, advanced together one bounce at a time, so that the
+/// accelerator gets many rays at once. Its buffers are kept from tile to tile.
+#[derive(Debug, Default)]
+pub(crate) struct Wave {
+    /// Paths still under way, and beside each the ray it follows next.
+    paths: Vec<Path>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    /// Light that arrives unless its shadow ray is occluded.
+    arriving: Vec<Arriving>,
+    shadow_rays: Vec<Ray>,
+    occluded: Vec<bool>,
+    /// What each sample has gathered, in the order in which the samples are taken.
+    radiance: Vec<Rgb>,
+}
+
+/// One path under way.
+#[derive(Clone, Copy, Debug)]
+struct Path {
+    /// Its place in [`Wave::radiance`].
+    sample: u32,
+    stream: Stream,
+    throughput: Rgb,
+    /// How the direction of its ray was chosen; the camera's counts as a delta, since no light
+    /// sample could have found it.
+    density: Density,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Arriving {
+    sample: u32,
+    radiance: Rgb,
+}
+
+/// Which random number serves which purpose. Fixed, so that a path's numbers depend on nothing
+/// but its own bounces.
+struct Dimensions {
+    light_choice: u32,
+    light_point: u32,
+    scatter: u32,
+    roulette: u32,
+}
+
+impl Dimensions {
+    const FILM: u32 = 0;
+
+    fn of_bounce(bounce: u32) -> Self {
+        let base = 2 + 6 * bounce;
+        Self { light_choice: base, light_point: base + 1, scatter: base + 3, roulette: base + 5 }
+    }
+}
+
+/// What all steps of a wave share.
+struct Setting<'a, A> {
+    scene: &'a Scene<A>,
+    settings: &'a Settings,
+}
+
+impl Wave {
+    /// Traces the tile's samples of this pass and sums them pixel by pixel, in order.
+    pub(crate) fn render<A: Accel>(
+        &mut self,
+        scene: &Scene<A>,
+        camera: &Camera,
+        settings: &Settings,
+        tile: Tile,
+        pass: PassSamples,
+    ) -> Result<(Vec<PixelSum>, Counters), RenderError> {
+        let setting = Setting { scene, settings };
+        let mut counters = Counters::default();
+        self.start(camera, settings, tile, pass);
+        counters.camera_rays = self.rays.len() as u64;
+        for bounce in 0.. {
+            scene.accel().intersect_batch(&self.rays, &mut self.hits);
+            self.shade(&setting, bounce, &mut counters);
+            scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
+            self.add_unoccluded();
+            counters.shadow_rays += self.shadow_rays.len() as u64;
+            counters.bounce_rays += self.rays.len() as u64;
+            if self.paths.is_empty() {
+                break;
+            }
+        }
+        Ok((self.sum_pixels(tile, pass)?, counters))
+    }
+
+    /// Camera rays, `pass.count` for each pixel of the tile.
+    fn start(&mut self, camera: &Camera, settings: &Settings, tile: Tile, pass: PassSamples) {
+        self.paths.clear();
+        self.rays.clear();
+        let (width, height) = (f64::from(settings.width), f64::from(settings.height));
+        for (x, y) in tile.pixels() {
+            let pixel = u64::from(y) * u64::from(settings.width) + u64::from(x);
+            for sample in pass.first..pass.first + pass.count {
+                let stream = Stream::new(settings.seed, pixel, sample);
+                let [dx, dy] = stream.uniform_pair(Dimensions::FILM);
+                let film_x = 2.0 * (f64::from(x) + dx) / width - 1.0;
+                let film_y = 1.0 - 2.0 * (f64::from(y) + dy) / height;
+                self.rays.push(camera.ray(film_x, film_y, width / height));
+                let sample = self.paths.len() as u32;
+                self.paths.push(Path { sample, stream, throughput: Rgb::WHITE, density: Density::Delta });
+            }
+        }
+        self.radiance.clear();
+        self.radiance.resize(self.paths.len(), Rgb::BLACK);
+    }
+
+    /// Adds what the hits emit, chooses points on lights, and scatters; keeps the paths that go
+    /// on, in their order.
+    fn shade<A: Accel>(&mut self, setting: &Setting<'_, A>, bounce: u32, counters: &mut Counters) {
+        self.arriving.clear();
+        self.shadow_rays.clear();
+        let mut kept = 0;
+        for i in 0..self.paths.len() {
+            let (mut path, ray) = (self.paths[i], self.rays[i]);
+            let Some(hit) = self.hits[i] else {
+                self.radiance[path.sample as usize] += path.throughput * setting.scene.environment();
+                continue;
+            };
+            let at = setting.scene.interaction(&ray, &hit);
+            self.radiance[path.sample as usize] += path.throughput * setting.emitted(&path, &ray, &hit, &at);
+            if setting.settings.max_bounces == Some(bounce) {
+                counters.limit_ends += 1;
+                continue;
+            }
+            let dimensions = Dimensions::of_bounce(bounce);
+            let frame = Frame::around(at.point.normal);
+            let wo = frame.to_local(at.wo);
+            if let Some((shadow_ray, light)) = setting.next_event(&path, &at, &frame, wo, &dimensions) {
+                self.shadow_rays.push(shadow_ray);
+                self.arriving.push(Arriving { sample: path.sample, radiance: light });
+            }
+            let Some(next) = path.scatter(&at, &frame, wo, &dimensions) else { continue };
+            if !path.survives(setting.settings.roulette, bounce, &dimensions) {
+                counters.roulette_ends += 1;
+                continue;
+            }
+            (self.paths[kept], self.rays[kept]) = (path, next);
+            kept += 1;
+        }
+        self.paths.truncate(kept);
+        self.rays.truncate(kept);
+    }
+
+    fn add_unoccluded(&mut self) {
+        for (arriving, &occluded) in self.arriving.iter().zip(&self.occluded) {
+            if !occluded {
+                self.radiance[arriving.sample as usize] += arriving.radiance;
+            }
+        }
+    }
+
+    fn sum_pixels(&self, tile: Tile, pass: PassSamples) -> Result<Vec<PixelSum>, RenderError> {
+        let samples = self.radiance.chunks_exact(pass.count as usize);
+        let pixels = tile.pixels().zip(samples);
+        pixels
+            .map(|((x, y), samples)| {
+                let mut sum = PixelSum::default();
+                for (&radiance, sample) in samples.iter().zip(pass.first..) {
+                    if !radiance.is_finite() {
+                        return Err(RenderError::NonFinite { x, y, sample });
+                    }
+                    sum.add(radiance);
+                }
+                Ok(sum)
+            })
+            .collect()
+    }
+}
+
+impl<A: Accel> Setting<'_, A> {
+    /// What the surface emits along the path, by the share that scattering has in finding it.
+    fn emitted(&self, path: &Path, ray: &Ray, hit: &Hit, at: &Interaction<'_>) -> Rgb {
+        let cos_light = at.point.normal.dot(at.wo);
+        let emitted = at.material.emission.toward(cos_light);
+        if emitted.is_black() {
+            return emitted;
+        }
+        let distance_sq = (hit.t * ray.direction).length_squared();
+        let pdf = self.scene.emitters().pdf(at.material).to_solid_angle(distance_sq, cos_light);
+        let pdf = pdf.unwrap_or(PdfSolidAngle(0.0));
+        emitted * self.settings.estimator.weight_of_emission(path.density, pdf)
+    }
+
+    /// A point on a light, as the ray that must be free and the light that then arrives at the
+    /// path's start.
+    fn next_event(
+        &self,
+        path: &Path,
+        at: &Interaction<'_>,
+        frame: &Frame,
+        wo: DVec3,
+        dimensions: &Dimensions,
+    ) -> Option<(Ray, Rgb)> {
+        if !self.settings.estimator.samples_lights() || at.material.bsdf.is_delta() {
+            return None;
+        }
+        let choice = path.stream.uniform(dimensions.light_choice);
+        let u = path.stream.uniform_pair(dimensions.light_point);
+        let light = self.scene.emitters().sample(self.scene.triangles(), choice, u)?;
+        let between = light.point.position - at.point.position;
+        let distance_sq = between.length_squared();
+        let to_light = between / distance_sq.sqrt();
+        let cos_light = -light.point.normal.dot(to_light);
+        let wi = frame.to_local(to_light);
+        let pdf = light.pdf.to_solid_angle(distance_sq, cos_light)?;
+        let scattered = at.material.bsdf.pdf(wo, wi);
+        let share = self.settings.estimator.weight_of_light(pdf, scattered);
+        let value = at.material.bsdf.eval(wo, wi) * light.emission.toward(cos_light);
+        let radiance = path.throughput * value * (wi.z.abs() * share / pdf.0);
+        (!radiance.is_black()).then(|| (at.point.segment_to(&light.point), radiance))
+    }
+}
+
+impl Path {
+    /// Chooses where the path goes on; `None` if nothing is reflected.
+    fn scatter(&mut self, at: &Interaction<'_>, frame: &Frame, wo: DVec3, dims: &Dimensions) -> Option<Ray> {
+        let sample = at.material.bsdf.sample(wo, self.stream.uniform_pair(dims.scatter))?;
+        self.throughput *= sample.weight;
+        self.density = sample.density;
+        (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
+    }
+
+    fn survives(&mut self, roulette: Roulette, bounce: u32, dimensions: &Dimensions) -> bool {
+        if bounce < roulette.start {
+            return true;
+        }
+        let survive_prob = self.throughput.max_component().min(Roulette::MAX_SURVIVE_PROB);
+        self.throughput = self.throughput / survive_prob;
+        self.stream.uniform(dimensions.roulette) < survive_prob
+    }
+}

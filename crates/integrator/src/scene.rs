@@ -1,0 +1,91 @@
+use crate::{Emitters, Model, RenderError};
+use glam::DVec3;
+use globillum_geom::{Accel, GeomError, Hit, Ray, SurfacePoint, Triangles};
+use globillum_material::{Material, Rgb};
+
+/// A scene ready for rendering: triangles, their materials, the lights among them, and the
+/// accelerator that finds them.
+#[derive(Debug)]
+pub struct Scene<A> {
+    accel: A,
+    triangles: Triangles,
+    material_ids: Vec<u32>,
+    materials: Vec<Material>,
+    emitters: Emitters,
+    environment: Rgb,
+}
+
+/// A hit, looked up: where it is and what is there.
+#[derive(Clone, Copy, Debug)]
+pub struct Interaction<'a> {
+    /// The point on the triangle.
+    pub point: SurfacePoint,
+    /// What the triangle is made of.
+    pub material: &'a Material,
+    /// Unit direction, in the world, back along the ray.
+    pub wo: DVec3,
+}
+
+impl<A: Accel> Scene<A> {
+    /// Checks the model's triangles and hands them to `build` for an accelerator.
+    ///
+    /// # Errors
+    /// [`RenderError::Geometry`] for bad triangles, or what `build` returns.
+    pub fn build(
+        model: &Model,
+        build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
+    ) -> Result<Self, RenderError> {
+        let triangles = Triangles::new(model.triangles().to_vec())?;
+        Ok(Self {
+            accel: build(&triangles)?,
+            emitters: Emitters::of(model, &triangles),
+            triangles,
+            material_ids: model.material_ids().to_vec(),
+            materials: model.materials().to_vec(),
+            environment: Rgb::BLACK,
+        })
+    }
+
+    /// The same scene within an environment of constant `radiance`, which is what a ray that
+    /// leaves the scene sees.
+    #[must_use]
+    pub fn with_environment(self, radiance: Rgb) -> Self {
+        Self { environment: radiance, ..self }
+    }
+
+    /// The accelerator.
+    pub fn accel(&self) -> &A {
+        &self.accel
+    }
+
+    /// The checked triangles.
+    pub fn triangles(&self) -> &Triangles {
+        &self.triangles
+    }
+
+    /// The triangles that emit light.
+    pub fn emitters(&self) -> &Emitters {
+        &self.emitters
+    }
+
+    /// The radiance that arrives from outside.
+    pub fn environment(&self) -> Rgb {
+        self.environment
+    }
+
+    /// Looks up what `ray` met at `hit`, a hit of this scene's accelerator.
+    pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
+        let material_id = self.material_ids[hit.triangle as usize];
+        Interaction {
+            point: self.triangles.get(hit.triangle).surface_point(hit.u, hit.v),
+            material: &self.materials[material_id as usize],
+            wo: -unit(ray.direction),
+        }
+    }
+}
+
+/// `v` as a unit vector, at any scale at which rays are traced.
+fn unit(v: DVec3) -> DVec3 {
+    let v = v / v.abs().max_element();
+    v / v.length()
+}

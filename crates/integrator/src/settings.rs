@@ -1,0 +1,80 @@
+use crate::{Estimator, RenderError};
+
+/// How a picture is rendered. Together with scene and camera it decides the picture's bits,
+/// `threads` excepted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Settings {
+    /// Width in pixels, at least 1.
+    pub width: u32,
+    /// Height in pixels, at least 1. At most [`Settings::MAX_PIXELS`] in all.
+    pub height: u32,
+    /// Samples for each pixel, at least 1.
+    pub samples: u32,
+    /// Which random numbers are used.
+    pub seed: u64,
+    /// Worker threads; 0 for as many as the machine offers.
+    pub threads: usize,
+    /// Most bounces of a path: 0 is emitted light only, 1 adds direct light. A limit biases the
+    /// picture: light of more bounces is missing. `None` leaves the end to [`Roulette`] alone.
+    pub max_bounces: Option<u32>,
+    /// How light is found.
+    pub estimator: Estimator,
+    /// When paths may be ended at random.
+    pub roulette: Roulette,
+}
+
+/// Russian roulette: ends a path at random, and scales up what survives so that nothing is lost
+/// on average (Arvo and Kirk 1990).
+///
+/// A path survives with the probability of its throughput's largest component, at most
+/// [`Roulette::MAX_SURVIVE_PROB`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Roulette {
+    /// How many bounces come before the first one that may be refused.
+    pub start: u32,
+}
+
+impl Roulette {
+    /// The largest probability with which a path goes on: even between perfect mirrors a path
+    /// ends.
+    pub const MAX_SURVIVE_PROB: f64 = 0.95;
+}
+
+impl Settings {
+    /// The most pixels of a picture: `2^27`.
+    pub const MAX_PIXELS: u64 = 1 << 27;
+
+    /// `width` x `height` pixels of `samples` samples each; seed 0, all threads, no limit on
+    /// bounces, multiple importance sampling, roulette from the fourth bounce on.
+    pub fn new(width: u32, height: u32, samples: u32) -> Self {
+        Self {
+            width,
+            height,
+            samples,
+            seed: 0,
+            threads: 0,
+            max_bounces: None,
+            estimator: Estimator::Mis,
+            roulette: Roulette { start: 3 },
+        }
+    }
+
+    /// Checks every setting against its range; [`render`](crate::render) does so too.
+    ///
+    /// # Errors
+    /// [`RenderError::Param`] for the first one outside.
+    pub fn validate(&self) -> Result<(), RenderError> {
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        let checks = [
+            (self.width >= 1, "width", f64::from(self.width), "[1, inf)"),
+            (self.height >= 1, "height", f64::from(self.height), "[1, inf)"),
+            (pixels <= Self::MAX_PIXELS, "width x height", pixels as f64, "[1, 2^27]"),
+            (self.samples >= 1, "samples", f64::from(self.samples), "[1, inf)"),
+        ];
+        match checks.into_iter().find(|(valid, ..)| !valid) {
+            Some((_, name, value, range)) => Err(RenderError::Param { name, value, range }),
+            None => Ok(()),
+        }
+    }
+}

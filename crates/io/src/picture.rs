@@ -1,0 +1,139 @@
+use crate::atomic::AtomicFile;
+use crate::{IoError, srgb};
+use globillum_integrator::Film;
+use globillum_material::Rgb;
+use image::codecs::openexr::OpenExrEncoder;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageResult};
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// A way to store a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PictureFormat {
+    /// 8 bits per component, sRGB-encoded, clamped to `[0, 1]`: for looking at.
+    Png,
+    /// Linear Rec. 709 as `f32`, nothing clamped: for measuring and for further work.
+    Exr,
+}
+
+impl PictureFormat {
+    /// The format that the file's extension names, in upper or lower case.
+    ///
+    /// # Errors
+    /// [`IoError::UnknownFormat`] for any extension but `png` and `exr`.
+    pub fn of(path: &Path) -> Result<Self, IoError> {
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match extension.to_str() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(IoError::UnknownFormat { path: path.into() }),
+        }
+    }
+
+    /// The bytes of a file; `pixels` come row by row from the top.
+    fn encode(self, width: u32, height: u32, pixels: impl Iterator<Item = Rgb>) -> ImageResult<Vec<u8>> {
+        let components = pixels.flat_map(Rgb::to_array);
+        let mut file = Cursor::new(Vec::new());
+        match self {
+            Self::Png => {
+                let bytes: Vec<u8> = components.map(to_byte).collect();
+                PngEncoder::new(&mut file).write_image(&bytes, width, height, ExtendedColorType::Rgb8)?;
+            }
+            Self::Exr => {
+                let bytes: Vec<u8> = components.flat_map(|x| (x as f32).to_ne_bytes()).collect();
+                OpenExrEncoder::new(&mut file).write_image(
+                    &bytes,
+                    width,
+                    height,
+                    ExtendedColorType::Rgb32F,
+                )?;
+            }
+        }
+        Ok(file.into_inner())
+    }
+}
+
+fn to_byte(linear: f64) -> u8 {
+    (srgb::encode(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
+}
+
+/// A picture to be written, under a name that is known to be writable.
+///
+/// Made before rendering, so that a mistyped path costs no hours; until [`PictureFile::write`] is
+/// done, a file already there stays as it is.
+#[derive(Debug)]
+pub struct PictureFile {
+    format: PictureFormat,
+    path: PathBuf,
+    file: AtomicFile,
+}
+
+impl PictureFile {
+    /// Chooses the format by the extension of `path` and opens a temporary file in its folder.
+    ///
+    /// # Errors
+    /// [`IoError::UnknownFormat`] for any extension but `png` and `exr`; [`IoError::Write`] if
+    /// the folder is missing or can not be written to, or if `path` is itself a folder.
+    pub fn create(path: &Path) -> Result<Self, IoError> {
+        Ok(Self { format: PictureFormat::of(path)?, path: path.into(), file: AtomicFile::create(path)? })
+    }
+
+    /// Writes the mean radiance of the film's pixels, in one step: whoever looks, whenever a
+    /// crash comes, finds the old file or the new one, whole.
+    ///
+    /// A symbolic link is replaced, not followed.
+    ///
+    /// # Errors
+    /// [`IoError::Encode`] or [`IoError::Write`], which say what is then left.
+    pub fn write(self, film: &Film) -> Result<(), IoError> {
+        let Self { format, path, file } = self;
+        let bytes = format
+            .encode(film.width(), film.height(), film.means())
+            .map_err(|source| IoError::Encode { path, source: source.into() })?;
+        file.commit(|writer| writer.write_all(&bytes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_rounded_to_nearest() {
+        let known = [(-1.0, 0), (0.0, 0), (0.000_151, 0), (0.000_153, 1), (0.5, 188), (1.0, 255), (7.0, 255)];
+        for (linear, byte) in known {
+            assert_eq!(to_byte(linear), byte, "{linear}");
+        }
+        assert_eq!((to_byte(f64::NAN), to_byte(f64::INFINITY)), (0, 255));
+    }
+
+    #[test]
+    fn rows_run_from_the_top() {
+        let pixels = [Rgb::WHITE, Rgb::BLACK, Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)];
+        for format in [PictureFormat::Png, PictureFormat::Exr] {
+            let bytes = format.encode(1, 4, pixels.into_iter()).unwrap();
+            let back = image::load_from_memory(&bytes).unwrap().into_rgb32f();
+            let back: Vec<_> = back.pixels().map(|p| Rgb::from(p.0.map(f64::from))).collect();
+            assert_eq!(back, pixels, "{format:?}");
+        }
+    }
+
+    #[test]
+    fn exr_floats_survive() {
+        let pixel = Rgb::new(1e30, -0.25, f64::from(f32::MIN_POSITIVE));
+        let bytes = PictureFormat::Exr.encode(1, 1, [pixel].into_iter()).unwrap();
+        let back = image::load_from_memory(&bytes).unwrap().into_rgb32f();
+        assert_eq!(back.into_raw(), pixel.to_array().map(|x| x as f32));
+    }
+
+    #[test]
+    fn equal_pixels_make_equal_files() {
+        let noise = || (0..256 * 256).map(|i| Rgb::splat(f64::from(i % 977)));
+        for format in [PictureFormat::Png, PictureFormat::Exr] {
+            let encode = || format.encode(256, 256, noise()).unwrap();
+            assert_eq!(encode(), encode(), "{format:?}");
+        }
+    }
+}

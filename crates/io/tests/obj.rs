@@ -1,0 +1,257 @@
+//! OBJ files, whole and broken, as they come from disk.
+#![cfg(feature = "obj")]
+#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+
+use glam::Vec3;
+use globillum_geom::Triangle;
+use globillum_io::{IoError, Loaded, Warning, load_obj};
+use globillum_material::{Emission, Material, Rgb, Sides};
+use std::fs;
+use std::path::PathBuf;
+use tempfile::TempDir;
+
+/// The corners of a unit square; faces follow from line 5 on.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+const CORNERS: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+
+struct Files(TempDir);
+
+impl Files {
+    fn new(files: &[(&str, &[u8])]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content) in files {
+            fs::write(folder.path().join(name), content).unwrap();
+        }
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn load(&self) -> Result<Loaded, IoError> {
+        load_obj(&self.path("a.obj"))
+    }
+}
+
+fn load(obj: impl AsRef<[u8]>) -> Result<Loaded, IoError> {
+    Files::new(&[("a.obj", obj.as_ref())]).load()
+}
+
+/// Loads a square of the material `m` that `mtl` defines.
+fn load_with(mtl: &str) -> Result<Loaded, IoError> {
+    let obj = format!("mtllib a.mtl\nusemtl m\n{SQUARE}f 1 2 3 4\n");
+    Files::new(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).load()
+}
+
+/// The corners, by their index in [`CORNERS`], of the triangles that these faces make.
+fn faces(faces: &str) -> Vec<[usize; 3]> {
+    let loaded = load(format!("{SQUARE}{faces}")).unwrap();
+    assert_eq!(loaded.warnings, []);
+    let index = |v| CORNERS.iter().position(|c| *c == v).unwrap();
+    loaded.model.triangles().iter().map(|t| t.vertices.map(index)).collect()
+}
+
+/// The error's message from the file's name on.
+fn message(result: Result<Loaded, IoError>) -> String {
+    let message = result.unwrap_err().to_string();
+    assert_eq!(message.lines().count(), 1);
+    message[message.find("a.obj").or(message.find("a.mtl")).unwrap()..].to_owned()
+}
+
+#[test]
+fn polygons_become_fans_in_the_order_of_the_file() {
+    assert_eq!(faces("f 1 2 3 4\nf 4 3 2"), [[0, 1, 2], [0, 2, 3], [3, 2, 1]]);
+    assert_eq!(faces("f 1 2 3 4 3"), [[0, 1, 2], [0, 2, 3], [0, 3, 2]]);
+}
+
+#[test]
+fn indices_may_be_negative_and_have_companions() {
+    assert_eq!(faces("f -4 -3 -2"), [[0, 1, 2]]);
+    assert_eq!(faces("vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3/1"), [[0, 1, 2]]);
+    // Negative indices count back from the face, not from the file's end.
+    assert_eq!(faces("f -4 -3 -2\nv 0 0 0"), [[0, 1, 2]]);
+}
+
+#[test]
+fn line_ends_marks_tabs_and_continuations_do_not_matter() {
+    let obj = format!("{SQUARE}f 1 2 3\n");
+    let expected = load(&obj).unwrap().model;
+    let variants = [
+        obj.replace('\n', "\r\n"),
+        format!("\u{feff}{obj}"),
+        obj.replace(' ', "\t"),
+        obj.replace("f 1 2 3", "  f 1 \\\n 2 \\\n 3"),
+        obj.replace("f 1 2 3", "f 1 \\\r\n2 3\r"),
+    ];
+    for variant in variants {
+        assert_eq!(load(&variant).unwrap().model, expected, "{variant:?}");
+    }
+}
+
+#[test]
+fn weights_divide_and_colours_are_passed_over() {
+    let t = |obj| load(obj).unwrap().model.triangles()[0];
+    let expected = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+    assert_eq!(t("v 0 0 0 1\nv 2 0 0 2\nv 0 1 0\nf 1 2 3"), expected);
+    assert_eq!(t("v 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nf 1 2 3"), expected);
+}
+
+#[test]
+fn lines_and_points_are_no_triangles() {
+    assert_eq!(faces("l 1 2 3\np 1\nl 1 2 3 4\nf 1 2 3"), [[0, 1, 2]]);
+}
+
+#[test]
+fn short_faces_are_skipped_and_counted() {
+    let loaded = load(format!("{SQUARE}f 1 2\nf 1 2 3\nf 1\n")).unwrap();
+    assert_eq!(loaded.model.triangles().len(), 1);
+    assert!(matches!(loaded.warnings[..], [Warning::ShortFaces { line: 5, count: 2, .. }]));
+    let text = loaded.warnings[0].to_string();
+    assert!(text.ends_with("a.obj:5: 2 faces of fewer than three vertices skipped"), "{text}");
+}
+
+#[test]
+fn malformed_lines_are_named() {
+    let cases = [
+        ("v 1 2", "v: takes 3, 4 or 6 numbers"),
+        ("v 1 2 3 4 5", "v: takes 3, 4 or 6 numbers"),
+        ("v 1 2 3 4 5 6 7", "v: takes 3, 4 or 6 numbers"),
+        ("v 1 2 x", "v: `x` is not a number"),
+        ("v 1 2 3 0", "v: the weight is zero"),
+        ("v 0 nan 0", "coordinate is not finite"),
+        ("v 0 0 -inf", "coordinate is not finite"),
+        ("v 0 0 1e999", "coordinate is not finite"),
+        ("v 1 1 1 1e-45", "coordinate is not finite"),
+        ("f", "f: takes three corners or more"),
+        ("f a b c", "f: `a` is not a number"),
+        ("f 1 2 99999999999999999999", "f: `99999999999999999999` is not a number"),
+        ("f 1/1/1/1 2 3", "index 1 refers to none of the 0 texture coordinates above it"),
+        ("f 1////1 2 3", "f: `` is not a number"),
+        ("f /1 2 3", "f: `` is not a number"),
+        ("f 1 2 0", "index 0 refers to none of the 4 vertices above it"),
+        ("f 1 2 5", "index 5 refers to none of the 4 vertices above it"),
+        ("f 1 2 -5", "index -5 refers to none of the 4 vertices above it"),
+        ("f 1//2 2 3", "index 2 refers to none of the 0 normals above it"),
+        ("usemtl", "usemtl: takes a name"),
+        ("mtllib", "mtllib: takes a name"),
+    ];
+    for (line, expected) in cases {
+        let result = load(format!("{SQUARE}{line}\nf 1 2 3\n"));
+        assert_eq!(message(result), format!("a.obj:5: {expected}"), "{line}");
+    }
+    let result = load(format!("{SQUARE}vt 0 0\nvn 0 0 1\nf 1/1/1/1 2 3\n"));
+    assert_eq!(message(result), "a.obj:7: f: a corner has more than v/vt/vn");
+}
+
+#[test]
+fn a_continued_line_keeps_the_count() {
+    assert_eq!(message(load("v 0 \\\n 0 \\\n 0\nv x 0 0\n")), "a.obj:4: v: `x` is not a number");
+}
+
+#[test]
+fn files_without_a_face_are_empty() {
+    for obj in ["", "# nothing\n", SQUARE, "v 0 0 0\nf 1 1\n", "\u{feff}"] {
+        assert!(matches!(load(obj), Err(IoError::Empty { .. })), "{obj:?}");
+    }
+}
+
+#[test]
+fn text_must_be_utf8() {
+    assert_eq!(message(load(b"# fine\n# caf\xe9\n")), "a.obj:2: is not UTF-8");
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let error = load_obj("no/such.obj".as_ref()).unwrap_err();
+    assert!(error.to_string().starts_with("no/such.obj: can not be read: "), "{error}");
+}
+
+#[test]
+fn faces_without_a_material_are_grey() {
+    let model = load(format!("{SQUARE}f 1 2 3\n")).unwrap().model;
+    assert_eq!(model.materials(), [Material::lambert(Rgb::splat(0.5)).unwrap()]);
+}
+
+#[test]
+fn materials_mean_what_they_say() {
+    let lambert = |r, g, b| Material::lambert(Rgb::new(r, g, b)).unwrap();
+    let mirror = |x| Material::mirror(Rgb::splat(x)).unwrap();
+    let lamp = Emission::new(Rgb::new(9.0, 8.0, 7.0), Sides::Front).unwrap();
+    let cases = [
+        ("Kd 0.1 0.2 0.3", lambert(0.1, 0.2, 0.3)),
+        ("Kd 0.5", lambert(0.5, 0.5, 0.5)),
+        ("Kd 0.1 0.2 0.3\nKs 0.9 0.9 0.9\nillum 2", lambert(0.1, 0.2, 0.3)),
+        ("Kd 0.1 0.2 0.3\nKs 0.9 0.9 0.9\nillum 3", mirror(0.9)),
+        ("Ks 0.9 0.9 0.9", mirror(0.9)),
+        ("Ka 7 7 7\nNs 96\nd 1", lambert(0.5, 0.5, 0.5)),
+        ("Kd 0\nKe 9 8 7", lambert(0.0, 0.0, 0.0).emitting(lamp)),
+    ];
+    for (mtl, expected) in cases {
+        let loaded = load_with(&format!("newmtl m\n{mtl}\n")).unwrap();
+        assert_eq!((loaded.model.materials(), &loaded.warnings[..]), (&[expected][..], &[][..]), "{mtl}");
+    }
+}
+
+#[test]
+fn impossible_or_malformed_materials_are_named() {
+    let cases = [
+        ("Kd", "a.mtl:2: Kd: takes 1 or 3 numbers"),
+        ("Kd 1 2", "a.mtl:2: Kd: takes 1 or 3 numbers"),
+        ("Kd x", "a.mtl:2: Kd: `x` is not a number"),
+        ("illum", "a.mtl:2: illum: `` is not a number"),
+        ("Kd 5 5 5", "a.mtl:1: material `m`: reflectance (5, 5, 5) is not within [0, 1]"),
+        ("Kd -1 0 0", "a.mtl:1: material `m`: reflectance (-1, 0, 0) is not within [0, 1]"),
+        ("Kd nan", "a.mtl:1: material `m`: reflectance (NaN, NaN, NaN) is not within [0, 1]"),
+        ("Ke -1", "a.mtl:1: material `m`: emitted radiance (-1, -1, -1) is negative or not finite"),
+        ("newmtl", "a.mtl:2: newmtl: takes a name"),
+    ];
+    for (mtl, expected) in cases {
+        assert_eq!(message(load_with(&format!("newmtl m\n{mtl}\n"))), expected);
+    }
+}
+
+#[test]
+fn materials_change_within_a_file_without_a_change_of_order() {
+    let mtl = b"newmtl a b\nKd 0.25\nnewmtl c\nKd 0.75\n";
+    let obj = format!(
+        "mtllib m.mtl\n{SQUARE}f 1 2 3\nusemtl a b\nf 2 3 4\ng part\nusemtl c\nf 3 4 1\nusemtl a b\nf 4 1 2\n"
+    );
+    let model = Files::new(&[("a.obj", obj.as_bytes()), ("m.mtl", mtl)]).load().unwrap().model;
+    let firsts: Vec<_> = model.triangles().iter().map(|t| t.vertices[0]).collect();
+    assert_eq!(firsts, CORNERS);
+    let greys = [0.5, 0.25, 0.75, 0.25].map(|x| Material::lambert(Rgb::splat(x)).unwrap());
+    assert_eq!([0, 1, 2, 3].map(|i| *model.material(i)), greys);
+}
+
+#[test]
+fn what_is_missing_or_ignored_is_warned_of() {
+    let obj = format!("mtllib none.mtl\nmtllib a.mtl\n{SQUARE}usemtl m\nf 1 2 3\nusemtl lost\nf 1 2 3\n");
+    let mtl = b"newmtl m\nmap_Kd wood.png\nbump b.png\nnewmtl m\nKd 1\n";
+    let loaded = Files::new(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl)]).load().unwrap();
+    let warnings: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
+    let expected = [
+        "a.obj:1: material library `none.mtl` does not exist",
+        "a.mtl:1: texture maps of material `m` ignored",
+        "a.mtl:4: material `m` is defined again, the last one counts",
+        "a.obj:9: material `lost` is not defined, grey used instead",
+    ];
+    assert_eq!(warnings.len(), expected.len(), "{warnings:?}");
+    for (warning, expected) in warnings.iter().zip(expected) {
+        assert!(warning.ends_with(expected), "{warning}");
+    }
+    assert_eq!(*loaded.model.material(0), Material::lambert(Rgb::WHITE).unwrap());
+}
+
+#[test]
+fn libraries_lie_in_the_files_own_folder() {
+    for name in ["../a.mtl", "sub/../../a.mtl", "/etc/passwd"] {
+        let expected = format!("a.obj:1: `{name}` is not within the file's own folder");
+        assert_eq!(message(load(format!("mtllib {name}\n{SQUARE}f 1 2 3\n"))), expected);
+    }
+    let files = Files::new(&[("a.obj", format!("mtllib sub/m.mtl\nusemtl m\n{SQUARE}f 1 2 3\n").as_bytes())]);
+    fs::create_dir(files.path("sub")).unwrap();
+    fs::write(files.path("sub/m.mtl"), "newmtl m\nKd 1\n").unwrap();
+    assert_eq!(files.load().unwrap().warnings, []);
+}

@@ -1,0 +1,92 @@
+//! Pictures as they arrive on disk.
+#![cfg(feature = "images")]
+#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+
+use glam::{DVec3, Vec3};
+use globillum_geom::{KdOptions, KdTree, Triangle};
+use globillum_integrator::{Camera, Film, Model, Scene, Settings, render};
+use globillum_io::{IoError, PictureFile, PictureFormat};
+use globillum_material::{Material, Rgb};
+use std::fs;
+use std::path::Path;
+
+/// Upper half black, lower half a lamp that is brighter than white in red.
+fn film() -> Film {
+    let corners = [Vec3::new(-9.0, 0.0, -1.0), Vec3::new(0.0, -99.0, -1.0), Vec3::new(9.0, 0.0, -1.0)];
+    let mut model = Model::default();
+    model.add(Material::lamp(Rgb::new(2.0, 0.5, 0.25)).unwrap(), [Triangle { vertices: corners }]);
+    let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
+    let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7).unwrap();
+    render(&scene, &camera, &Settings::new(3, 2, 1), &()).unwrap().film
+}
+
+#[test]
+fn a_png_is_clamped_and_encoded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.PNG");
+    PictureFile::create(&path).unwrap().write(&film()).unwrap();
+    let picture = image::open(&path).unwrap();
+    assert_eq!(picture.color(), image::ColorType::Rgb8);
+    let [black, lamp] = [[0, 0, 0], [255, 188, 137]];
+    assert_eq!(picture.into_rgb8().into_raw(), [black, black, black, lamp, lamp, lamp].concat());
+}
+
+#[test]
+fn an_exr_keeps_every_float() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    PictureFile::create(&path).unwrap().write(&film()).unwrap();
+    let picture = image::open(&path).unwrap();
+    assert_eq!(picture.color(), image::ColorType::Rgb32F);
+    let [black, lamp] = [[0.0, 0.0, 0.0], [2.0, 0.5, 0.25]];
+    assert_eq!(picture.into_rgb32f().into_raw(), [black, black, black, lamp, lamp, lamp].concat());
+}
+
+#[test]
+fn formats_follow_extensions() {
+    let of = |name: &str| PictureFormat::of(Path::new(name));
+    assert_eq!(of("a.png").unwrap(), PictureFormat::Png);
+    assert_eq!(of("b.c/a.EXR").unwrap(), PictureFormat::Exr);
+    for name in ["a.jpg", "png", ".png", "a.", ""] {
+        assert!(matches!(of(name), Err(IoError::UnknownFormat { .. })), "{name}");
+    }
+    let message = PictureFile::create(Path::new("a.jpg")).unwrap_err().to_string();
+    assert_eq!(message, "a.jpg: unknown picture format; supported are .png and .exr");
+}
+
+#[test]
+fn places_that_can_not_be_written_are_found_before_rendering() {
+    let folder = tempfile::tempdir().unwrap();
+    let directory = folder.path().join("d.png");
+    fs::create_dir(&directory).unwrap();
+    for path in [directory, folder.path().join("missing/a.png")] {
+        let error = PictureFile::create(&path).unwrap_err();
+        assert!(matches!(error, IoError::Write { .. }), "{error}");
+        assert!(error.to_string().starts_with(&format!("{}: can not be written: ", path.display())));
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn an_old_picture_stays_until_the_new_one_is_complete() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    fs::write(&path, "old").unwrap();
+    let file = PictureFile::create(&path).unwrap();
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    drop(file);
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_write_that_fails_says_so_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let file = PictureFile::create(&path).unwrap();
+    // A folder that takes the name while the picture is being rendered.
+    fs::create_dir(&path).unwrap();
+    assert!(matches!(file.write(&film()), Err(IoError::Write { .. })));
+    assert!(path.is_dir());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}

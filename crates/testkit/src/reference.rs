@@ -1,0 +1,84 @@
+//! Pictures by an independent renderer, as means over blocks of pixels with standard errors.
+
+use globillum_integrator::Film;
+use serde::Deserialize;
+
+/// One scene's reference.
+#[derive(Debug, Deserialize)]
+pub struct Reference {
+    /// Pixels along each side.
+    pub resolution: u32,
+    /// Pixels along each side of a block.
+    pub block: u32,
+    /// All light.
+    pub path: Blocks,
+    /// Emitted light and light after one bounce.
+    pub direct: Blocks,
+}
+
+/// Mean radiance of each block, row 0 at the top.
+#[derive(Debug, Deserialize)]
+pub struct Blocks {
+    /// Mean of the whole picture.
+    pub image_mean: [f64; 3],
+    /// Mean of each block.
+    pub blocks: Vec<Vec<[f64; 3]>>,
+    /// Standard error of each block's mean.
+    pub standard_error: Vec<Vec<[f64; 3]>>,
+}
+
+/// How far a film is from a reference.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Deviation {
+    /// Largest distance of a block in standard errors of the difference.
+    pub largest_z: f64,
+    /// Largest relative difference of the image mean.
+    pub image_mean: f64,
+}
+
+impl Reference {
+    /// Reads the reference's JSON.
+    ///
+    /// # Panics
+    /// If it is malformed: it is part of the tests.
+    pub fn parse(json: &str) -> Self {
+        serde_json::from_str(json).expect("a reference is well-formed")
+    }
+
+    /// Compares `film`, of the reference's resolution, with `blocks`.
+    pub fn deviation(&self, film: &Film, blocks: &Blocks) -> Deviation {
+        let mut deviation = Deviation::default();
+        for (row, columns) in blocks.blocks.iter().enumerate() {
+            for (column, expected) in columns.iter().enumerate() {
+                let (mean, variance) = self.block_of(film, column as u32, row as u32);
+                for c in 0..3 {
+                    let std_err = blocks.standard_error[row][column][c].hypot(variance[c].sqrt());
+                    let error = (mean[c] - expected[c]).abs();
+                    // Both may know a block exactly, such as one that is black.
+                    let z = if error == 0.0 { 0.0 } else { error / std_err };
+                    deviation.largest_z = deviation.largest_z.max(z);
+                }
+            }
+        }
+        for (mean, expected) in film.image_mean().to_array().iter().zip(blocks.image_mean) {
+            deviation.image_mean = deviation.image_mean.max((mean / expected - 1.0).abs());
+        }
+        deviation
+    }
+
+    /// Mean of a block and the variance of that mean.
+    fn block_of(&self, film: &Film, column: u32, row: u32) -> ([f64; 3], [f64; 3]) {
+        let side = 0..self.block;
+        let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
+        let pixels = f64::from(self.block * self.block);
+        for (x, y) in side.clone().flat_map(|y| side.clone().map(move |x| (x, y))) {
+            let (x, y) = (column * self.block + x, row * self.block + y);
+            let (m, v) = (film.mean(x, y).to_array(), film.variance_of_mean(x, y).to_array());
+            for c in 0..3 {
+                mean[c] += m[c] / pixels;
+                variance[c] += v[c] / (pixels * pixels);
+            }
+        }
+        (mean, variance)
+    }
+}

@@ -1,0 +1,98 @@
+//! Scenes whose light is known in closed form, and cameras that look at one point of them.
+
+use crate::shapes::{cuboid, inside_out, quad};
+use glam::DVec3;
+use globillum_geom::{Accel, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum_integrator::{Camera, Model, Scene};
+use globillum_material::{Emission, Material, Rgb, Sides};
+
+/// Every accelerator that pictures are made with, by name.
+pub type Builder = fn(&Triangles) -> Result<Box<dyn Accel>, GeomError>;
+
+/// The accelerators that pictures are made with.
+pub const ACCELERATORS: [(&str, Builder); 2] = [
+    ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
+    ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
+];
+
+/// A scene from a model that is known to be good.
+///
+/// # Panics
+/// If it is not good after all.
+pub fn scene(model: &Model, build: Builder) -> Scene<Box<dyn Accel>> {
+    Scene::build(model, build).expect("the model is good")
+}
+
+/// A camera at `eye` whose whole picture is one point, `target` as good as exactly.
+///
+/// # Panics
+/// If the two coincide.
+pub fn stare(eye: DVec3, target: DVec3) -> Camera {
+    let up = (target - eye).any_orthogonal_vector();
+    Camera::look_at(eye, target, up, 1e-9).expect("eye and target are apart")
+}
+
+fn lambert(albedo: f64) -> Material {
+    Material::lambert(Rgb::splat(albedo)).expect("an albedo below one")
+}
+
+fn mirror(reflectance: f64) -> Material {
+    Material::mirror(Rgb::splat(reflectance)).expect("a reflectance below one")
+}
+
+fn glow(radiance: f64) -> Emission {
+    Emission::new(Rgb::splat(radiance), Sides::Front).expect("a finite radiance")
+}
+
+/// C1: a closed cube, `half` its half side, around `center`, that emits radiance 1 inward and
+/// has albedo `rho`. After `n` bounces the radiance is `(1 - rho^(n + 1)) / (1 - rho)`.
+pub fn furnace(rho: f64, half: f64, center: DVec3) -> Model {
+    let mut model = Model::default();
+    let walls = inside_out(cuboid(center, DVec3::splat(half), 0.0));
+    model.add(lambert(rho).emitting(glow(1.0)), walls);
+    model
+}
+
+/// C3: a lamp of 2 x 2 and radiance 1, at height 1, centred above a floor of albedo 0.5 at
+/// height 0.
+pub fn lamp_over_floor() -> Model {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    let (lo, hi) = (-1.0, 1.0);
+    model.add(lambert(0.5), quad(p(lo, 0.0, hi), p(hi, 0.0, hi), p(hi, 0.0, lo), p(lo, 0.0, lo)));
+    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
+    model.add(lamp, quad(p(lo, 1.0, lo), p(hi, 1.0, lo), p(hi, 1.0, hi), p(lo, 1.0, hi)));
+    model
+}
+
+/// C8: a unit box of four perfect mirrors, a floor of albedo `floor` and a ceiling of albedo
+/// `ceiling` that emits radiance 1. The mirrors make both infinite.
+pub fn kaleidoscope(floor: f64, ceiling: f64) -> Model {
+    let mut model = Model::default();
+    let walls = inside_out(cuboid(DVec3::splat(0.5), DVec3::splat(0.5), 0.0));
+    for wall in walls {
+        let normal = wall.normal();
+        let material = match normal.y {
+            y if y > 0.5 => lambert(floor),
+            y if y < -0.5 => lambert(ceiling).emitting(glow(1.0)),
+            _ => mirror(1.0),
+        };
+        model.add(material, [wall]);
+    }
+    model
+}
+
+/// C11: two mirrors of reflectance `r` at heights 0 and 1 along x, and a lamp of radiance 1 that
+/// closes the corridor between them at `x = length`.
+pub fn mirror_corridor(r: f64, length: f64) -> Model {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    for y in [0.0, 1.0] {
+        let floor = quad(p(-1.0, y, 1.0), p(length, y, 1.0), p(length, y, -1.0), p(-1.0, y, -1.0));
+        model.add(mirror(r), floor);
+    }
+    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
+    let end = [p(length, 0.0, -1.0), p(length, 0.0, 1.0), p(length, 1.0, 1.0), p(length, 1.0, -1.0)];
+    model.add(lamp, quad(end[0], end[1], end[2], end[3]));
+    model
+}

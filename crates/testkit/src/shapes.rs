@@ -1,0 +1,185 @@
+//! Triangles of simple shapes, in `f64` until the last rounding.
+
+use glam::{DQuat, DVec3};
+use globillum_geom::Triangle;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+/// A triangle mesh with shared vertices.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Corner positions.
+    pub vertices: Vec<DVec3>,
+    /// Three vertices a triangle, counter-clockwise from outside.
+    pub faces: Vec<[usize; 3]>,
+}
+
+impl Mesh {
+    /// The triangles, vertices rounded to `f32`.
+    pub fn triangles(&self) -> Vec<Triangle> {
+        let corner = |i: usize| self.vertices[i].as_vec3();
+        self.faces.iter().map(|f| Triangle::new(corner(f[0]), corner(f[1]), corner(f[2]))).collect()
+    }
+
+    /// Every vertex through `map`.
+    #[must_use]
+    pub fn map(mut self, map: impl Fn(DVec3) -> DVec3) -> Self {
+        for v in &mut self.vertices {
+            *v = map(*v);
+        }
+        self
+    }
+}
+
+/// The quadrilateral `a b c d` as the triangles `a b c` and `a c d`.
+pub fn quad(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> [Triangle; 2] {
+    let [a, b, c, d] = [a, b, c, d].map(|v| v.as_vec3());
+    [Triangle::new(a, b, c), Triangle::new(a, c, d)]
+}
+
+/// A box around `center`, `half` its half sides, turned by `yaw` radians about the y axis; faces
+/// outward.
+pub fn cuboid(center: DVec3, half: DVec3, yaw: f64) -> Vec<Triangle> {
+    let turn = DQuat::from_rotation_y(yaw);
+    let corner = |x, y, z| center + turn * (half * DVec3::new(x, y, z));
+    let corners: Vec<DVec3> = (0..8)
+        .map(|i| [i >> 2 & 1, i >> 1 & 1, i & 1].map(|bit| f64::from(2 * bit - 1)))
+        .map(|[x, y, z]| corner(x, y, z))
+        .collect();
+    let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    faces.into_iter().flat_map(|f| quad(corners[f[0]], corners[f[1]], corners[f[2]], corners[f[3]])).collect()
+}
+
+/// The same triangles seen from the other side.
+pub fn inside_out(triangles: impl IntoIterator<Item = Triangle>) -> Vec<Triangle> {
+    let flip = |t: Triangle| {
+        let [a, b, c] = t.vertices;
+        Triangle::new(a, c, b)
+    };
+    triangles.into_iter().map(flip).collect()
+}
+
+/// An icosahedron whose faces are cut in four `levels` times, vertices pushed to the unit
+/// sphere: `20 * 4^levels` triangles, closed.
+pub fn icosphere(levels: u32) -> Mesh {
+    let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
+    let mut mesh = Mesh::default();
+    for axis in 0..3 {
+        for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+            let mut v = [0.0; 3];
+            (v[axis], v[(axis + 1) % 3]) = (a, b);
+            mesh.vertices.push(DVec3::from(v).normalize());
+        }
+    }
+    // A face is any three vertices at mutual distance of one edge.
+    let edge = 2.0 / (1.0 + golden * golden).sqrt();
+    let near = |i: usize, j: usize| (mesh.vertices[i].distance(mesh.vertices[j]) - edge).abs() < 1e-9;
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                if near(i, j) && near(j, k) && near(i, k) {
+                    let [a, b, c] = [i, j, k].map(|n| mesh.vertices[n]);
+                    let outward = (b - a).cross(c - a).dot(a) > 0.0;
+                    mesh.faces.push(if outward { [i, j, k] } else { [i, k, j] });
+                }
+            }
+        }
+    }
+    for _ in 0..levels {
+        mesh = subdivide(&mesh);
+    }
+    mesh
+}
+
+/// Each face cut in four at its edges' midpoints, which are pushed to the unit sphere.
+fn subdivide(mesh: &Mesh) -> Mesh {
+    let mut vertices = mesh.vertices.clone();
+    let mut middles = HashMap::new();
+    let mut middle = |i: usize, j: usize| {
+        *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+            vertices.push((mesh.vertices[i] + mesh.vertices[j]).normalize());
+            vertices.len() - 1
+        })
+    };
+    let mut faces = Vec::with_capacity(4 * mesh.faces.len());
+    for &[a, b, c] in &mesh.faces {
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        faces.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+    }
+    Mesh { vertices, faces }
+}
+
+/// A closed surface over the torus of parameters `(u, v)`, both from 0 to one turn, cut into
+/// `around` times `across` quadrilaterals.
+fn torus_like(around: usize, across: usize, at: impl Fn(f64, f64) -> DVec3) -> Mesh {
+    let mut mesh = Mesh::default();
+    let index = |i: usize, j: usize| (i % around) * across + j % across;
+    for i in 0..around {
+        for j in 0..across {
+            mesh.vertices.push(at(TAU * i as f64 / around as f64, TAU * j as f64 / across as f64));
+            let corners = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
+            mesh.faces.push([corners[0], corners[1], corners[2]]);
+            mesh.faces.push([corners[0], corners[2], corners[3]]);
+        }
+    }
+    mesh
+}
+
+/// A torus about the y axis with radii 1 and 0.4: `2 * around * across` triangles, closed.
+pub fn torus(around: usize, across: usize) -> Mesh {
+    torus_like(around, across, |u, v| {
+        let r = 1.0 + 0.4 * v.cos();
+        DVec3::new(r * u.sin(), 0.4 * v.sin(), r * u.cos())
+    })
+}
+
+/// A knotted, rippled ring that stands for a statue: a trefoil tube with bumps, closed, of about
+/// `triangles` triangles, roughly within the unit ball.
+pub fn statue(triangles: usize) -> Mesh {
+    // Eight times as long as it is thick, so eight times as many cuts that way.
+    let across = ((triangles as f64 / 16.0).sqrt() as usize).max(3);
+    let around = (triangles / (2 * across)).max(3);
+    let knot = |u: f64| {
+        DVec3::new(u.sin() + 2.0 * (2.0 * u).sin(), u.cos() - 2.0 * (2.0 * u).cos(), -(3.0 * u).sin()) / 3.5
+    };
+    torus_like(around, across, |u, v| {
+        let tangent = (knot(u + 1e-4) - knot(u - 1e-4)).normalize();
+        let side = tangent.cross(DVec3::Z).normalize();
+        let normal = side.cross(tangent);
+        let ripple = 1.0 + 0.08 * (24.0 * u).sin() + 0.06 * (5.0 * v + 9.0 * u).sin();
+        knot(u) + 0.17 * ripple * (v.cos() * side + v.sin() * normal)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every directed edge of a closed, oriented mesh has its opposite exactly once.
+    fn assert_closed(mesh: &Mesh) {
+        let mut edges = HashMap::new();
+        for f in &mesh.faces {
+            for i in 0..3 {
+                *edges.entry((f[i], f[(i + 1) % 3])).or_insert(0) += 1;
+            }
+        }
+        assert!(edges.iter().all(|(&(a, b), &n)| n == 1 && edges.get(&(b, a)) == Some(&1)));
+    }
+
+    fn volume(mesh: &Mesh) -> f64 {
+        let corner = |i: usize| mesh.vertices[i];
+        mesh.faces.iter().map(|f| corner(f[0]).dot(corner(f[1]).cross(corner(f[2]))) / 6.0).sum()
+    }
+
+    #[test]
+    fn the_closed_shapes_are_closed_and_face_outward() {
+        let sphere = icosphere(3);
+        assert_eq!(sphere.faces.len(), 1280);
+        for mesh in [sphere, torus(40, 20), statue(5000)] {
+            assert_closed(&mesh);
+            assert!(volume(&mesh) > 0.1, "{}", volume(&mesh));
+        }
+        assert!((volume(&icosphere(5)) - 4.18879).abs() < 0.01);
+        assert!(statue(70_000).faces.len().abs_diff(70_000) < 1000);
+    }
+}

@@ -1,0 +1,68 @@
+//! Statistics with a stated risk of false alarm.
+//!
+//! The whole suite may raise a false alarm with probability 1e-6. Over 200 tests that leaves
+//! 5e-9 each (Sidak), which a normal variate exceeds at 5.85 standard deviations. A test of a
+//! mean must also be precise: with too few samples any mean would pass.
+
+use globillum_integrator::Film;
+use globillum_material::Rgb;
+
+/// Standard deviations beyond which a mean is wrong, at the suite's risk of false alarm.
+pub const Z_LIMIT: f64 = 5.85;
+
+/// The widest interval, relative to the truth, that still means something.
+pub const PRECISION: f64 = 0.005;
+
+/// A mean and its standard error.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate {
+    /// The mean.
+    pub mean: f64,
+    /// Its standard error.
+    pub std_err: f64,
+    /// How many samples it rests on.
+    pub count: f64,
+}
+
+impl Estimate {
+    /// The mean of one colour component over all pixels of `film`, which are to show the same.
+    pub fn of_film(film: &Film, component: impl Fn(Rgb) -> f64) -> Self {
+        let pixels = || (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
+        let n = pixels().count() as f64;
+        let mean = pixels().map(|(x, y)| component(film.mean(x, y))).sum::<f64>() / n;
+        // Spread within pixels plus spread between them: together that of all samples.
+        let within: f64 = pixels().map(|(x, y)| component(film.variance_of_mean(x, y))).sum();
+        let count = pixels().map(|(x, y)| film.sample_count(x, y) as f64).sum();
+        Self { mean, std_err: within.sqrt() / n, count }
+    }
+
+    /// Variance of a single sample.
+    pub fn sample_variance(&self) -> f64 {
+        self.std_err * self.std_err * self.count
+    }
+
+    /// Distance to `truth` in standard errors.
+    pub fn z(&self, truth: f64) -> f64 {
+        (self.mean - truth) / self.std_err
+    }
+
+    /// Asserts that the mean is `truth`, within [`Z_LIMIT`] and with [`PRECISION`].
+    ///
+    /// # Panics
+    /// If it is not, naming `what`.
+    pub fn assert_is(&self, truth: f64, what: &str) {
+        let margin = Z_LIMIT * self.std_err;
+        assert!(margin <= PRECISION * truth, "{what}: {self:?} is too wide for {truth}");
+        let error = (self.mean - truth).abs();
+        assert!(error <= margin + 1e-12 * truth, "{what}: {self:?} is not {truth}, z = {}", self.z(truth));
+    }
+
+    /// Asserts that two independent estimates agree, both precise.
+    ///
+    /// # Panics
+    /// If they do not, naming `what`.
+    pub fn assert_agrees(&self, other: &Self, what: &str) {
+        let std_err = self.std_err.hypot(other.std_err);
+        Self { std_err, ..*self }.assert_is(other.mean, what);
+    }
+}

@@ -1,0 +1,93 @@
+//! What the examples share: choosing an accelerator, showing progress, summing up.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "examples talk to people")]
+
+mod summary;
+
+pub(crate) use summary::Summary;
+
+use globillum::geom::{Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum::integrator::{Monitor, Progress};
+use std::fmt::Display;
+use std::process::ExitCode;
+
+/// An accelerator by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum AccelKind {
+    /// A k-d tree by the surface area heuristic
+    Kd,
+    /// A uniform grid
+    Grid,
+    /// Every triangle for every ray
+    Brute,
+}
+
+impl AccelKind {
+    /// Builds the accelerator with its default options.
+    pub(crate) fn build(self, triangles: &Triangles) -> Result<Box<dyn Accel>, GeomError> {
+        Ok(match self {
+            Self::Kd => Box::new(KdTree::build(triangles, &KdOptions::default())?),
+            Self::Grid => Box::new(UniformGrid::build(triangles, &GridOptions::default())?),
+            Self::Brute => Box::new(BruteForce::build(triangles)),
+        })
+    }
+}
+
+/// A progress bar on a terminal, nothing elsewhere.
+pub(crate) struct ProgressBar(indicatif::ProgressBar);
+
+impl ProgressBar {
+    /// A bar that has not moved yet.
+    pub(crate) fn new() -> Self {
+        let style = indicatif::ProgressStyle::with_template(
+            "{wide_bar} {percent}% of {human_len} samples, {elapsed} elapsed, {eta} left",
+        );
+        let bar = indicatif::ProgressBar::new(0);
+        Self(style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style)))
+    }
+
+    /// Takes the bar off the terminal.
+    pub(crate) fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Monitor for ProgressBar {
+    fn progress(&self, progress: Progress) {
+        self.0.set_length(progress.samples_total);
+        self.0.set_position(progress.samples_done);
+    }
+}
+
+/// Says something that is no reason to stop, on one line.
+pub(crate) fn warn(message: impl Display) {
+    eprintln!("warning: {message}");
+}
+
+/// Runs a program: help goes to standard output; what goes wrong goes to standard error as one
+/// line, with exit code 1.
+pub(crate) fn report_and_exit<O>(
+    options: clap::error::Result<O>,
+    run: impl FnOnce(&O) -> anyhow::Result<()>,
+) -> ExitCode {
+    let result = match options {
+        Ok(options) => run(&options),
+        Err(error) if !error.use_stderr() => {
+            print!("{error}");
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => Err(anyhow::anyhow!(first_paragraph(&error.to_string()))),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What went wrong, on one line, without the usage that follows it.
+fn first_paragraph(message: &str) -> String {
+    let lines = message.lines().map(str::trim).take_while(|line| !line.is_empty());
+    lines.collect::<Vec<_>>().join(" ").trim_start_matches("error: ").to_owned()
+}

@@ -1,0 +1,100 @@
+use anyhow::{Context, Result};
+use globillum::geom::Accel;
+use globillum::integrator::{Picture, Scene};
+use serde::Serialize;
+use std::path::Path;
+
+/// The figures of a render.
+#[derive(Debug, Serialize)]
+pub(crate) struct Summary {
+    build_seconds: f64,
+    render_seconds: f64,
+    camera_rays: u64,
+    bounce_rays: u64,
+    shadow_rays: u64,
+    rays_per_second: f64,
+    samples_per_pixel: u32,
+    samples: u64,
+    samples_per_second: f64,
+    roulette_ends: u64,
+    limit_ends: u64,
+    triangles: usize,
+    degenerate_triangles: usize,
+    emitters: usize,
+    accelerator_bytes: usize,
+    image_mean: [f64; 3],
+}
+
+impl Summary {
+    /// Gathers the figures.
+    pub(crate) fn new<A: Accel>(
+        scene: &Scene<A>,
+        picture: &Picture,
+        build_seconds: f64,
+        render_seconds: f64,
+    ) -> Self {
+        let counters = picture.counters;
+        Self {
+            build_seconds,
+            render_seconds,
+            camera_rays: counters.camera_rays,
+            bounce_rays: counters.bounce_rays,
+            shadow_rays: counters.shadow_rays,
+            rays_per_second: counters.rays() as f64 / render_seconds,
+            samples_per_pixel: picture.samples,
+            samples: counters.camera_rays,
+            samples_per_second: counters.camera_rays as f64 / render_seconds,
+            roulette_ends: counters.roulette_ends,
+            limit_ends: counters.limit_ends,
+            triangles: scene.triangles().len(),
+            degenerate_triangles: scene.triangles().degenerate_count(),
+            emitters: scene.emitters().len(),
+            accelerator_bytes: scene.accel().bytes(),
+            image_mean: picture.film.image_mean().to_array(),
+        }
+    }
+
+    /// Writes the figures as JSON.
+    pub(crate) fn write_json(&self, path: &Path) -> Result<()> {
+        let json = serde_json::to_string_pretty(self)?;
+        std::fs::write(path, json + "\n").with_context(|| path.display().to_string())
+    }
+
+    /// Prints the figures as a table, and where the picture went.
+    pub(crate) fn print(&self, out: &Path) -> Result<()> {
+        let million = |n: u64| n as f64 / 1e6;
+        let [r, g, b] = self.image_mean;
+        println!(
+            "triangles     {} ({} emit, {} degenerate)",
+            self.triangles, self.emitters, self.degenerate_triangles
+        );
+        println!(
+            "accelerator   {:.1} kB, built in {:.3} s",
+            self.accelerator_bytes as f64 / 1e3,
+            self.build_seconds
+        );
+        println!(
+            "samples       {} a pixel, {:.2} million in all",
+            self.samples_per_pixel,
+            million(self.samples)
+        );
+        println!(
+            "rays          {:.2} million camera, {:.2} bounce, {:.2} shadow",
+            million(self.camera_rays),
+            million(self.bounce_rays),
+            million(self.shadow_rays)
+        );
+        println!(
+            "render        {:.2} s: {:.2} million samples and {:.2} million rays a second",
+            self.render_seconds,
+            self.samples_per_second / 1e6,
+            self.rays_per_second / 1e6
+        );
+        if self.limit_ends > 0 {
+            println!("bounce limit  ended {} paths: light of more bounces is missing", self.limit_ends);
+        }
+        println!("image mean    ({r:.6}, {g:.6}, {b:.6})");
+        println!("picture       {}", out.display());
+        Ok(())
+    }
+}

@@ -1,0 +1,110 @@
+//! Renders the Cornell box: `cargo run --example cornell`.
+//!
+//! Composes the crates and nothing more: a model from `globillum-testkit` or an OBJ file, an
+//! accelerator, a camera, a render, a picture.
+
+mod common;
+
+use anyhow::{Context, Result, ensure};
+use clap::Parser;
+use common::{AccelKind, ProgressBar, Summary, report_and_exit};
+use globillum::integrator::{Model, Scene, Settings, render};
+use globillum::io::{PictureFile, load_obj};
+use globillum_testkit::cornell;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Renders the Cornell box.
+#[derive(Parser)]
+#[command(version, about)]
+struct Options {
+    /// Which scene: 0 is the box with two blocks
+    #[arg(long, default_value_t = 0)]
+    scene: u32,
+    /// Stand this mesh in the box instead of the blocks
+    #[arg(long, value_name = "FILE.obj")]
+    mesh: Option<PathBuf>,
+    /// Make the tall block, or the mesh, an ideal mirror
+    #[arg(long)]
+    specular: bool,
+    /// What finds the triangles
+    #[arg(long, value_enum, default_value_t = AccelKind::Kd)]
+    accel: AccelKind,
+    /// Width of the picture in pixels
+    #[arg(long, default_value_t = 512)]
+    width: u32,
+    /// Height of the picture in pixels
+    #[arg(long, default_value_t = 512)]
+    height: u32,
+    /// Samples for each pixel
+    #[arg(long, default_value_t = 64)]
+    spp: u32,
+    /// Which random numbers
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Worker threads, 0 for all
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Most bounces of a path: 0 is emitted light only, 1 adds direct light; unlimited by default
+    #[arg(long)]
+    max_bounces: Option<u32>,
+    /// Where the picture goes
+    #[arg(long, value_name = "FILE.png|FILE.exr", default_value = "cornell.png")]
+    out: PathBuf,
+    /// Also write the figures of the summary there
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    report_and_exit(Options::try_parse(), run)
+}
+
+fn run(options: &Options) -> Result<()> {
+    let settings = options.settings();
+    settings.validate().map_err(|e| anyhow::anyhow!("--{e}"))?;
+    // Opened before the work, so that an unwritable place is known at once.
+    let picture_file = PictureFile::create(&options.out)?;
+    let model = options.model()?;
+
+    let start = Instant::now();
+    let scene = Scene::build(&model, |triangles| options.accel.build(triangles))?;
+    let build_seconds = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let progress = ProgressBar::new();
+    let picture = render(&scene, &cornell::camera()?, &settings, &progress)?;
+    progress.finish();
+    let render_seconds = start.elapsed().as_secs_f64();
+
+    picture_file.write(&picture.film)?;
+    let summary = Summary::new(&scene, &picture, build_seconds, render_seconds);
+    if let Some(path) = &options.stats {
+        summary.write_json(path)?;
+    }
+    summary.print(&options.out)
+}
+
+impl Options {
+    fn settings(&self) -> Settings {
+        let mut settings = Settings::new(self.width, self.height, self.spp);
+        settings.seed = self.seed;
+        settings.threads = self.threads;
+        settings.max_bounces = self.max_bounces;
+        settings
+    }
+
+    fn model(&self) -> Result<Model> {
+        ensure!(self.scene == 0, "--scene {}: there is only scene 0", self.scene);
+        let Some(path) = &self.mesh else {
+            return Ok(cornell::with_blocks(self.specular)?);
+        };
+        let loaded = load_obj(path)?;
+        for warning in &loaded.warnings {
+            common::warn(warning);
+        }
+        let model = cornell::with_mesh(loaded.model.triangles(), self.specular);
+        model.with_context(|| path.display().to_string())
+    }
+}

@@ -1,0 +1,145 @@
+//! Scenes whose radiance is known exactly, by every estimator that can render them, in every
+//! accelerator. Names C1.. and H60 are those of docs/testing.md.
+
+use glam::DVec3;
+use globillum::geom::Accel;
+use globillum::integrator::{Camera, Estimator, Film, Model, Roulette, Scene, Settings, render};
+use globillum::material::Rgb;
+use globillum_testkit::scenes::{self, ACCELERATORS, stare};
+use globillum_testkit::stats::Estimate;
+
+const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
+
+/// 64 x 64 pixels, all of the same point.
+fn settings(samples: u32) -> Settings {
+    Settings::new(64, 64, samples)
+}
+
+fn film(scene: &Scene<Box<dyn Accel>>, camera: &Camera, settings: &Settings) -> Film {
+    render(scene, camera, settings, &()).expect("the scene is good").film
+}
+
+/// Renders `model` in every accelerator and hands each estimate to `check`. All must be equal.
+fn in_every_accelerator(
+    model: &Model,
+    camera: &Camera,
+    settings: &Settings,
+    check: impl Fn(&Estimate, &str),
+) {
+    let films =
+        ACCELERATORS.map(|(name, build)| (name, film(&scenes::scene(model, build), camera, settings)));
+    for (name, film) in &films {
+        assert_eq!(*film, films[0].1, "{name} gives another picture");
+        let what = format!("{:?} in the {name}", settings.estimator);
+        check(&Estimate::of_film(film, |c: Rgb| c.g), &what);
+    }
+}
+
+fn into_the_furnace() -> Camera {
+    stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0))
+}
+
+#[test]
+fn c1_a_furnace_after_any_number_of_bounces() {
+    for (rho, limits) in [(0.5, [Some(1), Some(5), None]), (0.8, [Some(2), Some(8), None])] {
+        let model = scenes::furnace(rho, 1.0, DVec3::ZERO);
+        for limit in limits {
+            let truth = match limit {
+                Some(n) => (1.0 - f64::powi(rho, n as i32 + 1)) / (1.0 - rho),
+                None => 1.0 / (1.0 - rho),
+            };
+            // Choosing points on lights has infinite variance where walls that shine meet.
+            for estimator in [Estimator::Bsdf, Estimator::Mis] {
+                let samples = if rho < 0.6 {
+                    64
+                } else if limit.is_some() {
+                    128
+                } else {
+                    256
+                };
+                let mut s = settings(samples);
+                (s.max_bounces, s.estimator) = (limit, estimator);
+                in_every_accelerator(&model, &into_the_furnace(), &s, |estimate, what| {
+                    estimate.assert_is(truth, &format!("rho {rho}, limit {limit:?}, {what}"));
+                });
+            }
+        }
+    }
+}
+
+#[test]
+fn c2_roulette_from_the_first_bounce_has_the_known_variance() {
+    for rho in [0.5, 0.8, 0.9] {
+        let mut s = settings(512);
+        (s.estimator, s.roulette) = (Estimator::Bsdf, Roulette { start: 0 });
+        let model = scenes::furnace(rho, 1.0, DVec3::ZERO);
+        in_every_accelerator(&model, &into_the_furnace(), &s, |estimate, what| {
+            estimate.assert_is(1.0 / (1.0 - rho), &format!("rho {rho}, {what}"));
+            // Such a sample is nearly exponential, of kurtosis 9: over N samples the variance has a
+            // relative standard deviation of sqrt(8 / N), 5.85 of which are 1.15 %.
+            let variance = rho / ((1.0 - rho) * (1.0 - rho));
+            assert!((estimate.sample_variance() / variance - 1.0).abs() < 0.0115, "rho {rho}: {estimate:?}");
+        });
+    }
+}
+
+#[test]
+fn c3_a_square_lamp_above_a_floor() {
+    let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
+    for estimator in ALL {
+        let mut s = settings(320);
+        s.estimator = estimator;
+        in_every_accelerator(&scenes::lamp_over_floor(), &camera, &s, |estimate, what| {
+            estimate.assert_is(0.277_063_212, what);
+        });
+    }
+}
+
+#[test]
+fn c8_a_kaleidoscope_of_mirrors() {
+    let model = scenes::kaleidoscope(0.5, 0.8);
+    let targets = [(DVec3::new(0.3, 1.0, 0.6), 1.0 / 0.6), (DVec3::new(0.3, 0.0, 0.6), 0.5 / 0.6)];
+    for (target, truth) in targets {
+        for estimator in ALL {
+            let mut s = settings(32);
+            // Roulette would end many paths between the mirrors, at a high variance.
+            (s.estimator, s.roulette.start) = (estimator, 64);
+            in_every_accelerator(&model, &stare(DVec3::new(0.4, 0.45, 0.4), target), &s, |estimate, what| {
+                estimate.assert_is(truth, what);
+            });
+        }
+    }
+}
+
+#[test]
+fn c11_ten_bounces_in_a_corridor_of_mirrors() {
+    let camera = stare(DVec3::new(0.0, 0.5, 0.0), DVec3::new(1.0, 1.53, 0.0));
+    let model = scenes::mirror_corridor(0.9, 10.0);
+    let mut s = Settings::new(2, 2, 1);
+    s.roulette.start = u32::MAX;
+    for (name, build) in ACCELERATORS {
+        for estimator in ALL {
+            s.estimator = estimator;
+            for pixel in film(&scenes::scene(&model, build), &camera, &s).means() {
+                assert!((pixel.r - 0.9_f64.powi(10)).abs() < 1e-12, "{estimator:?} in the {name}: {pixel}");
+            }
+        }
+    }
+}
+
+#[test]
+fn h60_scattering_alone_makes_every_furnace_sample_exact() {
+    let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
+    for bounces in [0, 1, 5, 30] {
+        let mut s = settings(4);
+        (s.estimator, s.max_bounces, s.roulette.start) = (Estimator::Bsdf, Some(bounces), u32::MAX);
+        for (name, build) in ACCELERATORS {
+            let film = film(&scenes::scene(&model, build), &into_the_furnace(), &s);
+            let truth = Rgb::splat(2.0 - 0.5_f64.powi(bounces as i32));
+            for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
+                assert_eq!(film.mean(x, y), truth, "{bounces} bounces in the {name}");
+                assert_eq!(film.variance_of_mean(x, y), Rgb::BLACK);
+            }
+        }
+    }
+}
