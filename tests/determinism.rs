@@ -1,0 +1,92 @@
+//! A picture's bits depend on scene, camera and settings, and on nothing else.
+
+use glam::{DVec3, Vec3};
+use globillum::geom::{Accel, BruteForce, Triangle};
+use globillum::integrator::{Camera, Film, Model, Scene, Settings, render};
+use globillum_testkit::{cornell, scenes, shapes};
+use std::path::Path;
+
+fn settings(samples: u32) -> Settings {
+    let mut settings = Settings::new(50, 40, samples);
+    settings.seed = 7;
+    settings
+}
+
+fn film(scene: &Scene<Box<dyn Accel>>, settings: &Settings) -> Film {
+    let camera = cornell::camera().expect("the camera is good");
+    render(scene, &camera, settings, &()).expect("the scene is good").film
+}
+
+/// The same film, to the bit, in every accelerator and for several numbers of threads.
+fn assert_one_picture(model: &Model, with_brute_force: bool) {
+    let mut builders = scenes::ACCELERATORS.to_vec();
+    if with_brute_force {
+        builders.push(("brute force", |t| Ok(Box::new(BruteForce::build(t)))));
+    }
+    let mut first = None;
+    for (name, build) in builders {
+        let scene = scenes::scene(model, build);
+        for threads in [1, 2, 3, 7] {
+            let mut settings = settings(6);
+            settings.threads = threads;
+            let film = film(&scene, &settings);
+            assert_eq!(*first.get_or_insert_with(|| film.clone()), film, "{name}, {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn every_accelerator_and_thread_count_makes_the_same_box() {
+    for specular in [false, true] {
+        assert_one_picture(&cornell::with_blocks(specular).expect("the box is good"), true);
+    }
+}
+
+#[test]
+fn every_accelerator_and_thread_count_makes_the_same_statue() {
+    let statue = shapes::statue(20_000).triangles();
+    assert_one_picture(&cornell::with_mesh(&statue, false).expect("the box is good"), false);
+}
+
+#[test]
+fn every_accelerator_and_thread_count_makes_the_same_scanned_mesh() {
+    for name in ["bunny.obj", "dragon.obj"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes").join(name);
+        if !path.exists() {
+            eprintln!("SKIPPED: {name} is not there; the statue stands in for it");
+            continue;
+        }
+        let mesh = globillum::io::load_obj(&path).expect("the mesh is good").model;
+        for specular in [false, true] {
+            let model = cornell::with_mesh(mesh.triangles(), specular).expect("the box is good");
+            assert_one_picture(&model, false);
+        }
+    }
+}
+
+#[test]
+fn h33_the_unit_of_length_changes_no_bit() {
+    let mesh = shapes::statue(2000).triangles();
+    let blocks = cornell::with_blocks(false).expect("the box is good");
+    let statue = cornell::with_mesh(&mesh, true).expect("the box is good");
+    for (model, (name, build)) in [blocks, statue].iter().zip(scenes::ACCELERATORS) {
+        let films = [0, 40, -40].map(|exponent| {
+            let scale = 2.0_f32.powi(exponent);
+            let scene = scenes::scene(&scaled(model, scale), build);
+            let eye = DVec3::new(0.0, 0.0, 3.9) * f64::from(scale);
+            let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("the camera is good");
+            render(&scene, &camera, &settings(8), &()).expect("the scene is good").film
+        });
+        assert_eq!(films[0], films[1], "2^40, {name}");
+        assert_eq!(films[0], films[2], "2^-40, {name}");
+    }
+}
+
+fn scaled(model: &Model, scale: f32) -> Model {
+    let mut scaled = Model::default();
+    for (index, triangle) in model.triangles().iter().enumerate() {
+        let vertices = triangle.vertices.map(|v: Vec3| v * scale);
+        scaled.add(*model.material(index), [Triangle { vertices }]);
+    }
+    scaled
+}
