@@ -5,11 +5,11 @@
 
 mod common;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::Parser;
 use common::{AccelKind, ProgressBar, Summary, report_and_exit};
 use globillum::integrator::{Model, Scene, Settings, render};
-use globillum::io::{PictureFile, load_obj};
+use globillum::io::{AtomicFile, PictureFile, load_obj};
 use globillum_testkit::cornell;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -32,13 +32,13 @@ struct Options {
     #[arg(long, value_enum, default_value_t = AccelKind::Kd)]
     accel: AccelKind,
     /// Width of the picture in pixels
-    #[arg(long, default_value_t = 512)]
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
     width: u32,
     /// Height of the picture in pixels
-    #[arg(long, default_value_t = 512)]
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
     height: u32,
     /// Samples for each pixel
-    #[arg(long, default_value_t = 64)]
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
     /// Which random numbers
     #[arg(long, default_value_t = 0)]
@@ -63,10 +63,11 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<()> {
     let settings = options.settings();
-    settings.validate().map_err(|e| anyhow::anyhow!("--{e}"))?;
+    settings.validate()?;
+    let model = options.model()?;
     // Opened before the work, so that an unwritable place is known at once.
     let picture_file = PictureFile::create(&options.out)?;
-    let model = options.model()?;
+    let stats_file = options.stats.as_deref().map(AtomicFile::create).transpose()?;
 
     let start = Instant::now();
     let scene = Scene::build(&model, |triangles| options.accel.build(triangles))?;
@@ -80,8 +81,9 @@ fn run(options: &Options) -> Result<()> {
 
     picture_file.write(&picture.film)?;
     let summary = Summary::new(&scene, &picture, build_seconds, render_seconds);
-    if let Some(path) = &options.stats {
-        summary.write_json(path)?;
+    if let Some(file) = stats_file {
+        let json = summary.to_json()?;
+        file.commit(|writer| writer.write_all(json.as_bytes()))?;
     }
     summary.print(&options.out)
 }
@@ -104,7 +106,8 @@ impl Options {
         for warning in &loaded.warnings {
             common::warn(warning);
         }
-        let model = cornell::with_mesh(loaded.model.triangles(), self.specular);
-        model.with_context(|| path.display().to_string())
+        let mesh = loaded.model.triangles();
+        ensure!(cornell::has_extent(mesh), "{}: all vertices are the same point", path.display());
+        Ok(cornell::with_mesh(mesh, self.specular)?)
     }
 }

@@ -1,4 +1,5 @@
 //! A picture's bits depend on scene, camera and settings, and on nothing else.
+#![allow(clippy::print_stderr, reason = "a skipped test says so")]
 
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, BruteForce, Triangle};

@@ -19,7 +19,6 @@ fn check(reference: &str, specular: bool, max_bounces: Option<u32>, samples: u32
     let camera = cornell::camera().expect("the camera is good");
     let film = render(&scene, &camera, &settings, &()).expect("the box is good").film;
     let deviation = reference.deviation(&film, blocks);
-    println!("{deviation:?}");
     assert!(deviation.largest_z < Z_LIMIT, "{deviation:?}");
     assert!(deviation.image_mean < MEAN_LIMIT, "{deviation:?}");
 }

@@ -1,4 +1,4 @@
-use anyhow::{Context, Result};
+use anyhow::Result;
 use globillum::geom::Accel;
 use globillum::integrator::{Picture, Scene};
 use serde::Serialize;
@@ -54,10 +54,9 @@ impl Summary {
         }
     }
 
-    /// Writes the figures as JSON.
-    pub(crate) fn write_json(&self, path: &Path) -> Result<()> {
-        let json = serde_json::to_string_pretty(self)?;
-        std::fs::write(path, json + "\n").with_context(|| path.display().to_string())
+    /// The figures as JSON.
+    pub(crate) fn to_json(&self) -> Result<String> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
     /// Prints the figures as a table, and where the picture went.

@@ -29,6 +29,8 @@
 mod aabb;
 mod accel;
 mod brute;
+#[cfg(feature = "conformance")]
+pub mod conformance;
 pub mod decide;
 mod error;
 mod exact;

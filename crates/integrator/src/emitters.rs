@@ -14,13 +14,13 @@ pub struct Emitters {
 
 /// A point on an emitter, chosen by [`Emitters::sample`].
 #[derive(Clone, Copy, Debug)]
-pub struct EmitterSample {
+pub(crate) struct EmitterSample {
     /// The point.
-    pub point: SurfacePoint,
+    pub(crate) point: SurfacePoint,
     /// What is emitted there.
-    pub emission: Emission,
+    pub(crate) emission: Emission,
     /// Density of the point over all emitters together, the choice of the triangle included.
-    pub pdf: PdfArea,
+    pub(crate) pdf: PdfArea,
 }
 
 impl Emitters {

@@ -38,7 +38,7 @@ mod stream;
 mod tile;
 
 pub use camera::Camera;
-pub use emitters::{EmitterSample, Emitters};
+pub use emitters::Emitters;
 pub use error::RenderError;
 pub use film::Film;
 pub use model::Model;

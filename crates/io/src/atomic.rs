@@ -6,9 +6,10 @@ use tempfile::{Builder, NamedTempFile};
 
 /// A file that appears under its name only once it is complete.
 ///
-/// Until then it is a temporary file in the same folder, which vanishes when this is dropped.
+/// Until then it is a temporary file in the same folder, which vanishes when this is dropped. So
+/// a reader never sees half a file, and a failure leaves the old one as it was.
 #[derive(Debug)]
-pub(crate) struct AtomicFile {
+pub struct AtomicFile {
     temporary: NamedTempFile,
     target: PathBuf,
 }
@@ -18,11 +19,13 @@ impl AtomicFile {
     ///
     /// # Errors
     /// [`IoError::Write`] where the folder can not be written to, or `target` is itself a folder.
-    pub(crate) fn create(target: &Path) -> Result<Self, IoError> {
+    pub fn create(target: &Path) -> Result<Self, IoError> {
         if target.is_dir() {
             return Err(write_error(target, io::ErrorKind::IsADirectory.into()));
         }
-        let temporary = temporary_beside(target).map_err(|e| write_error(target, e))?;
+        let temporary = temporary_beside(target)
+            // The system's message would name the temporary file.
+            .map_err(|e| write_error(target, e.kind().into()))?;
         Ok(Self { temporary, target: target.into() })
     }
 
@@ -31,7 +34,7 @@ impl AtomicFile {
     ///
     /// # Errors
     /// [`IoError::Write`] with what `fill` or the system says.
-    pub(crate) fn commit(self, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), IoError> {
+    pub fn commit(self, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), IoError> {
         let Self { temporary, target } = self;
         replace(temporary, &target, fill).map_err(|e| write_error(&target, e))
     }

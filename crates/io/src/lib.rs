@@ -23,7 +23,6 @@
 //! [`Model`]: globillum_integrator::Model
 //! [`Film`]: globillum_integrator::Film
 
-#[cfg(feature = "images")]
 mod atomic;
 mod error;
 #[cfg(feature = "obj")]
@@ -33,6 +32,7 @@ mod picture;
 #[cfg(feature = "images")]
 mod srgb;
 
+pub use atomic::AtomicFile;
 pub use error::IoError;
 #[cfg(feature = "obj")]
 pub use obj::{Loaded, Warning, load_obj};

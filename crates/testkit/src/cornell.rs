@@ -77,6 +77,11 @@ fn object_material(specular: bool, albedo: Rgb) -> Result<Material, MaterialErro
     if specular { Material::mirror(SILVER) } else { Material::lambert(albedo) }
 }
 
+/// Whether `mesh` has a size that [`stand`] can scale.
+pub fn has_extent(mesh: &[Triangle]) -> bool {
+    Aabb::around(mesh.iter().flat_map(|t| t.vertices)).extent().max_element() > 0.0
+}
+
 /// `mesh` scaled to `size` along its longest side, turned by `yaw` radians about the y axis, its
 /// middle above `place` and its lowest point at the height of `place`.
 pub fn stand(mesh: &[Triangle], size: f64, place: DVec3, yaw: f64) -> Vec<Triangle> {

@@ -1,7 +1,14 @@
 //! What the project's tests, benches and examples share. Not published.
+#![allow(clippy::missing_panics_doc, reason = "it is for tests, where a panic is the message")]
 
+pub mod accuracy;
+pub mod aimed;
 pub mod cornell;
+pub mod exact;
+pub mod intersectors;
+pub mod precision;
 pub mod reference;
 pub mod scenes;
-pub mod shapes;
 pub mod stats;
+
+pub use globillum_geom::conformance::shapes;

@@ -25,29 +25,32 @@ const MAX_CELLS: u64 = 1 << 27;
 impl UniformGrid {
     /// Builds the grid.
     ///
-    /// Memory is bounded beforehand: at most `8 n + 64` cells (fewer than `2^27`) unless a
-    /// resolution is given, and at most `16 n + 1024` references to `n` triangles; a resolution
-    /// that follows the density is halved until the references fit.
+    /// Memory is bounded beforehand, with `n` live triangles: at most `8 n + 64` cells unless a
+    /// resolution is given, never more than `2^27`, and at most `16 n + 1024` references. Both
+    /// take four bytes, and building takes no more than what it returns. A resolution that follows
+    /// the density is halved until the references fit.
     ///
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range, [`GeomError::Budget`] for a given
     /// resolution with more than `2^27` cells or too many references; nothing is allocated then.
     pub fn build(triangles: &Triangles, options: &GridOptions) -> Result<Self, GeomError> {
         let lattice = choose_lattice(triangles, options)?;
-        let boxes = || triangles.live().iter().map(|&i| (i, triangles.get(i)));
+        let live = triangles.live();
         let mut starts = vec![0_u32; cell_count(lattice.resolution) as usize + 1];
-        for (_, triangle) in boxes() {
-            lattice.for_each_cell(triangle, |cell| starts[cell + 1] += 1);
+        for &index in live {
+            lattice.for_each_cell(triangles.get(index), |cell| starts[cell] += 1);
         }
-        for cell in 1..starts.len() {
-            starts[cell] += starts[cell - 1];
+        // Where the lists end, first; filled from the back, it becomes where they start.
+        let mut end = 0;
+        for start in &mut starts {
+            end += *start;
+            *start = end;
         }
-        let mut references = vec![0; starts[starts.len() - 1] as usize];
-        let mut next = starts.clone();
-        for (index, triangle) in boxes() {
-            lattice.for_each_cell(triangle, |cell| {
-                references[next[cell] as usize] = index;
-                next[cell] += 1;
+        let mut references = vec![0; end as usize];
+        for &index in live.iter().rev() {
+            lattice.for_each_cell(triangles.get(index), |cell| {
+                starts[cell] -= 1;
+                references[starts[cell] as usize] = index;
             });
         }
         Ok(Self { triangles: triangles.clone(), lattice, starts, references })

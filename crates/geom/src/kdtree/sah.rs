@@ -22,6 +22,13 @@ pub(super) enum Side {
     Upper,
 }
 
+/// A plane and how many triangles lie on its two sides; one that straddles it counts for both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Split {
+    pub(super) plane: Plane,
+    pub(super) counts: [usize; 2],
+}
+
 /// Costs in units of deciding one triangle.
 #[derive(Clone, Copy)]
 pub(super) struct Costs {
@@ -30,16 +37,42 @@ pub(super) struct Costs {
 }
 
 /// What the sweep meets at a position, in the order in which it must count it.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Event {
+#[derive(Clone, Copy)]
+enum Kind {
     End,
     Within,
     Start,
 }
 
+/// A position and what the sweep meets there, as a number that sorts by both.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Event(u64);
+
+impl Event {
+    fn new(position: f32, kind: Kind) -> Self {
+        let bits = position.to_bits();
+        // Negative numbers descend by their bits, and come before the positive ones.
+        let ascending = if position.is_sign_negative() { !bits } else { bits | SIGN };
+        Self(u64::from(ascending) << 2 | kind as u64)
+    }
+
+    fn position(self) -> f32 {
+        let ascending = (self.0 >> 2) as u32;
+        f32::from_bits(if ascending < SIGN { !ascending } else { ascending ^ SIGN })
+    }
+
+    /// The kind as a number.
+    fn kind(self) -> usize {
+        (self.0 & 3) as usize
+    }
+}
+
+/// The sign bit of an `f32`.
+const SIGN: u32 = 1 << 31;
+
 /// The cheapest plane strictly inside `cell` for its `members`, whose boxes are
 /// `bounds[member]`; `None` if deciding them all is no dearer.
-pub(super) fn best_split(cell: &Aabb, members: &[u32], bounds: &[Aabb], costs: Costs) -> Option<Plane> {
+pub(super) fn best_split(cell: &Aabb, members: &[u32], bounds: &[Aabb], costs: Costs) -> Option<Split> {
     let mut best = None;
     let mut best_cost = members.len() as f64;
     let mut events = Vec::with_capacity(2 * members.len());
@@ -48,61 +81,53 @@ pub(super) fn best_split(cell: &Aabb, members: &[u32], bounds: &[Aabb], costs: C
             continue;
         }
         collect_events(cell, members, bounds, axis, &mut events);
-        sweep(cell, axis, members.len(), &events, |plane, counts| {
-            let cost = split_cost(cell, plane, counts, costs);
+        sweep(cell, axis, members.len(), &events, |split| {
+            let cost = split_cost(cell, &split, costs);
             if cost < best_cost {
                 best_cost = cost;
-                best = Some(plane);
+                best = Some(split);
             }
         });
     }
     best
 }
 
-fn collect_events(
-    cell: &Aabb,
-    members: &[u32],
-    bounds: &[Aabb],
-    axis: usize,
-    events: &mut Vec<(f32, Event)>,
-) {
+fn collect_events(cell: &Aabb, members: &[u32], bounds: &[Aabb], axis: usize, events: &mut Vec<Event>) {
     events.clear();
     for &member in members {
         let b = &bounds[member as usize];
         let min = b.min[axis].max(cell.min[axis]);
         let max = b.max[axis].min(cell.max[axis]);
         if min == max {
-            events.push((min, Event::Within));
+            events.push(Event::new(min, Kind::Within));
         } else {
-            events.extend([(min, Event::Start), (max, Event::End)]);
+            events.extend([Event::new(min, Kind::Start), Event::new(max, Kind::End)]);
         }
     }
-    events.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    events.sort_unstable();
 }
 
-/// Calls `visit` with each candidate plane and the numbers of triangles on its two sides.
-fn sweep(
-    cell: &Aabb,
-    axis: usize,
-    count: usize,
-    events: &[(f32, Event)],
-    mut visit: impl FnMut(Plane, [usize; 2]),
-) {
+/// Calls `visit` with each candidate for a split.
+fn sweep(cell: &Aabb, axis: usize, count: usize, events: &[Event], mut visit: impl FnMut(Split)) {
     let (mut lower, mut upper) = (0, count);
-    for here in events.chunk_by(|a, b| a.0 == b.0) {
-        let position = here[0].0;
-        let of = |kind| here.iter().filter(|e| e.1 == kind).count();
-        let within = of(Event::Within);
-        upper -= of(Event::End) + within;
+    for here in events.chunk_by(|a, b| a.0 >> 2 == b.0 >> 2) {
+        let position = here[0].position();
+        let mut of = [0; 3];
+        here.iter().for_each(|event| of[event.kind()] += 1);
+        let [ends, within, starts] = of;
+        upper -= ends + within;
         if cell.min[axis] < position && position < cell.max[axis] {
-            visit(Plane { axis, position, within: Side::Lower }, [lower + within, upper]);
-            visit(Plane { axis, position, within: Side::Upper }, [lower, upper + within]);
+            let plane = |within| Plane { axis, position, within };
+            visit(Split { plane: plane(Side::Lower), counts: [lower + within, upper] });
+            if within > 0 {
+                visit(Split { plane: plane(Side::Upper), counts: [lower, upper + within] });
+            }
         }
-        lower += of(Event::Start) + within;
+        lower += starts + within;
     }
 }
 
-fn split_cost(cell: &Aabb, plane: Plane, counts: [usize; 2], costs: Costs) -> f64 {
+fn split_cost(cell: &Aabb, Split { plane, counts }: &Split, costs: Costs) -> f64 {
     let [mut low, mut high] = [*cell; 2];
     low.max[plane.axis] = plane.position;
     high.min[plane.axis] = plane.position;
@@ -126,7 +151,7 @@ mod tests {
         let cell = boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b));
         let mut events = Vec::new();
         collect_events(&cell, &[0, 1, 2, 3], &boxes, 0, &mut events);
-        sweep(&cell, 0, boxes.len(), &events, |plane, counts| {
+        sweep(&cell, 0, boxes.len(), &events, |Split { plane, counts }| {
             let s = plane.position;
             let within = |b: &&Aabb| b.min.x == s && b.max.x == s;
             let side = |side| if plane.within == side { boxes.iter().filter(within).count() } else { 0 };
@@ -141,8 +166,8 @@ mod tests {
         let small = Aabb { min: Vec3::ZERO, max: Vec3::splat(0.1) };
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
         let members: Vec<u32> = (0..100).collect();
-        let plane = best_split(&cell, &members, &vec![small; 100], COSTS).unwrap();
-        assert_eq!(plane.position, 0.1);
+        let split = best_split(&cell, &members, &vec![small; 100], COSTS).unwrap();
+        assert_eq!((split.plane.position, split.counts), (0.1, [100, 0]));
         assert_eq!(best_split(&small, &members, &vec![small; 100], COSTS), None);
     }
 }

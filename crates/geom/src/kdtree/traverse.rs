@@ -66,3 +66,41 @@ impl KdTree {
         }
     }
 }
+
+#[cfg(all(test, feature = "conformance"))]
+mod tests {
+    use super::*;
+    use crate::conformance::shapes::statue;
+    use crate::conformance::{Seeded, Source};
+    use crate::{Closest, Counts, KdOptions, Triangles};
+    use glam::DVec3;
+
+    /// Nodes and leaves visited along `ray`, with the pruning slack multiplied by `factor`.
+    fn visits(tree: &KdTree, ray: &Ray, factor: f64) -> u64 {
+        let bounds = tree.triangles.bounds();
+        let shear = Shear::new(ray).unwrap();
+        let mut pruner = Pruner::new(ray, &bounds);
+        pruner.slack *= factor;
+        let (mut search, mut counts) = (Closest::new(ray), Counts::default());
+        tree.traverse(&shear, &pruner, pruner.clip(ray, &bounds), &mut search, &mut counts);
+        counts.visits + counts.opened
+    }
+
+    #[test]
+    fn slack_costs_ordinary_rays_next_to_nothing() {
+        let triangles = Triangles::new(statue(20_000).triangles()).unwrap();
+        let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
+        let mut source = Seeded::new(0);
+        let mut point = || DVec3::new(source.signed(), source.signed(), source.signed());
+        let (mut with, mut without) = (0, 0);
+        for i in 0..40_000 {
+            // Half from one place, as from a camera; half from anywhere, as after a bounce.
+            let origin = if i % 2 == 0 { DVec3::new(0.3, 0.5, 3.0) } else { point() };
+            let ray = Ray::new(origin, point() - origin);
+            with += visits(&tree, &ray, 1.0);
+            without += visits(&tree, &ray, 0.0);
+        }
+        let extra = with as f64 / without as f64 - 1.0;
+        assert!((0.0..0.02).contains(&extra), "{with} visits instead of {without}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Triangles of simple shapes, in `f64` until the last rounding.
 
+use crate::Triangle;
 use glam::{DQuat, DVec3};
-use globillum_geom::Triangle;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
@@ -12,6 +12,10 @@ pub struct Mesh {
     pub vertices: Vec<DVec3>,
     /// Three vertices a triangle, counter-clockwise from outside.
     pub faces: Vec<[usize; 3]>,
+    /// Points well inside a closed mesh.
+    pub core: Vec<DVec3>,
+    /// At least this far from the surface lies every point of `core`, in a closed mesh.
+    pub thickness: f64,
 }
 
 impl Mesh {
@@ -21,12 +25,13 @@ impl Mesh {
         self.faces.iter().map(|f| Triangle::new(corner(f[0]), corner(f[1]), corner(f[2]))).collect()
     }
 
-    /// Every vertex through `map`.
+    /// The mesh scaled by `scale` about the origin, then moved by `offset`.
     #[must_use]
-    pub fn map(mut self, map: impl Fn(DVec3) -> DVec3) -> Self {
-        for v in &mut self.vertices {
-            *v = map(*v);
+    pub fn placed(mut self, scale: f64, offset: DVec3) -> Self {
+        for point in self.vertices.iter_mut().chain(&mut self.core) {
+            *point = *point * scale + offset;
         }
+        self.thickness *= scale;
         self
     }
 }
@@ -63,7 +68,7 @@ pub fn inside_out(triangles: impl IntoIterator<Item = Triangle>) -> Vec<Triangle
 /// sphere: `20 * 4^levels` triangles, closed.
 pub fn icosphere(levels: u32) -> Mesh {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
-    let mut mesh = Mesh::default();
+    let mut mesh = Mesh { core: vec![DVec3::ZERO], thickness: 0.7, ..Mesh::default() };
     for axis in 0..3 {
         for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
             let mut v = [0.0; 3];
@@ -106,17 +111,24 @@ fn subdivide(mesh: &Mesh) -> Mesh {
         let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
         faces.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
     }
-    Mesh { vertices, faces }
+    Mesh { vertices, faces, ..mesh.clone() }
 }
 
-/// A closed surface over the torus of parameters `(u, v)`, both from 0 to one turn, cut into
-/// `around` times `across` quadrilaterals.
-fn torus_like(around: usize, across: usize, at: impl Fn(f64, f64) -> DVec3) -> Mesh {
-    let mut mesh = Mesh::default();
+/// A tube around the closed curve `core(u)`: the points `core(u) + wall(u, v)`, both parameters
+/// from 0 to one turn, cut into `around` times `across` quadrilaterals.
+fn tube(
+    [around, across]: [usize; 2],
+    thickness: f64,
+    core: impl Fn(f64) -> DVec3,
+    wall: impl Fn(f64, f64) -> DVec3,
+) -> Mesh {
+    let mut mesh = Mesh { thickness, ..Mesh::default() };
     let index = |i: usize, j: usize| (i % around) * across + j % across;
     for i in 0..around {
+        let u = TAU * i as f64 / around as f64;
+        mesh.core.push(core(u));
         for j in 0..across {
-            mesh.vertices.push(at(TAU * i as f64 / around as f64, TAU * j as f64 / across as f64));
+            mesh.vertices.push(core(u) + wall(u, TAU * j as f64 / across as f64));
             let corners = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
             mesh.faces.push([corners[0], corners[1], corners[2]]);
             mesh.faces.push([corners[0], corners[2], corners[3]]);
@@ -127,10 +139,8 @@ fn torus_like(around: usize, across: usize, at: impl Fn(f64, f64) -> DVec3) -> M
 
 /// A torus about the y axis with radii 1 and 0.4: `2 * around * across` triangles, closed.
 pub fn torus(around: usize, across: usize) -> Mesh {
-    torus_like(around, across, |u, v| {
-        let r = 1.0 + 0.4 * v.cos();
-        DVec3::new(r * u.sin(), 0.4 * v.sin(), r * u.cos())
-    })
+    let core = |u: f64| DVec3::new(u.sin(), 0.0, u.cos());
+    tube([around, across], 0.2, core, |u, v| 0.4 * (v.cos() * core(u) + v.sin() * DVec3::Y))
 }
 
 /// A knotted, rippled ring that stands for a statue: a trefoil tube with bumps, closed, of about
@@ -142,12 +152,12 @@ pub fn statue(triangles: usize) -> Mesh {
     let knot = |u: f64| {
         DVec3::new(u.sin() + 2.0 * (2.0 * u).sin(), u.cos() - 2.0 * (2.0 * u).cos(), -(3.0 * u).sin()) / 3.5
     };
-    torus_like(around, across, |u, v| {
+    tube([around, across], 0.05, knot, |u, v| {
         let tangent = (knot(u + 1e-4) - knot(u - 1e-4)).normalize();
         let side = tangent.cross(DVec3::Z).normalize();
         let normal = side.cross(tangent);
         let ripple = 1.0 + 0.08 * (24.0 * u).sin() + 0.06 * (5.0 * v + 9.0 * u).sin();
-        knot(u) + 0.17 * ripple * (v.cos() * side + v.sin() * normal)
+        0.17 * ripple * (v.cos() * side + v.sin() * normal)
     })
 }
 

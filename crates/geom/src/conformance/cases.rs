@@ -1,0 +1,424 @@
+//! Hard cases by name. H1.. are the numbers under which docs/testing.md lists them.
+
+use super::aim::ray_at;
+use super::shapes::{icosphere, quad, statue};
+use super::{Seeded, Source, Tally, Violation, compare, oracle};
+use crate::{Accel, GeomError, Ray, Triangle, Triangles};
+use glam::{DVec3, Vec3};
+use std::f64;
+
+/// A scene, rays at it, and what is known beforehand about their hits.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Its number and what it is about.
+    pub name: &'static str,
+    /// The scene.
+    pub triangles: Vec<Triangle>,
+    /// The rays, each with what is known of it.
+    pub rays: Vec<(Ray, Known)>,
+}
+
+/// What is known of a ray's hits, beside that they equal the oracle's.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Known {
+    /// Nothing more.
+    Whatever,
+    /// It hits nothing.
+    Miss,
+    /// The closest hit has exactly this `t`.
+    At(f64),
+    /// All hits, sorted, have exactly these `t`.
+    All(Vec<f64>),
+}
+
+impl Case {
+    fn new(
+        name: &'static str,
+        triangles: Vec<Triangle>,
+        rays: impl IntoIterator<Item = (Ray, Known)>,
+    ) -> Self {
+        Self { name, triangles, rays: rays.into_iter().collect() }
+    }
+
+    /// Checks the accelerator that `build` makes.
+    ///
+    /// # Errors
+    /// The first [`Violation`] found.
+    pub fn check<A: Accel>(
+        &self,
+        build: impl Fn(&Triangles) -> Result<A, GeomError>,
+    ) -> Result<Tally, Violation> {
+        let refused = |error: GeomError| self.violation(None, "an accelerator", &error.to_string());
+        let triangles = Triangles::new(self.triangles.clone()).map_err(refused)?;
+        let accel = build(&triangles).map_err(refused)?;
+        for (ray, known) in &self.rays {
+            let mut found: Vec<f64> = oracle::hits(&self.triangles, ray).iter().map(|h| h.t).collect();
+            found.sort_by(f64::total_cmp);
+            let as_known = match known {
+                Known::Whatever => true,
+                Known::Miss => found.is_empty(),
+                Known::At(t) => found.first() == Some(t),
+                Known::All(ts) => found == *ts,
+            };
+            if !as_known {
+                return Err(self.violation(Some(*ray), &format!("{known:?}"), &format!("{found:?}")));
+            }
+        }
+        let rays: Vec<Ray> = self.rays.iter().map(|(ray, _)| *ray).collect();
+        compare(self.name, &accel, &self.triangles, &rays)
+    }
+
+    fn violation(&self, ray: Option<Ray>, expected: &str, actual: &str) -> Violation {
+        Violation {
+            what: self.name.to_owned(),
+            triangles: self.triangles.clone(),
+            ray: ray.map(Box::new),
+            expected: expected.to_owned(),
+            actual: actual.to_owned(),
+        }
+    }
+}
+
+/// Every case.
+pub fn all() -> Vec<Case> {
+    vec![
+        h1_along_a_face_diagonal(),
+        h2_signed_zeros_and_origins_on_the_boundary(),
+        h3_within_the_plane_of_a_face(),
+        h4_along_an_edge(),
+        h5_through_opposite_vertices(),
+        h6_directions_next_to_an_axis(),
+        h7_a_lattice_of_shared_vertices(),
+        h8_origins_on_every_plane_through_a_vertex(),
+        h9_rays_within_planes_that_hold_triangles(),
+        h10_origins_on_a_triangle(),
+        h11_origins_outside_inside_and_behind(),
+        h12_directions_of_any_length(),
+        h13_to_h15_rays_that_are_none(),
+        h16_empty_ranges(),
+        h17_ranges_are_open(),
+        h19_grazing_a_long_plane(),
+        h20_from_very_far_away(),
+        h21_nothing_at_all(),
+        h22_one_triangle_and_its_copy(),
+        h23_flat_scenes(),
+        h25_degenerate_triangles(),
+        h37_aimed_rays_at_aligned_offset_thin_and_round_scenes(),
+    ]
+}
+
+fn p(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// The unit cube: two triangles a face, split along the diagonal from `(0, 0)` to `(1, 1)`.
+fn cube() -> Vec<Triangle> {
+    let face = |at: &dyn Fn(f64, f64) -> DVec3| quad(at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0));
+    let mut faces = Vec::new();
+    for side in [0.0, 1.0] {
+        faces.extend(face(&|a, b| p(side, a, b)));
+        faces.extend(face(&|a, b| p(a, side, b)));
+        faces.extend(face(&|a, b| p(a, b, side)));
+    }
+    faces
+}
+
+fn at(origin: DVec3, direction: DVec3, t: f64) -> (Ray, Known) {
+    (Ray::new(origin, direction), Known::At(t))
+}
+
+/// H1: a ray that meets both triangles of a face on the diagonal they share.
+pub fn h1_along_a_face_diagonal() -> Case {
+    let ray = Ray::new(p(0.5, 0.5, -1.0), DVec3::Z);
+    Case::new("H1 along a face diagonal", cube(), [(ray, Known::All(vec![1.0, 1.0, 2.0, 2.0]))])
+}
+
+/// H2: zeros of either sign in the direction, origins on the cube's boundary.
+pub fn h2_signed_zeros_and_origins_on_the_boundary() -> Case {
+    let zeros = [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (-0.0, -0.0)];
+    let origins = [p(0.5, 0.5, -1.0), p(0.0, 0.5, -1.0), p(-0.0, 0.5, -1.0), p(0.0, 0.0, -1.0)];
+    let rays = origins.into_iter().flat_map(|o| zeros.map(|(x, y)| at(o, p(x, y, 1.0), 1.0)));
+    Case::new("H2 signed zeros, origins on the boundary", cube(), rays)
+}
+
+/// H3: a ray within the plane of one face meets the next at its edge.
+pub fn h3_within_the_plane_of_a_face() -> Case {
+    let rays = [0.0, -0.0].map(|z| at(p(-1.0, 0.3, z), p(1.0, 0.0, z), 1.0));
+    Case::new("H3 within the plane of a face", cube(), rays)
+}
+
+/// H4: a ray along an edge meets the vertex where it begins.
+pub fn h4_along_an_edge() -> Case {
+    Case::new("H4 along an edge", cube(), [at(p(0.0, 0.0, -1.0), DVec3::Z, 1.0)])
+}
+
+/// H5: a ray through two opposite vertices meets all triangles that share either.
+pub fn h5_through_opposite_vertices() -> Case {
+    let ray = Ray::new(p(-1.0, -1.0, -1.0), DVec3::ONE);
+    let all = [[1.0; 6], [2.0; 6]].concat();
+    Case::new("H5 through opposite vertices", cube(), [(ray, Known::All(all))])
+}
+
+/// H6: components that are not zero but might as well be.
+pub fn h6_directions_next_to_an_axis() -> Case {
+    let origins = [p(0.5, 0.5, -1.0), p(0.0, 0.0, -1.0), p(0.25, 0.75, -1.0), p(1.0, 1.0, -1.0)];
+    let directions = [p(5e-324, 1e-300, 1.0), p(-5e-324, 0.0, 1.0), p(1e-200, -1e-310, 1.0)];
+    let rays = origins.into_iter().flat_map(|o| directions.map(|d| at(o, d, 1.0)));
+    Case::new("H6 directions next to an axis", cube(), rays)
+}
+
+/// H7: rays at every vertex, edge middle and border point of 8 x 8 quadrilaterals.
+pub fn h7_a_lattice_of_shared_vertices() -> Case {
+    let whole = || (0..=8).map(f64::from);
+    let halves = || (0..8).map(|i| f64::from(i) + 0.5);
+    let grid = |xs: Vec<f64>, ys: Vec<f64>| {
+        xs.into_iter().flat_map(move |x| ys.clone().into_iter().map(move |y| (x, y))).collect::<Vec<_>>()
+    };
+    let quads = grid((0..8).map(f64::from).collect(), (0..8).map(f64::from).collect());
+    let triangles = quads.into_iter().flat_map(|(x, y)| {
+        quad(p(x, y, 0.0), p(x + 1.0, y, 0.0), p(x + 1.0, y + 1.0, 0.0), p(x, y + 1.0, 0.0))
+    });
+    let points = [
+        grid(whole().collect(), whole().collect()),
+        grid(halves().collect(), whole().collect()),
+        grid(whole().collect(), halves().collect()),
+    ];
+    let rays = points.concat().into_iter().map(|(x, y)| at(p(x, y, 1.0), -DVec3::Z, 1.0));
+    Case::new("H7 a lattice of shared vertices", triangles.collect(), rays)
+}
+
+/// H8: origins exactly on the planes that accelerators like to split at.
+pub fn h8_origins_on_every_plane_through_a_vertex() -> Case {
+    let triangles = shelves();
+    let mut source = Seeded::new(8);
+    let rays = (0..3000).map(|_| {
+        let mut origin = p(4.0 * source.unit(), 4.0 * source.unit(), 4.0 * source.unit());
+        let axis = source.below(3);
+        origin[axis] = f64::from(source.pick(&triangles).vertices[source.below(3)][axis]);
+        let mut direction = p(source.signed(), source.signed(), source.signed());
+        direction[axis] = source.pick(&[1.0, -1.0, 0.0, -0.0]);
+        (Ray::new(origin, direction), Known::Whatever)
+    });
+    Case::new("H8 origins on splitting planes", triangles.clone(), rays.collect::<Vec<_>>())
+}
+
+/// H9: rays within planes that hold triangles on one side, on the other, on both, and in them.
+pub fn h9_rays_within_planes_that_hold_triangles() -> Case {
+    let triangles = shelves();
+    let mut source = Seeded::new(9);
+    let rays = (0..3000).map(|_| {
+        let axis = source.below(3);
+        let mut origin = p(source.unit(), source.unit(), source.unit()) * 6.0 - 1.0;
+        origin[axis] = source.below(5) as f64;
+        let mut direction = p(source.signed(), source.signed(), source.signed());
+        direction[axis] = source.pick(&[0.0, -0.0]);
+        if source.one_in(2) {
+            let other = (axis + 1) % 3;
+            direction[other] = source.pick(&[0.0, -0.0]);
+            origin[other] = source.below(9) as f64 / 2.0;
+        }
+        (Ray::new(origin, direction), Known::Whatever)
+    });
+    Case::new("H9 rays within planes that hold triangles", triangles, rays.collect::<Vec<_>>())
+}
+
+/// H10: a ray does not meet the triangle it starts on, and does meet the next one.
+pub fn h10_origins_on_a_triangle() -> Case {
+    let level = |z: f64| quad(p(0.0, 0.0, z), p(1.0, 0.0, z), p(1.0, 1.0, z), p(0.0, 1.0, z));
+    let starts = [(0.25, 0.5), (0.5, 0.5), (0.0, 0.0), (0.5, 0.0), (1.0, 1.0)];
+    let rays = starts
+        .into_iter()
+        .flat_map(|(x, y)| [at(p(x, y, 0.0), DVec3::Z, 1.0), at(p(x, y, 1.0), -DVec3::Z, 1.0)]);
+    let out = starts.map(|(x, y)| (Ray::new(p(x, y, 1.0), DVec3::Z), Known::Miss));
+    let rays: Vec<_> = rays.chain(out).collect();
+    Case::new("H10 origins on a triangle", [level(0.0), level(1.0)].concat(), rays)
+}
+
+/// H11: origins all around, with bounds that are met at a corner only.
+pub fn h11_origins_outside_inside_and_behind() -> Case {
+    let corner = |o: DVec3, d: DVec3, known| (Ray::new(o, d), known);
+    let rays = [
+        at(p(0.5, 0.5, 0.5), DVec3::Z, 0.5),
+        at(p(0.5, 0.5, 0.5), -DVec3::X, 0.5),
+        at(p(-1.0, 0.5, 0.25), DVec3::X, 1.0),
+        corner(p(2.0, 0.5, 0.5), DVec3::X, Known::Miss),
+        corner(p(2.0, 2.0, 2.0), DVec3::ONE, Known::Miss),
+        // Past the corner (1, 1, 0), through it, and short of it.
+        corner(p(0.5, 1.5, -0.5), p(1.0, -1.0, 1.0), Known::At(0.5)),
+        corner(p(2.0, 0.0, 0.0), p(-1.0, 1.0, 0.0), Known::At(1.0)),
+        corner(p(2.0 + 1e-9, 0.0, 0.5), p(-1.0, 1.0, 0.0), Known::Miss),
+    ];
+    Case::new("H11 origins outside, inside and behind", cube(), rays)
+}
+
+/// H12: directions far from unit length.
+pub fn h12_directions_of_any_length() -> Case {
+    let rays = [-500, -100, -30, 0, 30, 100, 500].map(|k| {
+        let d = 2.0_f64.powi(k);
+        at(p(0.5, 0.25, -1.0), p(0.0, 0.0, d), 1.0 / d)
+    });
+    Case::new("H12 directions of any length", cube(), rays)
+}
+
+/// H13, H14, H15: a direction of zero, NaNs and infinities anywhere.
+pub fn h13_to_h15_rays_that_are_none() -> Case {
+    let good = Ray::new(p(0.5, 0.25, -1.0), DVec3::Z);
+    let mut rays = vec![Ray { direction: DVec3::ZERO, ..good }, Ray { direction: -DVec3::ZERO, ..good }];
+    for bad in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for axis in 0..3 {
+            let (mut from, mut along) = (good, good);
+            from.origin[axis] = bad;
+            along.direction[axis] = bad;
+            rays.extend([from, along]);
+        }
+    }
+    rays.extend([good.with_range(f64::NAN, 9.0), good.with_range(0.0, f64::NAN)]);
+    let rays = rays.into_iter().map(|ray| (ray, Known::Miss));
+    Case::new("H13 to H15 rays that are none", cube(), rays)
+}
+
+/// H16: ranges that hold nothing, and one without end.
+pub fn h16_empty_ranges() -> Case {
+    let ray = Ray::new(p(0.5, 0.25, -1.0), DVec3::Z);
+    let inf = f64::INFINITY;
+    let empty = [(2.0, 1.0), (1.0, 1.0), (0.0, 0.0), (0.0, -1.0), (inf, inf), (0.0, -inf)];
+    let rays = empty.map(|(a, b)| (ray.with_range(a, b), Known::Miss));
+    let whole = [(ray.with_range(0.0, inf), Known::At(1.0)), (ray.with_range(-inf, inf), Known::At(1.0))];
+    Case::new("H16 empty ranges", cube(), rays.into_iter().chain(whole))
+}
+
+/// H17: both ends of a range are excluded, to the last bit.
+pub fn h17_ranges_are_open() -> Case {
+    let ray = Ray::new(p(0.5, 0.25, -1.0), DVec3::Z);
+    let one = 1.0_f64;
+    let rays = [
+        (ray.with_range(one, f64::INFINITY), Known::At(2.0)),
+        (ray.with_range(one, 2.0), Known::Miss),
+        (ray.with_range(one.next_down(), f64::INFINITY), Known::At(1.0)),
+        (ray.with_range(0.0, one), Known::Miss),
+        (ray.with_range(0.0, one.next_up()), Known::At(1.0)),
+    ];
+    Case::new("H17 ranges are open", cube(), rays)
+}
+
+/// H19: rays at a slope of `10^-k` over a plane a million long.
+pub fn h19_grazing_a_long_plane() -> Case {
+    let cells = 16;
+    let size = 1e6 / f64::from(cells);
+    let triangles = (0..cells * cells).flat_map(|i| {
+        let (x, z) = (f64::from(i % cells) * size, f64::from(i / cells) * size);
+        quad(p(x, 0.0, z), p(x + size, 0.0, z), p(x + size, 0.0, z + size), p(x, 0.0, z + size))
+    });
+    let rays = (1..=16).flat_map(|k| {
+        let slope = 10.0_f64.powi(-k);
+        [p(1.0, -slope, 0.3), p(1.0, -slope, 0.0), p(1.0, slope, 1.0), p(0.7, -slope, 1.0)]
+            .map(|d| (Ray::new(p(-1.0, 0.5 * slope.sqrt(), 0.0), d), Known::Whatever))
+    });
+    Case::new("H19 grazing a long plane", triangles.collect(), rays)
+}
+
+/// H20: rays at a sphere of unit size from a million million away.
+pub fn h20_from_very_far_away() -> Case {
+    let triangles = icosphere(2).triangles();
+    let mut source = Seeded::new(20);
+    let rays = (0..500).map(|_| {
+        let from = p(source.signed(), source.signed(), source.signed()) * 1e12;
+        let target = super::aim::point_of(&source.pick(&triangles), &mut source);
+        (Ray::new(from, target - from), Known::Whatever)
+    });
+    let rays = rays.collect::<Vec<_>>();
+    Case::new("H20 from very far away", triangles, rays)
+}
+
+/// H21: a scene without triangles.
+pub fn h21_nothing_at_all() -> Case {
+    let rays = [DVec3::X, DVec3::ONE].map(|d| (Ray::new(DVec3::ZERO, d), Known::Miss));
+    Case::new("H21 nothing at all", Vec::new(), rays)
+}
+
+/// H22: one triangle twice; the first copy is hit.
+pub fn h22_one_triangle_and_its_copy() -> Case {
+    let triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+    let rays = [(0.25, 0.25), (0.0, 0.0), (0.5, 0.5)].map(|(x, y)| at(p(x, y, 1.0), -DVec3::Z, 1.0));
+    Case::new("H22 one triangle and its copy", vec![triangle; 2], rays)
+}
+
+/// H23: everything in one plane, for each axis.
+pub fn h23_flat_scenes() -> Case {
+    // All three flat scenes at once would not be flat: tested through their union's faces here,
+    // one by one in the builders' tests.
+    let mut source = Seeded::new(23);
+    let triangles: Vec<Triangle> = (0..64)
+        .map(|_| {
+            let mut corner = || Vec3::new(source.unit() as f32, source.unit() as f32, 0.0);
+            Triangle::new(corner(), corner(), corner())
+        })
+        .collect();
+    let rays: Vec<_> = (0..500)
+        .map(|_| {
+            let elsewhere = p(source.signed(), source.signed(), source.pick(&[0.0, 1.0, -1.0]));
+            (ray_at(&triangles, elsewhere, &mut source), Known::Whatever)
+        })
+        .collect();
+    Case::new("H23 a flat scene", triangles, rays)
+}
+
+/// H25: triangles without area are not there.
+pub fn h25_degenerate_triangles() -> Case {
+    let (a, b) = (Vec3::new(0.25, 0.25, 0.5), Vec3::new(0.5, 0.25, 0.5));
+    let flat = [Triangle::new(a, a, b), Triangle::new(a, b, a), Triangle::new(a, a, a)];
+    let collinear = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::X * 2.0);
+    let rays = [
+        at(p(0.25, 0.25, -1.0), DVec3::Z, 1.0),
+        at(p(0.375, 0.25, 0.25), DVec3::Z, 0.75),
+        at(p(0.5, 0.0, -1.0), DVec3::Z, 1.0),
+    ];
+    Case::new("H25 degenerate triangles", [&flat[..], &[collinear], &cube()].concat(), rays)
+}
+
+/// H37: aimed, axis-parallel and random rays at shelves, the same far from the origin, slivers,
+/// and round things.
+pub fn h37_aimed_rays_at_aligned_offset_thin_and_round_scenes() -> Case {
+    let moved = |t: &Triangle, by: Vec3| Triangle { vertices: t.vertices.map(|v| v + by) };
+    let mut triangles = shelves();
+    triangles.extend(shelves().iter().map(|t| moved(t, Vec3::splat(1000.0))));
+    triangles.extend((0..40).map(|i| {
+        let x = i as f32 * 0.1;
+        Triangle::new(Vec3::new(x, 0.0, 5.0), Vec3::new(x + 1e-4, 4.0, 5.0), Vec3::new(x, 4.0, 5.5))
+    }));
+    triangles.extend(icosphere(1).triangles());
+    triangles.extend(statue(300).triangles());
+    let mut source = Seeded::new(37);
+    let rays: Vec<_> = (0..6000)
+        .map(|_| {
+            let around = if source.one_in(2) { 0.0 } else { 1000.0 };
+            let elsewhere = around + 8.0 * p(source.signed(), source.signed(), source.signed());
+            (ray_at(&triangles, elsewhere, &mut source), Known::Whatever)
+        })
+        .collect();
+    Case::new("H37 aligned, offset, thin and round", triangles, rays)
+}
+
+/// Axis-parallel squares on a lattice, as in a cupboard: much of it shares planes.
+fn shelves() -> Vec<Triangle> {
+    let mut triangles = Vec::new();
+    for i in 0..4 {
+        for j in 0..4 {
+            let (a, b) = (f64::from(i), f64::from(j));
+            triangles.extend(quad(
+                p(a, b, 0.0),
+                p(a + 1.0, b, 0.0),
+                p(a + 1.0, b + 1.0, 0.0),
+                p(a, b + 1.0, 0.0),
+            ));
+            triangles.extend(quad(
+                p(a, 2.0, b),
+                p(a + 1.0, 2.0, b),
+                p(a + 1.0, 2.0, b + 1.0),
+                p(a, 2.0, b + 1.0),
+            ));
+            triangles.extend(quad(p(b, a, b), p(b, a + 1.0, b), p(b, a + 1.0, b + 1.0), p(b, a, b + 1.0)));
+        }
+    }
+    triangles
+}

@@ -1,0 +1,129 @@
+use super::aim::ray_at;
+use super::{Source, Tally, Violation, compare};
+use crate::{Accel, GeomError, Ray, Triangle, Triangles};
+use glam::{DVec3, Vec3};
+
+/// A family of scenes and rays, each with its own way of being hard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Regime {
+    /// Coordinates uniform in `[-1, 1]`.
+    Uniform,
+    /// Whole coordinates from 0 to 4, where much is coplanar, aligned and shared.
+    Lattice,
+    /// Coordinates of either sign from `1e-15` to `1e15`, evenly by logarithm.
+    LogUniform,
+    /// Details of size 0.01 at 10,000 from the origin.
+    Offset,
+    /// One triangle again and again: copied, permuted, sharing edges and vertices.
+    Copies,
+    /// Any bits at all, numbers or not.
+    RawBits,
+}
+
+impl Regime {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Uniform, Self::Lattice, Self::LogUniform, Self::Offset, Self::Copies, Self::RawBits];
+
+    /// A scene of up to 24 triangles.
+    pub fn triangles(self, source: &mut impl Source) -> Vec<Triangle> {
+        let count = source.below(25);
+        let mut triangles: Vec<Triangle> = Vec::with_capacity(count);
+        for _ in 0..count {
+            let mut vertices = [0; 3].map(|_| self.vertex(source));
+            let earlier = if triangles.is_empty() { None } else { Some(source.pick(&triangles)) };
+            if let Some(Triangle { vertices: old }) = earlier {
+                // Some share a vertex or an edge with an earlier one; copies share more.
+                let shared = if self == Self::Copies { source.below(4) } else { source.below(6) / 2 };
+                let turn = source.below(3);
+                for i in 0..shared.min(3) {
+                    vertices[i] = old[(i + turn) % 3];
+                }
+            }
+            triangles.push(Triangle { vertices });
+        }
+        triangles
+    }
+
+    /// A ray at a scene of this family.
+    pub fn ray(self, triangles: &[Triangle], source: &mut impl Source) -> Ray {
+        let elsewhere = self.point(source);
+        match self {
+            Self::RawBits if source.one_in(2) => {
+                let mut number = || f64::from_bits(source.bits());
+                let origin = DVec3::new(number(), number(), number());
+                let direction = DVec3::new(number(), number(), number());
+                Ray::new(origin, direction).with_range(number(), number())
+            }
+            Self::Lattice if source.one_in(2) => {
+                let mut step = || source.pick(&[-1.0, -0.0, 0.0, 1.0, 2.0]);
+                Ray::new(elsewhere, DVec3::new(step(), step(), step()))
+            }
+            _ if source.one_in(4) => {
+                let direction = DVec3::new(source.signed(), source.signed(), source.signed());
+                Ray::new(elsewhere, direction)
+            }
+            _ => ray_at(triangles, elsewhere, source),
+        }
+    }
+
+    /// Checks the accelerator that `build` makes with one scene and `rays` rays.
+    ///
+    /// # Errors
+    /// The first [`Violation`] found.
+    pub fn check<A: Accel>(
+        self,
+        source: &mut impl Source,
+        rays: usize,
+        build: impl Fn(&Triangles) -> Result<A, GeomError>,
+    ) -> Result<Tally, Violation> {
+        let triangles = self.triangles(source);
+        let checked = match Triangles::new(triangles.clone()) {
+            Ok(checked) => checked,
+            // Bits that are no coordinates are refused, and that is all there is to check.
+            Err(_) if self == Self::RawBits => return Ok(Tally::default()),
+            Err(error) => return Err(self.refused(&triangles, &error)),
+        };
+        let accel = build(&checked).map_err(|error| self.refused(&triangles, &error))?;
+        let rays: Vec<Ray> = (0..rays).map(|_| self.ray(&triangles, source)).collect();
+        compare(&format!("{self:?}"), &accel, &triangles, &rays)
+    }
+
+    fn refused(self, triangles: &[Triangle], error: &GeomError) -> Violation {
+        Violation {
+            what: format!("{self:?}, building"),
+            triangles: triangles.to_vec(),
+            ray: None,
+            expected: "an accelerator".to_owned(),
+            actual: error.to_string(),
+        }
+    }
+
+    fn vertex(self, source: &mut impl Source) -> Vec3 {
+        let mut number = || match self {
+            Self::RawBits if source.one_in(2) => f32::from_bits(source.bits() as u32),
+            _ => self.coordinate(source) as f32,
+        };
+        Vec3::new(number(), number(), number())
+    }
+
+    fn point(self, source: &mut impl Source) -> DVec3 {
+        let mut number = || match self {
+            // Between the lattice's points as well as on them, and outside.
+            Self::Lattice => source.below(15) as f64 / 2.0 - 1.5,
+            _ => 2.0 * self.coordinate(source),
+        };
+        DVec3::new(number(), number(), number())
+    }
+
+    fn coordinate(self, source: &mut impl Source) -> f64 {
+        match self {
+            Self::Uniform | Self::Copies => source.signed(),
+            Self::Lattice => source.below(5) as f64,
+            Self::LogUniform => 10.0_f64.powf(15.0 * source.signed()).copysign(source.signed()),
+            Self::Offset => 1e4 + 0.01 * source.signed(),
+            // Powers of two over all of f32's range that is in the domain.
+            Self::RawBits => 2.0_f64.powi(source.below(209) as i32 - 149).copysign(source.signed()),
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Every accelerator against the contract: named hard cases, six families of random scenes, and
+//! leaks at the edges and vertices of closed meshes.
+//!
+//! `GLOBILLUM_EFFORT` multiplies the number of rays (1 by default).
+
+use glam::DVec3;
+use globillum_geom::conformance::shapes::{Mesh, icosphere, statue, torus};
+use globillum_geom::conformance::{Regime, Seeded, Source, Suite, Target, cases, check_bytes, leaks};
+use globillum_geom::{Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use proptest::prelude::*;
+
+type Builder = fn(&Triangles) -> Result<Box<dyn Accel>, GeomError>;
+
+/// One line an accelerator.
+const ACCELERATORS: [(&str, Builder); 3] = [
+    ("brute force", |t| Ok(Box::new(BruteForce::build(t)))),
+    ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
+    ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
+];
+
+fn effort() -> u64 {
+    std::env::var("GLOBILLUM_EFFORT").ok().and_then(|e| e.parse().ok()).unwrap_or(1)
+}
+
+macro_rules! hard_cases {
+    ($($name:ident)*) => {
+        $(#[test]
+        fn $name() {
+            for (accelerator, build) in ACCELERATORS {
+                let tally = cases::$name().check(build);
+                assert!(tally.is_ok(), "{accelerator}: {}", tally.unwrap_err());
+            }
+        })*
+
+        #[test]
+        fn every_case_has_its_test() {
+            assert_eq!([$(stringify!($name)),*].len(), cases::all().len());
+        }
+    };
+}
+
+hard_cases! {
+    h1_along_a_face_diagonal
+    h2_signed_zeros_and_origins_on_the_boundary
+    h3_within_the_plane_of_a_face
+    h4_along_an_edge
+    h5_through_opposite_vertices
+    h6_directions_next_to_an_axis
+    h7_a_lattice_of_shared_vertices
+    h8_origins_on_every_plane_through_a_vertex
+    h9_rays_within_planes_that_hold_triangles
+    h10_origins_on_a_triangle
+    h11_origins_outside_inside_and_behind
+    h12_directions_of_any_length
+    h13_to_h15_rays_that_are_none
+    h16_empty_ranges
+    h17_ranges_are_open
+    h19_grazing_a_long_plane
+    h20_from_very_far_away
+    h21_nothing_at_all
+    h22_one_triangle_and_its_copy
+    h23_flat_scenes
+    h25_degenerate_triangles
+    h37_aimed_rays_at_aligned_offset_thin_and_round_scenes
+}
+
+/// H18 is part of every comparison: `occluded` is `intersect().is_some()`.
+#[test]
+fn h18_random_scenes_of_six_families() {
+    for (accelerator, build) in ACCELERATORS {
+        let suite = Suite { rays: 400_000 * effort(), seed: 1 };
+        match suite.check(build) {
+            Ok(tally) => {
+                // A suite that hits nothing, or everything, compares little.
+                let share = tally.hits as f64 / tally.rays as f64;
+                assert!((0.2..0.8).contains(&share), "{accelerator}: {tally:?}");
+            }
+            Err(violation) => panic!("{accelerator}: {violation}"),
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// The same families through a shrinking generator, which makes small counterexamples.
+    #[test]
+    fn h18_random_scenes_that_shrink(bits in prop::collection::vec(any::<u64>(), 8..512), which in 0usize..6) {
+        for (accelerator, build) in ACCELERATORS {
+            let tally = Regime::ALL[which].check(&mut bits.clone().into_iter(), 16, build);
+            prop_assert!(tally.is_ok(), "{}: {}", accelerator, tally.unwrap_err());
+        }
+    }
+}
+
+/// What the fuzzer keeps, and whatever it ever found (`fuzz/README.md`).
+#[test]
+fn the_fuzzers_corpus() {
+    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/accelerators");
+    let mut files = 0;
+    for file in std::fs::read_dir(corpus).unwrap() {
+        let path = file.unwrap().path();
+        let bytes = std::fs::read(&path).unwrap();
+        for (accelerator, build) in ACCELERATORS {
+            let tally = check_bytes(&bytes, build);
+            assert!(tally.is_ok(), "{}, {accelerator}: {}", path.display(), tally.unwrap_err());
+        }
+        files += 1;
+    }
+    assert!(files > 0, "{corpus} is empty");
+}
+
+/// H30, H35: at the edges and vertices of closed meshes, of any size and far from the origin.
+#[test]
+fn h35_nothing_leaks_at_edges_or_vertices() {
+    let far = DVec3::new(1e5, -1e5, 1e5);
+    let placements = [(1e-6, DVec3::ZERO), (1.0, DVec3::ZERO), (1e6, DVec3::ZERO), (1.0, far)];
+    let meshes: [fn() -> Mesh; 3] = [|| icosphere(3), || torus(24, 12), || statue(2000)];
+    let rays = 8_000 * effort();
+    let mut source = Seeded::new(35);
+    for (mesh, (scale, offset)) in meshes.iter().flat_map(|mesh| placements.map(|p| (mesh(), p))) {
+        let mesh = mesh.placed(scale, offset);
+        let triangles = Triangles::new(mesh.triangles()).unwrap();
+        assert_eq!(triangles.degenerate_count(), 0, "scale {scale}, offset {offset}");
+        for (accelerator, build) in ACCELERATORS {
+            let accel = build(&triangles).unwrap();
+            for target in [Target::Edges, Target::Vertices] {
+                let leaks = leaks(&*accel, &mesh, target, rays, &mut source);
+                assert_eq!(leaks, 0, "{accelerator}, {target:?}, scale {scale}, offset {offset}");
+            }
+        }
+    }
+}
+
+/// H8 with the planes that the structures really have.
+#[test]
+fn h8_origins_on_the_structures_own_planes() {
+    let triangles = Triangles::new(statue(1500).triangles()).unwrap();
+    let kd = KdTree::build(&triangles, &KdOptions::default()).unwrap();
+    let grid = UniformGrid::build(&triangles, &GridOptions::default()).unwrap();
+    let mut planes: Vec<(usize, f64)> = kd.planes().map(|(axis, at)| (axis, f64::from(at))).collect();
+    for axis in 0..3 {
+        planes.extend(grid.planes(axis).map(|at| (axis, at)));
+    }
+    let mut source = Seeded::new(8);
+    let mut ray = || {
+        let mut origin = DVec3::new(source.signed(), source.signed(), source.signed());
+        let mut direction = DVec3::new(source.signed(), source.signed(), source.signed());
+        for _ in 0..source.below(4) {
+            let (axis, at) = source.pick(&planes);
+            origin[axis] = at;
+            direction[axis] = source.pick(&[1.0, -1.0, 0.0, -0.0]);
+        }
+        globillum_geom::Ray::new(origin, direction)
+    };
+    let rays: Vec<_> = (0..4000).map(|_| ray()).collect();
+    for accel in [&kd as &dyn Accel, &grid] {
+        globillum_geom::conformance::compare("H8", accel, triangles.as_slice(), &rays).unwrap();
+    }
+}

@@ -1,0 +1,16 @@
+//! Accelerators against the oracle, over scenes and rays that the fuzzer's bytes spell.
+#![no_main]
+
+use globillum_geom::conformance::check_bytes;
+use globillum_geom::{GridOptions, KdOptions, KdTree, UniformGrid};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let kd = check_bytes(bytes, |triangles| KdTree::build(triangles, &KdOptions::default()));
+    let grid = check_bytes(bytes, |triangles| UniformGrid::build(triangles, &GridOptions::default()));
+    for result in [kd, grid] {
+        if let Err(violation) = result {
+            panic!("{violation}");
+        }
+    }
+});
