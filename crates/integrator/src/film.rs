@@ -122,6 +122,7 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use approx::assert_relative_eq;
 
     #[test]
     fn mean_and_its_variance_follow_the_samples() {
@@ -135,7 +136,7 @@ mod tests {
         film.merge_tile(&Tile::all(1, 1).next().unwrap(), &[sums]);
         assert_eq!(film.mean(0, 0), Rgb::splat(3.0));
         // Sample variance 14/3, over four samples.
-        assert!((film.variance_of_mean(0, 0).g - 14.0 / 12.0).abs() < 1e-15);
+        assert_relative_eq!(film.variance_of_mean(0, 0).g, 14.0 / 12.0, max_relative = 1e-15);
         assert_eq!(film.sample_count(0, 0), 4);
     }
 }

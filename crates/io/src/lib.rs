@@ -8,16 +8,15 @@
 //!
 //! ```
 //! # #[cfg(all(feature = "obj", feature = "images"))]
-//! fn render(mesh: &str, picture: &str) -> Result<(), Box<dyn std::error::Error>> {
-//!     use globillum_io::{PictureFile, load_obj};
-//!
-//!     let loaded = load_obj(mesh.as_ref())?;
-//!     loaded.warnings.iter().for_each(|warning| eprintln!("{warning}"));
-//!     let picture = PictureFile::create(picture.as_ref())?; // Fails now rather than in an hour.
-//!     picture.write(&trace(&loaded.model))?;
-//!     Ok(())
+//! fn picture_of(
+//!     mesh: &std::path::Path,
+//!     picture: &std::path::Path,
+//!     trace: impl Fn(&globillum_integrator::Model) -> globillum_integrator::Film,
+//! ) -> Result<(), globillum_io::IoError> {
+//!     let picture = globillum_io::PictureFile::create(picture)?; // Fails now rather than in an hour.
+//!     let loaded = globillum_io::load_obj(mesh)?;
+//!     picture.write(&trace(&loaded.model))
 //! }
-//! # fn trace(_: &globillum_integrator::Model) -> globillum_integrator::Film { unimplemented!() }
 //! ```
 //!
 //! [`Model`]: globillum_integrator::Model

@@ -93,6 +93,7 @@ fn same_side(wo: DVec3, wi: DVec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use approx::assert_relative_eq;
 
     fn lambert() -> Bsdf {
         Bsdf::Lambert(Reflectance::new(Rgb::new(0.2, 0.5, 0.8)).unwrap())
@@ -109,7 +110,8 @@ mod tests {
                 let pdf = bsdf.pdf(wo, s.wi);
                 assert_eq!(s.density, Density::SolidAngle(pdf));
                 let weight = bsdf.eval(wo, s.wi) * (s.wi.z.abs() / pdf.0);
-                assert!((weight.g - s.weight.g).abs() < 1e-15 && (weight.b - s.weight.b).abs() < 1e-15);
+                assert_relative_eq!(weight.g, s.weight.g, max_relative = 1e-15);
+                assert_relative_eq!(weight.b, s.weight.b, max_relative = 1e-15);
             }
         }
     }
