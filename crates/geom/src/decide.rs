@@ -13,7 +13,7 @@
 
 use crate::exact::difference_of_products;
 use crate::{Ray, Triangle};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3Swizzles};
 
 /// What a ray and a triangle have in common, before any range is considered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +29,9 @@ pub struct Intersection {
 /// A ray made ready for [`Shear::decide`]: the map that takes it to the z axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
-    origin: [f64; 3],
-    axes: [usize; 3],
+    /// Components are permuted so that the ray's main axis is z.
+    main_axis: usize,
+    origin: DVec3,
     slope_x: f64,
     slope_y: f64,
     direction_z: f64,
@@ -54,15 +55,14 @@ impl Shear {
         if !ray.is_traceable() {
             return None;
         }
-        let d = ray.direction.to_array();
-        let z = main_axis(ray.direction);
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let main_axis = main_axis(ray.direction);
+        let direction = permute(ray.direction, main_axis);
         Some(Self {
-            origin: ray.origin.to_array().map(flush),
-            axes: [x, y, z],
-            slope_x: flush(d[x] / d[z]),
-            slope_y: flush(d[y] / d[z]),
-            direction_z: d[z],
+            main_axis,
+            origin: permute(ray.origin, main_axis).map(flush),
+            slope_x: flush(direction.x / direction.z),
+            slope_y: flush(direction.y / direction.z),
+            direction_z: direction.z,
         })
     }
 
@@ -77,7 +77,7 @@ impl Shear {
     /// barycentrics. Seen edge-on, a small displacement can be a large difference in `t`.
     #[inline]
     pub fn decide(&self, triangle: &Triangle) -> Option<Intersection> {
-        let [v0, v1, v2] = &triangle.vertices;
+        let [v0, v1, v2] = triangle.vertices;
         let (a, b, c) = (self.project(v0), self.project(v1), self.project(v2));
         // A plain difference of rounded products has the right sign or is zero: enough to turn
         // away nearly all triangles before the careful evaluation.
@@ -100,10 +100,19 @@ impl Shear {
     }
 
     #[inline]
-    fn project(&self, vertex: &Vec3) -> Sheared {
-        let along = |axis: usize| f64::from(vertex[axis]) - self.origin[axis];
-        let (x, y, z) = (along(self.axes[0]), along(self.axes[1]), along(self.axes[2]));
+    fn project(&self, vertex: Vec3) -> Sheared {
+        let DVec3 { x, y, z } = permute(vertex.as_dvec3(), self.main_axis) - self.origin;
         Sheared { x: x - self.slope_x * z, y: y - self.slope_y * z, z }
+    }
+}
+
+/// The components in cyclic order, so that the one along `main_axis` comes last.
+#[inline]
+fn permute(v: DVec3, main_axis: usize) -> DVec3 {
+    match main_axis {
+        0 => v.yzx(),
+        1 => v.zxy(),
+        _ => v,
     }
 }
 

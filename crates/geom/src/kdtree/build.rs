@@ -55,10 +55,10 @@ impl KdTree {
     /// Memory is bounded beforehand. Over `n` live triangles the leaves hold at most
     /// `b = 8 n + 1024` references (never more than `2^31`), there are fewer than `2 b` nodes, and
     /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `44 n + 88 b` bytes
-    /// beside the triangles: while the root is halved, a box, a position and two events a
-    /// triangle, 44 bytes; later, for each of `b`, a position not yet in a leaf and, a vector
-    /// holding up to three times its content while it grows, a reference and two nodes. Usual
-    /// meshes take a fifth of that.
+    /// beside the triangles: while a cell is halved, a box, a position and two events a triangle,
+    /// 44 bytes; and for each of `b`, a position not yet in a leaf, a reference and two nodes,
+    /// vectors holding up to three times their content while they grow. A closed mesh takes about
+    /// `230 n`.
     ///
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range.

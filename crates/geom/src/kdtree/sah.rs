@@ -144,6 +144,19 @@ mod tests {
     const COSTS: Costs = Costs { traversal: 1.0, empty_factor: 0.8 };
 
     #[test]
+    fn events_sort_by_position_then_kind() {
+        let tiny = f32::from_bits(1);
+        let positions = [-f32::MAX, -1.0, -tiny, 0.0, tiny, 1.0, f32::MAX];
+        let kinds = [Kind::End, Kind::Within, Kind::Start];
+        let events: Vec<Event> =
+            positions.iter().flat_map(|&x| kinds.map(|kind| Event::new(x, kind))).collect();
+        assert!(events.is_sorted());
+        for (i, event) in events.iter().enumerate() {
+            assert_eq!((event.position(), event.kind()), (positions[i / 3], i % 3));
+        }
+    }
+
+    #[test]
     fn the_sweep_counts_every_triangle() {
         let boxes: Vec<Aabb> = [(0.0, 1.0), (1.0, 1.0), (0.5, 3.0), (2.0, 4.0)]
             .map(|(a, b)| Aabb { min: Vec3::new(a, 0.0, 0.0), max: Vec3::new(b, 1.0, 1.0) })

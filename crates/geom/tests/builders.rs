@@ -1,0 +1,606 @@
+//! Scenes that are hard to build for: empty, flat, degenerate, huge, tiny, overlapping, malformed.
+//!
+//! Every structure is built within the bounds that its documentation states, on references, nodes,
+//! cells, depth and bytes, and answers aimed rays with the same bits as brute force. Bytes are
+//! counted for each thread, so tests do not disturb each other.
+//!
+//! The scenes of H40 have 200,000 triangles; with `GLOBILLUM_EFFORT=5` they have the million of
+//! their name.
+
+use allocation_counter::{AllocationInfo, measure};
+use glam::{DVec3, Vec3};
+use globillum_geom::conformance::shapes::{quad, statue};
+use globillum_geom::conformance::{Regime, Seeded, Source};
+use globillum_geom::decide::Shear;
+use globillum_geom::{
+    Accel, BruteForce, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, Triangle, Triangles, UniformGrid,
+};
+use proptest::prelude::*;
+
+/// All structures over the same triangles.
+struct Scene {
+    triangles: Triangles,
+    brute: BruteForce,
+    kd: KdTree,
+    grid: UniformGrid,
+}
+
+impl Scene {
+    fn new(triangles: Vec<Triangle>) -> Self {
+        let triangles = Triangles::new(triangles).expect("coordinates in the domain");
+        Self {
+            brute: BruteForce::build(&triangles),
+            kd: kd_within_bounds(&triangles, &KdOptions::default()),
+            grid: grid_within_bounds(&triangles, &GridOptions::default()),
+            triangles,
+        }
+    }
+
+    /// Checks the answers to `count` aimed rays and returns how many hit.
+    fn check(&self, count: usize) -> usize {
+        let rays = aimed_rays(&self.triangles, count);
+        rays.iter().filter(|ray| self.hit(ray).is_some()).count()
+    }
+
+    /// What all structures answer.
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let expected = self.brute.intersect(ray);
+        for (name, accel) in [("k-d tree", &self.kd as &dyn Accel), ("grid", &self.grid)] {
+            assert_same(name, accel, ray, expected);
+        }
+        expected
+    }
+}
+
+fn assert_same(name: &str, accel: &dyn Accel, ray: &Ray, expected: Option<Hit>) {
+    assert_eq!(bits(accel.intersect(ray)), bits(expected), "{name}, {ray:?}");
+    assert_eq!(accel.occluded(ray), expected.is_some(), "{name}, {ray:?}");
+}
+
+/// A hit as its bits, in which equal means equal.
+fn bits(hit: Option<Hit>) -> Option<([u64; 3], u32)> {
+    hit.map(|h| ([h.t, h.u, h.v].map(f64::to_bits), h.triangle))
+}
+
+/// What `make` returns, and what it allocated.
+fn measured<T>(make: impl FnOnce() -> T) -> (T, AllocationInfo) {
+    let mut made = None;
+    let allocated = measure(|| made = Some(make()));
+    (made.expect("`measure` calls once"), allocated)
+}
+
+/// Builds a tree and checks all that is promised about its size.
+fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
+    let (tree, allocated) = measured(|| KdTree::build(triangles, options).expect("options in range"));
+    let n = triangles.live().len();
+    let b = 8 * n + 1024;
+    let (references, nodes) = (tree.reference_count(), tree.node_count());
+    assert!((n..=b).contains(&references), "{references} references to {n} triangles");
+    assert!(nodes < 2 * b, "{nodes} nodes over {n} triangles");
+    assert!(tree.depth() <= KdTree::MAX_DEPTH, "depth {}", tree.depth());
+    assert!(allocated.bytes_max as usize <= 44 * n + 88 * b, "{} bytes for {n}", allocated.bytes_max);
+    assert_eq!(allocated.bytes_current as usize, tree.bytes() - triangles.bytes());
+    tree
+}
+
+/// Builds a grid and checks all that is promised about its size.
+fn grid_within_bounds(triangles: &Triangles, options: &GridOptions) -> UniformGrid {
+    let (grid, allocated) = measured(|| UniformGrid::build(triangles, options).expect("a grid that fits"));
+    let n = triangles.live().len();
+    let (references, cells) = (grid.reference_count(), cell_count(&grid));
+    assert!((n..=16 * n + 1024).contains(&references), "{references} references to {n} triangles");
+    assert!(options.resolution.is_some() || cells <= 8 * n + 64, "{cells} cells for {n} triangles");
+    assert!(cells <= 1 << 27, "{cells} cells");
+    assert_eq!(allocated.bytes_max as usize, 4 * (cells + 1 + references));
+    assert_eq!(allocated.bytes_current as usize, grid.bytes() - triangles.bytes());
+    grid
+}
+
+fn cell_count(grid: &UniformGrid) -> usize {
+    grid.resolution().map(|r| r as usize).into_iter().product()
+}
+
+/// Rays at vertices, at edges and into triangles, from everywhere, from other triangles and along
+/// axes; for scenes of any size, since distances are those of the scene or of the triangle.
+fn aimed_rays(triangles: &Triangles, count: usize) -> Vec<Ray> {
+    let mut source = Seeded::new(count as u64);
+    if triangles.is_empty() {
+        return vec![Ray::new(DVec3::ZERO, DVec3::X); count];
+    }
+    (0..count).map(|_| aimed_ray(triangles, &mut source)).collect()
+}
+
+fn aimed_ray(triangles: &Triangles, source: &mut Seeded) -> Ray {
+    let triangle = source.pick(triangles.as_slice());
+    let target = point_of(&triangle, source);
+    let size = if source.one_in(2) { triangles.bounds().extent() } else { triangle.bounds().extent() };
+    // Flat boxes too are to be seen from outside their plane.
+    let size = size.max(DVec3::splat(size.max_element() / 8.0));
+    let away = 2.0 * size * DVec3::new(source.signed(), source.signed(), source.signed());
+    let origin = match source.below(4) {
+        0 => point_of(&source.pick(triangles.as_slice()), source),
+        1 => {
+            let axis = source.below(3);
+            target + DVec3::AXES[axis] * away[axis]
+        }
+        _ => target + away,
+    };
+    let signed_zero = |x: f64| if x == 0.0 && source.one_in(2) { -0.0 } else { x };
+    Ray::new(origin, (target - origin).map(signed_zero))
+}
+
+/// A vertex, a point on an edge, or one inside.
+fn point_of(triangle: &Triangle, source: &mut Seeded) -> DVec3 {
+    let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
+    let along = source.unit();
+    match source.below(3) {
+        0 => source.pick(&[a, b, c]),
+        1 => a.lerp(b, along),
+        _ => a.lerp(b, along).lerp(c, source.unit()),
+    }
+}
+
+fn in_cube(source: &mut Seeded) -> Vec3 {
+    DVec3::new(source.signed(), source.signed(), source.signed()).as_vec3()
+}
+
+fn effort() -> usize {
+    std::env::var("GLOBILLUM_EFFORT").ok().and_then(|e| e.parse().ok()).unwrap_or(1)
+}
+
+const CORNER: Triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+
+fn moved(triangle: Triangle, by: Vec3) -> Triangle {
+    Triangle { vertices: triangle.vertices.map(|v| v + by) }
+}
+
+#[test]
+fn h21_nothing() {
+    let scene = Scene::new(Vec::new());
+    assert_eq!(scene.check(10), 0);
+    for accel in [&scene.brute as &dyn Accel, &scene.kd, &scene.grid] {
+        assert!(accel.bounds().is_empty());
+    }
+    assert_eq!((scene.kd.depth(), scene.kd.reference_count(), scene.grid.reference_count()), (0, 0, 0));
+}
+
+#[test]
+fn h22_one_triangle_and_two_identical_ones() {
+    let down = Ray::new(DVec3::new(0.25, 0.25, 1.0), -DVec3::Z);
+    for copies in [1, 2] {
+        let scene = Scene::new(vec![CORNER; copies]);
+        assert!(scene.check(200) > 50);
+        assert_eq!(scene.hit(&down).map(|h| h.triangle), Some(0));
+    }
+}
+
+#[test]
+fn h23_flat_scenes_in_each_plane() {
+    for axis in 0..3 {
+        // A lattice of squares whose coordinate along `axis` is always one.
+        let corner = |x: usize, y: usize| {
+            let mut p = DVec3::ONE;
+            (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (x as f64, y as f64);
+            p
+        };
+        let square = |i: usize| {
+            let (x, y) = (i % 8, i / 8);
+            quad(corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1))
+        };
+        let scene = Scene::new((0..64).flat_map(square).collect());
+        assert_eq!(scene.grid.resolution()[axis], 1);
+        assert!(scene.kd.planes().all(|(a, _)| a != axis) && scene.kd.depth() > 0);
+        assert!(scene.check(2000) > 500);
+    }
+}
+
+#[test]
+fn h24_nothing_but_lines_and_points() {
+    let n = 100_000;
+    let on_the_axis = |i: usize| Triangle { vertices: [i, 2 * i, 5 * i + 1].map(|x| Vec3::X * x as f32) };
+    let point = Triangle { vertices: [Vec3::new(0.1, 0.2, 0.3); 3] };
+    for triangles in [(0..n).map(on_the_axis).collect(), vec![point; n]] {
+        let scene = Scene::new(triangles);
+        assert_eq!(scene.triangles.degenerate_count(), n);
+        assert_eq!(scene.check(100), 0);
+    }
+}
+
+#[test]
+fn h25_degenerate_triangles_keep_their_index_and_are_not_hit() {
+    // Dyadic, so that points on their line can be named exactly.
+    let (a, b) = (Vec3::new(0.125, 0.75, 0.25), Vec3::new(0.875, 0.25, 0.5));
+    let repeated = Triangle::new(a, a, b);
+    let collinear = Triangle::new(a, a + 2.0 * (b - a), a + 0.5 * (b - a));
+    let through_zero = Triangle::new(Vec3::ZERO, b, 4.0 * b);
+    let scene = Scene::new(vec![repeated, through_zero, CORNER, collinear, moved(CORNER, Vec3::Z)]);
+    assert_eq!(scene.triangles.degenerate_count(), 3);
+    assert!(scene.check(500) > 50);
+    let down = Ray::new(DVec3::new(0.25, 0.25, 0.5), -DVec3::Z);
+    assert_eq!(scene.hit(&down).map(|h| h.triangle), Some(2));
+}
+
+/// A spindle: a ring of tiny radius, and two tips far off. Its triangles are 1e8 times as long as
+/// they are wide, and every long edge is shared.
+#[test]
+fn h27_needles_that_share_long_edges_do_not_leak() {
+    let (tip, ring, radius) = (DVec3::new(0.36, 0.48, 0.8), 60_u32, 1e-7);
+    let (side, other) = (tip.any_orthonormal_vector(), tip.cross(tip.any_orthonormal_vector()));
+    let at = |i: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i % ring) / f64::from(ring)).sin_cos();
+        (radius * (cos * side + sin * other)).as_vec3()
+    };
+    let (top, bottom) = (tip.as_vec3(), -tip.as_vec3());
+    let needles = |i| [Triangle::new(at(i), at(i + 1), top), Triangle::new(at(i + 1), at(i), bottom)];
+    let scene = Scene::new((0..ring).flat_map(needles).collect());
+    assert_eq!(scene.triangles.degenerate_count(), 0);
+    let mut source = Seeded::new(27);
+    for _ in 0..20_000 {
+        let origin = (0.5 * radius / 3.0_f64.sqrt()) * in_cube(&mut source).as_dvec3();
+        let [a, b, c] = source.pick(scene.triangles.as_slice()).vertices.map(|v| v.as_dvec3());
+        let target =
+            source.pick(&[a, b, c, a.lerp(c, source.clone().unit()), a.lerp(b, source.clone().unit())]);
+        assert!(scene.hit(&Ray::new(origin, target - origin)).is_some(), "from {origin} to {target}");
+    }
+    scene.check(20_000);
+}
+
+#[test]
+fn h28_bad_coordinates_are_named() {
+    let with = |vertex: usize, axis: usize, value| {
+        let mut triangles = vec![CORNER; 3];
+        triangles[1].vertices[vertex][axis] = value;
+        Triangles::new(triangles)
+    };
+    let limit = Triangles::MAX_COORDINATE;
+    for (vertex, axis) in (0..9).map(|i| (i / 3, i % 3)) {
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let error = with(vertex, axis, value).unwrap_err();
+            assert_eq!(error, GeomError::NonFinite { triangle: 1, vertex });
+        }
+        for value in [limit.next_up(), -limit.next_up(), f32::MAX] {
+            let error = with(vertex, axis, value).unwrap_err();
+            assert_eq!(error, GeomError::Domain { triangle: 1, vertex, value });
+        }
+        for value in [limit, -limit] {
+            let scene = Scene::new(with(vertex, axis, value).unwrap().as_slice().to_vec());
+            scene.check(100);
+        }
+    }
+}
+
+#[test]
+fn h29_negative_zero_is_zero() {
+    let mesh: Vec<Triangle> = Regime::Lattice.triangles(&mut Seeded::new(29));
+    let negated = |x: f32| if x == 0.0 { -0.0 } else { x };
+    let mirrored = mesh.iter().map(|t| Triangle { vertices: t.vertices.map(|v| v.map(negated)) }).collect();
+    let (plain, negative) = (Scene::new(mesh), Scene::new(mirrored));
+    for ray in aimed_rays(&plain.triangles, 2000) {
+        assert_eq!(bits(plain.hit(&ray)), bits(negative.hit(&ray)), "{ray:?}");
+    }
+    let planes = |scene: &Scene| scene.kd.planes().map(|(a, x)| (a, x.to_bits())).collect::<Vec<_>>();
+    assert_eq!(planes(&plain), planes(&negative));
+}
+
+#[test]
+fn h32_denormal_geometry() {
+    let mesh = statue(500).placed(1e-40, DVec3::ZERO).triangles();
+    let scene = Scene::new(mesh);
+    assert!(scene.triangles.live().len() > 100);
+    assert!(scene.check(2000) > 500);
+    // The smallest triangle there is.
+    let scene = Scene::new(vec![Triangle { vertices: CORNER.vertices.map(|v| v * f32::from_bits(1)) }]);
+    assert!(scene.check(200) > 50);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Which triangle wins may change only between those that are hit at the same `t`.
+    #[test]
+    fn h34_the_order_of_triangles_changes_no_distance(
+        choices in prop::collection::vec(any::<u64>(), 8..512), which in 0usize..5, seed in any::<u64>(),
+    ) {
+        let mut source = choices.into_iter();
+        let ordered = Regime::ALL[which].triangles(&mut source);
+        let order = shuffled(ordered.len(), seed);
+        let (plain, mixed) = (Scene::new(ordered.clone()), Scene::new(order.iter().map(|&i| ordered[i]).collect()));
+        for _ in 0..32 {
+            let ray = Regime::ALL[which].ray(&ordered, &mut source);
+            let there = mixed.hit(&ray).map(|h| Hit { triangle: order[h.triangle as usize] as u32, ..h });
+            match (plain.hit(&ray), there) {
+                (Some(a), Some(b)) if a.triangle != b.triangle => {
+                    let other = Shear::new(&ray).and_then(|s| s.decide(&ordered[b.triangle as usize])).unwrap();
+                    prop_assert_eq!(a.t.to_bits(), b.t.to_bits());
+                    prop_assert_eq!(a.t.to_bits(), other.t.to_bits());
+                }
+                (a, b) => prop_assert_eq!(bits(a), bits(b)),
+            }
+        }
+    }
+}
+
+fn shuffled(count: usize, seed: u64) -> Vec<usize> {
+    let mut source = Seeded::new(seed);
+    let mut order: Vec<usize> = (0..count).collect();
+    (1..count).for_each(|i| order.swap(i, source.below(i + 1)));
+    order
+}
+
+#[test]
+fn h38_a_teapot_in_a_stadium() {
+    let mut triangles = statue(10_000).placed(0.1, DVec3::Y * 0.1).triangles();
+    let far = 5e3;
+    let corner = |x: f64, z: f64| DVec3::new(x * far, 0.0, z * far);
+    triangles.extend(quad(corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)));
+    let scene = Scene::new(triangles);
+    assert!(scene.check(1000) > 500);
+    // The tree's planes go where the triangles are; the grid can not know.
+    assert!(scene.kd.planes().filter(|(_, at)| at.abs() < 1.0).count() > 5000);
+}
+
+#[test]
+fn h39_long_diagonal_needles() {
+    let mut source = Seeded::new(39);
+    let mut needle = || {
+        let (a, b) = (in_cube(&mut source), in_cube(&mut source));
+        Triangle::new(a, b, b + 1e-3 * in_cube(&mut source))
+    };
+    let scene = Scene::new((0..8_000).map(|_| needle()).collect());
+    assert!(scene.check(1000) > 250);
+}
+
+fn h40_count() -> usize {
+    200_000 * effort()
+}
+
+#[test]
+fn h40_identical_triangles() {
+    let scene = Scene::new(vec![CORNER; h40_count()]);
+    // No plane can part them.
+    assert_eq!((scene.kd.node_count(), scene.kd.reference_count()), (1, h40_count()));
+    assert!(scene.check(20) > 5);
+    assert_eq!(scene.hit(&Ray::new(DVec3::new(0.25, 0.25, 1.0), -DVec3::Z)).map(|h| h.triangle), Some(0));
+}
+
+#[test]
+fn h40_triangles_at_two_alternating_places() {
+    let place = |i| moved(CORNER, Vec3::new(2.5, 0.0, 0.0) * (i % 2) as f32);
+    let scene = Scene::new((0..h40_count()).map(place).collect());
+    assert_eq!(scene.kd.reference_count(), h40_count());
+    assert!(scene.check(20) > 5);
+    for (x, first) in [(0.25, 0), (2.75, 1)] {
+        let down = Ray::new(DVec3::new(x, 0.25, 1.0), -DVec3::Z);
+        assert_eq!(scene.hit(&down).map(|h| h.triangle), Some(first));
+    }
+}
+
+/// Squares around the y axis, from `1` to `2` in size; square `i` at height `rise` times its size.
+fn nested_squares(rise: f64) -> Vec<Triangle> {
+    let count = h40_count() / 2;
+    let square = |i: usize| {
+        let size = 1.0 + i as f64 / count as f64;
+        let corner = |x: f64, z: f64| size * DVec3::new(x, rise, z);
+        quad(corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0))
+    };
+    (0..count).flat_map(square).collect()
+}
+
+#[test]
+fn h40_nested_squares_in_one_plane() {
+    let scene = Scene::new(nested_squares(0.0));
+    assert!(scene.check(20) > 5);
+    let down = |x: f64| Ray::new(DVec3::new(x, 1.0, 0.1), -DVec3::Y);
+    assert!(scene.hit(&down(0.5)).is_some_and(|h| h.triangle < 2));
+    assert_eq!(scene.hit(&down(2.5)), None);
+}
+
+#[test]
+fn h40_nested_squares_one_above_the_other() {
+    let scene = Scene::new(nested_squares(1.0));
+    assert!(scene.check(20) > 5);
+    let nearest = |ray| scene.hit(&ray).map(|h| h.triangle as usize / 2);
+    let axis = DVec3::new(0.1, 0.0, 0.2);
+    assert_eq!(nearest(Ray::new(axis, DVec3::Y)), Some(0));
+    assert_eq!(nearest(Ray::new(axis + 3.0 * DVec3::Y, -DVec3::Y)), Some(h40_count() / 2 - 1));
+}
+
+/// Triangle `i` at `x = 2^-i`, of size `2^-i`, down to the smallest number there is and beyond.
+#[test]
+fn h41_a_geometric_chain_of_ever_smaller_triangles() {
+    let link = |i: i32| {
+        let s = 2.0_f64.powi(-i) as f32;
+        moved(Triangle::new(Vec3::ZERO, Vec3::new(s, s, 0.0), Vec3::new(0.0, s, s)), Vec3::X * s)
+    };
+    let chain: Vec<Triangle> = (0..1000).map(link).collect();
+    let mut options = KdOptions::default();
+    options.max_depth = Some(u32::MAX);
+    let job = move || {
+        let scene = Scene::new(chain);
+        // The rest is zero in f32.
+        assert_eq!(scene.triangles.live().len(), 150);
+        let deep = kd_within_bounds(&scene.triangles, &options);
+        for ray in aimed_rays(&scene.triangles, 5000) {
+            assert_same("deep k-d tree", &deep, &ray, scene.hit(&ray));
+        }
+        deep.depth()
+    };
+    let thread = std::thread::Builder::new().stack_size(256 * 1024).spawn(job).unwrap();
+    assert_eq!(thread.join().unwrap(), KdTree::MAX_DEPTH);
+}
+
+#[test]
+fn h42_any_depth_and_leaf_size() {
+    let triangles = Triangles::new(statue(500).triangles()).unwrap();
+    let brute = BruteForce::build(&triangles);
+    let rays = aimed_rays(&triangles, 200);
+    for max_depth in [None, Some(0), Some(1), Some(64), Some(65), Some(1_000_000_000)] {
+        for leaf_size in [0, 1, 1_000_000_000] {
+            let mut options = KdOptions::default();
+            (options.max_depth, options.leaf_size) = (max_depth, leaf_size);
+            let tree = kd_within_bounds(&triangles, &options);
+            assert!(tree.depth() <= max_depth.unwrap_or(60));
+            assert!(leaf_size < 1000 || tree.depth() == 0);
+            for ray in &rays {
+                assert_same("k-d tree", &tree, ray, brute.intersect(ray));
+            }
+        }
+    }
+}
+
+/// Six planes box a triangle in; where that costs nothing, every reference could get its six.
+#[test]
+fn h42_empty_space_at_no_cost() {
+    let triangles = Triangles::new(statue(2000).triangles()).unwrap();
+    let mut options = KdOptions::default();
+    (options.max_depth, options.leaf_size) = (Some(60), 0);
+    (options.traversal_cost, options.empty_factor) = (0.0, 1e-3);
+    let tree = kd_within_bounds(&triangles, &options);
+    let brute = BruteForce::build(&triangles);
+    for ray in aimed_rays(&triangles, 2000) {
+        assert_same("k-d tree", &tree, &ray, brute.intersect(&ray));
+    }
+}
+
+#[test]
+fn h42_costs_out_of_range() {
+    let triangles = Triangles::new(vec![CORNER]).unwrap();
+    let refused = |set: &dyn Fn(&mut KdOptions)| {
+        let mut options = KdOptions::default();
+        set(&mut options);
+        matches!(KdTree::build(&triangles, &options), Err(GeomError::Param { .. }))
+    };
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e-300] {
+        assert!(refused(&|o| o.traversal_cost = bad), "traversal_cost {bad}");
+        assert!(refused(&|o| o.empty_factor = bad), "empty_factor {bad}");
+    }
+    for bad in [0.0, -0.0, 1.0_f64.next_up()] {
+        assert!(refused(&|o| o.empty_factor = bad), "empty_factor {bad}");
+    }
+    for good in [0.0, -0.0, 1e300] {
+        assert!(!refused(&|o| o.traversal_cost = good), "traversal_cost {good}");
+    }
+}
+
+fn grid_options(resolution: [u32; 3]) -> GridOptions {
+    let mut options = GridOptions::default();
+    options.resolution = Some(resolution);
+    options
+}
+
+#[test]
+fn h43_impossible_grids_are_refused_before_anything_is_allocated() {
+    let triangles = Triangles::new(statue(500).triangles()).unwrap();
+    let refused = |options: &GridOptions| {
+        let (error, allocated) = measured(|| UniformGrid::build(&triangles, options).unwrap_err());
+        assert_eq!(allocated.count_total, 0, "{options:?}");
+        error
+    };
+    for axis in 0..3 {
+        let mut resolution = [4; 3];
+        resolution[axis] = 0;
+        assert!(matches!(refused(&grid_options(resolution)), GeomError::Param { name: "resolution", .. }));
+        resolution[axis] = 1_000_000_000;
+        assert!(matches!(refused(&grid_options(resolution)), GeomError::Budget { what: "grid cells", .. }));
+    }
+    for all in [4096, 1_000_000_000, u32::MAX] {
+        assert!(matches!(refused(&grid_options([all; 3])), GeomError::Budget { what: "grid cells", .. }));
+    }
+    // As many cells as there may be, but far too many for the references.
+    assert!(matches!(refused(&grid_options([512; 3])), GeomError::Budget { what: "grid references", .. }));
+    for density in [0.0, -0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let mut options = GridOptions::default();
+        options.density = density;
+        assert!(matches!(refused(&options), GeomError::Param { name: "density", .. }), "density {density}");
+    }
+}
+
+#[test]
+fn h43_possible_grids() {
+    let triangles = Triangles::new(statue(500).triangles()).unwrap();
+    let brute = BruteForce::build(&triangles);
+    let mut options = vec![GridOptions::default(); 2];
+    (options[0].density, options[1].density) = (f64::MIN_POSITIVE, f64::MAX);
+    options.extend([[1, 1, 1], [1, 40, 1], [3, 5, 7]].map(grid_options));
+    for options in &options {
+        let grid = grid_within_bounds(&triangles, options);
+        assert!(options.resolution.is_none_or(|r| r == grid.resolution()));
+        for ray in aimed_rays(&triangles, 500) {
+            assert_same("grid", &grid, &ray, brute.intersect(&ray));
+        }
+    }
+}
+
+#[test]
+fn h43_a_flat_axis_has_one_cell() {
+    for axis in 0..3 {
+        let mut flat = Triangle::new(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), Vec3::new(3.0, 1.0, 2.0));
+        flat.vertices.iter_mut().for_each(|v| v[axis] = 0.0);
+        let triangles = Triangles::new(vec![flat]).unwrap();
+        let mut expected = [30; 3];
+        expected[axis] = 1;
+        let grid = grid_within_bounds(&triangles, &grid_options([30; 3]));
+        assert_eq!(grid.resolution(), expected);
+    }
+}
+
+/// Ten thousand triangles in one plane, all around one point, and copies of one behind another.
+#[test]
+fn h44_stacks_of_equal_distance() {
+    let mut source = Seeded::new(44);
+    let mut around_the_origin = || {
+        // Two corners left and one right of the origin, so that most triangles contain it.
+        let (up, down, right) = (source.unit(), source.unit(), source.unit());
+        let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0).as_vec3();
+        Triangle::new(
+            corner(-right, 1.0 + up),
+            corner(-right, -1.0 - down),
+            corner(1.0 + right, source.signed()),
+        )
+    };
+    let mut triangles: Vec<Triangle> = (0..10_000).map(|_| around_the_origin()).collect();
+    let cover = moved(Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y), Vec3::new(-0.25, -0.25, 1.0));
+    triangles.extend([moved(cover, -0.5 * Vec3::Z), cover, cover, moved(cover, -0.5 * Vec3::Z)]);
+    let scene = Scene::new(triangles);
+    let first = |ray| scene.hit(&ray).map(|h| h.triangle);
+    assert_eq!(first(Ray::new(DVec3::Z * 2.0, -DVec3::Z)), Some(10_001));
+    assert_eq!(first(Ray::new(DVec3::Z * 0.75, -DVec3::Z)), Some(10_000));
+    assert_eq!(first(Ray::new(DVec3::Z * -2.0, DVec3::Z)), Some(0));
+    assert!(scene.check(500) > 100);
+}
+
+#[test]
+fn h45_a_thousand_seeds_of_garbage() {
+    let taken = (0..1000).filter(|&seed| check_garbage(seed)).count();
+    // Were all refused, nothing would have been tested.
+    assert!((100..900).contains(&taken), "{taken} scenes taken");
+}
+
+/// Checks a scene of random bits, and returns whether it was taken.
+fn check_garbage(seed: u64) -> bool {
+    let mut source = Seeded::new(seed);
+    let count = source.below(257);
+    // Bits of a number in the domain, one time in so many; else any bits.
+    let tame = source.one_in(2);
+    let mut number = || {
+        let x = f32::from_bits(source.bits() as u32);
+        if tame && (x.is_nan() || x.abs() > Triangles::MAX_COORDINATE) { 1.0 } else { x }
+    };
+    let mut triangle = || Triangle { vertices: [0; 3].map(|_| Vec3::new(number(), number(), number())) };
+    let triangles: Vec<Triangle> = (0..count).map(|_| triangle()).collect();
+    match Triangles::new(triangles.clone()) {
+        Err(GeomError::NonFinite { triangle, vertex }) => {
+            assert!(!triangles[triangle].vertices[vertex].is_finite());
+            false
+        }
+        Err(GeomError::Domain { triangle, vertex, value }) => {
+            assert!(triangles[triangle].vertices[vertex].to_array().contains(&value));
+            false
+        }
+        Err(error) => panic!("{error}"),
+        Ok(_) => {
+            Scene::new(triangles).check(50);
+            true
+        }
+    }
+}

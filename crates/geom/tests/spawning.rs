@@ -1,0 +1,245 @@
+//! Rays and segments that leave surfaces: they meet what is there, and never what they leave.
+//!
+//! Names H48.. are those of docs/testing.md. `GLOBILLUM_EFFORT` multiplies the number of rays;
+//! 10 makes it a million of each kind.
+
+use glam::{DQuat, DVec3, Vec3};
+use globillum_geom::conformance::shapes::{cuboid, icosphere};
+use globillum_geom::conformance::{Seeded, Source};
+use globillum_geom::{BruteForce, Frame, Hit, Ray, Triangle, Triangles};
+use globillum_testkit::scenes::{ACCELERATORS, Builder};
+use std::f64::consts::TAU;
+
+const BUILDERS: [(&str, Builder); 3] =
+    [ACCELERATORS[0], ACCELERATORS[1], ("brute force", |t| Ok(Box::new(BruteForce::build(t))))];
+
+/// Sizes of scenes.
+const SIZES: [f64; 5] = [1e-6, 1e-3, 1.0, 1e3, 1e6];
+
+fn effort() -> usize {
+    let effort = std::env::var("GLOBILLUM_EFFORT").ok();
+    effort.map_or(1, |effort| effort.parse().expect("GLOBILLUM_EFFORT is a whole number"))
+}
+
+/// A number in `(0, 1]`.
+fn positive(source: &mut Seeded) -> f64 {
+    1.0 - source.unit()
+}
+
+/// A power of ten with an exponent between `lo` and `hi`.
+fn magnitude(source: &mut Seeded, lo: f64, hi: f64) -> f64 {
+    10_f64.powf(lo + (hi - lo) * source.unit())
+}
+
+/// A whole number from `-reach` to `reach`.
+fn whole(source: &mut Seeded, reach: i32) -> f64 {
+    f64::from(source.below(2 * reach as usize + 1) as i32 - reach)
+}
+
+/// A point of the cube of half side 1.
+fn in_cube(source: &mut Seeded) -> DVec3 {
+    DVec3::new(source.signed(), source.signed(), source.signed())
+}
+
+/// A direction on the side of the unit vector `normal`: spread evenly, by the cosine, or nearly
+/// along the surface. At `1e-12` above it, rounding can not yet turn a direction to the other
+/// side.
+fn leaving(source: &mut Seeded, normal: DVec3) -> DVec3 {
+    let height = match source.below(3) {
+        0 => positive(source),
+        1 => positive(source).sqrt(),
+        _ => magnitude(source, -12.0, 0.0),
+    };
+    let (radius, angle) = ((1.0 - height * height).sqrt(), TAU * source.unit());
+    Frame::around(normal).to_world(DVec3::new(radius * angle.cos(), radius * angle.sin(), height))
+}
+
+/// Barycentrics of a vertex or of a point on an edge, with an exact zero among them.
+fn on_border(source: &mut Seeded) -> [f64; 2] {
+    let s = source.unit();
+    source.pick(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [s, 0.0], [0.0, s], [s, 1.0 - s]])
+}
+
+/// Barycentrics of any point, a vertex or a point on an edge now and then.
+fn on_triangle(source: &mut Seeded) -> [f64; 2] {
+    if source.one_in(3) {
+        return on_border(source);
+    }
+    let (u, v) = Triangle::sample_uniform([source.unit(), source.unit()]);
+    [u, v]
+}
+
+/// A ray and the triangle that it leaves.
+struct Departure {
+    ray: Ray,
+    from: usize,
+}
+
+/// How many of `departures` are answered wrong, which must be none in any accelerator.
+fn assert_all(
+    triangles: &[Triangle],
+    departures: &[Departure],
+    right: impl Fn(&Departure, Option<Hit>) -> bool,
+    what: &str,
+) {
+    let triangles = Triangles::new(triangles.to_vec()).expect("the triangles are good");
+    for (name, build) in BUILDERS {
+        // Every triangle for every ray takes too long for more than a few.
+        if name == "brute force" && triangles.len() > 100 {
+            continue;
+        }
+        let accel = build(&triangles).expect("the accelerator can be built");
+        let wrong = || departures.iter().filter(|&d| !right(d, accel.intersect(&d.ray)));
+        let first = wrong().next().map(|d| (d.from, d.ray, accel.intersect(&d.ray)));
+        assert_eq!(wrong().count(), 0, "{what}, {name}, of {}: {first:?}", departures.len());
+    }
+}
+
+/// The tetrahedra in which corners are: `size` times their shape, faces outward.
+fn tetrahedra(size: f32) -> [Vec<Triangle>; 2] {
+    let v = |x, y, z| Vec3::new(x, y, z) * size;
+    let corner = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.0), v(0.0, 0.0, 1.0)];
+    let regular = [v(1.0, 1.0, 1.0), v(-1.0, 1.0, -1.0), v(1.0, -1.0, -1.0), v(-1.0, -1.0, 1.0)];
+    [corner, regular].map(|v| {
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        faces.map(|f| Triangle::new(v[f[0]], v[f[1]], v[f[2]])).to_vec()
+    })
+}
+
+/// The barycentrics of a point at `distance` from a random edge of `triangle`.
+fn near_an_edge(source: &mut Seeded, triangle: &Triangle, distance: f64) -> [f64; 2] {
+    let opposite = source.below(3);
+    let [b, c] = [1, 2].map(|i| triangle.vertices[(opposite + i) % 3].as_dvec3());
+    let height = 2.0 * triangle.area() / b.distance(c);
+    let (weight, along) = (distance / height, source.unit());
+    let mut weights = [weight; 3];
+    weights[(opposite + 1) % 3] = (1.0 - weight) * along;
+    weights[(opposite + 2) % 3] = (1.0 - weight) * (1.0 - along);
+    [weights[1], weights[2]]
+}
+
+#[test]
+fn h48_no_ray_escapes_from_the_edges_inside_a_tetrahedron() {
+    let mut source = Seeded::new(48);
+    for size in SIZES {
+        for faces in tetrahedra(size as f32) {
+            let mut depart = || {
+                let from = source.below(4);
+                let distance = size * magnitude(&mut source, -14.0, -1.0);
+                let [u, v] = near_an_edge(&mut source, &faces[from], distance);
+                let point = faces[from].surface_point(u, v);
+                Departure { ray: point.spawn(leaving(&mut source, -point.normal)), from }
+            };
+            let departures: Vec<_> = (0..10_000 * effort()).map(|_| depart()).collect();
+            let lands = |d: &Departure, hit: Option<Hit>| hit.is_some_and(|h| h.triangle as usize != d.from);
+            assert_all(&faces, &departures, lands, &format!("size {size}"));
+        }
+    }
+}
+
+/// Asserts that rays that leave `triangles` outward, from points that these share, meet nothing.
+fn assert_none_returns(source: &mut Seeded, triangles: &[Triangle], count: usize, what: &str) {
+    let mut depart = || {
+        let from = source.below(triangles.len());
+        let [u, v] = on_border(source);
+        let point = triangles[from].surface_point(u, v);
+        Departure { ray: point.spawn(leaving(source, point.normal)), from }
+    };
+    let departures: Vec<_> = (0..count).map(|_| depart()).collect();
+    assert_all(triangles, &departures, |_, hit| hit.is_none(), what);
+}
+
+#[test]
+fn h49_rays_leave_the_edges_and_vertices_of_boxes() {
+    let mut source = Seeded::new(490);
+    // Parallel to the axes, a box of any `f32` corners has plane faces.
+    for _ in 0..400 {
+        let size = magnitude(&mut source, -6.0, 6.0);
+        let center = in_cube(&mut source) * (100.0 * size * source.unit());
+        let half = in_cube(&mut source).abs() * size;
+        let what = format!("a box around {center}, {half}");
+        assert_none_returns(&mut source, &cuboid(center, half, 0.0), 100 * effort(), &what);
+    }
+}
+
+#[test]
+fn h49_rays_leave_the_edges_and_vertices_of_a_ball() {
+    let mut source = Seeded::new(491);
+    for size in SIZES {
+        let ball = icosphere(4).placed(size, DVec3::ZERO).triangles();
+        assert_none_returns(&mut source, &ball, 6_000 * effort(), &format!("size {size}"));
+    }
+}
+
+/// Two triangles on either side of an edge, exactly in one plane: sums of whole multiples of two
+/// vectors of whole numbers are exact in `f32`.
+fn coplanar_neighbours(source: &mut Seeded) -> [Triangle; 2] {
+    let far = source.below(21);
+    let mut vector = |reach| DVec3::from([0; 3].map(|_| whole(source, reach)));
+    let (origin, a, b) = (vector(1 << far), vector(50), vector(50));
+    let scale = 2_f64.powf(whole(source, 38));
+    let mut beside = |side| {
+        let (i, j) = (whole(source, 100), side * (1.0 + source.below(1000) as f64));
+        origin + i * a + j * b
+    };
+    let (left, right) = (beside(1.0), beside(-1.0));
+    let at = |p: DVec3| (p * scale).as_vec3();
+    [[origin, origin + a, left], [origin + a, origin, right]].map(|t| Triangle { vertices: t.map(at) })
+}
+
+#[test]
+fn h49_rays_leave_the_edges_and_vertices_of_a_plane() {
+    let mut source = Seeded::new(492);
+    for _ in 0..1_500 {
+        let sheet = coplanar_neighbours(&mut source);
+        if !sheet.iter().any(Triangle::is_degenerate) {
+            assert_none_returns(&mut source, &sheet, 20 * effort(), &format!("{sheet:?}"));
+        }
+    }
+}
+
+/// Whether all of `points` lie strictly on one side of the plane of `triangle`, decided exactly.
+fn strictly_on_one_side(triangle: &Triangle, points: &Triangle) -> bool {
+    let coord = |v: Vec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
+    let [a, b, c] = triangle.vertices.map(coord);
+    let sides = points.vertices.map(|p| robust::orient3d(a, b, c, coord(p)));
+    sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0)
+}
+
+/// Two triangles, near one plane or not, of which neither can come between points of both.
+fn apart(source: &mut Seeded, size: f64) -> [Triangle; 2] {
+    loop {
+        let flatness = source.pick(&[1.0, 1.0, 1e-2, 1e-4, 1e-6]);
+        let turn = DQuat::from_rotation_arc(DVec3::Y, in_cube(source).normalize());
+        let center = in_cube(source) * source.pick(&[0.0, 10.0]);
+        let mut vertex = || {
+            let v = in_cube(source) * DVec3::new(1.0, flatness, 1.0);
+            (size * (center + turn * v)).as_vec3()
+        };
+        let pair = [0, 1].map(|_| Triangle::new(vertex(), vertex(), vertex()));
+        if strictly_on_one_side(&pair[0], &pair[1]) && strictly_on_one_side(&pair[1], &pair[0]) {
+            return pair;
+        }
+    }
+}
+
+#[test]
+fn h50_two_triangles_apart_never_shade_each_other() {
+    let mut source = Seeded::new(50);
+    for size in SIZES {
+        for _ in 0..2_000 * effort() {
+            let pair = apart(&mut source, size);
+            let mut point = |i: usize| {
+                let [u, v] = on_triangle(&mut source);
+                pair[i].surface_point(u, v)
+            };
+            let segments = [(); 10].map(|()| point(0).segment_to(&point(1)));
+            let triangles = Triangles::new(pair.to_vec()).expect("the triangles are good");
+            for (name, build) in BUILDERS {
+                let accel = build(&triangles).expect("the accelerator can be built");
+                let shaded = segments.iter().find(|segment| accel.occluded(segment));
+                assert_eq!(shaded, None, "{name}, {pair:?}");
+            }
+        }
+    }
+}
