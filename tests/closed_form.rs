@@ -4,9 +4,10 @@
 use approx::assert_relative_eq;
 use glam::DVec3;
 use globillum::geom::Accel;
-use globillum::integrator::{Camera, Estimator, Film, Model, Roulette, Scene, Settings, render};
+use globillum::integrator::{Camera, Estimator, Film, Model, Scene, Settings, render};
 use globillum::material::Rgb;
-use globillum_testkit::scenes::{self, ACCELERATORS, stare};
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::stats::Estimate;
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
@@ -27,8 +28,7 @@ fn in_every_accelerator(
     settings: &Settings,
     check: impl Fn(&Estimate, &str),
 ) {
-    let films =
-        ACCELERATORS.map(|(name, build)| (name, film(&scenes::scene(model, build), camera, settings)));
+    let films = STRUCTURES.map(|(name, build)| (name, film(&scenes::scene(model, build), camera, settings)));
     for (name, film) in &films {
         assert_eq!(*film, films[0].1, "{name} gives another picture");
         let what = format!("{:?} in the {name}", settings.estimator);
@@ -72,14 +72,14 @@ fn c1_a_furnace_after_any_number_of_bounces() {
 fn c2_roulette_from_the_first_bounce_has_the_known_variance() {
     for rho in [0.5, 0.8, 0.9] {
         let mut s = settings(512);
-        (s.estimator, s.roulette) = (Estimator::Bsdf, Roulette { start: 0 });
+        (s.estimator, s.roulette.start) = (Estimator::Bsdf, 0);
         let model = scenes::furnace(rho, 1.0, DVec3::ZERO);
         in_every_accelerator(&model, &into_the_furnace(), &s, |estimate, what| {
             estimate.assert_is(1.0 / (1.0 - rho), &format!("rho {rho}, {what}"));
-            // Such a sample is nearly exponential, of kurtosis 9: over N samples the variance has a
-            // relative standard deviation of sqrt(8 / N), 5.85 of which are 1.15 %.
+            // Such a sample is nearly exponential, of kurtosis 9 to 9.5: over N samples the variance has
+            // a relative standard deviation of at most sqrt(8.5 / N), 5.85 of which are 1.18 %.
             let variance = rho / ((1.0 - rho) * (1.0 - rho));
-            assert!((estimate.sample_variance() / variance - 1.0).abs() < 0.0115, "rho {rho}: {estimate:?}");
+            assert!((estimate.sample_variance() / variance - 1.0).abs() < 0.0118, "rho {rho}: {estimate:?}");
         });
     }
 }
@@ -93,6 +93,28 @@ fn c3_a_square_lamp_above_a_floor() {
         in_every_accelerator(&scenes::lamp_over_floor(), &camera, &s, |estimate, what| {
             estimate.assert_is(0.277_063_212, what);
         });
+    }
+}
+
+/// H55, and one lamp not quite as far: seen from there, a lamp is a point.
+#[test]
+fn h55_a_small_lamp_far_away() {
+    for (side, height) in [(1.0, 100.0), (1e-3, 1e3)] {
+        let model = scenes::distant_lamp(side, height);
+        let eye = DVec3::new(0.1 * height, -0.5 * height, 0.2 * height);
+        let camera = stare(eye, DVec3::new(0.0, -height, 0.0));
+        // Half of the irradiance over pi; the lamp's extent is a correction of second order.
+        let solid_angle = (side / height) * (side / height);
+        let truth = 0.5 / std::f64::consts::PI * solid_angle * (1.0 - solid_angle / 3.0);
+        for estimator in [Estimator::Light, Estimator::Mis] {
+            let mut s = settings(1);
+            s.estimator = estimator;
+            in_every_accelerator(&model, &camera, &s, |estimate, what| {
+                let error = (estimate.mean / truth - 1.0).abs();
+                // The share that scattering has is too small to have been met in so few samples.
+                assert!(error < 1e-4, "{side}, {height}, {what}: {estimate:?} is not {truth}");
+            });
+        }
     }
 }
 
@@ -117,8 +139,8 @@ fn c11_ten_bounces_in_a_corridor_of_mirrors() {
     let camera = stare(DVec3::new(0.0, 0.5, 0.0), DVec3::new(1.0, 1.53, 0.0));
     let model = scenes::mirror_corridor(0.9, 10.0);
     let mut s = Settings::new(2, 2, 1);
-    s.roulette.start = u32::MAX;
-    for (_, build) in ACCELERATORS {
+    s.roulette.start = Settings::MAX_BOUNCES;
+    for (_, build) in STRUCTURES {
         for estimator in ALL {
             s.estimator = estimator;
             for pixel in film(&scenes::scene(&model, build), &camera, &s).means() {
@@ -133,8 +155,9 @@ fn h60_scattering_alone_makes_every_furnace_sample_exact() {
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
     for bounces in [0, 1, 5, 30] {
         let mut s = settings(4);
-        (s.estimator, s.max_bounces, s.roulette.start) = (Estimator::Bsdf, Some(bounces), u32::MAX);
-        for (name, build) in ACCELERATORS {
+        (s.estimator, s.max_bounces, s.roulette.start) =
+            (Estimator::Bsdf, Some(bounces), Settings::MAX_BOUNCES);
+        for (name, build) in STRUCTURES {
             let film = film(&scenes::scene(&model, build), &into_the_furnace(), &s);
             let truth = Rgb::splat(2.0 - 0.5_f64.powi(bounces as i32));
             for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {

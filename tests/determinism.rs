@@ -2,8 +2,9 @@
 #![allow(clippy::print_stderr, reason = "a skipped test says so")]
 
 use glam::{DVec3, Vec3};
-use globillum::geom::{Accel, BruteForce, Triangle};
+use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{Camera, Film, Model, Scene, Settings, render};
+use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::{cornell, scenes, shapes};
 use std::path::Path;
 
@@ -20,12 +21,8 @@ fn film(scene: &Scene<Box<dyn Accel>>, settings: &Settings) -> Film {
 
 /// The same film, to the bit, in every accelerator and for several numbers of threads.
 fn assert_one_picture(model: &Model, with_brute_force: bool) {
-    let mut builders = scenes::ACCELERATORS.to_vec();
-    if with_brute_force {
-        builders.push(("brute force", |t| Ok(Box::new(BruteForce::build(t)))));
-    }
     let mut first = None;
-    for (name, build) in builders {
+    for (name, build) in ACCELERATORS.into_iter().skip(usize::from(!with_brute_force)) {
         let scene = scenes::scene(model, build);
         for threads in [1, 2, 3, 7] {
             let mut settings = settings(6);
@@ -70,7 +67,8 @@ fn h33_the_unit_of_length_changes_no_bit() {
     let mesh = shapes::statue(2000).triangles();
     let blocks = cornell::with_blocks(false).expect("the box is good");
     let statue = cornell::with_mesh(&mesh, true).expect("the box is good");
-    for (model, (name, build)) in [blocks, statue].iter().zip(scenes::ACCELERATORS) {
+    let every = [&blocks, &statue].into_iter().flat_map(|m| ACCELERATORS.map(|accel| (m, accel)));
+    for (model, (name, build)) in every {
         let films = [0, 40, -40].map(|exponent| {
             let scale = 2.0_f32.powi(exponent);
             let scene = scenes::scene(&scaled(model, scale), build);

@@ -23,7 +23,7 @@ pub(crate) fn bounce_rays(accel: &dyn Accel, triangles: &Triangles, rays: &[Ray]
     let hits = rays.iter().filter_map(|ray| Some((ray, accel.intersect(ray)?)));
     hits.zip(0..)
         .map(|((ray, Hit { triangle, u, v, .. }), i)| {
-            let point = triangles.get(triangle).surface_point(u, v);
+            let point = triangles.surface_point(triangle, u, v);
             let direction = on_sphere(Stream::new(0, i, 0).uniform_pair(0));
             let outward = point.normal.dot(direction) * point.normal.dot(ray.direction) <= 0.0;
             point.spawn(if outward { direction } else { -direction })

@@ -1,4 +1,5 @@
 use crate::{Aabb, Hit, Ray};
+use std::fmt::Debug;
 
 /// A structure that finds the triangle a ray meets.
 ///
@@ -11,10 +12,11 @@ use crate::{Aabb, Hit, Ray};
 ///    `intersect(r).is_some()`, always.
 /// 2. Among equal `t` the smallest triangle index wins.
 /// 3. A ray that is not [traceable](Ray::is_traceable) hits nothing. `-0.0` acts as `+0.0`.
-/// 4. Scaling a direction by `2^k` scales `t` by exactly `2^-k`.
+/// 4. Scaling a direction by `2^k` scales `t` by exactly `2^-k`, as long as it stays within
+///    [`Ray::DIRECTION_DOMAIN`] and no component or `t` leaves the normal range of `f64`.
 /// 5. Degenerate triangles are never hit; a structure over no triangles hits nothing.
 /// 6. Queries neither panic nor allocate more than their output.
-pub trait Accel: Send + Sync {
+pub trait Accel: Debug + Send + Sync {
     /// The closest hit in the ray's range; `None` if there is none.
     fn intersect(&self, ray: &Ray) -> Option<Hit>;
 
@@ -42,23 +44,32 @@ pub trait Accel: Send + Sync {
     fn bytes(&self) -> usize;
 }
 
-impl<A: Accel + ?Sized> Accel for Box<A> {
-    fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        (**self).intersect(ray)
-    }
-    fn occluded(&self, ray: &Ray) -> bool {
-        (**self).occluded(ray)
-    }
-    fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        (**self).intersect_batch(rays, hits);
-    }
-    fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
-        (**self).occluded_batch(rays, occluded);
-    }
-    fn bounds(&self) -> Aabb {
-        (**self).bounds()
-    }
-    fn bytes(&self) -> usize {
-        (**self).bytes()
-    }
+/// An accelerator behind a pointer is an accelerator.
+macro_rules! forward_accel {
+    ($pointer:ty) => {
+        impl<A: Accel + ?Sized> Accel for $pointer {
+            fn intersect(&self, ray: &Ray) -> Option<Hit> {
+                (**self).intersect(ray)
+            }
+            fn occluded(&self, ray: &Ray) -> bool {
+                (**self).occluded(ray)
+            }
+            fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+                (**self).intersect_batch(rays, hits);
+            }
+            fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+                (**self).occluded_batch(rays, occluded);
+            }
+            fn bounds(&self) -> Aabb {
+                (**self).bounds()
+            }
+            fn bytes(&self) -> usize {
+                (**self).bytes()
+            }
+        }
+    };
 }
+
+forward_accel!(&A);
+forward_accel!(Box<A>);
+forward_accel!(std::sync::Arc<A>);

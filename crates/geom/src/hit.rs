@@ -1,7 +1,7 @@
 /// Where a ray meets a triangle: small and unshaded.
 ///
 /// The point is `(1 - u - v) * v0 + u * v1 + v * v2`; see
-/// [`Triangle::surface_point`](crate::Triangle::surface_point).
+/// [`Triangles::surface_point`](crate::Triangles::surface_point).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Ray parameter, in multiples of the ray's direction; strictly inside the ray's range.

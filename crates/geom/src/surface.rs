@@ -4,37 +4,48 @@ use glam::DVec3;
 /// Unit roundoff of `f64`.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// A point on a triangle, from which rays leave without meeting the triangle again.
+/// How far, on each axis, a hit's point on the ray may be from the triangle, in units of `U` times
+/// the largest coordinate distance between the ray's origin and the triangle: 24 for the decision,
+/// the rest for the rounding of a direction between two points.
+const HIT_ERR: f64 = 26.0;
+
+/// A point on a triangle of a scene, from which rays leave without meeting the triangle again, or
+/// another one in the same plane.
 ///
-/// The computed position lies off the triangle's plane by a rounding error; `plane_err` bounds
-/// it. A ray that leaves starts that far off the plane, on the side to which it goes, so that no
-/// length has to be guessed: the offset scales with the scene.
+/// The computed position lies off the triangle's plane by a rounding error, and so does the place
+/// where a ray seems to meet it. `plane_err` covers both: a ray that leaves starts that far off the
+/// plane, on the side to which it goes. No length has to be guessed, since it scales with the
+/// scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SurfacePoint {
     /// Position in world space, rounded.
     pub position: DVec3,
     /// Unit geometric normal `n_g`, on the triangle's front.
     pub normal: DVec3,
-    /// Bound on the distance between `position` and the triangle's plane, in units of length,
-    /// with room for the rounding of the offset point itself.
+    /// A distance from the triangle's plane, in units of length, at which a ray that leads away
+    /// from the plane certainly hits nothing that lies within it.
     pub plane_err: f64,
 }
 
 impl SurfacePoint {
-    /// The point of `triangle` with barycentrics `u` (second vertex) and `v` (third vertex).
+    /// The point of `triangle` with barycentrics `u` (second vertex) and `v` (third vertex), in a
+    /// scene whose longest side is `scene_extent`.
     ///
-    /// The bound is `|n| . (u |v0| + 3u extent + 2u |p|)` with `u = 2^-53` and `extent` the
-    /// largest component of `|e1| + |e2| + |e1 - e2|` (NVIDIA, "Solving Self-Intersection
-    /// Artifacts in DirectX Raytracing", 2023, without its transforms; derived in
-    /// docs/numerics.md).
-    pub(crate) fn on(triangle: &Triangle, u: f64, v: f64) -> Self {
+    /// With `u = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the
+    /// distance is `|n| . (u |v0| + 3u extent + 2u |p| + 26u scene_extent)`: the first three terms
+    /// for the position and its offset (NVIDIA, "Solving Self-Intersection Artifacts in DirectX
+    /// Raytracing", 2023), the last for what a decision within the scene may be off
+    /// (docs/numerics.md).
+    pub(crate) fn on(triangle: &Triangle, u: f64, v: f64, scene_extent: f64) -> Self {
         let [e1, e2] = triangle.edges();
         let v0 = triangle.vertices[0].as_dvec3();
         let position = v0 + (u * e1 + v * e2);
         let normal = triangle.normal();
         let extent = (e1.abs() + e2.abs() + (e1 - e2).abs()).max_element();
-        let position_err = U * v0.abs() + DVec3::splat(3.0 * U * extent) + 2.0 * U * position.abs();
-        Self { position, normal, plane_err: normal.abs().dot(position_err) }
+        let evenly = DVec3::splat(3.0 * extent + HIT_ERR * scene_extent);
+        let err = U * (v0.abs() + evenly + 2.0 * position.abs());
+        Self { position, normal, plane_err: normal.abs().dot(err) }
     }
 
     /// Where a ray toward `direction` starts: off the plane on that side.
@@ -49,8 +60,13 @@ impl SurfacePoint {
     }
 
     /// The open segment between two surface points, each end offset toward the other.
-    pub fn segment_to(&self, other: &Self) -> Ray {
+    ///
+    /// `None` if one of them can not be told from lying in the other's plane: nothing is to be seen
+    /// along a surface.
+    pub fn segment_to(&self, other: &Self) -> Option<Ray> {
         let between = other.position - self.position;
-        Ray::segment(self.leave_toward(between), other.leave_toward(-between))
+        let stands_off = |at: &Self| at.normal.dot(between).abs() > at.plane_err;
+        (stands_off(self) && stands_off(other))
+            .then(|| Ray::segment(self.leave_toward(between), other.leave_toward(-between)))
     }
 }

@@ -1,5 +1,5 @@
 use crate::exact::cross;
-use crate::{Aabb, PdfArea, SurfacePoint};
+use crate::{Aabb, PdfArea};
 use glam::{DVec3, Vec3};
 
 /// A triangle with `f32` vertices, the unit of all geometry.
@@ -61,11 +61,6 @@ impl Triangle {
         let collinear =
             projected_area(0, 1) == 0.0 && projected_area(1, 2) == 0.0 && projected_area(2, 0) == 0.0;
         collinear || self.area_vector() == DVec3::ZERO
-    }
-
-    /// The point `(1 - u - v) * v0 + u * v1 + v * v2`, with what is needed to leave it.
-    pub fn surface_point(&self, u: f64, v: f64) -> SurfacePoint {
-        SurfacePoint::on(self, u, v)
     }
 
     /// A point chosen uniformly by area from `u` in `[0, 1)^2`, as barycentrics `(u, v)`, by the

@@ -1,4 +1,4 @@
-use crate::{Aabb, GeomError, Triangle};
+use crate::{Aabb, GeomError, SurfacePoint, Triangle};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -12,6 +12,8 @@ pub struct Triangles {
     all: Arc<[Triangle]>,
     live: Arc<[u32]>,
     bounds: Aabb,
+    /// The longest side of `bounds`.
+    extent: f64,
 }
 
 impl Triangles {
@@ -41,7 +43,7 @@ impl Triangles {
                 bounds = bounds.union(&triangle.bounds());
             }
         }
-        Ok(Self { all: triangles.into(), live: live.into(), bounds })
+        Ok(Self { all: triangles.into(), live: live.into(), bounds, extent: bounds.extent().max_element() })
     }
 
     /// The triangle of that index, degenerate or not.
@@ -51,6 +53,15 @@ impl Triangles {
     #[inline]
     pub fn get(&self, index: u32) -> &Triangle {
         &self.all[index as usize]
+    }
+
+    /// The point `(1 - u - v) * v0 + u * v1 + v * v2` of the triangle of that index, with what is
+    /// needed to leave it.
+    ///
+    /// # Panics
+    /// If `index` is not below [`Triangles::len`].
+    pub fn surface_point(&self, index: u32, u: f64, v: f64) -> SurfacePoint {
+        SurfacePoint::on(self.get(index), u, v, self.extent)
     }
 
     /// All triangles in input order, degenerate ones included.

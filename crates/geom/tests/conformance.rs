@@ -5,18 +5,10 @@
 
 use glam::DVec3;
 use globillum_geom::conformance::shapes::{Mesh, icosphere, statue, torus};
-use globillum_geom::conformance::{Regime, Seeded, Source, Suite, Target, cases, check_bytes, leaks};
-use globillum_geom::{Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum_geom::conformance::{Regime, Seeded, Source, Suite, Tally, Target, cases, check_bytes, leaks};
+use globillum_geom::{Accel, BruteForce, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum_testkit::accelerators::ACCELERATORS;
 use proptest::prelude::*;
-
-type Builder = fn(&Triangles) -> Result<Box<dyn Accel>, GeomError>;
-
-/// One line an accelerator.
-const ACCELERATORS: [(&str, Builder); 3] = [
-    ("brute force", |t| Ok(Box::new(BruteForce::build(t)))),
-    ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
-    ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
-];
 
 fn effort() -> u64 {
     std::env::var("GLOBILLUM_EFFORT").ok().and_then(|e| e.parse().ok()).unwrap_or(1)
@@ -59,9 +51,26 @@ hard_cases! {
     h20_from_very_far_away
     h21_nothing_at_all
     h22_one_triangle_and_its_copy
-    h23_flat_scenes
+    h23_a_scene_flat_in_x
+    h23_a_scene_flat_in_y
+    h23_a_scene_flat_in_z
     h25_degenerate_triangles
     h37_aimed_rays_at_aligned_offset_thin_and_round_scenes
+}
+
+/// A family whose rays hit nothing, or always, compares little.
+#[test]
+fn every_family_hits_and_misses() {
+    let mut source = Seeded::new(2);
+    for regime in Regime::ALL {
+        let mut tally = Tally::default();
+        for _ in 0..400 {
+            tally += regime.check(&mut source, 64, |t| Ok(BruteForce::build(t))).unwrap();
+        }
+        let share = tally.hits as f64 / tally.rays as f64;
+        assert!((0.15..0.85).contains(&share), "{regime:?}: {tally:?}");
+        assert!(tally.rays > 15_000, "{regime:?}: {tally:?}");
+    }
 }
 
 /// H18 is part of every comparison: `occluded` is `intersect().is_some()`.

@@ -26,11 +26,16 @@ impl Camera {
         let forward = (target - eye)
             .try_normalize()
             .ok_or(RenderError::Camera("eye and target must be finite and apart"))?;
-        let right = forward
-            .cross(up)
-            .try_normalize()
-            .ok_or(RenderError::Camera("up must be finite and not parallel to the view"))?;
-        let half_height = (0.5 * fov_y).tan();
+        let parallel = RenderError::Camera("up must be finite and not parallel to the view");
+        let up = up.try_normalize().ok_or(parallel.clone())?;
+        let right = forward.cross(up);
+        // A smaller product than this may be nothing but rounding.
+        if right.length() < 8.0 * f64::EPSILON {
+            return Err(parallel);
+        }
+        let right = right.normalize();
+        // Not the platform's tangent: the same picture on every machine.
+        let half_height = libm::tan(0.5 * fov_y);
         Ok(Self { eye, forward, right: right * half_height, up: right.cross(forward) * half_height })
     }
 
@@ -59,6 +64,10 @@ mod tests {
         assert!(look(DVec3::ZERO, DVec3::Y, 1.0).is_ok());
         assert!(look(-DVec3::Z, DVec3::Y, 1.0).is_err());
         assert!(look(DVec3::ZERO, DVec3::Z, 1.0).is_err());
+        let view = DVec3::new(0.3, -0.7, 0.2);
+        assert!(
+            (1..100).all(|i| { Camera::look_at(DVec3::ZERO, view, view * 0.1 * f64::from(i), 1.0).is_err() })
+        );
         assert!(look(DVec3::NAN, DVec3::Y, 1.0).is_err());
         for fov in [0.0, -1.0, std::f64::consts::PI, f64::NAN] {
             assert!(look(DVec3::ZERO, DVec3::Y, fov).is_err(), "{fov}");

@@ -50,7 +50,7 @@ impl Emitters {
     pub(crate) fn sample(&self, triangles: &Triangles, choice: f64, u: [f64; 2]) -> Option<EmitterSample> {
         let (index, emission) = self.emitting[self.table.sample(choice)?];
         let (u, v) = Triangle::sample_uniform(u);
-        let point = triangles.get(index).surface_point(u, v);
+        let point = triangles.surface_point(index, u, v);
         Some(EmitterSample { point, emission, pdf: self.density(&emission) })
     }
 

@@ -1,4 +1,5 @@
 use globillum_geom::GeomError;
+use globillum_material::MaterialError;
 use thiserror::Error;
 
 /// Why a scene could not be set up, or a picture not be rendered.
@@ -8,6 +9,9 @@ pub enum RenderError {
     /// The triangles were refused, or the accelerator could not be built.
     #[error(transparent)]
     Geometry(#[from] GeomError),
+    /// A radiance or a reflectance was refused.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
     /// A parameter is out of its range.
     #[error("{name} = {value} is outside {range}")]
     Param {

@@ -14,7 +14,7 @@ pub trait Monitor: Sync {
     /// Called after each tile.
     fn progress(&self, _progress: Progress) {}
 
-    /// Asked before each tile; `true` ends the render with what is whole so far.
+    /// Asked before each bounce of each tile; `true` ends the render with what is whole so far.
     fn cancelled(&self) -> bool {
         false
     }

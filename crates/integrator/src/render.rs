@@ -1,5 +1,5 @@
 use crate::film::PixelSum;
-use crate::path::{PassSamples, Wave};
+use crate::path::{PassSamples, View, Wave};
 use crate::tile::Tile;
 use crate::{Camera, Counters, Film, Monitor, Progress, RenderError, Scene, Settings};
 use globillum_geom::Accel;
@@ -79,12 +79,12 @@ impl<A: Accel, M: Monitor> Job<'_, A, M> {
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
             .map_init(Wave::default, |wave, tile| {
-                if self.monitor.cancelled() {
+                let view = View { scene: self.scene, camera: self.camera, settings: self.settings };
+                let Some(counters) = wave.trace(&view, tile, pass, || self.monitor.cancelled()) else {
                     return Ok(None);
-                }
-                let (sums, counters) = wave.render(self.scene, self.camera, self.settings, tile, pass)?;
+                };
                 self.report(counters.camera_rays);
-                Ok(Some((tile, sums, counters)))
+                Ok(Some((tile, wave.sum_pixels(tile, pass)?, counters)))
             })
             .collect();
         // A pass with a tile missing is no pass.

@@ -1,7 +1,7 @@
 use crate::{Emitters, Model, RenderError};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, SurfacePoint, Triangles};
-use globillum_material::{Material, Rgb};
+use globillum_material::{Emission, Material, Rgb, Sides};
 
 /// A scene ready for rendering: triangles, their materials, the lights among them, and the
 /// accelerator that finds them.
@@ -17,6 +17,7 @@ pub struct Scene<A> {
 
 /// A hit, looked up: where it is and what is there.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Interaction<'a> {
     /// The point on the triangle.
     pub point: SurfacePoint,
@@ -48,9 +49,13 @@ impl<A: Accel> Scene<A> {
 
     /// The same scene within an environment of constant `radiance`, which is what a ray that
     /// leaves the scene sees.
-    #[must_use]
-    pub fn with_environment(self, radiance: Rgb) -> Self {
-        Self { environment: radiance, ..self }
+    ///
+    /// # Errors
+    /// [`RenderError::Material`] for a component that is negative, not finite or too large.
+    pub fn with_environment(self, radiance: Rgb) -> Result<Self, RenderError> {
+        // What an emitter may not emit can not arrive from outside either.
+        Emission::new(radiance, Sides::Both)?;
+        Ok(Self { environment: radiance, ..self })
     }
 
     /// The accelerator.
@@ -74,10 +79,13 @@ impl<A: Accel> Scene<A> {
     }
 
     /// Looks up what `ray` met at `hit`, a hit of this scene's accelerator.
+    ///
+    /// # Panics
+    /// If `hit` names a triangle that this scene does not have.
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
         let material_id = self.material_ids[hit.triangle as usize];
         Interaction {
-            point: self.triangles.get(hit.triangle).surface_point(hit.u, hit.v),
+            point: self.triangles.surface_point(hit.triangle, hit.u, hit.v),
             material: &self.materials[material_id as usize],
             wo: -unit(ray.direction),
         }

@@ -13,10 +13,11 @@ pub struct Settings {
     pub samples: u32,
     /// Which random numbers are used.
     pub seed: u64,
-    /// Worker threads; 0 for as many as the machine offers.
+    /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for as many as the machine offers.
     pub threads: usize,
     /// Most bounces of a path: 0 is emitted light only, 1 adds direct light. A limit biases the
-    /// picture: light of more bounces is missing. `None` leaves the end to [`Roulette`] alone.
+    /// picture: light of more bounces is missing. `None` leaves the end to [`Roulette`] alone. At
+    /// most [`Settings::MAX_BOUNCES`].
     pub max_bounces: Option<u32>,
     /// How light is found.
     pub estimator: Estimator,
@@ -30,8 +31,10 @@ pub struct Settings {
 /// A path survives with the probability of its throughput's largest component, at most
 /// [`Roulette::MAX_SURVIVE_PROB`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Roulette {
-    /// How many bounces come before the first one that may be refused.
+    /// How many bounces come before the first one that may be refused. Without a limit on
+    /// bounces, at most [`Settings::MAX_BOUNCES`].
     pub start: u32,
 }
 
@@ -44,6 +47,10 @@ impl Roulette {
 impl Settings {
     /// The most pixels of a picture: `2^27`.
     pub const MAX_PIXELS: u64 = 1 << 27;
+    /// The most worker threads.
+    pub const MAX_THREADS: usize = 1024;
+    /// The most bounces that a path can be made to take: `2^20`.
+    pub const MAX_BOUNCES: u32 = 1 << 20;
 
     /// `width` x `height` pixels of `samples` samples each; seed 0, all threads, no limit on
     /// bounces, multiple importance sampling, roulette from the fourth bounce on.
@@ -60,6 +67,11 @@ impl Settings {
         }
     }
 
+    /// How many bounces a path takes whatever roulette says, if it finds something to bounce off.
+    fn certain_bounces(&self) -> u32 {
+        self.max_bounces.unwrap_or(self.roulette.start)
+    }
+
     /// Checks every setting against its range; [`render`](crate::render) does so too.
     ///
     /// # Errors
@@ -71,6 +83,13 @@ impl Settings {
             (self.height >= 1, "height", f64::from(self.height), "[1, inf)"),
             (pixels <= Self::MAX_PIXELS, "width x height", pixels as f64, "[1, 2^27]"),
             (self.samples >= 1, "samples", f64::from(self.samples), "[1, inf)"),
+            (self.threads <= Self::MAX_THREADS, "threads", self.threads as f64, "[0, 1024]"),
+            (
+                self.certain_bounces() <= Self::MAX_BOUNCES,
+                "bounces",
+                f64::from(self.certain_bounces()),
+                "[0, 2^20]",
+            ),
         ];
         match checks.into_iter().find(|(valid, ..)| !valid) {
             Some((_, name, value, range)) => Err(RenderError::Param { name, value, range }),

@@ -28,6 +28,7 @@ pub enum Density {
 
 /// A direction chosen by [`Bsdf::sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BsdfSample {
     /// Unit direction, local frame.
     pub wi: DVec3,

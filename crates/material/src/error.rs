@@ -8,7 +8,7 @@ pub enum MaterialError {
     /// A reflectance component is outside `[0, 1]` or not a number.
     #[error("reflectance {0} is not within [0, 1]")]
     Reflectance(Rgb),
-    /// An emitted radiance component is negative or not finite.
-    #[error("emitted radiance {0} is negative or not finite")]
+    /// A radiance component is negative, too large or not finite.
+    #[error("radiance {0} is not within [0, 1e100]")]
     Emission(Rgb),
 }

@@ -40,12 +40,15 @@ impl Emission {
     /// No light at all.
     pub const NONE: Self = Self { radiance: Rgb::BLACK, sides: Sides::Front };
 
+    /// The largest radiance: sums and squares of it stay finite.
+    pub const MAX_RADIANCE: f64 = 1e100;
+
     /// Emits `radiance`, in power per area and steradian, from `sides`.
     ///
     /// # Errors
-    /// [`MaterialError::Emission`] for a negative, infinite or NaN component.
+    /// [`MaterialError::Emission`] for a component outside `[0, MAX_RADIANCE]` or NaN.
     pub fn new(radiance: Rgb, sides: Sides) -> Result<Self, MaterialError> {
-        let valid = radiance.is_finite() && radiance.to_array().iter().all(|&x| x >= 0.0);
+        let valid = radiance.to_array().iter().all(|x| (0.0..=Self::MAX_RADIANCE).contains(x));
         if valid { Ok(Self { radiance, sides }) } else { Err(MaterialError::Emission(radiance)) }
     }
 
@@ -100,7 +103,7 @@ impl Material {
     /// A black surface that emits `radiance` from its front.
     ///
     /// # Errors
-    /// [`MaterialError::Emission`] for a negative, infinite or NaN component.
+    /// [`MaterialError::Emission`] for a component outside `[0, Emission::MAX_RADIANCE]` or NaN.
     pub fn lamp(radiance: Rgb) -> Result<Self, MaterialError> {
         let bsdf = Bsdf::Lambert(Reflectance::default());
         Ok(Self { bsdf, emission: Emission::new(radiance, Sides::Front)? })
@@ -123,7 +126,7 @@ mod tests {
             assert!(Material::lambert(Rgb::new(0.5, bad, 0.5)).is_err(), "{bad}");
             assert!(Material::mirror(Rgb::new(bad, 0.5, 0.5)).is_err(), "{bad}");
         }
-        for bad in [-0.1, f64::NAN, f64::INFINITY] {
+        for bad in [-0.1, 1.1e100, f64::NAN, f64::INFINITY] {
             assert!(Material::lamp(Rgb::new(0.5, bad, 0.5)).is_err(), "{bad}");
         }
         assert!(Material::lamp(Rgb::splat(1000.0)).is_ok());

@@ -1,6 +1,7 @@
 //! What the project's tests, benches and examples share. Not published.
 #![allow(clippy::missing_panics_doc, reason = "it is for tests, where a panic is the message")]
 
+pub mod accelerators;
 pub mod accuracy;
 pub mod aimed;
 pub mod cornell;

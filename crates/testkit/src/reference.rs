@@ -48,6 +48,9 @@ impl Reference {
     /// Compares `film`, of the reference's resolution, with `blocks`.
     pub fn deviation(&self, film: &Film, blocks: &Blocks) -> Deviation {
         let mut deviation = Deviation::default();
+        let side = (self.resolution / self.block) as usize;
+        assert!(blocks.blocks.len() == side && blocks.blocks.iter().all(|row| row.len() == side));
+        assert_eq!((film.width(), film.height()), (self.resolution, self.resolution));
         for (row, columns) in blocks.blocks.iter().enumerate() {
             for (column, expected) in columns.iter().enumerate() {
                 let (mean, variance) = self.block_of(film, column as u32, row as u32);
@@ -56,6 +59,7 @@ impl Reference {
                     let error = (mean[c] - expected[c]).abs();
                     // Both may know a block exactly, such as one that is black.
                     let z = if error == 0.0 { 0.0 } else { error / std_err };
+                    assert!(!z.is_nan(), "block ({column}, {row}) is not a number");
                     deviation.largest_z = deviation.largest_z.max(z);
                 }
             }

@@ -1,19 +1,11 @@
 //! Scenes whose light is known in closed form, and cameras that look at one point of them.
 
+use crate::accelerators::Builder;
 use crate::shapes::{cuboid, inside_out, quad};
 use glam::DVec3;
-use globillum_geom::{Accel, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum_geom::Accel;
 use globillum_integrator::{Camera, Model, Scene};
 use globillum_material::{Emission, Material, Rgb, Sides};
-
-/// Every accelerator that pictures are made with, by name.
-pub type Builder = fn(&Triangles) -> Result<Box<dyn Accel>, GeomError>;
-
-/// The accelerators that pictures are made with.
-pub const ACCELERATORS: [(&str, Builder); 2] = [
-    ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
-    ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
-];
 
 /// A scene from a model that is known to be good.
 ///
@@ -62,6 +54,18 @@ pub fn lamp_over_floor() -> Model {
     model.add(lambert(0.5), quad(p(lo, 0.0, hi), p(hi, 0.0, hi), p(hi, 0.0, lo), p(lo, 0.0, lo)));
     let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
     model.add(lamp, quad(p(lo, 1.0, lo), p(hi, 1.0, lo), p(hi, 1.0, hi), p(lo, 1.0, hi)));
+    model
+}
+
+/// H55: a square lamp of radiance 1 at the origin, facing down, and a floor of albedo 0.5 that lies
+/// `height` below it.
+pub fn distant_lamp(side: f64, height: f64) -> Model {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    let (h, w) = (side / 2.0, height);
+    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
+    model.add(lamp, quad(p(-h, 0.0, -h), p(h, 0.0, -h), p(h, 0.0, h), p(-h, 0.0, h)));
+    model.add(lambert(0.5), quad(p(-w, -w, w), p(w, -w, w), p(w, -w, -w), p(-w, -w, -w)));
     model
 }
 

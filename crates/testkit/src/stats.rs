@@ -30,7 +30,7 @@ impl Estimate {
         let pixels = || (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
         let n = pixels().count() as f64;
         let mean = pixels().map(|(x, y)| component(film.mean(x, y))).sum::<f64>() / n;
-        // Spread within pixels plus spread between them: together that of all samples.
+        // All pixels show the same, so their variances add up to that of the sum.
         let within: f64 = pixels().map(|(x, y)| component(film.variance_of_mean(x, y))).sum();
         let count = pixels().map(|(x, y)| film.sample_count(x, y) as f64).sum();
         Self { mean, std_err: within.sqrt() / n, count }
@@ -55,14 +55,5 @@ impl Estimate {
         assert!(margin <= PRECISION * truth, "{what}: {self:?} is too wide for {truth}");
         let error = (self.mean - truth).abs();
         assert!(error <= margin + 1e-12 * truth, "{what}: {self:?} is not {truth}, z = {}", self.z(truth));
-    }
-
-    /// Asserts that two independent estimates agree, both precise.
-    ///
-    /// # Panics
-    /// If they do not, naming `what`.
-    pub fn assert_agrees(&self, other: &Self, what: &str) {
-        let std_err = self.std_err.hypot(other.std_err);
-        Self { std_err, ..*self }.assert_is(other.mean, what);
     }
 }

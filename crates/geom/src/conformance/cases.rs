@@ -9,6 +9,7 @@ use std::f64;
 
 /// A scene, rays at it, and what is known beforehand about their hits.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Case {
     /// Its number and what it is about.
     pub name: &'static str,
@@ -101,7 +102,9 @@ pub fn all() -> Vec<Case> {
         h20_from_very_far_away(),
         h21_nothing_at_all(),
         h22_one_triangle_and_its_copy(),
-        h23_flat_scenes(),
+        h23_a_scene_flat_in_x(),
+        h23_a_scene_flat_in_y(),
+        h23_a_scene_flat_in_z(),
         h25_degenerate_triangles(),
         h37_aimed_rays_at_aligned_offset_thin_and_round_scenes(),
     ]
@@ -343,24 +346,38 @@ pub fn h22_one_triangle_and_its_copy() -> Case {
     Case::new("H22 one triangle and its copy", vec![triangle; 2], rays)
 }
 
-/// H23: everything in one plane, for each axis.
-pub fn h23_flat_scenes() -> Case {
-    // All three flat scenes at once would not be flat: tested through their union's faces here,
-    // one by one in the builders' tests.
+/// H23: everything in one plane across `axis`, 0 to 2.
+fn flat_scene(name: &'static str, axis: usize) -> Case {
     let mut source = Seeded::new(23);
-    let triangles: Vec<Triangle> = (0..64)
-        .map(|_| {
-            let mut corner = || Vec3::new(source.unit() as f32, source.unit() as f32, 0.0);
-            Triangle::new(corner(), corner(), corner())
-        })
-        .collect();
+    let mut flat = || {
+        let mut corner = Vec3::new(source.unit() as f32, source.unit() as f32, source.unit() as f32);
+        corner[axis] = 0.0;
+        corner
+    };
+    let triangles: Vec<Triangle> = (0..64).map(|_| Triangle::new(flat(), flat(), flat())).collect();
     let rays: Vec<_> = (0..500)
         .map(|_| {
-            let elsewhere = p(source.signed(), source.signed(), source.pick(&[0.0, 1.0, -1.0]));
+            let mut elsewhere = p(source.signed(), source.signed(), source.signed());
+            elsewhere[axis] = source.pick(&[0.0, 1.0, -1.0]);
             (ray_at(&triangles, elsewhere, &mut source), Known::Whatever)
         })
         .collect();
-    Case::new("H23 a flat scene", triangles, rays)
+    Case::new(name, triangles, rays)
+}
+
+/// H23: everything in the plane x = 0.
+pub fn h23_a_scene_flat_in_x() -> Case {
+    flat_scene("H23 a scene flat in x", 0)
+}
+
+/// H23: everything in the plane y = 0.
+pub fn h23_a_scene_flat_in_y() -> Case {
+    flat_scene("H23 a scene flat in y", 1)
+}
+
+/// H23: everything in the plane z = 0.
+pub fn h23_a_scene_flat_in_z() -> Case {
+    flat_scene("H23 a scene flat in z", 2)
 }
 
 /// H25: triangles without area are not there.

@@ -4,6 +4,7 @@ use std::fmt;
 
 /// Where an accelerator broke its contract.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Violation {
     /// What was asked for.
     pub what: String,

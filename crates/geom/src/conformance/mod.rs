@@ -50,6 +50,7 @@ impl Default for Suite {
 
 /// What a suite tried.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Tally {
     /// Rays compared.
     pub rays: u64,

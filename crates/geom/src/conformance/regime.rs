@@ -16,7 +16,7 @@ pub enum Regime {
     Offset,
     /// One triangle again and again: copied, permuted, sharing edges and vertices.
     Copies,
-    /// Any bits at all, numbers or not.
+    /// Any bits at all: mostly made numbers within the domain, sometimes left as they are.
     RawBits,
 }
 
@@ -28,9 +28,11 @@ impl Regime {
     /// A scene of up to 24 triangles.
     pub fn triangles(self, source: &mut impl Source) -> Vec<Triangle> {
         let count = source.below(25);
+        let untamed = self == Self::RawBits && source.one_in(4);
         let mut triangles: Vec<Triangle> = Vec::with_capacity(count);
         for _ in 0..count {
-            let mut vertices = [0; 3].map(|_| self.vertex(source));
+            let mut vertices =
+                [0; 3].map(|_| if untamed { untamed_vertex(source) } else { self.vertex(source) });
             let earlier = if triangles.is_empty() { None } else { Some(source.pick(&triangles)) };
             if let Some(Triangle { vertices: old }) = earlier {
                 // Some share a vertex or an edge with an earlier one; copies share more.
@@ -49,7 +51,7 @@ impl Regime {
     pub fn ray(self, triangles: &[Triangle], source: &mut impl Source) -> Ray {
         let elsewhere = self.point(source);
         match self {
-            Self::RawBits if source.one_in(2) => {
+            Self::RawBits if source.one_in(8) => {
                 let mut number = || f64::from_bits(source.bits());
                 let origin = DVec3::new(number(), number(), number());
                 let direction = DVec3::new(number(), number(), number());
@@ -100,10 +102,7 @@ impl Regime {
     }
 
     fn vertex(self, source: &mut impl Source) -> Vec3 {
-        let mut number = || match self {
-            Self::RawBits if source.one_in(2) => f32::from_bits(source.bits() as u32),
-            _ => self.coordinate(source) as f32,
-        };
+        let mut number = || self.coordinate(source) as f32;
         Vec3::new(number(), number(), number())
     }
 
@@ -122,8 +121,18 @@ impl Regime {
             Self::Lattice => source.below(5) as f64,
             Self::LogUniform => 10.0_f64.powf(15.0 * source.signed()).copysign(source.signed()),
             Self::Offset => 1e4 + 0.01 * source.signed(),
-            // Powers of two over all of f32's range that is in the domain.
-            Self::RawBits => 2.0_f64.powi(source.below(209) as i32 - 149).copysign(source.signed()),
+            Self::RawBits => f64::from(in_domain(source.bits() as u32)),
         }
     }
+}
+
+/// Sign and mantissa as they are, the exponent within 2^60 of one: far apart, and in the domain.
+fn in_domain(bits: u32) -> f32 {
+    let exponent = 127 - 60 + (bits >> 23 & 0xff) * 119 / 255;
+    f32::from_bits(bits & 0x807f_ffff | exponent << 23)
+}
+
+fn untamed_vertex(source: &mut impl Source) -> Vec3 {
+    let mut number = || f32::from_bits(source.bits() as u32);
+    Vec3::new(number(), number(), number())
 }

@@ -3,6 +3,11 @@ use super::{KdTree, Node};
 use crate::{Aabb, GeomError, Triangles};
 
 /// How a [`KdTree`] is built.
+///
+/// ```
+/// let mut options = globillum_geom::KdOptions::default();
+/// options.leaf_size = 4;
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct KdOptions {

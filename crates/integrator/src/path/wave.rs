@@ -65,30 +65,32 @@ impl Dimensions {
     }
 }
 
-/// What all steps of a wave share.
-struct Setting<'a, A> {
-    scene: &'a Scene<A>,
-    settings: &'a Settings,
+/// What is rendered: all that the steps of a wave share.
+pub(crate) struct View<'a, A> {
+    pub(crate) scene: &'a Scene<A>,
+    pub(crate) camera: &'a Camera,
+    pub(crate) settings: &'a Settings,
 }
 
 impl Wave {
-    /// Traces the tile's samples of this pass and sums them pixel by pixel, in order.
-    pub(crate) fn render<A: Accel>(
+    /// Traces the tile's samples of this pass; `None` if `cancelled` before the last bounce.
+    pub(crate) fn trace<A: Accel>(
         &mut self,
-        scene: &Scene<A>,
-        camera: &Camera,
-        settings: &Settings,
+        view: &View<'_, A>,
         tile: Tile,
         pass: PassSamples,
-    ) -> Result<(Vec<PixelSum>, Counters), RenderError> {
-        let setting = Setting { scene, settings };
+        cancelled: impl Fn() -> bool,
+    ) -> Option<Counters> {
         let mut counters = Counters::default();
-        self.start(camera, settings, tile, pass);
+        self.start(view.camera, view.settings, tile, pass);
         counters.camera_rays = self.rays.len() as u64;
         for bounce in 0.. {
-            scene.accel().intersect_batch(&self.rays, &mut self.hits);
-            self.shade(&setting, bounce, &mut counters);
-            scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
+            if cancelled() {
+                return None;
+            }
+            view.scene.accel().intersect_batch(&self.rays, &mut self.hits);
+            self.shade(view, bounce, &mut counters);
+            view.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
             self.add_unoccluded();
             counters.shadow_rays += self.shadow_rays.len() as u64;
             counters.bounce_rays += self.rays.len() as u64;
@@ -96,7 +98,7 @@ impl Wave {
                 break;
             }
         }
-        Ok((self.sum_pixels(tile, pass)?, counters))
+        Some(counters)
     }
 
     /// Camera rays, `pass.count` for each pixel of the tile.
@@ -122,31 +124,31 @@ impl Wave {
 
     /// Adds what the hits emit, chooses points on lights, and scatters; keeps the paths that go
     /// on, in their order.
-    fn shade<A: Accel>(&mut self, setting: &Setting<'_, A>, bounce: u32, counters: &mut Counters) {
+    fn shade<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
         self.arriving.clear();
         self.shadow_rays.clear();
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray) = (self.paths[i], self.rays[i]);
             let Some(hit) = self.hits[i] else {
-                self.radiance[path.sample as usize] += path.throughput * setting.scene.environment();
+                self.radiance[path.sample as usize] += path.throughput * view.scene.environment();
                 continue;
             };
-            let at = setting.scene.interaction(&ray, &hit);
-            self.radiance[path.sample as usize] += path.throughput * setting.emitted(&path, &ray, &hit, &at);
-            if setting.settings.max_bounces == Some(bounce) {
+            let at = view.scene.interaction(&ray, &hit);
+            self.radiance[path.sample as usize] += path.throughput * view.emitted(&path, &ray, &hit, &at);
+            if view.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
             }
             let dimensions = Dimensions::of_bounce(bounce);
             let frame = Frame::around(at.point.normal);
             let wo = frame.to_local(at.wo);
-            if let Some((shadow_ray, light)) = setting.next_event(&path, &at, &frame, wo, &dimensions) {
+            if let Some((shadow_ray, light)) = view.next_event(&path, &at, &frame, wo, &dimensions) {
                 self.shadow_rays.push(shadow_ray);
                 self.arriving.push(Arriving { sample: path.sample, radiance: light });
             }
             let Some(next) = path.scatter(&at, &frame, wo, &dimensions) else { continue };
-            if !path.survives(setting.settings.roulette, bounce, &dimensions) {
+            if !path.survives(view.settings.roulette, bounce, &dimensions) {
                 counters.roulette_ends += 1;
                 continue;
             }
@@ -165,7 +167,8 @@ impl Wave {
         }
     }
 
-    fn sum_pixels(&self, tile: Tile, pass: PassSamples) -> Result<Vec<PixelSum>, RenderError> {
+    /// The traced samples, summed pixel by pixel in the order in which they are taken.
+    pub(crate) fn sum_pixels(&self, tile: Tile, pass: PassSamples) -> Result<Vec<PixelSum>, RenderError> {
         let samples = self.radiance.chunks_exact(pass.count as usize);
         let pixels = tile.pixels().zip(samples);
         pixels
@@ -183,7 +186,7 @@ impl Wave {
     }
 }
 
-impl<A: Accel> Setting<'_, A> {
+impl<A: Accel> View<'_, A> {
     /// What the surface emits along the path, by the share that scattering has in finding it.
     fn emitted(&self, path: &Path, ray: &Ray, hit: &Hit, at: &Interaction<'_>) -> Rgb {
         let cos_light = at.point.normal.dot(at.wo);
@@ -223,7 +226,10 @@ impl<A: Accel> Setting<'_, A> {
         let share = self.settings.estimator.weight_of_light(pdf, scattered);
         let value = at.material.bsdf.eval(wo, wi) * light.emission.toward(cos_light);
         let radiance = path.throughput * value * (wi.z.abs() * share / pdf.0);
-        (!radiance.is_black()).then(|| (at.point.segment_to(&light.point), radiance))
+        if radiance.is_black() {
+            return None;
+        }
+        Some((at.point.segment_to(&light.point)?, radiance))
     }
 }
 

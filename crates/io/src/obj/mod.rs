@@ -18,6 +18,7 @@ pub use warning::Warning;
 
 /// What [`load_obj`] makes of a file.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Loaded {
     /// Triangles with materials.
     pub model: Model,

@@ -1,0 +1,100 @@
+//! Stopping a render, and settings that would never stop.
+
+use globillum::geom::Triangle;
+use globillum::glam::{DVec3, Vec3};
+use globillum::integrator::{Model, Monitor, Progress, RenderError, Settings, render};
+use globillum::material::{Material, Rgb};
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::{cornell, scenes, shapes};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Cancels at a given question.
+struct CancelAt {
+    question: u64,
+    asked: AtomicU64,
+    tiles: AtomicU64,
+}
+
+impl CancelAt {
+    fn question(question: u64) -> Self {
+        Self { question, asked: AtomicU64::new(0), tiles: AtomicU64::new(0) }
+    }
+}
+
+impl Monitor for CancelAt {
+    fn progress(&self, _progress: Progress) {
+        self.tiles.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.question
+    }
+}
+
+#[test]
+fn a_cancelled_render_is_the_picture_of_its_whole_passes() {
+    let scene = scenes::scene(&cornell::with_blocks(false).expect("the box is good"), STRUCTURES[0].1);
+    let camera = cornell::camera().expect("the camera is good");
+    let mut samples_seen = Vec::new();
+    for question in [0, 40, 400] {
+        let picture =
+            render(&scene, &camera, &Settings::new(40, 40, 64), &CancelAt::question(question)).unwrap();
+        assert!(picture.samples < 64);
+        if picture.samples > 0 {
+            let whole = render(&scene, &camera, &Settings::new(40, 40, picture.samples), &()).unwrap();
+            assert_eq!(whole.film, picture.film);
+        }
+        samples_seen.push(picture.samples);
+    }
+    assert_eq!(samples_seen[0], 0);
+    assert!(samples_seen[2] > 0, "{samples_seen:?}");
+}
+
+/// H62: between perfect mirrors a path goes on until it is stopped.
+#[test]
+fn h62_cancelling_reaches_into_a_tile() {
+    let mut model = Model::default();
+    let walls = shapes::inside_out(shapes::cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
+    model.add(Material::mirror(Rgb::WHITE).expect("a perfect mirror"), walls);
+    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let camera = scenes::stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.3, 0.5, 1.0));
+    let mut settings = Settings::new(4, 4, 1);
+    settings.roulette.start = Settings::MAX_BOUNCES;
+    let monitor = CancelAt::question(1000);
+    assert_eq!(render(&scene, &camera, &settings, &monitor).unwrap().samples, 0);
+    assert_eq!(monitor.tiles.load(Ordering::Relaxed), 0, "no tile can have ended");
+    settings.max_bounces = Some(10_000);
+    let picture = render(&scene, &camera, &settings, &()).unwrap();
+    assert_eq!((picture.film.image_mean(), picture.counters.limit_ends), (Rgb::BLACK, 16));
+}
+
+#[test]
+fn senseless_settings_are_refused() {
+    let mut model = Model::default();
+    model.add(Material::lamp(Rgb::WHITE).expect("a lamp"), [Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)]);
+    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let camera = cornell::camera().expect("the camera is good");
+    let good = Settings::new(2, 2, 1);
+    let spoil: [(&str, fn(&mut Settings)); 7] = [
+        ("width", |s| s.width = 0),
+        ("height", |s| s.height = 0),
+        ("samples", |s| s.samples = 0),
+        ("width x height", |s| (s.width, s.height) = (1 << 20, 1 << 20)),
+        ("threads", |s| s.threads = 1 << 20),
+        ("bounces", |s| s.max_bounces = Some(u32::MAX)),
+        ("bounces", |s| s.roulette.start = u32::MAX),
+    ];
+    for (expected, spoil) in spoil {
+        let mut settings = good;
+        spoil(&mut settings);
+        match render(&scene, &camera, &settings, &()) {
+            Err(RenderError::Param { name, .. }) => assert_eq!(name, expected),
+            other => panic!("{expected}: {other:?}"),
+        }
+    }
+    assert!(render(&scene, &camera, &good, &()).is_ok());
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        let scene = scenes::scene(&model, STRUCTURES[0].1);
+        assert!(scene.with_environment(Rgb::splat(bad)).is_err());
+    }
+}
