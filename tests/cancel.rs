@@ -75,7 +75,8 @@ fn senseless_settings_are_refused() {
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let camera = cornell::camera().expect("the camera is good");
     let good = Settings::new(2, 2, 1);
-    let spoil: [(&str, fn(&mut Settings)); 7] = [
+    type Spoil = fn(&mut Settings);
+    let spoil: [(&str, Spoil); 7] = [
         ("width", |s| s.width = 0),
         ("height", |s| s.height = 0),
         ("samples", |s| s.samples = 0),

@@ -78,7 +78,7 @@ mod tests {
     /// Nodes and leaves visited along `ray`, with the pruning slack multiplied by `factor`.
     fn visits(tree: &KdTree, ray: &Ray, factor: f64) -> u64 {
         let bounds = tree.triangles.bounds();
-        let shear = Shear::new(ray).unwrap();
+        let shear = Shear::new(ray).expect("the ray is traceable");
         let mut pruner = Pruner::new(ray, &bounds);
         pruner.slack *= factor;
         let (mut search, mut counts) = (Closest::new(ray), Counts::default());
@@ -88,8 +88,8 @@ mod tests {
 
     #[test]
     fn slack_costs_ordinary_rays_next_to_nothing() {
-        let triangles = Triangles::new(statue(20_000).triangles()).unwrap();
-        let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
+        let triangles = Triangles::new(statue(20_000).triangles()).expect("a statue is good");
+        let tree = KdTree::build(&triangles, &KdOptions::default()).expect("likewise");
         let mut source = Seeded::new(0);
         let mut point = || DVec3::new(source.signed(), source.signed(), source.signed());
         let (mut with, mut without) = (0, 0);
