@@ -204,7 +204,7 @@ fn impossible_or_malformed_materials_are_named() {
         ("Kd 5 5 5", "a.mtl:1: material `m`: reflectance (5, 5, 5) is not within [0, 1]"),
         ("Kd -1 0 0", "a.mtl:1: material `m`: reflectance (-1, 0, 0) is not within [0, 1]"),
         ("Kd nan", "a.mtl:1: material `m`: reflectance (NaN, NaN, NaN) is not within [0, 1]"),
-        ("Ke -1", "a.mtl:1: material `m`: emitted radiance (-1, -1, -1) is negative or not finite"),
+        ("Ke -1", "a.mtl:1: material `m`: radiance (-1, -1, -1) is not within [0, 1e100]"),
         ("newmtl", "a.mtl:2: newmtl: takes a name"),
     ];
     for (mtl, expected) in cases {
