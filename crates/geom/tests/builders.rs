@@ -78,7 +78,7 @@ fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
     assert!((n..=b).contains(&references), "{references} references to {n} triangles");
     assert!(nodes < 2 * b, "{nodes} nodes over {n} triangles");
     assert!(tree.depth() <= KdTree::MAX_DEPTH, "depth {}", tree.depth());
-    assert!(allocated.bytes_max as usize <= 44 * n + 88 * b, "{} bytes for {n}", allocated.bytes_max);
+    assert!(allocated.bytes_max as usize <= 44 * n + 112 * b, "{} bytes for {n}", allocated.bytes_max);
     assert_eq!(allocated.bytes_current as usize, tree.bytes() - triangles.bytes());
     tree
 }

@@ -1,3 +1,4 @@
+use super::member::Member;
 use super::sah::{Costs, Plane, Side, Split, best_split};
 use super::{KdTree, Node};
 use crate::{Aabb, GeomError, Triangles};
@@ -54,16 +55,22 @@ fn room_for(count: usize) -> usize {
     (8 * count + 1024).min(MAX_REFERENCES)
 }
 
+/// Far below what an `f32` coordinate can tell, far above what rounding does in `f64`.
+fn slack_for(bounds: &Aabb) -> f64 {
+    let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    // Zero for the empty box, whose coordinates are infinite.
+    if largest.is_finite() { f64::from(largest) * 2.0_f64.powi(-40) } else { 0.0 }
+}
+
 impl KdTree {
     /// Builds the tree.
     ///
     /// Memory is bounded beforehand. Over `n` live triangles the leaves hold at most
     /// `b = 8 n + 1024` references (never more than `2^31`), there are fewer than `2 b` nodes, and
-    /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `44 n + 88 b` bytes
-    /// beside the triangles: while a cell is halved, a box, a position and two events a triangle,
-    /// 44 bytes; and for each of `b`, a position not yet in a leaf, a reference and two nodes,
-    /// vectors holding up to three times their content while they grow. A closed mesh takes about
-    /// `230 n`.
+    /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `44 n + 112 b` bytes
+    /// beside the triangles: while a cell is halved, a box and two events for each triangle in it,
+    /// 44 bytes; and for each of `b`, a box not yet in a leaf, a reference and two nodes, vectors
+    /// holding up to three times their content while they grow. A closed mesh takes about `300 n`.
     ///
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range.
@@ -71,15 +78,15 @@ impl KdTree {
         options.validate()?;
         let live = triangles.live();
         let mut builder = Builder {
-            bounds: live.iter().map(|&i| triangles.get(i).bounds()).collect(),
-            live,
+            triangles,
             options,
+            slack: slack_for(&triangles.bounds()),
             nodes: Vec::new(),
             references: Vec::new(),
         };
         let everything = Cell {
             bounds: triangles.bounds(),
-            members: (0..live.len() as u32).collect(),
+            members: live.iter().map(|&i| Member::new(triangles, i)).collect(),
             depth_left: options.depth_for(live.len()),
             room: room_for(live.len()),
         };
@@ -94,8 +101,8 @@ impl KdTree {
 /// A cell that may yet be halved.
 struct Cell {
     bounds: Aabb,
-    /// Which triangles touch it, as positions in `live`, ascending.
-    members: Vec<u32>,
+    /// What touches it, ascending by index.
+    members: Vec<Member>,
     depth_left: u32,
     /// How much room the leaves below may take: one for each reference, and one for an empty
     /// leaf, so that nodes are bounded too. Enough to make this cell a leaf.
@@ -108,9 +115,10 @@ fn room_of_leaf(count: usize) -> usize {
 }
 
 struct Builder<'a> {
-    live: &'a [u32],
-    bounds: Vec<Aabb>,
+    triangles: &'a Triangles,
     options: &'a KdOptions,
+    /// By how much a cut errs on the safe side.
+    slack: f64,
     nodes: Vec<Node>,
     references: Vec<u32>,
 }
@@ -134,9 +142,9 @@ impl Builder<'_> {
         self.subdivide(upper)
     }
 
-    fn add_leaf(&mut self, members: &[u32]) {
+    fn add_leaf(&mut self, members: &[Member]) {
         let first = self.references.len() as u32;
-        self.references.extend(members.iter().map(|&m| self.live[m as usize]));
+        self.references.extend(members.iter().map(|m| m.index));
         self.nodes.push(Node::Leaf { first, count: members.len() as u32 });
     }
 
@@ -146,36 +154,41 @@ impl Builder<'_> {
             return None;
         }
         let costs = Costs { traversal: self.options.traversal_cost, empty_factor: self.options.empty_factor };
-        let Split { plane, counts } = best_split(&cell.bounds, &cell.members, &self.bounds, costs)?;
+        let Split { plane, counts } = best_split(&cell.bounds, &cell.members, costs)?;
         let needed = counts.map(room_of_leaf);
         let spare = cell.room.checked_sub(needed[0] + needed[1])?;
         // Shared in proportion; what the lower cell leaves goes to the upper one later.
         let share = (spare as f64 * needed[0] as f64 / (needed[0] + needed[1]) as f64) as usize;
         let rooms = [needed[0] + share, needed[1] + (spare - share)];
-        let [lower, upper] = self.distribute(&cell.members, plane, counts);
-        let [mut low_box, mut high_box] = [cell.bounds; 2];
-        low_box.max[plane.axis] = plane.position;
-        high_box.min[plane.axis] = plane.position;
+        let mut boxes = [cell.bounds; 2];
+        boxes[0].max[plane.axis] = plane.position;
+        boxes[1].min[plane.axis] = plane.position;
+        let [lower, upper] = self.distribute(&cell.members, plane, counts, &boxes);
         let child = |bounds, members, room| Cell { bounds, members, depth_left: cell.depth_left - 1, room };
-        Some((plane, [child(low_box, lower, rooms[0]), child(high_box, upper, rooms[1])]))
+        Some((plane, [child(boxes[0], lower, rooms[0]), child(boxes[1], upper, rooms[1])]))
     }
 
-    /// Lists the members on each side, as many as `counts` says; those that straddle the plane on
-    /// both.
-    fn distribute(&self, members: &[u32], plane: Plane, counts: [usize; 2]) -> [Vec<u32>; 2] {
-        let mut sides = counts.map(Vec::with_capacity);
-        for &member in members {
-            let bounds = &self.bounds[member as usize];
-            let (min, max) = (bounds.min[plane.axis], bounds.max[plane.axis]);
-            let within = min == plane.position && max == plane.position;
-            if min < plane.position || (within && plane.within == Side::Lower) {
-                sides[0].push(member);
-            }
-            if max > plane.position || (within && plane.within == Side::Upper) {
-                sides[1].push(member);
+    /// What is in each half, at most as many as `counts` says: of those whose box straddles the
+    /// plane, the parts in both halves.
+    fn distribute(
+        &self,
+        members: &[Member],
+        plane: Plane,
+        counts: [usize; 2],
+        boxes: &[Aabb; 2],
+    ) -> [Vec<Member>; 2] {
+        let [mut lower, mut upper] = counts.map(Vec::with_capacity);
+        for member in members {
+            let (min, max) = (member.bounds.min[plane.axis], member.bounds.max[plane.axis]);
+            if min < plane.position && plane.position < max {
+                lower.extend(member.within(&boxes[0], self.triangles, self.slack));
+                upper.extend(member.within(&boxes[1], self.triangles, self.slack));
+            } else if min < plane.position || (max == plane.position && plane.within == Side::Lower) {
+                lower.push(*member);
+            } else {
+                upper.push(*member);
             }
         }
-        debug_assert_eq!(sides.each_ref().map(Vec::len), counts);
-        sides
+        [lower, upper]
     }
 }

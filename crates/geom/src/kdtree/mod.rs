@@ -2,6 +2,7 @@
 //! that touch them.
 
 mod build;
+mod member;
 mod sah;
 mod traverse;
 

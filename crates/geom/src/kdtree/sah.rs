@@ -5,6 +5,7 @@
 //! position, with its minima at the triangles' bounds, so sweeping those finds the best plane
 //! (Wald and Havran, "On building fast kd-trees for ray tracing", 2006).
 
+use super::member::Member;
 use crate::Aabb;
 
 /// A plane `axis = position`.
@@ -22,7 +23,7 @@ pub(super) enum Side {
     Upper,
 }
 
-/// A plane and how many triangles lie on its two sides; one that straddles it counts for both.
+/// A plane and how many boxes lie on its two sides; one that straddles it counts for both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Split {
     pub(super) plane: Plane,
@@ -70,9 +71,9 @@ impl Event {
 /// The sign bit of an `f32`.
 const SIGN: u32 = 1 << 31;
 
-/// The cheapest plane strictly inside `cell` for its `members`, whose boxes are
-/// `bounds[member]`; `None` if deciding them all is no dearer.
-pub(super) fn best_split(cell: &Aabb, members: &[u32], bounds: &[Aabb], costs: Costs) -> Option<Split> {
+/// The cheapest plane strictly inside `cell` for its `members`; `None` if deciding them all is no
+/// dearer.
+pub(super) fn best_split(cell: &Aabb, members: &[Member], costs: Costs) -> Option<Split> {
     let mut best = None;
     let mut best_cost = members.len() as f64;
     let mut events = Vec::with_capacity(2 * members.len());
@@ -80,7 +81,7 @@ pub(super) fn best_split(cell: &Aabb, members: &[u32], bounds: &[Aabb], costs: C
         if cell.min[axis] == cell.max[axis] {
             continue;
         }
-        collect_events(cell, members, bounds, axis, &mut events);
+        collect_events(members, axis, &mut events);
         sweep(cell, axis, members.len(), &events, |split| {
             let cost = split_cost(cell, &split, costs);
             if cost < best_cost {
@@ -92,12 +93,10 @@ pub(super) fn best_split(cell: &Aabb, members: &[u32], bounds: &[Aabb], costs: C
     best
 }
 
-fn collect_events(cell: &Aabb, members: &[u32], bounds: &[Aabb], axis: usize, events: &mut Vec<Event>) {
+fn collect_events(members: &[Member], axis: usize, events: &mut Vec<Event>) {
     events.clear();
-    for &member in members {
-        let b = &bounds[member as usize];
-        let min = b.min[axis].max(cell.min[axis]);
-        let max = b.max[axis].min(cell.max[axis]);
+    for Member { bounds, .. } in members {
+        let (min, max) = (bounds.min[axis], bounds.max[axis]);
         if min == max {
             events.push(Event::new(min, Kind::Within));
         } else {
@@ -143,6 +142,10 @@ mod tests {
 
     const COSTS: Costs = Costs { traversal: 1.0, empty_factor: 0.8 };
 
+    fn members(boxes: &[Aabb]) -> Vec<Member> {
+        boxes.iter().map(|&bounds| Member { index: 0, bounds }).collect()
+    }
+
     #[test]
     fn events_sort_by_position_then_kind() {
         let tiny = f32::from_bits(1);
@@ -163,7 +166,7 @@ mod tests {
             .to_vec();
         let cell = boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b));
         let mut events = Vec::new();
-        collect_events(&cell, &[0, 1, 2, 3], &boxes, 0, &mut events);
+        collect_events(&members(&boxes), 0, &mut events);
         sweep(&cell, 0, boxes.len(), &events, |Split { plane, counts }| {
             let s = plane.position;
             let within = |b: &&Aabb| b.min.x == s && b.max.x == s;
@@ -178,9 +181,9 @@ mod tests {
     fn empty_space_is_cut_off_and_identical_boxes_are_left_together() {
         let small = Aabb { min: Vec3::ZERO, max: Vec3::splat(0.1) };
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-        let members: Vec<u32> = (0..100).collect();
-        let split = best_split(&cell, &members, &vec![small; 100], COSTS).unwrap();
+        let members = members(&[small; 100]);
+        let split = best_split(&cell, &members, COSTS).unwrap();
         assert_eq!((split.plane.position, split.counts), (0.1, [100, 0]));
-        assert_eq!(best_split(&small, &members, &vec![small; 100], COSTS), None);
+        assert_eq!(best_split(&small, &members, COSTS), None);
     }
 }
