@@ -54,7 +54,7 @@ pub use error::GeomError;
 pub use frame::Frame;
 pub use grid::{GridOptions, UniformGrid};
 pub use hit::Hit;
-pub use kdtree::{KdOptions, KdTree};
+pub use kdtree::{KdOptions, KdTree, SplitRule};
 pub use measure::{PdfArea, PdfSolidAngle};
 pub use probe::{Counts, Probe};
 pub use ray::Ray;

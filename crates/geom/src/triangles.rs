@@ -22,8 +22,9 @@ impl Triangles {
     /// Up to here no product that a decision needs can overflow.
     pub const MAX_COORDINATE: f32 = (1_u64 << 60) as f32;
 
-    /// The largest number of triangles; three times as many still index in `u32`.
-    pub const MAX_COUNT: usize = (u32::MAX / 3) as usize;
+    /// The largest number of triangles: `2^30 - 1`, so that a triangle, a coordinate and two bits
+    /// more fit into 64 bits.
+    pub const MAX_COUNT: usize = (1 << 30) - 1;
 
     /// Checks `triangles` and takes them.
     ///

@@ -13,7 +13,8 @@ use globillum_geom::conformance::shapes::{quad, statue};
 use globillum_geom::conformance::{Regime, Seeded, Source};
 use globillum_geom::decide::Shear;
 use globillum_geom::{
-    Accel, BruteForce, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, Triangle, Triangles, UniformGrid,
+    Accel, BruteForce, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SplitRule, Triangle, Triangles,
+    UniformGrid,
 };
 use proptest::prelude::*;
 
@@ -21,7 +22,10 @@ use proptest::prelude::*;
 struct Scene {
     triangles: Triangles,
     brute: BruteForce,
+    /// By the surface area heuristic.
     kd: KdTree,
+    /// By the other rules.
+    others: Vec<(String, KdTree)>,
     grid: UniformGrid,
 }
 
@@ -31,6 +35,7 @@ impl Scene {
         Self {
             brute: BruteForce::build(&triangles),
             kd: kd_within_bounds(&triangles, &KdOptions::default()),
+            others: other_rules().map(|options| by_rule(&triangles, &options)).collect(),
             grid: grid_within_bounds(&triangles, &GridOptions::default()),
             triangles,
         }
@@ -48,8 +53,24 @@ impl Scene {
         for (name, accel) in [("k-d tree", &self.kd as &dyn Accel), ("grid", &self.grid)] {
             assert_same(name, accel, ray, expected);
         }
+        for (name, tree) in &self.others {
+            assert_same(name, tree, ray, expected);
+        }
         expected
     }
+}
+
+/// Options for every rule but the surface area heuristic.
+fn other_rules() -> impl Iterator<Item = KdOptions> {
+    SplitRule::ALL.into_iter().filter(|&rule| rule != SplitRule::SurfaceArea).map(|rule| {
+        let mut options = KdOptions::default();
+        options.rule = rule;
+        options
+    })
+}
+
+fn by_rule(triangles: &Triangles, options: &KdOptions) -> (String, KdTree) {
+    (format!("k-d tree, {:?}", options.rule), kd_within_bounds(triangles, options))
 }
 
 fn assert_same(name: &str, accel: &dyn Accel, ray: &Ray, expected: Option<Hit>) {
@@ -78,7 +99,7 @@ fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
     assert!((n..=b).contains(&references), "{references} references to {n} triangles");
     assert!(nodes < 2 * b, "{nodes} nodes over {n} triangles");
     assert!(tree.depth() <= KdTree::MAX_DEPTH, "depth {}", tree.depth());
-    assert!(allocated.bytes_max as usize <= 44 * n + 112 * b, "{} bytes for {n}", allocated.bytes_max);
+    assert!(allocated.bytes_max as usize <= 140 * n + 190 * b, "{} bytes for {n}", allocated.bytes_max);
     assert_eq!(allocated.bytes_current as usize, tree.bytes() - triangles.bytes());
     tree
 }
@@ -476,6 +497,9 @@ fn h42_costs_out_of_range() {
     }
     for bad in [0.0, -0.0, 1.0_f64.next_up()] {
         assert!(refused(&|o| o.empty_factor = bad), "empty_factor {bad}");
+    }
+    for bad in [f64::NAN, f64::INFINITY, -3.0, 2.0_f64.next_down()] {
+        assert!(refused(&|o| o.max_aspect = bad), "max_aspect {bad}");
     }
     for good in [0.0, -0.0, 1e300] {
         assert!(!refused(&|o| o.traversal_cost = good), "traversal_cost {good}");

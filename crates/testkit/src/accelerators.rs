@@ -1,16 +1,30 @@
 //! The accelerators that tests run on: a new one is one line here.
 
-use globillum_geom::{Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum_geom::{
+    Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, SplitRule, Triangles, UniformGrid,
+};
 
 /// Builds an accelerator.
 pub type Builder = fn(&Triangles) -> Result<Box<dyn Accel>, GeomError>;
 
 /// Every accelerator by name; brute force, which is slow, comes first.
-pub const ACCELERATORS: [(&str, Builder); 3] = [
+pub const ACCELERATORS: [(&str, Builder); 9] = [
     ("brute force", |t| Ok(Box::new(BruteForce::build(t)))),
     ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
     ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
+    ("k-d tree, median of side", |t| by_rule(t, SplitRule::MedianOfSide)),
+    ("k-d tree, median of spread", |t| by_rule(t, SplitRule::MedianOfSpread)),
+    ("k-d tree, midpoint", |t| by_rule(t, SplitRule::Midpoint)),
+    ("k-d tree, sliding midpoint", |t| by_rule(t, SplitRule::SlidingMidpoint)),
+    ("k-d tree, fair", |t| by_rule(t, SplitRule::Fair)),
+    ("k-d tree, sliding fair", |t| by_rule(t, SplitRule::SlidingFair)),
 ];
 
 /// Those among them that pictures are made with.
 pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[1], ACCELERATORS[2]];
+
+fn by_rule(triangles: &Triangles, rule: SplitRule) -> Result<Box<dyn Accel>, GeomError> {
+    let mut options = KdOptions::default();
+    options.rule = rule;
+    Ok(Box::new(KdTree::build(triangles, &options)?))
+}

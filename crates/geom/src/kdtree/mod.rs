@@ -2,15 +2,20 @@
 //! that touch them.
 
 mod build;
+mod cost;
+mod events;
 mod member;
-mod sah;
+mod options;
+mod plane;
+mod rules;
+mod sweep;
 mod traverse;
 
-pub use build::KdOptions;
+pub use options::{KdOptions, SplitRule};
 
 use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Triangles};
 
-/// A k-d tree built by the surface area heuristic.
+/// A k-d tree, halved by one of several [`SplitRule`]s.
 ///
 /// A triangle that straddles a plane is listed on both sides, so the cells of a ray's search
 /// never overlap and can be visited front to back.

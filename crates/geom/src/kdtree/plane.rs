@@ -1,0 +1,72 @@
+use super::member::Member;
+use crate::Aabb;
+
+/// A plane `axis = position`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Plane {
+    pub(super) axis: usize,
+    pub(super) position: f32,
+    /// To which side triangles that lie within the plane go.
+    pub(super) within: Side,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Lower,
+    Upper,
+}
+
+/// Where a member is to be listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    Only(Side),
+    Both,
+}
+
+/// A plane and how many boxes lie on its two sides; one that straddles it counts for both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Split {
+    pub(super) plane: Plane,
+    pub(super) counts: [usize; 2],
+}
+
+impl Plane {
+    /// On which side of the plane `member` lies.
+    pub(super) fn place(&self, member: &Member) -> Place {
+        let (min, max) = (member.bounds.min[self.axis], member.bounds.max[self.axis]);
+        if min < self.position && self.position < max {
+            Place::Both
+        } else if min < self.position || (max == self.position && self.within == Side::Lower) {
+            Place::Only(Side::Lower)
+        } else {
+            Place::Only(Side::Upper)
+        }
+    }
+
+    /// The two parts of `cell`, lower and upper.
+    pub(super) fn halves(&self, cell: &Aabb) -> [Aabb; 2] {
+        let [mut lower, mut upper] = [*cell; 2];
+        lower.max[self.axis] = self.position;
+        upper.min[self.axis] = self.position;
+        [lower, upper]
+    }
+
+    /// Whether both halves of `cell` are smaller than it.
+    pub(super) fn halves_properly(&self, cell: &Aabb) -> bool {
+        cell.min[self.axis] < self.position && self.position < cell.max[self.axis]
+    }
+}
+
+impl Split {
+    /// The plane, with the members on its sides counted.
+    pub(super) fn count(plane: Plane, members: &[Member]) -> Self {
+        let mut counts = [0; 2];
+        for member in members {
+            match plane.place(member) {
+                Place::Only(side) => counts[side as usize] += 1,
+                Place::Both => counts = counts.map(|count| count + 1),
+            }
+        }
+        Self { plane, counts }
+    }
+}

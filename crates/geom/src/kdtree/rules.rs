@@ -1,0 +1,171 @@
+//! The six rules that look at the cell and at points, after those of the ANN library (Arya and
+//! Mount, 1998).
+
+use super::member::Member;
+use super::plane::{Place, Plane, Side};
+use super::{KdOptions, SplitRule};
+use crate::Aabb;
+
+/// Where `options.rule` halves `cell`; `None` if it can not be halved.
+///
+/// # Panics
+/// If the rule is the surface area heuristic, which `sweep.rs` carries out, or if there are no
+/// members.
+pub(super) fn choose_plane(options: &KdOptions, cell: &Aabb, members: &[Member]) -> Option<Plane> {
+    let around = Surroundings { cell, members };
+    let plane = match options.rule {
+        SplitRule::MedianOfSide => around.median(around.longest_side()),
+        SplitRule::MedianOfSpread => around.median(around.widest_spread(|_| true)),
+        SplitRule::Midpoint => around.middle(),
+        SplitRule::SlidingMidpoint => around.slide(around.middle()),
+        SplitRule::Fair => around.fair(options.max_aspect),
+        SplitRule::SlidingFair => around.slide(around.fair(options.max_aspect)),
+        SplitRule::SurfaceArea => unreachable!("the surface area heuristic sweeps"),
+    };
+    [plane, around.middle()].into_iter().find(|plane| plane.halves_properly(cell))
+}
+
+/// What a rule knows.
+struct Surroundings<'a> {
+    cell: &'a Aabb,
+    members: &'a [Member],
+}
+
+impl Surroundings<'_> {
+    fn length(&self, axis: usize) -> f64 {
+        self.cell.extent()[axis]
+    }
+
+    /// Between the smallest and the largest point along `axis`.
+    fn spread(&self, axis: usize) -> f64 {
+        let points = || self.members.iter().map(|m| f64::from(m.point(axis)));
+        points().fold(f64::NEG_INFINITY, f64::max) - points().fold(f64::INFINITY, f64::min)
+    }
+
+    fn longest_side(&self) -> usize {
+        let longest = self.cell.extent().max_element();
+        self.widest_spread(|axis| self.length(axis) == longest)
+    }
+
+    /// The axis, of those that are `allowed`, on which points spread furthest; the first of equal
+    /// ones.
+    fn widest_spread(&self, allowed: impl Fn(usize) -> bool) -> usize {
+        let axes = (0..3).rev().filter(|&axis| allowed(axis));
+        axes.max_by(|&a, &b| self.spread(a).total_cmp(&self.spread(b))).unwrap_or(0)
+    }
+
+    fn median(&self, axis: usize) -> Plane {
+        let mut points: Vec<f32> = self.members.iter().map(|m| m.point(axis)).collect();
+        let half = points.len() / 2;
+        let (_, &mut position, _) = points.select_nth_unstable_by(half, f32::total_cmp);
+        Plane { axis, position, within: Side::Lower }
+    }
+
+    fn middle(&self) -> Plane {
+        let axis = self.longest_side();
+        Plane { axis, position: middle(self.cell.min[axis], self.cell.max[axis]), within: Side::Lower }
+    }
+
+    fn fair(&self, max_aspect: f64) -> Plane {
+        let longest = self.cell.extent().max_element();
+        let axis = self.widest_spread(|axis| 2.0 * longest <= max_aspect * self.length(axis));
+        let others = self.length((axis + 1) % 3).max(self.length((axis + 2) % 3));
+        // The thinnest slice within the bound.
+        let slice = others / max_aspect;
+        let lowest = (f64::from(self.cell.min[axis]) + slice) as f32;
+        let highest = (f64::from(self.cell.max[axis]) - slice) as f32;
+        let median = self.median(axis);
+        Plane { position: median.position.max(lowest).min(highest), ..median }
+    }
+
+    /// The plane, moved to the nearest box if all are on one side of it.
+    fn slide(&self, plane: Plane) -> Plane {
+        let all = |side| self.members.iter().all(|m| plane.place(m) == Place::Only(side));
+        let bounds = || self.members.iter().map(|m| m.bounds);
+        if all(Side::Upper) {
+            let nearest = bounds().map(|b| b.min[plane.axis]).fold(f32::INFINITY, f32::min);
+            Plane { position: nearest, within: Side::Upper, ..plane }
+        } else if all(Side::Lower) {
+            let nearest = bounds().map(|b| b.max[plane.axis]).fold(f32::NEG_INFINITY, f32::max);
+            Plane { position: nearest, within: Side::Lower, ..plane }
+        } else {
+            plane
+        }
+    }
+}
+
+impl Member {
+    /// The coordinate of the point that stands for the member.
+    fn point(&self, axis: usize) -> f32 {
+        middle(self.bounds.min[axis], self.bounds.max[axis])
+    }
+}
+
+fn middle(min: f32, max: f32) -> f32 {
+    // The difference is in range for coordinates of the domain.
+    min + (max - min) / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    const CELL: Aabb = Aabb { min: Vec3::ZERO, max: Vec3::new(8.0, 4.0, 2.0) };
+
+    /// The plane that `rule` chooses for cubes of that size around `points`.
+    fn plane(rule: SplitRule, points: &[[f32; 3]], size: f32) -> Option<(usize, f32)> {
+        let half = Vec3::splat(size / 2.0);
+        let around = |&p: &[f32; 3]| Aabb { min: Vec3::from(p) - half, max: Vec3::from(p) + half };
+        let members: Vec<Member> = points.iter().map(|p| Member { index: 0, bounds: around(p) }).collect();
+        let mut options = KdOptions::default();
+        options.rule = rule;
+        choose_plane(&options, &CELL, &members).map(|plane| (plane.axis, plane.position))
+    }
+
+    #[test]
+    fn medians_follow_the_side_or_the_spread() {
+        let points = [[1.0, 0.5, 1.0], [1.5, 2.0, 1.0], [2.0, 3.5, 1.0]];
+        assert_eq!(plane(SplitRule::MedianOfSide, &points, 0.5), Some((0, 1.5)));
+        assert_eq!(plane(SplitRule::MedianOfSpread, &points, 0.5), Some((1, 2.0)));
+    }
+
+    #[test]
+    fn the_midpoint_slides_to_the_first_box() {
+        let points = [[1.0, 0.5, 1.0], [1.5, 2.0, 1.0], [2.0, 3.5, 1.0]];
+        assert_eq!(plane(SplitRule::Midpoint, &points, 0.5), Some((0, 4.0)));
+        assert_eq!(plane(SplitRule::SlidingMidpoint, &points, 0.5), Some((0, 2.25)));
+        let far = points.map(|[x, y, z]| [8.0 - x, y, z]);
+        assert_eq!(plane(SplitRule::SlidingMidpoint, &far, 0.5), Some((0, 5.75)));
+        // It stays where a box reaches across.
+        assert_eq!(plane(SplitRule::SlidingMidpoint, &points, 4.5), Some((0, 4.0)));
+    }
+
+    #[test]
+    fn fair_splits_keep_their_aspect() {
+        // Only the side of 8 is long enough to be halved within the bound of 3; the thinnest slice
+        // of a cell 4 by 2 is 4/3.
+        let low = [[0.5, 0.5, 1.0], [0.75, 2.0, 1.0], [6.0, 3.5, 1.0]];
+        assert_eq!(plane(SplitRule::Fair, &low, 0.25), Some((0, 4.0 / 3.0)));
+        let high = low.map(|[x, y, z]| [8.0 - x, y, z]);
+        assert_eq!(plane(SplitRule::Fair, &high, 0.25), Some((0, (8.0 - 4.0 / 3.0_f64) as f32)));
+        let middle = [[1.0, 0.5, 1.0], [3.0, 2.0, 1.0], [6.0, 3.5, 1.0]];
+        assert_eq!(plane(SplitRule::Fair, &middle, 0.25), Some((0, 3.0)));
+        assert_eq!(plane(SplitRule::SlidingFair, &middle, 0.25), Some((0, 3.0)));
+        // All below the thinnest slice: the fair plane cuts off empty space, the sliding one more.
+        assert_eq!(plane(SplitRule::Fair, &low[..2], 0.25), Some((0, 4.0 / 3.0)));
+        assert_eq!(plane(SplitRule::SlidingFair, &low[..2], 0.25), Some((0, 0.875)));
+    }
+
+    #[test]
+    fn a_plane_at_a_face_gives_way_to_the_middle() {
+        let wall = [[0.0, 0.5, 1.0], [0.0, 2.0, 1.0], [0.0, 3.5, 1.0]];
+        assert_eq!(plane(SplitRule::MedianOfSide, &wall, 0.0), Some((0, 4.0)));
+        let ulp = Aabb { min: Vec3::ONE, max: Vec3::ONE.map(f32::next_up) };
+        let member = Member { index: 0, bounds: ulp };
+        assert_eq!(
+            choose_plane(&KdOptions { rule: SplitRule::Midpoint, ..KdOptions::default() }, &ulp, &[member]),
+            None
+        );
+    }
+}
