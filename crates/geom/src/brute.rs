@@ -1,6 +1,6 @@
 use crate::decide::Shear;
 use crate::search::offer_all;
-use crate::{Aabb, Accel, Any, Closest, Hit, Probe, Ray, Search, Triangles};
+use crate::{Aabb, Accel, Any, Closest, Hit, Probe, Ray, Search, Traverse, Triangles};
 
 /// Tests every triangle: slow, and the definition of what every other structure must answer.
 #[derive(Clone, Debug)]
@@ -13,11 +13,12 @@ impl BruteForce {
     pub fn build(triangles: &Triangles) -> Self {
         Self { triangles: triangles.clone() }
     }
+}
 
-    /// Runs `search` over all triangles, counting into `probe`.
-    pub fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
+impl Traverse for BruteForce {
+    fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
         if let Some(shear) = Shear::new(ray) {
-            offer_all(&shear, &self.triangles, self.triangles.live(), &mut search, probe);
+            offer_all(&shear, &self.triangles, self.triangles.live().iter().copied(), &mut search, probe);
         }
         search
     }

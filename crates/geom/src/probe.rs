@@ -1,37 +1,138 @@
-/// Counts what a search does. The no-op `()` compiles to nothing.
+//! What a search costs, counted with one meaning in every structure.
+
+use crate::{Accel, Any, Closest, Hit, Ray, Search};
+use std::collections::HashSet;
+use std::ops::AddAssign;
+
+/// Watches a search. The no-op `()` compiles to nothing.
 pub trait Probe {
-    /// An inner node of a tree, or a grid cell, was visited.
+    /// An inner node of a tree, or a cell of a grid, was visited.
     #[inline]
     fn visit(&mut self) {}
-    /// A leaf of a tree, or a grid cell that holds triangles, was opened.
+    /// A list of triangles was opened: a leaf or a cell that holds at least one.
     #[inline]
     fn open(&mut self) {}
-    /// A triangle was decided.
+    /// The triangle of that index was decided.
     #[inline]
-    fn test(&mut self) {}
+    fn test(&mut self, _triangle: u32) {}
 }
 
 impl Probe for () {}
 
-/// Totals over any number of searches.
+/// An accelerator whose searches can be watched: its one traversal, generic over what it looks for
+/// and over who watches.
+pub trait Traverse: Accel {
+    /// Runs `search` along `ray`, telling `probe` what is done for it.
+    fn search<S: Search, P: Probe>(&self, ray: &Ray, search: S, probe: &mut P) -> S;
+}
+
+/// What searches cost, in all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Counts {
-    /// Inner nodes or cells visited.
+    /// Searches.
+    pub rays: u64,
+    /// Searches that found a hit.
+    pub hits: u64,
+    /// Inner nodes and cells visited.
     pub visits: u64,
-    /// Leaves or occupied cells opened.
+    /// Lists opened: leaves and cells that hold triangles.
     pub opened: u64,
     /// Triangles decided, repetitions included.
     pub tests: u64,
+    /// Decisions of a triangle that the same search had decided before, in another leaf or cell.
+    pub repeats: u64,
 }
 
-impl Probe for Counts {
+impl Counts {
+    /// Finds the closest hit as [`Accel::intersect`] does, and counts what it takes.
+    pub fn closest(accel: &impl Traverse, ray: &Ray) -> (Option<Hit>, Self) {
+        let mut watch = Watch::default();
+        let hit = accel.search(ray, Closest::new(ray), &mut watch).hit();
+        (hit, watch.counts(hit.is_some()))
+    }
+
+    /// Finds out whether anything is hit as [`Accel::occluded`] does, and counts what it takes.
+    pub fn any(accel: &impl Traverse, ray: &Ray) -> (bool, Self) {
+        let mut watch = Watch::default();
+        let found = accel.search(ray, Any::new(ray), &mut watch).found();
+        (found, watch.counts(found))
+    }
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.visits += other.visits;
+        self.opened += other.opened;
+        self.tests += other.tests;
+        self.repeats += other.repeats;
+    }
+}
+
+/// Watches one search.
+#[derive(Default)]
+struct Watch {
+    visits: u64,
+    opened: u64,
+    tests: u64,
+    decided: HashSet<u32>,
+}
+
+impl Watch {
+    fn counts(self, hit: bool) -> Counts {
+        let Self { visits, opened, tests, decided } = self;
+        let repeats = tests - decided.len() as u64;
+        Counts { rays: 1, hits: u64::from(hit), visits, opened, tests, repeats }
+    }
+}
+
+impl Probe for Watch {
     fn visit(&mut self) {
         self.visits += 1;
     }
     fn open(&mut self) {
         self.opened += 1;
     }
-    fn test(&mut self) {
+    fn test(&mut self, triangle: u32) {
         self.tests += 1;
+        self.decided.insert(triangle);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BruteForce, GridOptions, KdOptions, KdTree, Triangle, Triangles, UniformGrid};
+    use glam::{DVec3, Vec3};
+
+    /// Two triangles apart, and one that reaches across both cells between them.
+    fn scene() -> Triangles {
+        let small = |x: f32| Triangle::new(Vec3::X * x, Vec3::X * (x + 1.0), Vec3::new(x, 1.0, 0.0));
+        let long = Triangle::new(Vec3::Z, Vec3::new(11.0, 0.0, 1.0), Vec3::new(0.0, 1.0, 1.0));
+        Triangles::new(vec![small(0.0), small(10.0), long]).unwrap()
+    }
+
+    #[test]
+    fn every_structure_counts_alike() {
+        let triangles = scene();
+        // Past all three, so that every list along the way is opened.
+        let ray = Ray::new(DVec3::new(-1.0, 0.9, 0.5), DVec3::X);
+        let brute = Counts::closest(&BruteForce::build(&triangles), &ray);
+        assert_eq!(brute, (None, Counts { rays: 1, tests: 3, ..Counts::default() }));
+
+        let mut halved = KdOptions::default();
+        (halved.rule, halved.traversal_cost) = (crate::SplitRule::Midpoint, 0.0);
+        (halved.max_depth, halved.leaf_size) = (Some(1), 0);
+        let (hit, kd) = Counts::closest(&KdTree::build(&triangles, &halved).unwrap(), &ray);
+        let expected = Counts { rays: 1, hits: 0, visits: 1, opened: 2, tests: 4, repeats: 1 };
+        assert_eq!((hit, kd), (None, expected));
+
+        let mut two_cells = GridOptions::default();
+        two_cells.resolution = Some([2, 1, 1]);
+        let (hit, grid) = Counts::closest(&UniformGrid::build(&triangles, &two_cells).unwrap(), &ray);
+        assert_eq!((hit, grid), (None, Counts { visits: 2, ..expected }));
+        assert_eq!(Counts::any(&UniformGrid::build(&triangles, &two_cells).unwrap(), &ray).1, grid);
     }
 }

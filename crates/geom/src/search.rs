@@ -86,12 +86,12 @@ impl Search for Any {
 pub(crate) fn offer_all<S: Search, P: Probe>(
     shear: &Shear,
     triangles: &Triangles,
-    indices: &[u32],
+    indices: impl IntoIterator<Item = u32>,
     search: &mut S,
     probe: &mut P,
 ) {
-    for &index in indices {
-        probe.test();
+    for index in indices {
+        probe.test(index);
         if let Some(intersection) = shear.decide(triangles.get(index)) {
             search.offer(intersection, index);
         }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use globillum_geom::conformance::shapes::{Mesh, icosphere, statue, torus};
 use globillum_geom::conformance::{Regime, Seeded, Source, Suite, Tally, Target, cases, check_bytes, leaks};
 use globillum_geom::{Accel, BruteForce, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
-use globillum_testkit::accelerators::ACCELERATORS;
+use globillum_testkit::accelerators;
 use proptest::prelude::*;
 
 fn effort() -> u64 {
@@ -18,7 +18,7 @@ macro_rules! hard_cases {
     ($($name:ident)*) => {
         $(#[test]
         fn $name() {
-            for (accelerator, build) in ACCELERATORS {
+            for (accelerator, build) in accelerators::all() {
                 let tally = cases::$name().check(build);
                 assert!(tally.is_ok(), "{accelerator}: {}", tally.unwrap_err());
             }
@@ -76,7 +76,7 @@ fn every_family_hits_and_misses() {
 /// H18 is part of every comparison: `occluded` is `intersect().is_some()`.
 #[test]
 fn h18_random_scenes_of_six_families() {
-    for (accelerator, build) in ACCELERATORS {
+    for (accelerator, build) in accelerators::all() {
         let suite = Suite { rays: 400_000 * effort(), seed: 1 };
         match suite.check(build) {
             Ok(tally) => {
@@ -95,7 +95,7 @@ proptest! {
     /// The same families through a shrinking generator, which makes small counterexamples.
     #[test]
     fn h18_random_scenes_that_shrink(bits in prop::collection::vec(any::<u64>(), 8..512), which in 0usize..6) {
-        for (accelerator, build) in ACCELERATORS {
+        for (accelerator, build) in accelerators::all() {
             let tally = Regime::ALL[which].check(&mut bits.clone().into_iter(), 16, build);
             prop_assert!(tally.is_ok(), "{}: {}", accelerator, tally.unwrap_err());
         }
@@ -110,7 +110,7 @@ fn the_fuzzers_corpus() {
     for file in std::fs::read_dir(corpus).unwrap() {
         let path = file.unwrap().path();
         let bytes = std::fs::read(&path).unwrap();
-        for (accelerator, build) in ACCELERATORS {
+        for (accelerator, build) in accelerators::all() {
             let tally = check_bytes(&bytes, build);
             assert!(tally.is_ok(), "{}, {accelerator}: {}", path.display(), tally.unwrap_err());
         }
@@ -131,7 +131,7 @@ fn h35_nothing_leaks_at_edges_or_vertices() {
         let mesh = mesh.placed(scale, offset);
         let triangles = Triangles::new(mesh.triangles()).unwrap();
         assert_eq!(triangles.degenerate_count(), 0, "scale {scale}, offset {offset}");
-        for (accelerator, build) in ACCELERATORS {
+        for (accelerator, build) in accelerators::all() {
             let accel = build(&triangles).unwrap();
             for target in [Target::Edges, Target::Vertices] {
                 let leaks = leaks(&*accel, &mesh, target, rays, &mut source);

@@ -8,10 +8,17 @@ use globillum_geom::{
 pub type Builder = fn(&Triangles) -> Result<Box<dyn Accel>, GeomError>;
 
 /// Every accelerator by name; brute force, which is slow, comes first.
-pub const ACCELERATORS: [(&str, Builder); 9] = [
+pub const ACCELERATORS: [(&str, Builder); 3] = [
     ("brute force", |t| Ok(Box::new(BruteForce::build(t)))),
     ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
     ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
+];
+
+/// Those among them that pictures are made with.
+pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[1], ACCELERATORS[2]];
+
+/// The k-d tree by every rule but its usual one.
+pub const OTHER_RULES: [(&str, Builder); 6] = [
     ("k-d tree, median of side", |t| by_rule(t, SplitRule::MedianOfSide)),
     ("k-d tree, median of spread", |t| by_rule(t, SplitRule::MedianOfSpread)),
     ("k-d tree, midpoint", |t| by_rule(t, SplitRule::Midpoint)),
@@ -20,8 +27,10 @@ pub const ACCELERATORS: [(&str, Builder); 9] = [
     ("k-d tree, sliding fair", |t| by_rule(t, SplitRule::SlidingFair)),
 ];
 
-/// Those among them that pictures are made with.
-pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[1], ACCELERATORS[2]];
+/// All of these.
+pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
+    ACCELERATORS.into_iter().chain(OTHER_RULES)
+}
 
 fn by_rule(triangles: &Triangles, rule: SplitRule) -> Result<Box<dyn Accel>, GeomError> {
     let mut options = KdOptions::default();

@@ -1,6 +1,5 @@
 use super::{Lattice, UniformGrid};
-use crate::{Aabb, GeomError, Triangle, Triangles};
-use std::ops::RangeInclusive;
+use crate::{Aabb, GeomError, Triangles};
 
 /// How a [`UniformGrid`] is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,32 +124,4 @@ fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> Result<[u32; 3],
 
 fn cell_count(resolution: [u32; 3]) -> u64 {
     resolution.map(u64::from).into_iter().product()
-}
-
-impl Lattice {
-    /// The cells along `axis` that the triangle's box touches.
-    ///
-    /// Both ends go through the same monotone map as any point between them, so the cell that
-    /// [`Lattice::index`] gives for a point of the triangle is always among them.
-    fn span_of(&self, triangle: &Triangle, axis: usize) -> RangeInclusive<u32> {
-        let bounds = triangle.bounds();
-        let cell = |x: f32| self.index(axis, f64::from(x) - self.corner[axis]);
-        cell(bounds.min[axis])..=cell(bounds.max[axis])
-    }
-
-    fn cells_of(&self, triangle: &Triangle) -> u64 {
-        let cells = |axis| u64::from(self.span_of(triangle, axis).count() as u32);
-        cells(0) * cells(1) * cells(2)
-    }
-
-    fn for_each_cell(&self, triangle: &Triangle, mut visit: impl FnMut(usize)) {
-        let [xs, ys, zs] = [0, 1, 2].map(|axis| self.span_of(triangle, axis));
-        for z in zs {
-            for y in ys.clone() {
-                for x in xs.clone() {
-                    visit(self.flat([x, y, z]));
-                }
-            }
-        }
-    }
 }

@@ -1,12 +1,16 @@
 //! A uniform grid over triangles: equal cells, each listing the triangles whose boxes touch it.
 
 mod build;
+mod lattice;
+mod mailbox;
 mod traverse;
+mod walk;
 
 pub use build::GridOptions;
+pub(crate) use lattice::Lattice;
+pub(crate) use walk::Walk;
 
-use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Triangles};
-use glam::DVec3;
+use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Traverse, Triangles};
 
 /// A uniform grid.
 #[derive(Clone, Debug)]
@@ -19,51 +23,6 @@ pub struct UniformGrid {
     references: Vec<u32>,
 }
 
-/// The cells' geometry, in coordinates relative to the scene's lower corner.
-#[derive(Clone, Copy, Debug)]
-struct Lattice {
-    corner: DVec3,
-    resolution: [u32; 3],
-    cell_size: DVec3,
-    cells_per_length: DVec3,
-}
-
-impl Lattice {
-    fn new(bounds: &Aabb, resolution: [u32; 3]) -> Self {
-        let cells = DVec3::from(resolution.map(f64::from));
-        let cell_size = bounds.extent() / cells;
-        // A flat axis has one cell of no size, which every coordinate falls into.
-        let per_length = |size: f64| if size > 0.0 { 1.0 / size } else { 0.0 };
-        Self {
-            corner: bounds.min.as_dvec3(),
-            resolution,
-            cell_size,
-            cells_per_length: cell_size.map(per_length),
-        }
-    }
-
-    /// The relative coordinate of the plane below cell `index`.
-    #[inline]
-    fn plane(&self, axis: usize, index: u32) -> f64 {
-        f64::from(index) * self.cell_size[axis]
-    }
-
-    /// A cell whose closed slab holds the relative coordinate, up to rounding; the nearest one
-    /// for a coordinate outside.
-    #[inline]
-    fn index(&self, axis: usize, coordinate: f64) -> u32 {
-        // The cast saturates, so a coordinate far outside is the first or last cell.
-        let index = (coordinate * self.cells_per_length[axis]) as u32;
-        index.min(self.resolution[axis] - 1)
-    }
-
-    #[inline]
-    fn flat(&self, [x, y, z]: [u32; 3]) -> usize {
-        let [rx, ry, _] = self.resolution.map(|r| r as usize);
-        (z as usize * ry + y as usize) * rx + x as usize
-    }
-}
-
 impl UniformGrid {
     /// Number of cells along each axis.
     pub fn resolution(&self) -> [u32; 3] {
@@ -74,6 +33,23 @@ impl UniformGrid {
     pub fn planes(&self, axis: usize) -> impl Iterator<Item = f64> + '_ {
         (0..=self.lattice.resolution[axis])
             .map(move |i| self.lattice.corner[axis] + self.lattice.plane(axis, i))
+    }
+
+    pub(crate) fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// Every cell and the triangles it lists, in the order of [`Lattice::flat`].
+    pub(crate) fn cells(&self) -> impl Iterator<Item = ([u32; 3], &[u32])> {
+        let [rx, ry, rz] = self.lattice.resolution;
+        let cells = (0..rz).flat_map(move |z| (0..ry).flat_map(move |y| (0..rx).map(move |x| [x, y, z])));
+        cells.map(|cell| (cell, self.listed(self.lattice.flat(cell))))
+    }
+
+    /// The triangles that a cell lists, ascending.
+    #[inline]
+    fn listed(&self, flat: usize) -> &[u32] {
+        &self.references[self.starts[flat] as usize..self.starts[flat + 1] as usize]
     }
 
     /// How many triangle references the cells hold.

@@ -11,9 +11,10 @@ mod rules;
 mod sweep;
 mod traverse;
 
+pub(crate) use build::Builder;
 pub use options::{KdOptions, SplitRule};
 
-use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Triangles};
+use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Traverse, Triangles};
 
 /// A k-d tree, halved by one of several [`SplitRule`]s.
 ///

@@ -2,7 +2,7 @@ use super::{KdTree, Node};
 use crate::decide::Shear;
 use crate::prune::{Pruner, Span};
 use crate::search::offer_all;
-use crate::{Probe, Ray, Search};
+use crate::{Probe, Ray, Search, Traverse};
 use arrayvec::ArrayVec;
 
 /// A node still to be visited, over the part of the ray within its widened cell.
@@ -11,25 +11,27 @@ struct Pending {
     span: Span,
 }
 
-impl KdTree {
-    /// Runs `search` along `ray`, counting into `probe`: the one traversal behind every query.
-    ///
+impl Traverse for KdTree {
     /// Front to back over cells whose planes are widened by the pruning slack, so a ray near a
     /// plane visits both sides (Havran 2000, with thick planes).
-    pub fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
+    fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
         if let Some(shear) = Shear::new(ray) {
             let bounds = self.triangles.bounds();
             if !bounds.is_empty() {
                 let pruner = Pruner::new(ray, &bounds);
                 let span = pruner.clip(ray, &bounds);
-                self.traverse(&shear, &pruner, span, &mut search, probe);
+                self.traverse(0, &shear, &pruner, span, &mut search, probe);
             }
         }
         search
     }
+}
 
-    fn traverse<S: Search, P: Probe>(
+impl KdTree {
+    /// Searches the tree below node `root`, over the part of the ray that is `span`.
+    pub(crate) fn traverse<S: Search, P: Probe>(
         &self,
+        root: u32,
         shear: &Shear,
         pruner: &Pruner,
         span: Span,
@@ -38,14 +40,16 @@ impl KdTree {
     ) {
         // Each level leaves at most one node behind, so the stack can not overflow.
         let mut pending = ArrayVec::<Pending, { KdTree::MAX_DEPTH as usize + 1 }>::new();
-        pending.push(Pending { node: 0, span });
+        pending.push(Pending { node: root, span });
         while let Some(Pending { mut node, mut span }) = pending.pop() {
             while span.start <= span.end.min(search.t_end()) {
                 match self.nodes[node as usize] {
                     Node::Leaf { first, count } => {
-                        probe.open();
+                        if count > 0 {
+                            probe.open();
+                        }
                         let listed = &self.references[first as usize..][..count as usize];
-                        offer_all(shear, &self.triangles, listed, search, probe);
+                        offer_all(shear, &self.triangles, listed.iter().copied(), search, probe);
                         break;
                     }
                     Node::Split { axis, position, upper } => {
@@ -72,8 +76,21 @@ mod tests {
     use super::*;
     use crate::conformance::shapes::statue;
     use crate::conformance::{Seeded, Source};
-    use crate::{Closest, Counts, KdOptions, Triangles};
+    use crate::{Closest, KdOptions, Triangles};
     use glam::DVec3;
+
+    /// Counts nodes and leaves visited.
+    #[derive(Default)]
+    struct Visits(u64);
+
+    impl Probe for Visits {
+        fn visit(&mut self) {
+            self.0 += 1;
+        }
+        fn open(&mut self) {
+            self.0 += 1;
+        }
+    }
 
     /// Nodes and leaves visited along `ray`, with the pruning slack multiplied by `factor`.
     fn visits(tree: &KdTree, ray: &Ray, factor: f64) -> u64 {
@@ -81,9 +98,9 @@ mod tests {
         let shear = Shear::new(ray).expect("the ray is traceable");
         let mut pruner = Pruner::new(ray, &bounds);
         pruner.slack *= factor;
-        let (mut search, mut counts) = (Closest::new(ray), Counts::default());
-        tree.traverse(&shear, &pruner, pruner.clip(ray, &bounds), &mut search, &mut counts);
-        counts.visits + counts.opened
+        let (mut search, mut visits) = (Closest::new(ray), Visits::default());
+        tree.traverse(0, &shear, &pruner, pruner.clip(ray, &bounds), &mut search, &mut visits);
+        visits.0
     }
 
     #[test]

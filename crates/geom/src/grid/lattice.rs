@@ -1,0 +1,74 @@
+use crate::{Aabb, Triangle};
+use glam::DVec3;
+use std::ops::RangeInclusive;
+
+/// The cells' geometry, in coordinates relative to the scene's lower corner.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lattice {
+    pub(crate) corner: DVec3,
+    pub(crate) resolution: [u32; 3],
+    cell_size: DVec3,
+    cells_per_length: DVec3,
+}
+
+impl Lattice {
+    pub(crate) fn new(bounds: &Aabb, resolution: [u32; 3]) -> Self {
+        let cells = DVec3::from(resolution.map(f64::from));
+        let cell_size = bounds.extent() / cells;
+        // A flat axis has one cell of no size, which every coordinate falls into.
+        let per_length = |size: f64| if size > 0.0 { 1.0 / size } else { 0.0 };
+        Self {
+            corner: bounds.min.as_dvec3(),
+            resolution,
+            cell_size,
+            cells_per_length: cell_size.map(per_length),
+        }
+    }
+
+    /// The relative coordinate of the plane below cell `index`.
+    #[inline]
+    pub(crate) fn plane(&self, axis: usize, index: u32) -> f64 {
+        f64::from(index) * self.cell_size[axis]
+    }
+
+    /// A cell whose closed slab holds the relative coordinate, up to rounding; the nearest one
+    /// for a coordinate outside.
+    #[inline]
+    pub(crate) fn index(&self, axis: usize, coordinate: f64) -> u32 {
+        // The cast saturates, so a coordinate far outside is the first or last cell.
+        let index = (coordinate * self.cells_per_length[axis]) as u32;
+        index.min(self.resolution[axis] - 1)
+    }
+
+    #[inline]
+    pub(crate) fn flat(&self, [x, y, z]: [u32; 3]) -> usize {
+        let [rx, ry, _] = self.resolution.map(|r| r as usize);
+        (z as usize * ry + y as usize) * rx + x as usize
+    }
+
+    /// The cells along `axis` that the triangle's box touches.
+    ///
+    /// Both ends go through the same monotone map as any point between them, so the cell that
+    /// [`Lattice::index`] gives for a point of the triangle is always among them.
+    fn span_of(&self, triangle: &Triangle, axis: usize) -> RangeInclusive<u32> {
+        let bounds = triangle.bounds();
+        let cell = |x: f32| self.index(axis, f64::from(x) - self.corner[axis]);
+        cell(bounds.min[axis])..=cell(bounds.max[axis])
+    }
+
+    pub(crate) fn cells_of(&self, triangle: &Triangle) -> u64 {
+        let cells = |axis| u64::from(self.span_of(triangle, axis).count() as u32);
+        cells(0) * cells(1) * cells(2)
+    }
+
+    pub(crate) fn for_each_cell(&self, triangle: &Triangle, mut visit: impl FnMut(usize)) {
+        let [xs, ys, zs] = [0, 1, 2].map(|axis| self.span_of(triangle, axis));
+        for z in zs {
+            for y in ys.clone() {
+                for x in xs.clone() {
+                    visit(self.flat([x, y, z]));
+                }
+            }
+        }
+    }
+}

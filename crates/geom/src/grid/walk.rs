@@ -1,0 +1,91 @@
+use super::Lattice;
+use crate::decide::main_axis;
+use crate::prune::{Pruner, Span};
+use crate::{Aabb, Ray};
+use glam::DVec3;
+
+/// One ray's way through a lattice.
+///
+/// Layer by layer along the ray's main axis, and within a layer row by row: every cell that the
+/// ray, thickened by the pruning slack, passes through. Each crossing is computed from the cell's
+/// index and none from the crossing before, so that no error accumulates.
+pub(crate) struct Walk<'a> {
+    lattice: &'a Lattice,
+    pub(crate) pruner: Pruner,
+    /// The part of the ray within the lattice.
+    span: Span,
+    /// The ray's origin relative to the lattice's corner.
+    origin: DVec3,
+    /// Layers along the first axis, rows along the second, cells along the third.
+    axes: [usize; 3],
+}
+
+impl<'a> Walk<'a> {
+    /// The way of a [traceable](Ray::is_traceable) ray; `None` if it misses `bounds`, or these are
+    /// empty.
+    pub(crate) fn new(lattice: &'a Lattice, bounds: &Aabb, ray: &Ray) -> Option<Self> {
+        if bounds.is_empty() {
+            return None;
+        }
+        let pruner = Pruner::new(ray, bounds);
+        let span = pruner.clip(ray, bounds);
+        let main = main_axis(pruner.direction);
+        let axes = [main, (main + 1) % 3, (main + 2) % 3];
+        let origin = pruner.origin - lattice.corner;
+        (span.start <= span.end).then_some(Self { lattice, pruner, span, origin, axes })
+    }
+
+    /// Calls `open` with each cell and the part of the ray within the cell's layer and row. What
+    /// it returns is the largest `t` that can still matter.
+    pub(crate) fn for_each_cell(&self, mut open: impl FnMut([u32; 3], Span) -> f64) {
+        let [layers, rows, columns] = self.axes;
+        let (mut cell, mut t_end) = ([0; 3], f64::INFINITY);
+        for layer in self.indices(layers, self.span) {
+            cell[layers] = layer;
+            let span = self.within(layers, layer, self.span);
+            // Layers come in the ray's order, and rows too, so nothing nearer can follow.
+            if span.start > t_end {
+                break;
+            }
+            for row in self.indices(rows, span) {
+                cell[rows] = row;
+                let span = self.within(rows, row, span);
+                if span.start > t_end {
+                    break;
+                }
+                for column in self.indices(columns, span) {
+                    cell[columns] = column;
+                    t_end = open(cell, span);
+                }
+            }
+        }
+    }
+
+    /// What of `span`, the part within the layer and row of `cell`, lies within the cell.
+    pub(crate) fn within_column(&self, cell: [u32; 3], span: Span) -> Span {
+        self.within(self.axes[2], cell[self.axes[2]], span)
+    }
+
+    /// The cells along `axis` that the thickened ray touches within `span`, in the ray's order;
+    /// none for an empty span.
+    fn indices(&self, axis: usize, span: Span) -> impl Iterator<Item = u32> + use<> {
+        let at = |t: f64| self.origin[axis] + t * self.pruner.direction[axis];
+        let (a, b) = (at(span.start), at(span.end));
+        let first = self.lattice.index(axis, a.min(b) - self.pruner.slack);
+        let last = self.lattice.index(axis, a.max(b) + self.pruner.slack);
+        let count = if span.start <= span.end { last - first + 1 } else { 0 };
+        let backward = self.pruner.direction[axis] < 0.0;
+        (0..count).map(move |i| if backward { last - i } else { first + i })
+    }
+
+    /// The part of `span` within the widened slab of cell `index` along `axis`.
+    fn within(&self, axis: usize, index: u32, span: Span) -> Span {
+        let distance = |plane| self.lattice.plane(axis, plane) - self.origin[axis];
+        let (low, high) = (distance(index), distance(index + 1));
+        let (enter, leave) = if self.pruner.direction[axis] > 0.0 { (low, high) } else { (high, low) };
+        Span {
+            start: span.start.max(self.pruner.crossing(axis, enter, false)),
+            end: span.end.min(self.pruner.crossing(axis, leave, true)),
+        }
+    }
+}
