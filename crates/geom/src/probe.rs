@@ -104,7 +104,7 @@ impl Probe for Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BruteForce, GridOptions, KdOptions, KdTree, Triangle, Triangles, UniformGrid};
+    use crate::{BruteForce, GridOptions, KdOptions, KdTree, SplitRule, Triangle, Triangles, UniformGrid};
     use glam::{DVec3, Vec3};
 
     /// Two triangles apart, and one that reaches across both cells between them.
@@ -122,17 +122,21 @@ mod tests {
         let brute = Counts::closest(&BruteForce::build(&triangles), &ray);
         assert_eq!(brute, (None, Counts { rays: 1, tests: 3, ..Counts::default() }));
 
-        let mut halved = KdOptions::default();
-        (halved.rule, halved.traversal_cost) = (crate::SplitRule::Midpoint, 0.0);
-        (halved.max_depth, halved.leaf_size) = (Some(1), 0);
+        let halved = KdOptions {
+            rule: SplitRule::Midpoint,
+            traversal_cost: 0.0,
+            max_depth: Some(1),
+            leaf_size: 0,
+            ..KdOptions::default()
+        };
         let (hit, kd) = Counts::closest(&KdTree::build(&triangles, &halved).unwrap(), &ray);
         let expected = Counts { rays: 1, hits: 0, visits: 1, opened: 2, tests: 4, repeats: 1 };
         assert_eq!((hit, kd), (None, expected));
 
-        let mut two_cells = GridOptions::default();
-        two_cells.resolution = Some([2, 1, 1]);
+        // Two cells, and a mailbox for what both list.
+        let two_cells = GridOptions { resolution: Some([2, 1, 1]), ..GridOptions::default() };
         let (hit, grid) = Counts::closest(&UniformGrid::build(&triangles, &two_cells).unwrap(), &ray);
-        assert_eq!((hit, grid), (None, Counts { visits: 2, ..expected }));
+        assert_eq!((hit, grid), (None, Counts { visits: 2, tests: 3, repeats: 0, ..expected }));
         assert_eq!(Counts::any(&UniformGrid::build(&triangles, &two_cells).unwrap(), &ray).1, grid);
     }
 }

@@ -13,8 +13,8 @@ use globillum_geom::conformance::shapes::{quad, statue};
 use globillum_geom::conformance::{Regime, Seeded, Source};
 use globillum_geom::decide::Shear;
 use globillum_geom::{
-    Accel, BruteForce, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SplitRule, Triangle, Triangles,
-    UniformGrid,
+    Accel, BruteForce, GeomError, GridOptions, Hit, KdOptions, KdStats, KdTree, Ray, SplitRule, Triangle,
+    Triangles, UniformGrid,
 };
 use proptest::prelude::*;
 
@@ -62,11 +62,7 @@ impl Scene {
 
 /// Options for every rule but the surface area heuristic.
 fn other_rules() -> impl Iterator<Item = KdOptions> {
-    SplitRule::ALL.into_iter().filter(|&rule| rule != SplitRule::SurfaceArea).map(|rule| {
-        let mut options = KdOptions::default();
-        options.rule = rule;
-        options
-    })
+    SplitRule::ALL.into_iter().filter(|&rule| rule != SplitRule::SurfaceArea).map(KdOptions::by_rule)
 }
 
 fn by_rule(triangles: &Triangles, options: &KdOptions) -> (String, KdTree) {
@@ -95,10 +91,10 @@ fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
     let (tree, allocated) = measured(|| KdTree::build(triangles, options).expect("options in range"));
     let n = triangles.live().len();
     let b = 8 * n + 1024;
-    let (references, nodes) = (tree.reference_count(), tree.node_count());
+    let KdStats { references, nodes, depth, .. } = tree.stats();
     assert!((n..=b).contains(&references), "{references} references to {n} triangles");
     assert!(nodes < 2 * b, "{nodes} nodes over {n} triangles");
-    assert!(tree.depth() <= KdTree::MAX_DEPTH, "depth {}", tree.depth());
+    assert!(depth <= KdTree::MAX_DEPTH, "depth {depth}");
     assert!(allocated.bytes_max as usize <= 140 * n + 190 * b, "{} bytes for {n}", allocated.bytes_max);
     assert_eq!(allocated.bytes_current as usize, tree.bytes() - triangles.bytes());
     tree
@@ -182,7 +178,10 @@ fn h21_nothing() {
     for accel in [&scene.brute as &dyn Accel, &scene.kd, &scene.grid] {
         assert!(accel.bounds().is_empty());
     }
-    assert_eq!((scene.kd.depth(), scene.kd.reference_count(), scene.grid.reference_count()), (0, 0, 0));
+    assert_eq!(
+        (scene.kd.stats().depth, scene.kd.stats().references, scene.grid.reference_count()),
+        (0, 0, 0)
+    );
 }
 
 #[test]
@@ -210,7 +209,7 @@ fn h23_flat_scenes_in_each_plane() {
         };
         let scene = Scene::new((0..64).flat_map(square).collect());
         assert_eq!(scene.grid.resolution()[axis], 1);
-        assert!(scene.kd.planes().all(|(a, _)| a != axis) && scene.kd.depth() > 0);
+        assert!(scene.kd.planes().all(|(a, _)| a != axis) && scene.kd.stats().depth > 0);
         assert!(scene.check(2000) > 500);
     }
 }
@@ -379,7 +378,7 @@ fn h40_count() -> usize {
 fn h40_identical_triangles() {
     let scene = Scene::new(vec![CORNER; h40_count()]);
     // No plane can part them.
-    assert_eq!((scene.kd.node_count(), scene.kd.reference_count()), (1, h40_count()));
+    assert_eq!((scene.kd.stats().nodes, scene.kd.stats().references), (1, h40_count()));
     assert!(scene.check(20) > 5);
     assert_eq!(scene.hit(&Ray::new(DVec3::new(0.25, 0.25, 1.0), -DVec3::Z)).map(|h| h.triangle), Some(0));
 }
@@ -388,7 +387,7 @@ fn h40_identical_triangles() {
 fn h40_triangles_at_two_alternating_places() {
     let place = |i| moved(CORNER, Vec3::new(2.5, 0.0, 0.0) * (i % 2) as f32);
     let scene = Scene::new((0..h40_count()).map(place).collect());
-    assert_eq!(scene.kd.reference_count(), h40_count());
+    assert_eq!(scene.kd.stats().references, h40_count());
     assert!(scene.check(20) > 5);
     for (x, first) in [(0.25, 0), (2.75, 1)] {
         let down = Ray::new(DVec3::new(x, 0.25, 1.0), -DVec3::Z);
@@ -444,7 +443,7 @@ fn h41_a_geometric_chain_of_ever_smaller_triangles() {
         for ray in aimed_rays(&scene.triangles, 5000) {
             assert_same("deep k-d tree", &deep, &ray, scene.hit(&ray));
         }
-        deep.depth()
+        deep.stats().depth
     };
     let thread = std::thread::Builder::new().stack_size(256 * 1024).spawn(job).unwrap();
     assert_eq!(thread.join().unwrap(), KdTree::MAX_DEPTH);
@@ -460,8 +459,8 @@ fn h42_any_depth_and_leaf_size() {
             let mut options = KdOptions::default();
             (options.max_depth, options.leaf_size) = (max_depth, leaf_size);
             let tree = kd_within_bounds(&triangles, &options);
-            assert!(tree.depth() <= max_depth.unwrap_or(60));
-            assert!(leaf_size < 1000 || tree.depth() == 0);
+            assert!(tree.stats().depth <= max_depth.unwrap_or(60));
+            assert!(leaf_size < 1000 || tree.stats().depth == 0);
             for ray in &rays {
                 assert_same("k-d tree", &tree, ray, brute.intersect(ray));
             }

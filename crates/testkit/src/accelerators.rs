@@ -33,7 +33,5 @@ pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
 }
 
 fn by_rule(triangles: &Triangles, rule: SplitRule) -> Result<Box<dyn Accel>, GeomError> {
-    let mut options = KdOptions::default();
-    options.rule = rule;
-    Ok(Box::new(KdTree::build(triangles, &options)?))
+    Ok(Box::new(KdTree::build(triangles, &KdOptions::by_rule(rule))?))
 }

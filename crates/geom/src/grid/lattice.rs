@@ -4,15 +4,15 @@ use std::ops::RangeInclusive;
 
 /// The cells' geometry, in coordinates relative to the scene's lower corner.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lattice {
-    pub(crate) corner: DVec3,
-    pub(crate) resolution: [u32; 3],
+pub(super) struct Lattice {
+    pub(super) corner: DVec3,
+    pub(super) resolution: [u32; 3],
     cell_size: DVec3,
     cells_per_length: DVec3,
 }
 
 impl Lattice {
-    pub(crate) fn new(bounds: &Aabb, resolution: [u32; 3]) -> Self {
+    pub(super) fn new(bounds: &Aabb, resolution: [u32; 3]) -> Self {
         let cells = DVec3::from(resolution.map(f64::from));
         let cell_size = bounds.extent() / cells;
         // A flat axis has one cell of no size, which every coordinate falls into.
@@ -27,21 +27,21 @@ impl Lattice {
 
     /// The relative coordinate of the plane below cell `index`.
     #[inline]
-    pub(crate) fn plane(&self, axis: usize, index: u32) -> f64 {
+    pub(super) fn plane(&self, axis: usize, index: u32) -> f64 {
         f64::from(index) * self.cell_size[axis]
     }
 
     /// A cell whose closed slab holds the relative coordinate, up to rounding; the nearest one
     /// for a coordinate outside.
     #[inline]
-    pub(crate) fn index(&self, axis: usize, coordinate: f64) -> u32 {
+    pub(super) fn index(&self, axis: usize, coordinate: f64) -> u32 {
         // The cast saturates, so a coordinate far outside is the first or last cell.
         let index = (coordinate * self.cells_per_length[axis]) as u32;
         index.min(self.resolution[axis] - 1)
     }
 
     #[inline]
-    pub(crate) fn flat(&self, [x, y, z]: [u32; 3]) -> usize {
+    pub(super) fn flat(&self, [x, y, z]: [u32; 3]) -> usize {
         let [rx, ry, _] = self.resolution.map(|r| r as usize);
         (z as usize * ry + y as usize) * rx + x as usize
     }
@@ -56,12 +56,12 @@ impl Lattice {
         cell(bounds.min[axis])..=cell(bounds.max[axis])
     }
 
-    pub(crate) fn cells_of(&self, triangle: &Triangle) -> u64 {
+    pub(super) fn cells_of(&self, triangle: &Triangle) -> u64 {
         let cells = |axis| u64::from(self.span_of(triangle, axis).count() as u32);
         cells(0) * cells(1) * cells(2)
     }
 
-    pub(crate) fn for_each_cell(&self, triangle: &Triangle, mut visit: impl FnMut(usize)) {
+    pub(super) fn for_each_cell(&self, triangle: &Triangle, mut visit: impl FnMut(usize)) {
         let [xs, ys, zs] = [0, 1, 2].map(|axis| self.span_of(triangle, axis));
         for z in zs {
             for y in ys.clone() {

@@ -7,8 +7,7 @@ mod traverse;
 mod walk;
 
 pub use build::GridOptions;
-pub(crate) use lattice::Lattice;
-pub(crate) use walk::Walk;
+use lattice::Lattice;
 
 use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Traverse, Triangles};
 
@@ -33,17 +32,6 @@ impl UniformGrid {
     pub fn planes(&self, axis: usize) -> impl Iterator<Item = f64> + '_ {
         (0..=self.lattice.resolution[axis])
             .map(move |i| self.lattice.corner[axis] + self.lattice.plane(axis, i))
-    }
-
-    pub(crate) fn lattice(&self) -> &Lattice {
-        &self.lattice
-    }
-
-    /// Every cell and the triangles it lists, in the order of [`Lattice::flat`].
-    pub(crate) fn cells(&self) -> impl Iterator<Item = ([u32; 3], &[u32])> {
-        let [rx, ry, rz] = self.lattice.resolution;
-        let cells = (0..rz).flat_map(move |z| (0..ry).flat_map(move |y| (0..rx).map(move |x| [x, y, z])));
-        cells.map(|cell| (cell, self.listed(self.lattice.flat(cell))))
     }
 
     /// The triangles that a cell lists, ascending.

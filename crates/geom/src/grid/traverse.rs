@@ -1,5 +1,6 @@
+use super::UniformGrid;
 use super::mailbox::Mailbox;
-use super::{UniformGrid, Walk};
+use super::walk::Walk;
 use crate::decide::Shear;
 use crate::search::offer_all;
 use crate::{Probe, Ray, Search, Traverse};
@@ -9,7 +10,7 @@ impl Traverse for UniformGrid {
         let Some(shear) = Shear::new(ray) else { return search };
         let Some(walk) = Walk::new(&self.lattice, &self.triangles.bounds(), ray) else { return search };
         let mut mailbox = Mailbox::new();
-        walk.for_each_cell(|cell, _| {
+        walk.for_each_cell(|cell| {
             probe.visit();
             let listed = self.listed(self.lattice.flat(cell));
             if !listed.is_empty() {

@@ -9,9 +9,9 @@ use glam::DVec3;
 /// Layer by layer along the ray's main axis, and within a layer row by row: every cell that the
 /// ray, thickened by the pruning slack, passes through. Each crossing is computed from the cell's
 /// index and none from the crossing before, so that no error accumulates.
-pub(crate) struct Walk<'a> {
+pub(super) struct Walk<'a> {
     lattice: &'a Lattice,
-    pub(crate) pruner: Pruner,
+    pruner: Pruner,
     /// The part of the ray within the lattice.
     span: Span,
     /// The ray's origin relative to the lattice's corner.
@@ -23,7 +23,7 @@ pub(crate) struct Walk<'a> {
 impl<'a> Walk<'a> {
     /// The way of a [traceable](Ray::is_traceable) ray; `None` if it misses `bounds`, or these are
     /// empty.
-    pub(crate) fn new(lattice: &'a Lattice, bounds: &Aabb, ray: &Ray) -> Option<Self> {
+    pub(super) fn new(lattice: &'a Lattice, bounds: &Aabb, ray: &Ray) -> Option<Self> {
         if bounds.is_empty() {
             return None;
         }
@@ -35,9 +35,8 @@ impl<'a> Walk<'a> {
         (span.start <= span.end).then_some(Self { lattice, pruner, span, origin, axes })
     }
 
-    /// Calls `open` with each cell and the part of the ray within the cell's layer and row. What
-    /// it returns is the largest `t` that can still matter.
-    pub(crate) fn for_each_cell(&self, mut open: impl FnMut([u32; 3], Span) -> f64) {
+    /// Calls `open` with each cell. What it returns is the largest `t` that can still matter.
+    pub(super) fn for_each_cell(&self, mut open: impl FnMut([u32; 3]) -> f64) {
         let [layers, rows, columns] = self.axes;
         let (mut cell, mut t_end) = ([0; 3], f64::INFINITY);
         for layer in self.indices(layers, self.span) {
@@ -55,15 +54,10 @@ impl<'a> Walk<'a> {
                 }
                 for column in self.indices(columns, span) {
                     cell[columns] = column;
-                    t_end = open(cell, span);
+                    t_end = open(cell);
                 }
             }
         }
-    }
-
-    /// What of `span`, the part within the layer and row of `cell`, lies within the cell.
-    pub(crate) fn within_column(&self, cell: [u32; 3], span: Span) -> Span {
-        self.within(self.axes[2], cell[self.axes[2]], span)
     }
 
     /// The cells along `axis` that the thickened ray touches within `span`, in the ray's order;

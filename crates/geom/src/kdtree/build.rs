@@ -38,10 +38,30 @@ impl KdTree {
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range.
     pub fn build(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
-        let mut builder = Builder::new(triangles, options)?;
+        options.validate()?;
         let live = triangles.live();
-        builder.grow(&triangles.bounds(), live.iter().copied(), room_for(live.len()));
-        Ok(builder.finish())
+        let members: Vec<Member> = live.iter().map(|&i| Member::new(triangles, i)).collect();
+        let everything = Cell {
+            bounds: triangles.bounds(),
+            events: (options.rule == SplitRule::SurfaceArea).then(|| Events::new(&members)),
+            members,
+            depth_left: options.depth_for(live.len()),
+            room: room_for(live.len()),
+        };
+        let mut builder = Builder {
+            triangles,
+            options,
+            costs: options.costs(),
+            slack: slack_for(&triangles.bounds()),
+            nodes: Vec::new(),
+            references: Vec::new(),
+            scratch: Scratch::default(),
+        };
+        builder.subdivide(everything);
+        let Builder { mut nodes, mut references, .. } = builder;
+        nodes.shrink_to_fit();
+        references.shrink_to_fit();
+        Ok(Self { triangles: triangles.clone(), nodes, references })
     }
 }
 
@@ -63,8 +83,7 @@ fn room_of_leaf(count: usize) -> usize {
     count.max(1)
 }
 
-/// Grows one tree, or several side by side in one list of nodes.
-pub(crate) struct Builder<'a> {
+struct Builder<'a> {
     triangles: &'a Triangles,
     options: &'a KdOptions,
     costs: CostModel,
@@ -84,56 +103,7 @@ struct Scratch {
     events: Vec<Event>,
 }
 
-impl<'a> Builder<'a> {
-    /// # Errors
-    /// [`GeomError::Param`] for an option out of its range.
-    pub(crate) fn new(triangles: &'a Triangles, options: &'a KdOptions) -> Result<Self, GeomError> {
-        options.validate()?;
-        Ok(Self {
-            triangles,
-            options,
-            costs: options.costs(),
-            slack: slack_for(&triangles.bounds()),
-            nodes: Vec::new(),
-            references: Vec::new(),
-            scratch: Scratch::default(),
-        })
-    }
-
-    /// By how much every cut of a triangle errs on the safe side.
-    pub(crate) fn slack(&self) -> f64 {
-        self.slack
-    }
-
-    /// Adds a tree over what of the triangles at `indices`, ascending, lies in `bounds`, whose
-    /// leaves take at most `room`, at least one for each of them; returns its root.
-    pub(crate) fn grow(&mut self, bounds: &Aabb, indices: impl Iterator<Item = u32>, room: usize) -> u32 {
-        let root = self.nodes.len() as u32;
-        let whole = bounds == &self.triangles.bounds();
-        let part = |index| {
-            let member = Member::new(self.triangles, index);
-            if whole { Some(member) } else { member.within(bounds, self.triangles, self.slack) }
-        };
-        let members: Vec<Member> = indices.filter_map(part).collect();
-        let cell = Cell {
-            bounds: *bounds,
-            events: (self.options.rule == SplitRule::SurfaceArea).then(|| Events::new(&members)),
-            depth_left: self.options.depth_for(members.len()),
-            members,
-            room,
-        };
-        self.subdivide(cell);
-        root
-    }
-
-    /// The tree, or the trees.
-    pub(crate) fn finish(self) -> KdTree {
-        let Self { mut nodes, mut references, .. } = self;
-        nodes.shrink_to_fit();
-        references.shrink_to_fit();
-        KdTree { triangles: self.triangles.clone(), nodes, references }
-    }
-
+impl Builder<'_> {
     /// Adds the nodes of `cell` and returns the room that they left.
     fn subdivide(&mut self, cell: Cell) -> usize {
         let Some(split) = self.choose_split(&cell) else {

@@ -8,11 +8,12 @@ mod member;
 mod options;
 mod plane;
 mod rules;
+mod stats;
 mod sweep;
 mod traverse;
 
-pub(crate) use build::Builder;
 pub use options::{KdOptions, SplitRule};
+pub use stats::KdStats;
 
 use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Traverse, Triangles};
 
@@ -48,31 +49,6 @@ impl KdTree {
             Node::Split { axis, position, .. } => Some((usize::from(axis), position)),
             Node::Leaf { .. } => None,
         })
-    }
-
-    /// How many triangle references the leaves hold; at least one a live triangle.
-    pub fn reference_count(&self) -> usize {
-        self.references.len()
-    }
-
-    /// How many nodes there are, leaves included.
-    pub fn node_count(&self) -> usize {
-        self.nodes.len()
-    }
-
-    /// The number of planes above the deepest leaf.
-    pub fn depth(&self) -> u32 {
-        // Walked with an explicit stack of (node, depth), so that depth costs no call stack.
-        let mut deepest = 0;
-        let mut open = vec![(0, 0)];
-        while let Some((index, depth)) = open.pop() {
-            deepest = deepest.max(depth);
-            if let Node::Split { upper, .. } = self.nodes[index] {
-                open.push((index + 1, depth + 1));
-                open.push((upper as usize, depth + 1));
-            }
-        }
-        deepest
     }
 }
 

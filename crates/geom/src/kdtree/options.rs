@@ -54,8 +54,8 @@ impl SplitRule {
 /// ```
 /// use globillum_geom::{KdOptions, SplitRule};
 ///
-/// let mut options = KdOptions::default();
-/// options.rule = SplitRule::SlidingMidpoint;
+/// let mut options = KdOptions::by_rule(SplitRule::SlidingMidpoint);
+/// options.leaf_size = 4;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -68,7 +68,8 @@ pub struct KdOptions {
     /// A cell with at most this many triangles is not halved. Nor is any other in which the
     /// expected cost of a ray would not fall, whatever the rule.
     pub leaf_size: u32,
-    /// Cost of visiting an inner node, in units of deciding one triangle; finite and `>= 0`.
+    /// Cost of visiting an inner node, in units of deciding one triangle; finite and `>= 0`. The
+    /// default was measured (docs/accelerators.md).
     pub traversal_cost: f64,
     /// Factor on the cost of a split that cuts off an empty cell, in `(0, 1]`.
     pub empty_factor: f64,
@@ -90,6 +91,11 @@ impl Default for KdOptions {
 }
 
 impl KdOptions {
+    /// The default options, but for the rule.
+    pub fn by_rule(rule: SplitRule) -> Self {
+        Self { rule, ..Self::default() }
+    }
+
     pub(super) fn validate(&self) -> Result<(), GeomError> {
         let param = |name, value, range| Err(GeomError::Param { name, value, range });
         if !(self.traversal_cost.is_finite() && self.traversal_cost >= 0.0) {

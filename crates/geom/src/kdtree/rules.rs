@@ -118,9 +118,7 @@ mod tests {
         let half = Vec3::splat(size / 2.0);
         let around = |&p: &[f32; 3]| Aabb { min: Vec3::from(p) - half, max: Vec3::from(p) + half };
         let members: Vec<Member> = points.iter().map(|p| Member { index: 0, bounds: around(p) }).collect();
-        let mut options = KdOptions::default();
-        options.rule = rule;
-        choose_plane(&options, &CELL, &members).map(|plane| (plane.axis, plane.position))
+        choose_plane(&KdOptions::by_rule(rule), &CELL, &members).map(|plane| (plane.axis, plane.position))
     }
 
     #[test]
@@ -163,9 +161,6 @@ mod tests {
         assert_eq!(plane(SplitRule::MedianOfSide, &wall, 0.0), Some((0, 4.0)));
         let ulp = Aabb { min: Vec3::ONE, max: Vec3::ONE.map(f32::next_up) };
         let member = Member { index: 0, bounds: ulp };
-        assert_eq!(
-            choose_plane(&KdOptions { rule: SplitRule::Midpoint, ..KdOptions::default() }, &ulp, &[member]),
-            None
-        );
+        assert_eq!(choose_plane(&KdOptions::by_rule(SplitRule::Midpoint), &ulp, &[member]), None);
     }
 }

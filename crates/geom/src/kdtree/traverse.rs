@@ -20,7 +20,7 @@ impl Traverse for KdTree {
             if !bounds.is_empty() {
                 let pruner = Pruner::new(ray, &bounds);
                 let span = pruner.clip(ray, &bounds);
-                self.traverse(0, &shear, &pruner, span, &mut search, probe);
+                self.traverse(&shear, &pruner, span, &mut search, probe);
             }
         }
         search
@@ -28,10 +28,8 @@ impl Traverse for KdTree {
 }
 
 impl KdTree {
-    /// Searches the tree below node `root`, over the part of the ray that is `span`.
-    pub(crate) fn traverse<S: Search, P: Probe>(
+    fn traverse<S: Search, P: Probe>(
         &self,
-        root: u32,
         shear: &Shear,
         pruner: &Pruner,
         span: Span,
@@ -40,7 +38,7 @@ impl KdTree {
     ) {
         // Each level leaves at most one node behind, so the stack can not overflow.
         let mut pending = ArrayVec::<Pending, { KdTree::MAX_DEPTH as usize + 1 }>::new();
-        pending.push(Pending { node: root, span });
+        pending.push(Pending { node: 0, span });
         while let Some(Pending { mut node, mut span }) = pending.pop() {
             while span.start <= span.end.min(search.t_end()) {
                 match self.nodes[node as usize] {
@@ -99,7 +97,7 @@ mod tests {
         let mut pruner = Pruner::new(ray, &bounds);
         pruner.slack *= factor;
         let (mut search, mut visits) = (Closest::new(ray), Visits::default());
-        tree.traverse(0, &shear, &pruner, pruner.clip(ray, &bounds), &mut search, &mut visits);
+        tree.traverse(&shear, &pruner, pruner.clip(ray, &bounds), &mut search, &mut visits);
         visits.0
     }
 
