@@ -9,7 +9,7 @@ mod common;
 
 use anyhow::Result;
 use clap::Parser;
-use common::report_and_exit;
+use common::{command, cpu_model, report_and_exit};
 use glam::DVec3;
 use globillum::geom::conformance::Target;
 use globillum::geom::decide::Shear;
@@ -70,7 +70,7 @@ fn run(options: &Options) -> Result<()> {
         [leaks_of::<MoellerTrumbore>(options), leaks_of::<Woop>(options), leaks_of::<Shear>(options)],
     )?;
     let cpu = cpu_model().unwrap_or_else(|| "unknown".to_owned());
-    Ok(writeln!(out, "{cpu}: `{}`", command())?)
+    Ok(writeln!(out, "{cpu}: `{}`", command("accuracy"))?)
 }
 
 fn speed_and_errors<I: Intersector>(options: &Options) -> Vec<String> {
@@ -114,18 +114,4 @@ fn write_table(out: &mut impl Write, head: &[&str], rows: [Vec<String>; 3]) -> R
         writeln!(out, "| {} |", row.join(" | "))?;
     }
     Ok(writeln!(out)?)
-}
-
-/// What the machine calls its processor, where that is known.
-fn cpu_model() -> Option<String> {
-    let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = info.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
-}
-
-/// The command that prints the same again.
-fn command() -> String {
-    let options: Vec<_> = std::env::args().skip(1).collect();
-    let separator = if options.is_empty() { "" } else { " -- " };
-    format!("cargo run --release --example accuracy{separator}{}", options.join(" "))
 }

@@ -125,7 +125,7 @@ mod tests {
         let halved = KdOptions {
             rule: SplitRule::Midpoint,
             traversal_cost: 0.0,
-            max_depth: Some(1),
+            max_depth: 1,
             leaf_size: 0,
             ..KdOptions::default()
         };

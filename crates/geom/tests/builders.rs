@@ -434,7 +434,7 @@ fn h41_a_geometric_chain_of_ever_smaller_triangles() {
     };
     let chain: Vec<Triangle> = (0..1000).map(link).collect();
     let mut options = KdOptions::default();
-    options.max_depth = Some(u32::MAX);
+    options.max_depth = u32::MAX;
     let job = move || {
         let scene = Scene::new(chain);
         // The rest is zero in f32.
@@ -454,12 +454,12 @@ fn h42_any_depth_and_leaf_size() {
     let triangles = Triangles::new(statue(500).triangles()).unwrap();
     let brute = BruteForce::build(&triangles);
     let rays = aimed_rays(&triangles, 200);
-    for max_depth in [None, Some(0), Some(1), Some(64), Some(65), Some(1_000_000_000)] {
+    for max_depth in [0, 1, 60, 64, 65, 1_000_000_000] {
         for leaf_size in [0, 1, 1_000_000_000] {
             let mut options = KdOptions::default();
             (options.max_depth, options.leaf_size) = (max_depth, leaf_size);
             let tree = kd_within_bounds(&triangles, &options);
-            assert!(tree.stats().depth <= max_depth.unwrap_or(60));
+            assert!(tree.stats().depth <= max_depth.min(60));
             assert!(leaf_size < 1000 || tree.stats().depth == 0);
             for ray in &rays {
                 assert_same("k-d tree", &tree, ray, brute.intersect(ray));
@@ -473,7 +473,7 @@ fn h42_any_depth_and_leaf_size() {
 fn h42_empty_space_at_no_cost() {
     let triangles = Triangles::new(statue(2000).triangles()).unwrap();
     let mut options = KdOptions::default();
-    (options.max_depth, options.leaf_size) = (Some(60), 0);
+    (options.max_depth, options.leaf_size) = (60, 0);
     (options.traversal_cost, options.empty_factor) = (0.0, 1e-3);
     let tree = kd_within_bounds(&triangles, &options);
     let brute = BruteForce::build(&triangles);

@@ -1,11 +1,29 @@
 //! The accelerators that tests run on: a new one is one line here.
 
 use globillum_geom::{
-    Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, SplitRule, Triangles, UniformGrid,
+    Accel, BruteForce, Counts, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SplitRule, Traverse,
+    Triangles, UniformGrid,
 };
 
+/// An accelerator whose searches can be counted.
+pub trait Measurable: Accel {
+    /// [`Counts::closest`].
+    fn count_closest(&self, ray: &Ray) -> (Option<Hit>, Counts);
+    /// [`Counts::any`].
+    fn count_any(&self, ray: &Ray) -> (bool, Counts);
+}
+
+impl<A: Traverse> Measurable for A {
+    fn count_closest(&self, ray: &Ray) -> (Option<Hit>, Counts) {
+        Counts::closest(self, ray)
+    }
+    fn count_any(&self, ray: &Ray) -> (bool, Counts) {
+        Counts::any(self, ray)
+    }
+}
+
 /// Builds an accelerator.
-pub type Builder = fn(&Triangles) -> Result<Box<dyn Accel>, GeomError>;
+pub type Builder = fn(&Triangles) -> Result<Box<dyn Measurable>, GeomError>;
 
 /// Every accelerator by name; brute force, which is slow, comes first.
 pub const ACCELERATORS: [(&str, Builder); 3] = [
@@ -32,6 +50,6 @@ pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
     ACCELERATORS.into_iter().chain(OTHER_RULES)
 }
 
-fn by_rule(triangles: &Triangles, rule: SplitRule) -> Result<Box<dyn Accel>, GeomError> {
+fn by_rule(triangles: &Triangles, rule: SplitRule) -> Result<Box<dyn Measurable>, GeomError> {
     Ok(Box::new(KdTree::build(triangles, &KdOptions::by_rule(rule))?))
 }

@@ -1,6 +1,6 @@
 //! Scenes whose light is known in closed form, and cameras that look at one point of them.
 
-use crate::accelerators::Builder;
+use crate::accelerators::{Builder, Measurable};
 use crate::shapes::{cuboid, inside_out, quad};
 use glam::DVec3;
 use globillum_geom::Accel;
@@ -12,7 +12,8 @@ use globillum_material::{Emission, Material, Rgb, Sides};
 /// # Panics
 /// If it is not good after all.
 pub fn scene(model: &Model, build: Builder) -> Scene<Box<dyn Accel>> {
-    Scene::build(model, build).expect("the model is good")
+    let upcast = |accel: Box<dyn Measurable>| -> Box<dyn Accel> { accel };
+    Scene::build(model, |triangles| build(triangles).map(upcast)).expect("the model is good")
 }
 
 /// A camera at `eye` whose whole picture is one point, `target` as good as exactly.

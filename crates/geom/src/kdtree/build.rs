@@ -45,7 +45,7 @@ impl KdTree {
             bounds: triangles.bounds(),
             events: (options.rule == SplitRule::SurfaceArea).then(|| Events::new(&members)),
             members,
-            depth_left: options.depth_for(live.len()),
+            depth_left: options.max_depth.min(Self::MAX_DEPTH),
             room: room_for(live.len()),
         };
         let mut builder = Builder {

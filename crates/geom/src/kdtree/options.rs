@@ -62,9 +62,8 @@ impl SplitRule {
 pub struct KdOptions {
     /// Where cells are halved.
     pub rule: SplitRule,
-    /// Most planes above a leaf; `None` for `8 + 1.3 log2 n`. Never more than
-    /// [`KdTree::MAX_DEPTH`] are built.
-    pub max_depth: Option<u32>,
+    /// Most planes above a leaf; more than [`KdTree::MAX_DEPTH`] counts as that.
+    pub max_depth: u32,
     /// A cell with at most this many triangles is not halved. Nor is any other in which the
     /// expected cost of a ray would not fall, whatever the rule.
     pub leaf_size: u32,
@@ -81,7 +80,7 @@ impl Default for KdOptions {
     fn default() -> Self {
         Self {
             rule: SplitRule::default(),
-            max_depth: None,
+            max_depth: KdTree::MAX_DEPTH,
             leaf_size: 1,
             traversal_cost: 2.0,
             empty_factor: 0.9,
@@ -108,11 +107,6 @@ impl KdOptions {
             return param("max_aspect", self.max_aspect, "[2, inf)");
         }
         Ok(())
-    }
-
-    pub(super) fn depth_for(&self, count: usize) -> u32 {
-        let usual = 8.0 + 1.3 * (count.max(1) as f64).log2();
-        self.max_depth.unwrap_or(usual as u32).min(KdTree::MAX_DEPTH)
     }
 
     pub(super) fn costs(&self) -> CostModel {

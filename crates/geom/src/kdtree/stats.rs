@@ -116,7 +116,7 @@ mod tests {
         let wall = |x: f32| Triangle::new(Vec3::X * x, Vec3::new(x, 1.0, 0.0), Vec3::new(x, 0.0, 1.0));
         let triangles = Triangles::new(vec![wall(0.0), wall(4.0)]).unwrap();
         let options = KdOptions {
-            max_depth: Some(2),
+            max_depth: 2,
             leaf_size: 0,
             traversal_cost: 0.0,
             ..KdOptions::by_rule(SplitRule::Midpoint)

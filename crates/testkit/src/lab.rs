@@ -1,0 +1,194 @@
+//! Measuring an accelerator: what it costs, and that it answers like the others.
+
+use crate::accelerators::{Builder, Measurable};
+use crate::meshes::Subject;
+use crate::rays::Rays;
+use globillum_geom::{Accel, Counts, GeomError, Hit, Ray};
+use std::time::Instant;
+
+/// What rays are asked for, in the order of [`Measurement::queries`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Query {
+    /// The closest hit of camera rays: coherent.
+    ClosestCamera,
+    /// The closest hit of bounce rays: incoherent.
+    ClosestBounce,
+    /// Any hit of shadow rays: coherent.
+    AnyShadow,
+    /// Any hit of bounce rays: incoherent.
+    AnyBounce,
+}
+
+impl Query {
+    /// Every query.
+    pub const ALL: [Self; 4] = [Self::ClosestCamera, Self::ClosestBounce, Self::AnyShadow, Self::AnyBounce];
+
+    /// In two words: what is asked, for which rays.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ClosestCamera => "closest camera",
+            Self::ClosestBounce => "closest bounce",
+            Self::AnyShadow => "any shadow",
+            Self::AnyBounce => "any bounce",
+        }
+    }
+
+    /// The rays that it is asked for.
+    pub fn rays(self, rays: &Rays) -> &[Ray] {
+        match self {
+            Self::ClosestCamera => &rays.camera,
+            Self::ClosestBounce | Self::AnyBounce => &rays.bounce,
+            Self::AnyShadow => &rays.shadow,
+        }
+    }
+
+    fn asks_for_any(self) -> bool {
+        matches!(self, Self::AnyShadow | Self::AnyBounce)
+    }
+
+    /// What it takes, in all.
+    pub fn count(self, accel: &dyn Measurable, rays: &Rays) -> Counts {
+        let mut counts = Counts::default();
+        for ray in self.rays(rays) {
+            counts += if self.asks_for_any() { accel.count_any(ray).1 } else { accel.count_closest(ray).1 };
+        }
+        counts
+    }
+
+    /// Answers it once for all rays, and returns a hash of the answers.
+    pub fn answer(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) -> u64 {
+        let mut hash = Fnv::new();
+        if self.asks_for_any() {
+            accel.occluded_batch(self.rays(rays), &mut buffers.occluded);
+            buffers.occluded.iter().for_each(|&occluded| hash.add(u64::from(occluded)));
+        } else {
+            accel.intersect_batch(self.rays(rays), &mut buffers.hits);
+            buffers.hits.iter().for_each(|hit| hash.add_hit(hit));
+        }
+        hash.0
+    }
+
+    /// Seconds that answering it once for all rays takes.
+    fn time(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) -> f64 {
+        let start = Instant::now();
+        if self.asks_for_any() {
+            accel.occluded_batch(self.rays(rays), &mut buffers.occluded);
+        } else {
+            accel.intersect_batch(self.rays(rays), &mut buffers.hits);
+        }
+        start.elapsed().as_secs_f64()
+    }
+}
+
+/// Where answers go.
+#[derive(Clone, Debug, Default)]
+pub struct Buffers {
+    hits: Vec<Option<Hit>>,
+    occluded: Vec<bool>,
+}
+
+/// An accelerator on a mesh, measured.
+#[derive(Clone, Debug)]
+pub struct Measurement {
+    /// The accelerator's name.
+    pub accelerator: &'static str,
+    /// Median seconds of building it.
+    pub build_seconds: f64,
+    /// Bytes it holds, the triangles included.
+    pub bytes: usize,
+    /// Median nanoseconds a ray, for each of [`Query::ALL`].
+    pub nanoseconds: [f64; 4],
+    /// What is done, for each of [`Query::ALL`].
+    pub counts: [Counts; 4],
+    /// Of all answers to all queries.
+    pub hash: u64,
+}
+
+/// Builds and asks the accelerator `repeats` times, after its answers have been hashed.
+///
+/// # Errors
+/// What building it says.
+pub fn measure(
+    (accelerator, build): (&'static str, Builder),
+    subject: &Subject,
+    rays: &Rays,
+    repeats: usize,
+) -> Result<Measurement, GeomError> {
+    let mut accel = build(&subject.triangles)?;
+    let mut buffers = Buffers::default();
+    let mut hash = Fnv::new();
+    Query::ALL.iter().for_each(|query| hash.add(query.answer(&accel, rays, &mut buffers)));
+    let mut builds = Vec::new();
+    for _ in 0..repeats {
+        let start = Instant::now();
+        accel = build(&subject.triangles)?;
+        builds.push(start.elapsed().as_secs_f64());
+    }
+    let mut nanoseconds_of = |query: Query| {
+        let count = query.rays(rays).len().max(1) as f64;
+        let times = (0..repeats).map(|_| query.time(&accel, rays, &mut buffers)).collect();
+        median(times) * 1e9 / count
+    };
+    Ok(Measurement {
+        accelerator,
+        build_seconds: median(builds),
+        bytes: accel.bytes(),
+        nanoseconds: Query::ALL.map(&mut nanoseconds_of),
+        counts: Query::ALL.map(|query| query.count(&*accel, rays)),
+        hash: hash.0,
+    })
+}
+
+/// The middle one of some numbers; NaN if there are none.
+pub fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// The hash FNV-1a of 64-bit words (Fowler, Noll and Vo).
+struct Fnv(u64);
+
+impl Fnv {
+    fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn add(&mut self, word: u64) {
+        for byte in word.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn add_hit(&mut self, hit: &Option<Hit>) {
+        match hit {
+            None => self.add(u64::MAX),
+            Some(Hit { t, u, v, triangle }) => {
+                [t, u, v].into_iter().for_each(|x| self.add(x.to_bits()));
+                self.add(u64::from(*triangle));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accelerators;
+    use crate::shapes::statue;
+
+    #[test]
+    fn all_accelerators_have_one_hash_and_a_wrong_one_another() {
+        let subject = Subject::new("statue", statue(500).triangles()).unwrap();
+        let rays = Rays::new(&subject, &*accelerators::ACCELERATORS[0].1(&subject.triangles).unwrap(), 16);
+        assert!(rays.bounce.len() > 20 && rays.shadow.len() == rays.bounce.len());
+        let hash = |build| measure(("", build), &subject, &rays, 1).unwrap().hash;
+        let expected = hash(accelerators::ACCELERATORS[0].1);
+        for (name, build) in accelerators::all() {
+            assert_eq!(hash(build), expected, "{name}");
+        }
+        assert_ne!(
+            hash(|_| accelerators::ACCELERATORS[0].1(&globillum_geom::Triangles::new(Vec::new())?)),
+            expected
+        );
+    }
+}

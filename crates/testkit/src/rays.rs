@@ -1,0 +1,49 @@
+//! Rays as a renderer makes them.
+
+use crate::meshes::Subject;
+use glam::DVec3;
+use globillum_geom::{Accel, Frame, Hit, Ray};
+use globillum_integrator::Stream;
+use globillum_material::warp::CosineHemisphere;
+
+/// The rays of one picture.
+#[derive(Clone, Debug)]
+pub struct Rays {
+    /// From one place, row by row: neighbours take nearly the same way. Closest hits are asked for.
+    pub camera: Vec<Ray>,
+    /// From what the camera rays hit, in directions that follow the cosine: no two take the same
+    /// way. Closest hits are asked for.
+    pub bounce: Vec<Ray>,
+    /// From what the camera rays hit to one lamp: neighbours take nearly the same way. Any hit is
+    /// asked for.
+    pub shadow: Vec<Ray>,
+}
+
+impl Rays {
+    /// The rays of a square picture with `side` pixels on each side. `accel` holds the triangles
+    /// of `subject`.
+    pub fn new(subject: &Subject, accel: &dyn Accel, side: u32) -> Self {
+        let camera = camera_rays(subject, side);
+        let (mut bounce, mut shadow) = (Vec::new(), Vec::new());
+        for (ray, index) in camera.iter().zip(0..) {
+            let Some(Hit { triangle, u, v, .. }) = accel.intersect(ray) else { continue };
+            let point = subject.triangles.surface_point(triangle, u, v);
+            let normal = if point.normal.dot(ray.direction) < 0.0 { point.normal } else { -point.normal };
+            let along = CosineHemisphere::sample(Stream::new(0, index, 0).uniform_pair(0));
+            bounce.push(point.spawn(Frame::around(normal).to_world(along)));
+            let mut to_lamp = point.spawn(subject.lamp - point.position);
+            to_lamp.t_max = 1.0;
+            shadow.push(to_lamp);
+        }
+        Self { camera, bounce, shadow }
+    }
+}
+
+fn camera_rays(subject: &Subject, side: u32) -> Vec<Ray> {
+    let forward = subject.target - subject.eye;
+    let right = forward.cross(DVec3::Y).normalize() * forward.length() * subject.half_height;
+    let up = right.cross(forward).normalize() * right.length();
+    let at = |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(side) - 1.0;
+    let pixels = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
+    pixels.map(|(x, y)| Ray::new(subject.eye, forward + at(x) * right - at(y) * up)).collect()
+}
