@@ -4,6 +4,7 @@
 use anyhow::Result;
 use globillum::geom::{Counts, GridOptions, KdOptions, KdTree, Ray, SplitRule, Traverse, UniformGrid};
 use globillum::io::AtomicFile;
+use globillum_testkit::accelerators::rule_options;
 use globillum_testkit::meshes::Subject;
 use globillum_testkit::rays::Rays;
 use image::{ImageFormat, Rgb, RgbImage};
@@ -30,7 +31,7 @@ fn costs(structure: &'static str, accel: &impl Traverse, rays: &[Ray]) -> Costs 
 fn all_costs(subject: &Subject, side: u32) -> Result<[Costs; 3]> {
     let triangles = &subject.triangles;
     let kd = KdTree::build(triangles, &KdOptions::default())?;
-    let sliding = KdTree::build(triangles, &KdOptions::by_rule(SplitRule::SlidingMidpoint))?;
+    let sliding = KdTree::build(triangles, &rule_options(SplitRule::SlidingMidpoint))?;
     let grid = UniformGrid::build(triangles, &GridOptions::default())?;
     let rays = Rays::new(subject, &kd, side).camera;
     Ok([costs("kd", &kd, &rays), costs("sliding", &sliding, &rays), costs("grid", &grid, &rays)])

@@ -3,7 +3,8 @@
 
 use crate::tables::table;
 use anyhow::Result;
-use globillum::geom::{KdOptions, KdTree, SplitRule, Triangles};
+use globillum::geom::{KdTree, SplitRule, Triangles};
+use globillum_testkit::accelerators::rule_options;
 
 /// A line for each rule.
 pub(crate) fn print(triangles: &Triangles) -> Result<()> {
@@ -21,7 +22,7 @@ pub(crate) fn print(triangles: &Triangles) -> Result<()> {
         "expected cost",
     ]);
     for rule in SplitRule::ALL {
-        let options = KdOptions::by_rule(rule);
+        let options = rule_options(rule);
         let stats = KdTree::build(triangles, &options)?.stats();
         table.add_row([
             format!("{rule:?}"),

@@ -16,16 +16,15 @@ use globillum_geom::{
     Accel, BruteForce, GeomError, GridOptions, Hit, KdOptions, KdStats, KdTree, Ray, SplitRule, Triangle,
     Triangles, UniformGrid,
 };
+use globillum_testkit::accelerators::rule_options;
 use proptest::prelude::*;
 
 /// All structures over the same triangles.
 struct Scene {
     triangles: Triangles,
     brute: BruteForce,
-    /// By the surface area heuristic.
     kd: KdTree,
-    /// By the other rules.
-    others: Vec<(String, KdTree)>,
+    by_rule: Vec<(String, KdTree)>,
     grid: UniformGrid,
 }
 
@@ -35,7 +34,7 @@ impl Scene {
         Self {
             brute: BruteForce::build(&triangles),
             kd: kd_within_bounds(&triangles, &KdOptions::default()),
-            others: other_rules().map(|options| by_rule(&triangles, &options)).collect(),
+            by_rule: every_rule().map(|options| kd_by_rule(&triangles, &options)).collect(),
             grid: grid_within_bounds(&triangles, &GridOptions::default()),
             triangles,
         }
@@ -53,19 +52,18 @@ impl Scene {
         for (name, accel) in [("k-d tree", &self.kd as &dyn Accel), ("grid", &self.grid)] {
             assert_same(name, accel, ray, expected);
         }
-        for (name, tree) in &self.others {
+        for (name, tree) in &self.by_rule {
             assert_same(name, tree, ray, expected);
         }
         expected
     }
 }
 
-/// Options for every rule but the surface area heuristic.
-fn other_rules() -> impl Iterator<Item = KdOptions> {
-    SplitRule::ALL.into_iter().filter(|&rule| rule != SplitRule::SurfaceArea).map(KdOptions::by_rule)
+fn every_rule() -> impl Iterator<Item = KdOptions> {
+    SplitRule::ALL.into_iter().map(rule_options)
 }
 
-fn by_rule(triangles: &Triangles, options: &KdOptions) -> (String, KdTree) {
+fn kd_by_rule(triangles: &Triangles, options: &KdOptions) -> (String, KdTree) {
     (format!("k-d tree, {:?}", options.rule), kd_within_bounds(triangles, options))
 }
 

@@ -35,21 +35,30 @@ pub const ACCELERATORS: [(&str, Builder); 3] = [
 /// Those among them that pictures are made with.
 pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[1], ACCELERATORS[2]];
 
-/// The k-d tree by every rule but its usual one.
-pub const OTHER_RULES: [(&str, Builder); 6] = [
+/// The k-d tree by every rule, all else being equal: [`rule_options`].
+pub const RULES: [(&str, Builder); 7] = [
     ("k-d tree, median of side", |t| by_rule(t, SplitRule::MedianOfSide)),
     ("k-d tree, median of spread", |t| by_rule(t, SplitRule::MedianOfSpread)),
     ("k-d tree, midpoint", |t| by_rule(t, SplitRule::Midpoint)),
     ("k-d tree, sliding midpoint", |t| by_rule(t, SplitRule::SlidingMidpoint)),
     ("k-d tree, fair", |t| by_rule(t, SplitRule::Fair)),
     ("k-d tree, sliding fair", |t| by_rule(t, SplitRule::SlidingFair)),
+    ("k-d tree, surface area", |t| by_rule(t, SplitRule::SurfaceArea)),
 ];
 
 /// All of these.
 pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
-    ACCELERATORS.into_iter().chain(OTHER_RULES)
+    ACCELERATORS.into_iter().chain(RULES)
+}
+
+/// How rules are compared: with a plane of lookahead, without which the simple ones give up where
+/// a plane happens to cut through everything.
+pub fn rule_options(rule: SplitRule) -> KdOptions {
+    let mut options = KdOptions::by_rule(rule);
+    options.lookahead = 1;
+    options
 }
 
 fn by_rule(triangles: &Triangles, rule: SplitRule) -> Result<Box<dyn Measurable>, GeomError> {
-    Ok(Box::new(KdTree::build(triangles, &KdOptions::by_rule(rule))?))
+    Ok(Box::new(KdTree::build(triangles, &rule_options(rule))?))
 }

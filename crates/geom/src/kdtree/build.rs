@@ -46,6 +46,7 @@ impl KdTree {
             events: (options.rule == SplitRule::SurfaceArea).then(|| Events::new(&members)),
             members,
             depth_left: options.max_depth.min(Self::MAX_DEPTH),
+            unpaid: 0,
             room: room_for(live.len()),
         };
         let mut builder = Builder {
@@ -73,6 +74,8 @@ struct Cell {
     /// Where the members' boxes begin and end, for a rule that sweeps.
     events: Option<Events>,
     depth_left: u32,
+    /// How many planes right above did not pay by themselves.
+    unpaid: u32,
     /// How much room the leaves below may take: one for each reference, and one for an empty
     /// leaf, so that nodes are bounded too. Enough to make this cell a leaf.
     room: usize,
@@ -81,6 +84,20 @@ struct Cell {
 /// The room that a leaf with `count` references takes.
 fn room_of_leaf(count: usize) -> usize {
     count.max(1)
+}
+
+/// Where a cell is halved.
+struct Choice {
+    split: Split,
+    /// How many planes in a row, this one the last, do not pay by themselves.
+    unpaid: u32,
+}
+
+/// What became of a cell.
+struct Built {
+    room_left: usize,
+    /// Expected cost of a ray that meets the cell, times half the cell's area.
+    cost: f64,
 }
 
 struct Builder<'a> {
@@ -104,34 +121,53 @@ struct Scratch {
 }
 
 impl Builder<'_> {
-    /// Adds the nodes of `cell` and returns the room that they left.
-    fn subdivide(&mut self, cell: Cell) -> usize {
-        let Some(split) = self.choose_split(&cell) else {
-            self.add_leaf(&cell.members);
-            return cell.room - room_of_leaf(cell.members.len());
+    /// Adds the nodes of `cell`.
+    fn subdivide(&mut self, cell: Cell) -> Built {
+        let (area, count, room) = (cell.bounds.half_area(), cell.members.len(), cell.room);
+        let as_leaf = Built { room_left: room - room_of_leaf(count), cost: area * count as f64 };
+        let start = (self.nodes.len(), self.references.len());
+        let Some(Choice { split, unpaid }) = self.choose_split(&cell) else {
+            self.add_leaf(cell.members.iter().map(|m| m.index));
+            return as_leaf;
         };
-        let [lower, mut upper] = self.halve(cell, &split);
+        let [lower, mut upper] = self.halve(cell, &split, unpaid);
         let Plane { axis, position, .. } = split.plane;
-        let node = self.nodes.len();
         // The upper child's index is known only after the lower one's nodes.
         self.nodes.push(Node::Split { axis: axis as u8, position, upper: 0 });
-        upper.room += self.subdivide(lower);
+        let lower = self.subdivide(lower);
         let next = self.nodes.len() as u32;
-        if let Node::Split { upper, .. } = &mut self.nodes[node] {
+        if let Node::Split { upper, .. } = &mut self.nodes[start.0] {
             *upper = next;
         }
-        self.subdivide(upper)
+        upper.room += lower.room_left;
+        let upper = self.subdivide(upper);
+        let cost = area * self.costs.traversal + lower.cost + upper.cost;
+        if unpaid > 0 && cost >= as_leaf.cost {
+            self.collapse(start);
+            return as_leaf;
+        }
+        Built { room_left: upper.room_left, cost }
     }
 
-    fn add_leaf(&mut self, members: &[Member]) {
-        let first = self.references.len() as u32;
-        self.references.extend(members.iter().map(|m| m.index));
-        self.nodes.push(Node::Leaf { first, count: members.len() as u32 });
+    fn add_leaf(&mut self, triangles: impl Iterator<Item = u32>) {
+        let first = self.references.len();
+        self.references.extend(triangles);
+        let count = self.references.len() - first;
+        self.nodes.push(Node::Leaf { first: first as u32, count: count as u32 });
+    }
+
+    /// Makes one leaf of what has been added since there were so many nodes and references.
+    fn collapse(&mut self, (nodes, references): (usize, usize)) {
+        let mut listed = self.references.split_off(references);
+        listed.sort_unstable();
+        listed.dedup();
+        self.nodes.truncate(nodes);
+        self.add_leaf(listed.into_iter());
     }
 
     /// Where to halve `cell`; `None` where it is to be a leaf: by the same criteria, whichever rule
     /// proposes the plane.
-    fn choose_split(&self, cell: &Cell) -> Option<Split> {
+    fn choose_split(&self, cell: &Cell) -> Option<Choice> {
         let Cell { bounds, members, .. } = cell;
         if cell.depth_left == 0 || members.len() <= self.options.leaf_size as usize || members.is_empty() {
             return None;
@@ -141,11 +177,12 @@ impl Builder<'_> {
             None => Split::count(choose_plane(self.options, bounds, members)?, members),
         };
         let pays = self.costs.of_split(bounds, &split) < members.len() as f64;
+        let unpaid = if pays { 0 } else { cell.unpaid + 1 };
         let fits = split.counts.map(room_of_leaf).into_iter().sum::<usize>() <= cell.room;
-        (pays && fits).then_some(split)
+        (fits && unpaid <= self.options.lookahead).then_some(Choice { split, unpaid })
     }
 
-    fn halve(&mut self, cell: Cell, split: &Split) -> [Cell; 2] {
+    fn halve(&mut self, cell: Cell, split: &Split, unpaid: u32) -> [Cell; 2] {
         let needed = split.counts.map(room_of_leaf);
         let spare = cell.room - needed[0] - needed[1];
         // Shared in proportion; what the lower cell leaves goes to the upper one later.
@@ -165,6 +202,7 @@ impl Builder<'_> {
             members,
             events,
             depth_left: cell.depth_left - 1,
+            unpaid,
             room,
         };
         [child(halves[0], lower, lower_events, lower_room), child(halves[1], upper, upper_events, upper_room)]

@@ -64,9 +64,13 @@ pub struct KdOptions {
     pub rule: SplitRule,
     /// Most planes above a leaf; more than [`KdTree::MAX_DEPTH`] counts as that.
     pub max_depth: u32,
-    /// A cell with at most this many triangles is not halved. Nor is any other in which the
-    /// expected cost of a ray would not fall, whatever the rule.
+    /// A cell with at most this many triangles is not halved.
     pub leaf_size: u32,
+    /// A plane pays if it lowers the expected cost of a ray. So many planes in a row are tried that
+    /// do not pay by themselves; if all that follows has not paid for them in the end, they are
+    /// taken out again. The surface area heuristic gains nothing by it, the other rules much in
+    /// scenes aligned with their planes (docs/accelerators.md).
+    pub lookahead: u32,
     /// Cost of visiting an inner node, in units of deciding one triangle; finite and `>= 0`. The
     /// default was measured (docs/accelerators.md).
     pub traversal_cost: f64,
@@ -82,6 +86,7 @@ impl Default for KdOptions {
             rule: SplitRule::default(),
             max_depth: KdTree::MAX_DEPTH,
             leaf_size: 1,
+            lookahead: 0,
             traversal_cost: 2.0,
             empty_factor: 0.9,
             max_aspect: 3.0,
