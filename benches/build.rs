@@ -1,22 +1,24 @@
-//! Build time of the k-d tree and the grid.
+//! Build time of every accelerator and splitting rule: `cargo bench --bench build`.
+//!
+//! What is timed has been found to answer like the rest.
 
-#[path = "common/meshes.rs"]
-mod meshes;
+#[allow(dead_code, reason = "this bench needs only a part")]
+mod common;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use globillum::geom::{GridOptions, KdOptions, KdTree, UniformGrid};
+use globillum_testkit::lab::{Buffers, Query};
 
 fn build(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("build");
-    group.sample_size(10);
-    for case in meshes::cases() {
-        let triangles = &case.triangles;
-        group.bench_function(format!("{}/kd", case.name), |b| {
-            b.iter(|| KdTree::build(triangles, &KdOptions::default()).expect("the mesh is good"));
-        });
-        group.bench_function(format!("{}/grid", case.name), |b| {
-            b.iter(|| UniformGrid::build(triangles, &GridOptions::default()).expect("the mesh is good"));
-        });
+    for common::Case { subject, rays } in common::cases() {
+        let mut group = criterion.benchmark_group(format!("build/{}", subject.name));
+        group.sample_size(10);
+        let mut expected = None;
+        for (name, build) in common::contenders() {
+            let build = || build(&subject.triangles).expect("the mesh is good");
+            let hash = Query::ClosestBounce.answer(&build(), &rays, &mut Buffers::default());
+            assert_eq!(*expected.get_or_insert(hash), hash, "{name} answers differently");
+            group.bench_function(name, |b| b.iter(build));
+        }
     }
 }
 

@@ -58,24 +58,28 @@ impl Query {
     /// Answers it once for all rays, and returns a hash of the answers.
     pub fn answer(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) -> u64 {
         let mut hash = Fnv::new();
+        self.run(accel, rays, buffers);
         if self.asks_for_any() {
-            accel.occluded_batch(self.rays(rays), &mut buffers.occluded);
             buffers.occluded.iter().for_each(|&occluded| hash.add(u64::from(occluded)));
         } else {
-            accel.intersect_batch(self.rays(rays), &mut buffers.hits);
             buffers.hits.iter().for_each(|hit| hash.add_hit(hit));
         }
         hash.0
     }
 
-    /// Seconds that answering it once for all rays takes.
-    fn time(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) -> f64 {
-        let start = Instant::now();
+    /// Answers it once for all rays.
+    pub fn run(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) {
         if self.asks_for_any() {
             accel.occluded_batch(self.rays(rays), &mut buffers.occluded);
         } else {
             accel.intersect_batch(self.rays(rays), &mut buffers.hits);
         }
+    }
+
+    /// Seconds that [`Query::run`] takes.
+    fn time(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) -> f64 {
+        let start = Instant::now();
+        self.run(accel, rays, buffers);
         start.elapsed().as_secs_f64()
     }
 }

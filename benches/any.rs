@@ -1,0 +1,14 @@
+//! Any hit of shadow rays and of bounce rays: `cargo bench --bench any`.
+
+#[allow(dead_code, reason = "this bench needs only a part")]
+mod common;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use globillum_testkit::lab::Query;
+
+fn any(criterion: &mut Criterion) {
+    common::bench_queries(criterion, [Query::AnyShadow, Query::AnyBounce]);
+}
+
+criterion_group!(benches, any);
+criterion_main!(benches);
