@@ -1,0 +1,379 @@
+//! The part of Embree 4's C interface that is needed, loaded at run time.
+//!
+//! All `unsafe` of this crate is here, behind [`Api::load`], [`Scene`] and [`FlushToZero`]. It
+//! rests on this: the layouts below are those of Embree 4's public headers for a library built
+//! with one instance level, its default; a [`Scene`] owns all that its handles refer to, and keeps
+//! the library loaded; rays are only read and written within the packet that is passed.
+#![allow(unsafe_code, reason = "a C library is called")]
+
+use anyhow::{Result, ensure};
+use libloading::Library;
+use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::path::Path;
+use std::ptr::null_mut;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicIsize, Ordering};
+
+type Handle = *mut c_void;
+
+/// One type for `RTCIntersectArguments` and `RTCOccludedArguments`, which are laid out alike.
+#[repr(C)]
+struct Arguments {
+    flags: c_int,
+    feature_mask: c_int,
+    context: *mut c_void,
+    filter: *mut c_void,
+    callback: *mut c_void,
+    /// Read only by a library built with minimal curve widths.
+    min_width_distance_factor: f32,
+}
+
+/// How rays of one call relate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub(super) enum Coherence {
+    Incoherent = 0,
+    Coherent = 1 << 16,
+}
+
+impl Arguments {
+    fn new(coherence: Coherence) -> Self {
+        const ALL_FEATURES: c_int = -1;
+        Self {
+            flags: coherence as c_int,
+            feature_mask: ALL_FEATURES,
+            context: null_mut(),
+            filter: null_mut(),
+            callback: null_mut(),
+            min_width_distance_factor: 0.0,
+        }
+    }
+}
+
+/// What a packet of any width must be aligned to.
+#[repr(C, align(64))]
+struct Aligned<T>(T);
+
+/// `N` rays, component by component.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Rays<const N: usize> {
+    pub(super) origin: [[f32; N]; 3],
+    pub(super) t_near: [f32; N],
+    pub(super) direction: [[f32; N]; 3],
+    pub(super) time: [f32; N],
+    /// Set to the closest hit's `t`; to minus infinity where any hit was asked for and found.
+    pub(super) t_far: [f32; N],
+    pub(super) mask: [u32; N],
+    pub(super) id: [u32; N],
+    pub(super) flags: [u32; N],
+}
+
+impl<const N: usize> Rays<N> {
+    /// Rays with nothing to search: their range is empty.
+    pub(super) const INACTIVE: Self = Self {
+        origin: [[0.0; N]; 3],
+        t_near: [0.0; N],
+        direction: [[1.0; N]; 3],
+        time: [0.0; N],
+        t_far: [-1.0; N],
+        mask: [u32::MAX; N],
+        id: [0; N],
+        flags: [0; N],
+    };
+}
+
+/// What `N` rays hit.
+#[repr(C)]
+struct Hits<const N: usize> {
+    normal: [[f32; N]; 3],
+    u: [f32; N],
+    v: [f32; N],
+    triangle: [u32; N],
+    geometry: [u32; N],
+    instance: [u32; N],
+    instance_primitive: [u32; N],
+}
+
+/// Marks a hit record without a hit, or without an instance.
+const INVALID: u32 = u32::MAX;
+
+impl<const N: usize> Hits<N> {
+    const NONE: Self = Self {
+        normal: [[0.0; N]; 3],
+        u: [0.0; N],
+        v: [0.0; N],
+        triangle: [INVALID; N],
+        geometry: [INVALID; N],
+        instance: [INVALID; N],
+        instance_primitive: [INVALID; N],
+    };
+}
+
+/// `RTCRayHit` or one of its packets.
+#[repr(C)]
+struct RayHits<const N: usize> {
+    rays: Rays<N>,
+    hits: Hits<N>,
+}
+
+/// Declares the functions and how they are found.
+macro_rules! functions {
+    ($($name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
+        /// The functions of a loaded library.
+        #[allow(non_snake_case, reason = "Embree's names")]
+        pub(crate) struct Api {
+            $($name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            /// Declared last, so that the functions go first.
+            _library: Library,
+        }
+
+        impl Api {
+            /// Loads the library at `path`.
+            pub(crate) fn load(path: &Path) -> Result<Rc<Self>> {
+                // SAFETY: Embree's initialisers ask nothing of their caller, and the signatures
+                // are those of its headers.
+                unsafe {
+                    let library = Library::new(path)?;
+                    Ok(Rc::new(Self {
+                        $($name: *library.get(concat!(stringify!($name), "\0").as_bytes())?,)*
+                        _library: library,
+                    }))
+                }
+            }
+        }
+    };
+}
+
+functions! {
+    rtcNewDevice: fn(*const c_char) -> Handle;
+    rtcReleaseDevice: fn(Handle);
+    rtcGetDeviceError: fn(Handle) -> c_int;
+    rtcGetDeviceProperty: fn(Handle, c_int) -> isize;
+    rtcSetDeviceMemoryMonitorFunction: fn(Handle, MemoryMonitor, *mut c_void);
+    rtcNewScene: fn(Handle) -> Handle;
+    rtcReleaseScene: fn(Handle);
+    rtcSetSceneFlags: fn(Handle, c_int);
+    rtcSetSceneBuildQuality: fn(Handle, c_int);
+    rtcCommitScene: fn(Handle);
+    rtcNewGeometry: fn(Handle, c_int) -> Handle;
+    rtcReleaseGeometry: fn(Handle);
+    rtcCommitGeometry: fn(Handle);
+    rtcAttachGeometry: fn(Handle, Handle) -> c_uint;
+    rtcSetNewGeometryBuffer: fn(Handle, c_int, c_uint, c_int, usize, usize) -> *mut c_void;
+    rtcIntersect1: fn(Handle, *mut c_void, *mut Arguments);
+    rtcIntersect4: fn(*const c_int, Handle, *mut c_void, *mut Arguments);
+    rtcIntersect8: fn(*const c_int, Handle, *mut c_void, *mut Arguments);
+    rtcIntersect16: fn(*const c_int, Handle, *mut c_void, *mut Arguments);
+    rtcOccluded1: fn(Handle, *mut c_void, *mut Arguments);
+    rtcOccluded4: fn(*const c_int, Handle, *mut c_void, *mut Arguments);
+    rtcOccluded8: fn(*const c_int, Handle, *mut c_void, *mut Arguments);
+    rtcOccluded16: fn(*const c_int, Handle, *mut c_void, *mut Arguments);
+}
+
+type MemoryMonitor = unsafe extern "C" fn(*mut c_void, isize, bool) -> bool;
+
+/// Adds to the counter that `bytes_held` points to.
+unsafe extern "C" fn count_bytes(bytes_held: *mut c_void, bytes: isize, _post: bool) -> bool {
+    // SAFETY: it was registered with a scene's counter, which outlives the scene's device.
+    let bytes_held = unsafe { &*bytes_held.cast::<AtomicIsize>() };
+    bytes_held.fetch_add(bytes, Ordering::Relaxed);
+    true
+}
+
+const GEOMETRY_TRIANGLE: c_int = 0;
+const BUFFER_INDEX: c_int = 0;
+const BUFFER_VERTEX: c_int = 1;
+const FORMAT_UINT3: c_int = 0x5003;
+const FORMAT_FLOAT3: c_int = 0x9003;
+const QUALITY_HIGH: c_int = 2;
+const SCENE_ROBUST: c_int = 1 << 2;
+const PROPERTY_VERSION: c_int = 0;
+
+/// A device that builds on one thread, and what it holds.
+pub(crate) struct Device {
+    api: Rc<Api>,
+    handle: Handle,
+    bytes_held: Rc<AtomicIsize>,
+}
+
+impl Device {
+    pub(crate) fn new(api: &Rc<Api>) -> Result<Self> {
+        let bytes_held = Rc::new(AtomicIsize::new(0));
+        let counter = Rc::as_ptr(&bytes_held).cast_mut().cast();
+        // SAFETY: the counter is kept beside the handle.
+        unsafe {
+            let handle = (api.rtcNewDevice)(c"threads=1".as_ptr());
+            ensure!(!handle.is_null(), "Embree has no device");
+            (api.rtcSetDeviceMemoryMonitorFunction)(handle, count_bytes, counter);
+            Ok(Self { api: api.clone(), handle, bytes_held })
+        }
+    }
+
+    /// The library's version.
+    pub(crate) fn version(&self) -> String {
+        // SAFETY: the device is alive.
+        let version = unsafe { (self.api.rtcGetDeviceProperty)(self.handle, PROPERTY_VERSION) };
+        format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: it is held once, and not used again.
+        unsafe { (self.api.rtcReleaseDevice)(self.handle) }
+    }
+}
+
+/// A mesh in the highest build quality, on a device of its own.
+pub(crate) struct Scene {
+    api: Rc<Api>,
+    device: Device,
+    handle: Handle,
+}
+
+impl Scene {
+    pub(crate) fn build(
+        api: &Rc<Api>,
+        vertices: &[[f32; 3]],
+        faces: &[[u32; 3]],
+        robust: bool,
+    ) -> Result<Self> {
+        ensure!(faces.iter().flatten().all(|&i| (i as usize) < vertices.len()), "a face without its vertex");
+        let device = Device::new(api)?;
+        // SAFETY: every handle is used while it is held.
+        unsafe {
+            let handle = (api.rtcNewScene)(device.handle);
+            let built = Self { api: api.clone(), device, handle };
+            (api.rtcSetSceneFlags)(handle, if robust { SCENE_ROBUST } else { 0 });
+            (api.rtcSetSceneBuildQuality)(handle, QUALITY_HIGH);
+            let geometry = (api.rtcNewGeometry)(built.device.handle, GEOMETRY_TRIANGLE);
+            built.fill(geometry, BUFFER_VERTEX, FORMAT_FLOAT3, vertices)?;
+            built.fill(geometry, BUFFER_INDEX, FORMAT_UINT3, faces)?;
+            (api.rtcCommitGeometry)(geometry);
+            (api.rtcAttachGeometry)(handle, geometry);
+            (api.rtcReleaseGeometry)(geometry);
+            (api.rtcCommitScene)(handle);
+            let error = (api.rtcGetDeviceError)(built.device.handle);
+            ensure!(error == 0, "Embree reports error {error}");
+            Ok(built)
+        }
+    }
+
+    /// Gives `geometry` a buffer that holds `items`.
+    fn fill<T: Copy>(&self, geometry: Handle, buffer: c_int, format: c_int, items: &[T]) -> Result<()> {
+        let set = self.api.rtcSetNewGeometryBuffer;
+        // SAFETY: the buffer holds as many items of that size, and is nobody else's yet.
+        unsafe {
+            let start = set(geometry, buffer, 0, format, size_of::<T>(), items.len());
+            ensure!(!start.is_null(), "Embree has no memory for {} items", items.len());
+            start.cast::<T>().copy_from_nonoverlapping(items.as_ptr(), items.len());
+        }
+        Ok(())
+    }
+
+    /// Bytes that the device holds, buffers included.
+    pub(crate) fn bytes(&self) -> usize {
+        self.device.bytes_held.load(Ordering::Relaxed).max(0) as usize
+    }
+
+    /// The closest hit of each ray: the triangle, and `t`.
+    #[inline]
+    pub(super) fn intersect<const N: usize>(
+        &self,
+        rays: &Rays<N>,
+        coherence: Coherence,
+    ) -> [Option<(u32, f32)>; N] {
+        const { assert!(matches!(N, 1 | 4 | 8 | 16)) };
+        let mut packet = Aligned(RayHits { rays: *rays, hits: Hits::NONE });
+        let (valid, mut arguments) = (Aligned([-1; N]), Arguments::new(coherence));
+        let (valid, arguments) = (valid.0.as_ptr(), &raw mut arguments);
+        let (scene, pointer) = (self.handle, (&raw mut packet).cast());
+        // SAFETY: `packet` and `valid` are laid out and aligned for `N` rays.
+        unsafe {
+            match N {
+                1 => (self.api.rtcIntersect1)(scene, pointer, arguments),
+                4 => (self.api.rtcIntersect4)(valid, scene, pointer, arguments),
+                8 => (self.api.rtcIntersect8)(valid, scene, pointer, arguments),
+                _ => (self.api.rtcIntersect16)(valid, scene, pointer, arguments),
+            }
+        }
+        let RayHits { rays, hits } = &packet.0;
+        std::array::from_fn(|i| (hits.geometry[i] != INVALID).then(|| (hits.triangle[i], rays.t_far[i])))
+    }
+
+    /// Whether each ray hits anything.
+    #[inline]
+    pub(super) fn occluded<const N: usize>(&self, rays: &Rays<N>, coherence: Coherence) -> [bool; N] {
+        const { assert!(matches!(N, 1 | 4 | 8 | 16)) };
+        let mut packet = Aligned(*rays);
+        let (valid, mut arguments) = (Aligned([-1; N]), Arguments::new(coherence));
+        let (valid, arguments) = (valid.0.as_ptr(), &raw mut arguments);
+        let (scene, pointer) = (self.handle, (&raw mut packet).cast());
+        // SAFETY: `packet` and `valid` are laid out and aligned for `N` rays.
+        unsafe {
+            match N {
+                1 => (self.api.rtcOccluded1)(scene, pointer, arguments),
+                4 => (self.api.rtcOccluded4)(valid, scene, pointer, arguments),
+                8 => (self.api.rtcOccluded8)(valid, scene, pointer, arguments),
+                _ => (self.api.rtcOccluded16)(valid, scene, pointer, arguments),
+            }
+        }
+        packet.0.t_far.map(|t| t < 0.0)
+    }
+}
+
+impl Drop for Scene {
+    fn drop(&mut self) {
+        // SAFETY: it is held once, and not used again; its device goes after it.
+        unsafe { (self.api.rtcReleaseScene)(self.handle) }
+    }
+}
+
+/// Denormal numbers count as zero while this lives, as Embree recommends; then the thread's mode
+/// is restored.
+pub(super) struct FlushToZero(u32);
+
+impl FlushToZero {
+    pub(super) fn enter() -> Self {
+        const FLUSH_TO_ZERO: u32 = 1 << 15;
+        const DENORMALS_ARE_ZERO: u32 = 1 << 6;
+        let before = control::get();
+        control::set(before | FLUSH_TO_ZERO | DENORMALS_ARE_ZERO);
+        Self(before)
+    }
+}
+
+impl Drop for FlushToZero {
+    fn drop(&mut self) {
+        control::set(self.0);
+    }
+}
+
+/// The register that controls floating-point arithmetic.
+#[cfg(target_arch = "x86_64")]
+mod control {
+    use std::arch::asm;
+
+    pub(super) fn get() -> u32 {
+        let mut value = 0_u32;
+        // SAFETY: it stores the register and nothing else.
+        unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut value, options(nostack)) };
+        value
+    }
+
+    pub(super) fn set(value: u32) {
+        // SAFETY: only modes of rounding to zero are changed, and until they are restored this
+        // thread copies and compares numbers but computes none outside Embree.
+        unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const value, options(nostack, readonly)) };
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+mod control {
+    pub(super) fn get() -> u32 {
+        0
+    }
+
+    pub(super) fn set(_: u32) {}
+}

@@ -1,0 +1,110 @@
+//! Embree 4, in every way that it can be asked for single rays or packets of them.
+
+mod ffi;
+
+use crate::measure::timed;
+use crate::peer::{Answer, Build, Entry, Family, Packets, Peer, Trial};
+use crate::scenes::Indexed;
+use anyhow::{Context, Result};
+use ffi::{Api, Coherence, Device, FlushToZero, Rays, Scene};
+use globillum::geom::Ray;
+use std::path::Path;
+use std::rc::Rc;
+
+/// The library, loaded.
+pub(crate) struct Embree(Rc<Api>);
+
+impl Embree {
+    /// Loads what `EMBREE_LIB` names; `None` if it names nothing.
+    pub(crate) fn from_env() -> Result<Option<Self>> {
+        let Some(path) = std::env::var_os("EMBREE_LIB").filter(|path| !path.is_empty()) else {
+            return Ok(None);
+        };
+        let api = Api::load(Path::new(&path)).context("EMBREE_LIB does not name a library of Embree 4")?;
+        Ok(Some(Self(api)))
+    }
+
+    /// The library's version.
+    pub(crate) fn version(&self) -> Result<String> {
+        Ok(Device::new(&self.0)?.version())
+    }
+
+    /// All modes over a mesh that is built twice, robust and not.
+    pub(crate) fn build(&self, mesh: &Indexed) -> Result<Vec<Entry>> {
+        let mut entries = Vec::new();
+        for (family, structure, robust) in
+            [(Family::EmbreeRobust, "Embree robust", true), (Family::EmbreeFast, "Embree fast", false)]
+        {
+            let (scene, seconds) = timed(|| Scene::build(&self.0, &mesh.vertices, &mesh.faces, robust));
+            let scene = Rc::new(scene?);
+            let build = Build { seconds, bytes: Some(scene.bytes()) };
+            let entry = |(mode, peer)| Entry { family, structure, mode, build, peer };
+            entries.extend(modes(&scene).into_iter().map(entry));
+        }
+        Ok(entries)
+    }
+}
+
+/// Single rays know no coherence.
+fn modes(scene: &Rc<Scene>) -> Vec<(String, Box<dyn Peer>)> {
+    let mut modes: Vec<(String, Box<dyn Peer>)> = vec![(
+        "single".to_owned(),
+        Box::new(Mode::<1> { scene: scene.clone(), coherence: Coherence::Incoherent }),
+    )];
+    for (coherence, name) in [(Coherence::Incoherent, "incoherent"), (Coherence::Coherent, "coherent")] {
+        modes.push((format!("4 {name}"), Box::new(Mode::<4> { scene: scene.clone(), coherence })));
+        modes.push((format!("8 {name}"), Box::new(Mode::<8> { scene: scene.clone(), coherence })));
+        modes.push((format!("16 {name}"), Box::new(Mode::<16> { scene: scene.clone(), coherence })));
+    }
+    modes
+}
+
+/// Packets of `N` rays.
+struct Mode<const N: usize> {
+    scene: Rc<Scene>,
+    coherence: Coherence,
+}
+
+impl<const N: usize> Peer for Mode<N> {
+    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+        let query = |rays: &Rays<N>| self.scene.intersect(rays, self.coherence);
+        Box::new(Flushed(Packets::new(layout(rays), rays.len(), query)))
+    }
+
+    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+        let query = |rays: &Rays<N>| self.scene.occluded(rays, self.coherence);
+        Box::new(Flushed(Packets::new(layout(rays), rays.len(), query)))
+    }
+}
+
+/// Traces with denormal numbers as zero.
+struct Flushed<T>(T);
+
+impl<T: Trial> Trial for Flushed<T> {
+    fn trace(&mut self) {
+        let _mode = FlushToZero::enter();
+        self.0.trace();
+    }
+
+    fn answers(&self) -> Vec<Answer> {
+        self.0.answers()
+    }
+}
+
+/// Packets of `rays`, the last one filled up with rays whose range is empty.
+fn layout<const N: usize>(rays: &[Ray]) -> Vec<Rays<N>> {
+    rays.chunks(N).map(layout_packet).collect()
+}
+
+fn layout_packet<const N: usize>(rays: &[Ray]) -> Rays<N> {
+    let mut packet = Rays::INACTIVE;
+    for (lane, ray) in rays.iter().enumerate() {
+        for axis in 0..3 {
+            packet.origin[axis][lane] = ray.origin[axis] as f32;
+            packet.direction[axis][lane] = ray.direction[axis] as f32;
+        }
+        packet.t_near[lane] = ray.t_min as f32;
+        packet.t_far[lane] = ray.t_max as f32;
+    }
+    packet
+}

@@ -1,0 +1,81 @@
+//! A report as Markdown tables.
+
+use crate::measure::Differences;
+use crate::report::{Line, Machine, MeshReport, Ratio, Report, kinds, lines, structures};
+use std::io::{Result, Write};
+
+const ABSENT: &str = "absent";
+
+/// Writes all tables, and below them where and how they came about.
+pub(crate) fn write(out: &mut impl Write, report: &Report) -> Result<()> {
+    let meshes = &report.meshes;
+    let heads = |what: &str| [vec![what.to_owned()], meshes.iter().map(head).collect()].concat();
+    let by_line = |lines: Vec<Line>, cell: fn(&Line, &MeshReport) -> Option<String>| {
+        let cells = move |line: &Line| {
+            let cell = |mesh| cell(line, mesh).unwrap_or_else(|| ABSENT.to_owned());
+            [vec![line.name.clone()], meshes.iter().map(cell).collect()].concat()
+        };
+        lines.iter().map(cells).collect()
+    };
+    let means = [heads("ratios"), vec!["geometric means".to_owned()]].concat();
+    writeln!(out, "Each cell: {}.\n", kinds())?;
+    write_table(out, &heads("million rays a second"), by_line(lines(meshes), speeds))?;
+    write_table(out, &means, report.ratios.iter().map(ratios).collect())?;
+    write_table(out, &heads("missed + invented + elsewhere"), by_line(structures(meshes), differences))?;
+    write_table(out, &heads("build: seconds, bytes a triangle"), by_line(structures(meshes), build))?;
+    write_machine(out, &report.machine)
+}
+
+fn head(mesh: &MeshReport) -> String {
+    format!("{} ({} k)", mesh.mesh, mesh.triangles / 1000)
+}
+
+fn speeds(line: &Line, mesh: &MeshReport) -> Option<String> {
+    line.speeds(mesh).map(figures)
+}
+
+fn ratios(ratio: &Ratio) -> Vec<String> {
+    let cells = ratio.by_mesh.iter().chain([&ratio.means]);
+    let cells = cells.map(|cell| cell.map_or_else(|| ABSENT.to_owned(), figures)).collect();
+    [vec![format!("{} : {}", ratio.ours, ratio.peer)], cells].concat()
+}
+
+/// The most of any of the structure's modes.
+fn differences(line: &Line, mesh: &MeshReport) -> Option<String> {
+    let all = line.rows(mesh).map(|row| row.outcomes.map(|outcome| outcome.differences));
+    let most = all.reduce(|a, b| {
+        std::array::from_fn(|kind| Differences {
+            missed: a[kind].missed.max(b[kind].missed),
+            invented: a[kind].invented.max(b[kind].invented),
+            elsewhere: a[kind].elsewhere.max(b[kind].elsewhere),
+        })
+    })?;
+    Some(most.map(|d| format!("{} + {} + {}", d.missed, d.invented, d.elsewhere)).join(" / "))
+}
+
+fn build(line: &Line, mesh: &MeshReport) -> Option<String> {
+    let build = line.rows(mesh).next()?.build;
+    let bytes = build.bytes.map_or_else(|| "?".to_owned(), |bytes| (bytes / mesh.triangles).to_string());
+    Some(format!("{:.2}, {bytes}", build.seconds))
+}
+
+fn figures(numbers: [f64; 3]) -> String {
+    numbers.map(|x| if x < 10.0 { format!("{x:.2}") } else { format!("{x:.1}") }).join(" / ")
+}
+
+fn write_table(out: &mut impl Write, heads: &[String], rows: Vec<Vec<String>>) -> Result<()> {
+    writeln!(out, "| {} |", heads.join(" | "))?;
+    writeln!(out, "|---|{}", "---:|".repeat(heads.len() - 1))?;
+    for row in rows {
+        writeln!(out, "| {} |", row.join(" | "))?;
+    }
+    writeln!(out)
+}
+
+fn write_machine(out: &mut impl Write, machine: &Machine) -> Result<()> {
+    let Machine { cpu, rustc, rustflags, embree, date, command } = machine;
+    writeln!(
+        out,
+        "{cpu}, one thread; {rustc}, RUSTFLAGS \"{rustflags}\"; Embree {embree}; {date}: `{command}`"
+    )
+}

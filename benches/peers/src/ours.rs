@@ -1,0 +1,73 @@
+//! This library's structures.
+
+use crate::measure::timed;
+use crate::peer::{Answer, Build, Entry, Family, Peer, Trial, one_by_one};
+use anyhow::Result;
+use globillum::geom::{Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, Triangles, UniformGrid};
+use std::sync::Arc;
+
+/// Each structure twice, asked ray by ray and in batches. The first entry is what all others are
+/// compared with.
+pub(crate) fn build(triangles: &Triangles) -> Result<Vec<Entry>> {
+    let structures = [
+        both("k-d tree", || KdTree::build(triangles, &KdOptions::default()))?,
+        both("uniform grid", || UniformGrid::build(triangles, &GridOptions::default()))?,
+    ];
+    Ok(structures.into_iter().flatten().collect())
+}
+
+fn both<A: Accel + 'static>(
+    structure: &'static str,
+    build: impl FnOnce() -> Result<A, GeomError>,
+) -> Result<[Entry; 2]> {
+    let (accel, seconds) = timed(build);
+    let accel = Arc::new(accel?);
+    let build = Build { seconds, bytes: Some(accel.bytes()) };
+    let entry = |family, mode: &str, peer| Entry { family, structure, mode: mode.to_owned(), build, peer };
+    Ok([
+        entry(Family::OursSingle, "single", Box::new(Single(accel.clone()))),
+        entry(Family::OursBatch, "batch", Box::new(Batch(accel))),
+    ])
+}
+
+struct Single<A>(Arc<A>);
+
+impl<A: Accel> Peer for Single<A> {
+    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+        one_by_one(rays, Ray::clone, |ray| self.0.intersect(ray))
+    }
+
+    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+        one_by_one(rays, Ray::clone, |ray| self.0.occluded(ray))
+    }
+}
+
+struct Batch<A>(Arc<A>);
+
+impl<A: Accel> Peer for Batch<A> {
+    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+        let query = |rays: &[Ray], hits: &mut Vec<Option<Hit>>| self.0.intersect_batch(rays, hits);
+        Box::new(BatchTrial { rays: rays.to_vec(), answers: Vec::new(), query })
+    }
+
+    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+        let query = |rays: &[Ray], occluded: &mut Vec<bool>| self.0.occluded_batch(rays, occluded);
+        Box::new(BatchTrial { rays: rays.to_vec(), answers: Vec::new(), query })
+    }
+}
+
+struct BatchTrial<A, F> {
+    rays: Vec<Ray>,
+    answers: Vec<A>,
+    query: F,
+}
+
+impl<A: Copy + Into<Answer>, F: Fn(&[Ray], &mut Vec<A>)> Trial for BatchTrial<A, F> {
+    fn trace(&mut self) {
+        (self.query)(&self.rays, &mut self.answers);
+    }
+
+    fn answers(&self) -> Vec<Answer> {
+        self.answers.iter().map(|&answer| answer.into()).collect()
+    }
+}

@@ -1,0 +1,205 @@
+//! The figures of a run, and what they come to.
+
+use crate::measure::Outcome;
+use crate::peer::{Build, Entry, Family};
+use crate::rays::Kind;
+use serde::Serialize;
+
+/// All figures of a run.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    pub(crate) machine: Machine,
+    pub(crate) meshes: Vec<MeshReport>,
+    pub(crate) ratios: Vec<Ratio>,
+}
+
+/// Where and how a run was made.
+#[derive(Debug, Serialize)]
+pub(crate) struct Machine {
+    pub(crate) cpu: String,
+    pub(crate) rustc: String,
+    pub(crate) rustflags: String,
+    /// Its version, or "absent".
+    pub(crate) embree: String,
+    pub(crate) date: String,
+    pub(crate) command: String,
+}
+
+/// The figures of one mesh.
+#[derive(Debug, Serialize)]
+pub(crate) struct MeshReport {
+    pub(crate) mesh: String,
+    pub(crate) triangles: usize,
+    /// How many rays of each kind.
+    pub(crate) rays: [usize; 3],
+    pub(crate) rows: Vec<Row>,
+}
+
+/// The figures of one entry over one mesh.
+#[derive(Debug, Serialize)]
+pub(crate) struct Row {
+    pub(crate) family: Family,
+    pub(crate) structure: &'static str,
+    pub(crate) mode: String,
+    pub(crate) build: Build,
+    /// In the order of [`Kind::ALL`].
+    pub(crate) outcomes: [Outcome; 3],
+}
+
+impl Row {
+    pub(crate) fn new(entry: &Entry, outcomes: [Outcome; 3]) -> Self {
+        let Entry { family, structure, mode, build, .. } = entry;
+        Self { family: *family, structure, mode: mode.clone(), build: *build, outcomes }
+    }
+}
+
+/// A line of a table: some rows, the best of which counts for each mesh and kind of rays.
+pub(crate) struct Line {
+    pub(crate) name: String,
+    covers: Box<dyn Fn(&Row) -> bool>,
+}
+
+impl Line {
+    fn new(name: impl Into<String>, covers: impl Fn(&Row) -> bool + 'static) -> Self {
+        Self { name: name.into(), covers: Box::new(covers) }
+    }
+
+    fn of(row: &Row) -> Self {
+        let (structure, mode) = (row.structure, row.mode.clone());
+        let name = if mode.is_empty() { structure.to_owned() } else { format!("{structure}, {mode}") };
+        Self::new(name, move |row| row.structure == structure && row.mode == mode)
+    }
+
+    pub(crate) fn rows<'a>(&'a self, mesh: &'a MeshReport) -> impl Iterator<Item = &'a Row> {
+        mesh.rows.iter().filter(|row| (self.covers)(row))
+    }
+
+    /// Million rays a second, kind by kind; `None` if no row is covered.
+    pub(crate) fn speeds(&self, mesh: &MeshReport) -> Option<[f64; 3]> {
+        let speeds = self.rows(mesh).map(|row| row.outcomes.map(|outcome| outcome.best));
+        speeds.reduce(|a, b| std::array::from_fn(|kind| a[kind].max(b[kind])))
+    }
+
+    fn mean_speed(&self, meshes: &[MeshReport]) -> f64 {
+        geometric_mean(meshes.iter().filter_map(|mesh| self.speeds(mesh)).flatten()).unwrap_or(0.0)
+    }
+}
+
+/// The lines of the table of speeds: this library's and the crates' ways one by one, Embree's best.
+pub(crate) fn lines(meshes: &[MeshReport]) -> Vec<Line> {
+    let rows = meshes.first().into_iter().flat_map(|mesh| &mesh.rows);
+    let mut lines: Vec<_> = rows.filter(|row| !row.family.is_embree()).map(Line::of).collect();
+    lines.push(Line::new("Embree, best robust", |row| row.family == Family::EmbreeRobust));
+    lines.push(Line::new("Embree, best of all", |row| row.family.is_embree()));
+    lines
+}
+
+/// A line for each structure, whatever the way it is asked.
+pub(crate) fn structures(meshes: &[MeshReport]) -> Vec<Line> {
+    let rows = meshes.first().into_iter().flat_map(|mesh| &mesh.rows);
+    let mut names: Vec<_> = rows.map(|row| row.structure).collect();
+    names.dedup();
+    names.into_iter().map(|name| Line::new(name, move |row| row.structure == name)).collect()
+}
+
+/// How many times as fast one line is as another.
+#[derive(Debug, Serialize)]
+pub(crate) struct Ratio {
+    pub(crate) ours: String,
+    pub(crate) peer: String,
+    /// Mesh by mesh, kind by kind.
+    pub(crate) by_mesh: Vec<Option<[f64; 3]>>,
+    /// Geometric means over the meshes, kind by kind.
+    pub(crate) means: Option<[f64; 3]>,
+}
+
+/// This library's best structure, in batches and ray by ray, over Embree and the fastest crate.
+pub(crate) fn ratios(meshes: &[MeshReport]) -> Vec<Ratio> {
+    let peers = || {
+        [
+            Line::new("Embree, best robust", |row: &Row| row.family == Family::EmbreeRobust),
+            Line::new("Embree, best of all", |row: &Row| row.family.is_embree()),
+            Line::new("fastest Rust crate", |row: &Row| row.family == Family::RustCrate),
+        ]
+    };
+    let ours = [Family::OursBatch, Family::OursSingle].into_iter().filter_map(|way| best(way, meshes));
+    ours.flat_map(|ours| peers().map(|peer| ratio(&ours, &peer, meshes))).collect()
+}
+
+/// The line of that family that is fastest over all meshes and kinds of rays.
+fn best(family: Family, meshes: &[MeshReport]) -> Option<Line> {
+    let rows = meshes.first()?.rows.iter().filter(|row| row.family == family);
+    rows.map(Line::of).max_by(|a, b| a.mean_speed(meshes).total_cmp(&b.mean_speed(meshes)))
+}
+
+fn ratio(ours: &Line, peer: &Line, meshes: &[MeshReport]) -> Ratio {
+    let over = |mesh| {
+        let (a, b) = (ours.speeds(mesh)?, peer.speeds(mesh)?);
+        Some(std::array::from_fn(|kind| a[kind] / b[kind]))
+    };
+    let by_mesh: Vec<Option<[f64; 3]>> = meshes.iter().map(over).collect();
+    let mean = |kind: usize| geometric_mean(by_mesh.iter().flatten().map(|ratios| ratios[kind]));
+    let [camera, bounce, shadow] = [0, 1, 2].map(mean);
+    let means = camera.zip(bounce).zip(shadow).map(|((camera, bounce), shadow)| [camera, bounce, shadow]);
+    Ratio { ours: ours.name.clone(), peer: peer.name.clone(), by_mesh, means }
+}
+
+/// `None` of no numbers.
+fn geometric_mean(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = numbers.fold((0.0, 0), |(sum, count), x| (sum + x.ln(), count + 1));
+    (count > 0).then(|| (sum / f64::from(count)).exp())
+}
+
+/// The kinds' names, as a cell of three figures lists them.
+pub(crate) fn kinds() -> String {
+    Kind::ALL.map(|kind| format!("{kind:?}").to_lowercase()).join(" / ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::Differences;
+
+    fn row(family: Family, structure: &'static str, speeds: [f64; 3]) -> Row {
+        let build = Build { seconds: 1.0, bytes: None };
+        let outcome = |best| Outcome { best, median: best, differences: Differences::default() };
+        Row { family, structure, mode: String::new(), build, outcomes: speeds.map(outcome) }
+    }
+
+    fn mesh(rows: Vec<Row>) -> MeshReport {
+        MeshReport { mesh: "mesh".to_owned(), triangles: 1, rays: [1; 3], rows }
+    }
+
+    #[test]
+    fn the_geometric_mean_is_that() {
+        assert_eq!(geometric_mean([].into_iter()), None);
+        let mean = geometric_mean([0.5, 2.0, 8.0].into_iter()).expect("three numbers have a mean");
+        assert!((mean - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn ratios_take_the_best_of_the_peer_and_its_absence() {
+        let rows = |scale: f64| {
+            vec![
+                row(Family::OursBatch, "slow", [scale, 1.0, 1.0]),
+                row(Family::OursBatch, "quick", [2.0 * scale, 3.0, 4.0]),
+                row(Family::RustCrate, "a", [1.0, 2.0, 1.0]),
+                row(Family::RustCrate, "b", [2.0, 1.0, 1.0]),
+            ]
+        };
+        let ratios = ratios(&[mesh(rows(1.0)), mesh(rows(4.0))]);
+        assert_eq!(ratios.len(), 3, "nothing is asked ray by ray");
+        assert!(ratios.iter().all(|ratio| ratio.ours == "quick"));
+        assert_eq!(ratios[0].means, None, "Embree is absent");
+        assert_eq!(ratios[2].by_mesh, [Some([1.0, 1.5, 4.0]), Some([4.0, 1.5, 4.0])]);
+        let [camera, ..] = ratios[2].means.expect("the crates are there");
+        assert!((camera - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn every_structure_has_one_line() {
+        let rows = || ["a", "a", "b", "c", "c"].map(|name| row(Family::OursBatch, name, [1.0; 3])).into();
+        let names: Vec<_> = structures(&[mesh(rows()), mesh(rows())]).into_iter().map(|l| l.name).collect();
+        assert_eq!(names, ["a", "b", "c"]);
+    }
+}
