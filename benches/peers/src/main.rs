@@ -8,6 +8,7 @@ mod obvhs;
 mod ours;
 mod parry;
 mod peer;
+mod procedural;
 mod rays;
 mod report;
 mod scenes;
@@ -52,7 +53,7 @@ fn main() -> Result<()> {
     let measured = names.iter().map(|name| measure_mesh(name, embree.as_ref(), &options, &progress));
     let meshes = measured.collect::<Result<Vec<_>>>()?;
     progress.finish_and_clear();
-    let report = Report { machine, ratios: report::ratios(&meshes), meshes };
+    let report = Report { machine, kinds: Kind::ALL, ratios: report::ratios(&meshes), meshes };
     markdown::write(&mut std::io::stdout().lock(), &report)?;
     if let Some(file) = &options.json {
         let json = serde_json::to_string_pretty(&report)? + "\n";
@@ -130,4 +131,28 @@ fn said_by(program: &str, argument: &str) -> String {
     let output = Command::new(program).arg(argument).output().ok();
     let text = output.and_then(|output| String::from_utf8(output.stdout).ok());
     text.map_or_else(|| format!("{program} unknown"), |text| text.trim().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use measure::Differences;
+
+    /// Embree too, if `EMBREE_LIB` names one.
+    #[test]
+    fn all_peers_agree_but_for_rays_through_edges() {
+        let scene = Scene::load("room").expect("it is procedural");
+        let embree = Embree::from_env().expect("EMBREE_LIB names Embree, or nothing");
+        let entries = build(&scene, embree.as_ref()).expect("the mesh is good");
+        let tree = KdTree::build(&scene.triangles, &KdOptions::default()).expect("the mesh is good");
+        let rays = rays::generate(&scene, &tree, 4096);
+        for (kind, rays) in Kind::ALL.into_iter().zip(&rays) {
+            let outcomes = measure(&entries, kind, rays, 1, || {});
+            for (Entry { structure, mode, .. }, outcome) in entries.iter().zip(outcomes) {
+                let Differences { missed, invented, elsewhere } = outcome.differences;
+                let all = missed + invented + elsewhere;
+                assert!(all <= 4, "{structure} {mode}, {kind:?} rays: {:?}", outcome.differences);
+            }
+        }
+    }
 }

@@ -9,6 +9,8 @@ use serde::Serialize;
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
     pub(crate) machine: Machine,
+    /// What the three figures of every list are for.
+    pub(crate) kinds: [Kind; 3],
     pub(crate) meshes: Vec<MeshReport>,
     pub(crate) ratios: Vec<Ratio>,
 }

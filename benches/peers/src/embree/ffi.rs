@@ -1,121 +1,20 @@
-//! The part of Embree 4's C interface that is needed, loaded at run time.
+//! The functions of Embree 4 that are needed, loaded at run time.
 //!
-//! All `unsafe` of this crate is here, behind [`Api::load`], [`Scene`] and [`FlushToZero`]. It
-//! rests on this: the layouts below are those of Embree 4's public headers for a library built
-//! with one instance level, its default; a [`Scene`] owns all that its handles refer to, and keeps
-//! the library loaded; rays are only read and written within the packet that is passed.
+//! The `unsafe` of calling them stays behind [`Api::load`], [`Device`] and [`Scene`]. It rests on
+//! this: signatures and layouts are those of Embree 4's public headers; whatever holds a handle
+//! keeps the library loaded and releases the handle once; a query reads and writes nothing of ours
+//! but the packet that it is passed.
 #![allow(unsafe_code, reason = "a C library is called")]
 
+use super::layout::{Aligned, Arguments, Coherence, Hits, INVALID, RayHits, Rays};
 use anyhow::{Result, ensure};
 use libloading::Library;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::path::Path;
-use std::ptr::null_mut;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicIsize, Ordering};
 
 type Handle = *mut c_void;
-
-/// One type for `RTCIntersectArguments` and `RTCOccludedArguments`, which are laid out alike.
-#[repr(C)]
-struct Arguments {
-    flags: c_int,
-    feature_mask: c_int,
-    context: *mut c_void,
-    filter: *mut c_void,
-    callback: *mut c_void,
-    /// Read only by a library built with minimal curve widths.
-    min_width_distance_factor: f32,
-}
-
-/// How rays of one call relate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(i32)]
-pub(super) enum Coherence {
-    Incoherent = 0,
-    Coherent = 1 << 16,
-}
-
-impl Arguments {
-    fn new(coherence: Coherence) -> Self {
-        const ALL_FEATURES: c_int = -1;
-        Self {
-            flags: coherence as c_int,
-            feature_mask: ALL_FEATURES,
-            context: null_mut(),
-            filter: null_mut(),
-            callback: null_mut(),
-            min_width_distance_factor: 0.0,
-        }
-    }
-}
-
-/// What a packet of any width must be aligned to.
-#[repr(C, align(64))]
-struct Aligned<T>(T);
-
-/// `N` rays, component by component.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub(super) struct Rays<const N: usize> {
-    pub(super) origin: [[f32; N]; 3],
-    pub(super) t_near: [f32; N],
-    pub(super) direction: [[f32; N]; 3],
-    pub(super) time: [f32; N],
-    /// Set to the closest hit's `t`; to minus infinity where any hit was asked for and found.
-    pub(super) t_far: [f32; N],
-    pub(super) mask: [u32; N],
-    pub(super) id: [u32; N],
-    pub(super) flags: [u32; N],
-}
-
-impl<const N: usize> Rays<N> {
-    /// Rays with nothing to search: their range is empty.
-    pub(super) const INACTIVE: Self = Self {
-        origin: [[0.0; N]; 3],
-        t_near: [0.0; N],
-        direction: [[1.0; N]; 3],
-        time: [0.0; N],
-        t_far: [-1.0; N],
-        mask: [u32::MAX; N],
-        id: [0; N],
-        flags: [0; N],
-    };
-}
-
-/// What `N` rays hit.
-#[repr(C)]
-struct Hits<const N: usize> {
-    normal: [[f32; N]; 3],
-    u: [f32; N],
-    v: [f32; N],
-    triangle: [u32; N],
-    geometry: [u32; N],
-    instance: [u32; N],
-    instance_primitive: [u32; N],
-}
-
-/// Marks a hit record without a hit, or without an instance.
-const INVALID: u32 = u32::MAX;
-
-impl<const N: usize> Hits<N> {
-    const NONE: Self = Self {
-        normal: [[0.0; N]; 3],
-        u: [0.0; N],
-        v: [0.0; N],
-        triangle: [INVALID; N],
-        geometry: [INVALID; N],
-        instance: [INVALID; N],
-        instance_primitive: [INVALID; N],
-    };
-}
-
-/// `RTCRayHit` or one of its packets.
-#[repr(C)]
-struct RayHits<const N: usize> {
-    rays: Rays<N>,
-    hits: Hits<N>,
-}
 
 /// Declares the functions and how they are found.
 macro_rules! functions {
@@ -279,7 +178,7 @@ impl Scene {
 
     /// The closest hit of each ray: the triangle, and `t`.
     #[inline]
-    pub(super) fn intersect<const N: usize>(
+    pub(crate) fn intersect<const N: usize>(
         &self,
         rays: &Rays<N>,
         coherence: Coherence,
@@ -304,7 +203,7 @@ impl Scene {
 
     /// Whether each ray hits anything.
     #[inline]
-    pub(super) fn occluded<const N: usize>(&self, rays: &Rays<N>, coherence: Coherence) -> [bool; N] {
+    pub(crate) fn occluded<const N: usize>(&self, rays: &Rays<N>, coherence: Coherence) -> [bool; N] {
         const { assert!(matches!(N, 1 | 4 | 8 | 16)) };
         let mut packet = Aligned(*rays);
         let (valid, mut arguments) = (Aligned([-1; N]), Arguments::new(coherence));
@@ -328,52 +227,4 @@ impl Drop for Scene {
         // SAFETY: it is held once, and not used again; its device goes after it.
         unsafe { (self.api.rtcReleaseScene)(self.handle) }
     }
-}
-
-/// Denormal numbers count as zero while this lives, as Embree recommends; then the thread's mode
-/// is restored.
-pub(super) struct FlushToZero(u32);
-
-impl FlushToZero {
-    pub(super) fn enter() -> Self {
-        const FLUSH_TO_ZERO: u32 = 1 << 15;
-        const DENORMALS_ARE_ZERO: u32 = 1 << 6;
-        let before = control::get();
-        control::set(before | FLUSH_TO_ZERO | DENORMALS_ARE_ZERO);
-        Self(before)
-    }
-}
-
-impl Drop for FlushToZero {
-    fn drop(&mut self) {
-        control::set(self.0);
-    }
-}
-
-/// The register that controls floating-point arithmetic.
-#[cfg(target_arch = "x86_64")]
-mod control {
-    use std::arch::asm;
-
-    pub(super) fn get() -> u32 {
-        let mut value = 0_u32;
-        // SAFETY: it stores the register and nothing else.
-        unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut value, options(nostack)) };
-        value
-    }
-
-    pub(super) fn set(value: u32) {
-        // SAFETY: only modes of rounding to zero are changed, and until they are restored this
-        // thread copies and compares numbers but computes none outside Embree.
-        unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const value, options(nostack, readonly)) };
-    }
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-mod control {
-    pub(super) fn get() -> u32 {
-        0
-    }
-
-    pub(super) fn set(_: u32) {}
 }

@@ -1,13 +1,17 @@
 //! Embree 4, in every way that it can be asked for single rays or packets of them.
 
 mod ffi;
+mod flush;
+mod layout;
 
 use crate::measure::timed;
 use crate::peer::{Answer, Build, Entry, Family, Packets, Peer, Trial};
 use crate::scenes::Indexed;
 use anyhow::{Context, Result};
-use ffi::{Api, Coherence, Device, FlushToZero, Rays, Scene};
+use ffi::{Api, Device, Scene};
+use flush::FlushToZero;
 use globillum::geom::Ray;
+use layout::{Coherence, Rays};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -45,18 +49,23 @@ impl Embree {
     }
 }
 
-/// Single rays know no coherence.
-fn modes(scene: &Rc<Scene>) -> Vec<(String, Box<dyn Peer>)> {
-    let mut modes: Vec<(String, Box<dyn Peer>)> = vec![(
-        "single".to_owned(),
-        Box::new(Mode::<1> { scene: scene.clone(), coherence: Coherence::Incoherent }),
-    )];
-    for (coherence, name) in [(Coherence::Incoherent, "incoherent"), (Coherence::Coherent, "coherent")] {
-        modes.push((format!("4 {name}"), Box::new(Mode::<4> { scene: scene.clone(), coherence })));
-        modes.push((format!("8 {name}"), Box::new(Mode::<8> { scene: scene.clone(), coherence })));
-        modes.push((format!("16 {name}"), Box::new(Mode::<16> { scene: scene.clone(), coherence })));
-    }
-    modes
+/// Every mode's name and peer. Single rays know no coherence.
+fn modes(scene: &Rc<Scene>) -> [(String, Box<dyn Peer>); 7] {
+    use Coherence::{Coherent, Incoherent};
+    [
+        mode::<1>(scene, Incoherent),
+        mode::<4>(scene, Incoherent),
+        mode::<8>(scene, Incoherent),
+        mode::<16>(scene, Incoherent),
+        mode::<4>(scene, Coherent),
+        mode::<8>(scene, Coherent),
+        mode::<16>(scene, Coherent),
+    ]
+}
+
+fn mode<const N: usize>(scene: &Rc<Scene>, coherence: Coherence) -> (String, Box<dyn Peer>) {
+    let name = format!("{N} {coherence:?}").to_lowercase();
+    (name, Box::new(Mode::<N> { scene: scene.clone(), coherence }))
 }
 
 /// Packets of `N` rays.
