@@ -13,7 +13,7 @@ mod rays;
 mod report;
 mod scenes;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use embree::Embree;
 use globillum::geom::{KdOptions, KdTree};
@@ -48,12 +48,16 @@ fn main() -> Result<()> {
     let options = Options::parse();
     let names = if options.meshes.is_empty() { scenes::defaults() } else { options.meshes.clone() };
     let embree = Embree::from_env()?;
-    let machine = machine(embree.as_ref())?;
     let progress = progress_bar();
     let measured = names.iter().map(|name| measure_mesh(name, embree.as_ref(), &options, &progress));
     let meshes = measured.collect::<Result<Vec<_>>>()?;
     progress.finish_and_clear();
-    let report = Report { machine, kinds: Kind::ALL, ratios: report::ratios(&meshes), meshes };
+    let report = Report {
+        machine: machine(embree.as_ref()),
+        kinds: Kind::ALL,
+        ratios: report::ratios(&meshes),
+        meshes,
+    };
     markdown::write(&mut std::io::stdout().lock(), &report)?;
     if let Some(file) = &options.json {
         let json = serde_json::to_string_pretty(&report)? + "\n";
@@ -73,6 +77,10 @@ fn measure_mesh(
     let entries = build(&scene, embree)?;
     let tree = KdTree::build(&scene.triangles, &KdOptions::default())?;
     let rays = rays::generate(&scene, &tree, options.rays);
+    ensure!(
+        rays.iter().all(|rays| !rays.is_empty()),
+        "mesh {name}: the camera or the lamp sees nothing of it"
+    );
     progress.inc_length(3 * u64::from(options.repeats) * entries.len() as u64);
     let outcomes = [0, 1, 2].map(|i| {
         progress.set_message(format!("{}: {:?}", scene.name, Kind::ALL[i]));
@@ -106,17 +114,17 @@ fn progress_bar() -> ProgressBar {
     style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style))
 }
 
-fn machine(embree: Option<&Embree>) -> Result<Machine> {
+fn machine(embree: Option<&Embree>) -> Machine {
     let options: Vec<_> = std::env::args().skip(1).collect();
     let separator = if options.is_empty() { "" } else { " -- " };
-    Ok(Machine {
+    Machine {
         cpu: cpu_model().unwrap_or_else(|| "unknown processor".to_owned()),
         rustc: said_by("rustc", "--version"),
         rustflags: std::env::var("RUSTFLAGS").unwrap_or_default(),
-        embree: embree.map_or(Ok("absent".to_owned()), Embree::version)?,
+        embree: embree.map_or_else(|| "absent".to_owned(), |embree| embree.version.clone()),
         date: said_by("date", "+%F"),
         command: format!("cargo run --release -p globillum-peers{separator}{}", options.join(" ")),
-    })
+    }
 }
 
 /// What the machine calls its processor, where that is known.

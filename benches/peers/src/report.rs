@@ -91,9 +91,15 @@ impl Line {
 pub(crate) fn lines(meshes: &[MeshReport]) -> Vec<Line> {
     let rows = meshes.first().into_iter().flat_map(|mesh| &mesh.rows);
     let mut lines: Vec<_> = rows.filter(|row| !row.family.is_embree()).map(Line::of).collect();
-    lines.push(Line::new("Embree, best robust", |row| row.family == Family::EmbreeRobust));
-    lines.push(Line::new("Embree, best of all", |row| row.family.is_embree()));
+    lines.extend(embree_lines());
     lines
+}
+
+fn embree_lines() -> [Line; 2] {
+    [
+        Line::new("Embree, best robust", |row| row.family == Family::EmbreeRobust),
+        Line::new("Embree, best of all", |row| row.family.is_embree()),
+    ]
 }
 
 /// A line for each structure, whatever the way it is asked.
@@ -117,15 +123,11 @@ pub(crate) struct Ratio {
 
 /// This library's best structure, in batches and ray by ray, over Embree and the fastest crate.
 pub(crate) fn ratios(meshes: &[MeshReport]) -> Vec<Ratio> {
-    let peers = || {
-        [
-            Line::new("Embree, best robust", |row: &Row| row.family == Family::EmbreeRobust),
-            Line::new("Embree, best of all", |row: &Row| row.family.is_embree()),
-            Line::new("fastest Rust crate", |row: &Row| row.family == Family::RustCrate),
-        ]
-    };
+    let crates = Line::new("fastest Rust crate", |row| row.family == Family::RustCrate);
+    let peers: Vec<_> = embree_lines().into_iter().chain([crates]).collect();
     let ours = [Family::OursBatch, Family::OursSingle].into_iter().filter_map(|way| best(way, meshes));
-    ours.flat_map(|ours| peers().map(|peer| ratio(&ours, &peer, meshes))).collect()
+    let over = |ours| peers.iter().map(move |peer| ratio(&ours, peer, meshes));
+    ours.flat_map(over).collect()
 }
 
 /// The line of that family that is fastest over all meshes and kinds of rays.

@@ -7,7 +7,7 @@ mod layout;
 use crate::measure::timed;
 use crate::peer::{Answer, Build, Entry, Family, Packets, Peer, Trial};
 use crate::scenes::Indexed;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use ffi::{Api, Device, Scene};
 use flush::FlushToZero;
 use globillum::geom::Ray;
@@ -16,7 +16,10 @@ use std::path::Path;
 use std::rc::Rc;
 
 /// The library, loaded.
-pub(crate) struct Embree(Rc<Api>);
+pub(crate) struct Embree {
+    api: Rc<Api>,
+    pub(crate) version: String,
+}
 
 impl Embree {
     /// Loads what `EMBREE_LIB` names; `None` if it names nothing.
@@ -25,12 +28,10 @@ impl Embree {
             return Ok(None);
         };
         let api = Api::load(Path::new(&path)).context("EMBREE_LIB does not name a library of Embree 4")?;
-        Ok(Some(Self(api)))
-    }
-
-    /// The library's version.
-    pub(crate) fn version(&self) -> Result<String> {
-        Ok(Device::new(&self.0)?.version())
+        let version = Device::new(&api)?.version();
+        // Other versions have functions of the same names that take other arguments.
+        ensure!(version.starts_with("4."), "EMBREE_LIB names Embree {version}, not 4");
+        Ok(Some(Self { api, version }))
     }
 
     /// All modes over a mesh that is built twice, robust and not.
@@ -39,7 +40,7 @@ impl Embree {
         for (family, structure, robust) in
             [(Family::EmbreeRobust, "Embree robust", true), (Family::EmbreeFast, "Embree fast", false)]
         {
-            let (scene, seconds) = timed(|| Scene::build(&self.0, &mesh.vertices, &mesh.faces, robust));
+            let (scene, seconds) = timed(|| Scene::build(&self.api, &mesh.vertices, &mesh.faces, robust));
             let scene = Rc::new(scene?);
             let build = Build { seconds, bytes: Some(scene.bytes()) };
             let entry = |(mode, peer)| Entry { family, structure, mode, build, peer };
