@@ -1,8 +1,8 @@
 //! The functions of Embree 4 that are needed, loaded at run time.
 //!
 //! The `unsafe` of calling them stays behind [`Api::load`], [`Device`] and [`Scene`]. It rests on
-//! this: signatures and layouts are those of Embree 4's public headers; whatever holds a handle
-//! keeps the library loaded and releases the handle once; a query reads and writes nothing of ours
+//! this: signatures and layouts are those of Embree 4's public headers; the library is never
+//! unloaded; a handle is released once, by what holds it; a query reads and writes nothing of ours
 //! but the packet that it is passed.
 #![allow(unsafe_code, reason = "a C library is called")]
 
@@ -10,6 +10,7 @@ use super::layout::{Aligned, Arguments, Coherence, Hits, INVALID, RayHits, Rays}
 use anyhow::{Result, ensure};
 use libloading::Library;
 use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicIsize, Ordering};
@@ -23,20 +24,17 @@ macro_rules! functions {
         #[allow(non_snake_case, reason = "Embree's names")]
         pub(crate) struct Api {
             $($name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
-            /// Declared last, so that the functions go first.
-            _library: Library,
         }
 
         impl Api {
-            /// Loads the library at `path`.
+            /// Loads the library at `path`, for good: its threads may outlive every device.
             pub(crate) fn load(path: &Path) -> Result<Rc<Self>> {
                 // SAFETY: Embree's initialisers ask nothing of their caller, and the signatures
                 // are those of its headers.
                 unsafe {
-                    let library = Library::new(path)?;
+                    let library = ManuallyDrop::new(Library::new(path)?);
                     Ok(Rc::new(Self {
                         $($name: *library.get(concat!(stringify!($name), "\0").as_bytes())?,)*
-                        _library: library,
                     }))
                 }
             }
