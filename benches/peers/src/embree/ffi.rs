@@ -1,9 +1,9 @@
 //! The functions of Embree 4 that are needed, loaded at run time.
 //!
-//! The `unsafe` of calling them stays behind [`Api::load`], [`Device`] and [`Scene`]. It rests on
-//! this: signatures and layouts are those of Embree 4's public headers; the library is never
-//! unloaded; a handle is released once, by what holds it; a query reads and writes nothing of ours
-//! but the packet that it is passed.
+//! The `unsafe` of calling them stays behind [`Device`] and [`Scene`]. It rests on this: signatures
+//! and layouts are those of Embree 4's public headers; the library is never unloaded; a handle is
+//! released once, by what holds it; a query reads and writes nothing of ours but the packet that it
+//! is passed.
 #![allow(unsafe_code, reason = "a C library is called")]
 
 use super::layout::{Aligned, Arguments, Coherence, Hits, INVALID, RayHits, Rays};
@@ -22,20 +22,20 @@ macro_rules! functions {
     ($($name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// The functions of a loaded library.
         #[allow(non_snake_case, reason = "Embree's names")]
-        pub(crate) struct Api {
+        struct Api {
             $($name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
         }
 
         impl Api {
             /// Loads the library at `path`, for good: its threads may outlive every device.
-            pub(crate) fn load(path: &Path) -> Result<Rc<Self>> {
+            fn load(path: &Path) -> Result<Self> {
                 // SAFETY: Embree's initialisers ask nothing of their caller, and the signatures
                 // are those of its headers.
                 unsafe {
                     let library = ManuallyDrop::new(Library::new(path)?);
-                    Ok(Rc::new(Self {
+                    Ok(Self {
                         $($name: *library.get(concat!(stringify!($name), "\0").as_bytes())?,)*
-                    }))
+                    })
                 }
             }
         }
@@ -72,7 +72,7 @@ type MemoryMonitor = unsafe extern "C" fn(*mut c_void, isize, bool) -> bool;
 
 /// Adds to the counter that `bytes_held` points to.
 unsafe extern "C" fn count_bytes(bytes_held: *mut c_void, bytes: isize, _post: bool) -> bool {
-    // SAFETY: it was registered with a scene's counter, which outlives the scene's device.
+    // SAFETY: it was registered with a device's counter, which outlives the device.
     let bytes_held = unsafe { &*bytes_held.cast::<AtomicIsize>() };
     bytes_held.fetch_add(bytes, Ordering::Relaxed);
     true
@@ -87,15 +87,20 @@ const QUALITY_HIGH: c_int = 2;
 const SCENE_ROBUST: c_int = 1 << 2;
 const PROPERTY_VERSION: c_int = 0;
 
-/// A device that builds on one thread, and what it holds.
+/// A loaded library, building on one thread.
+///
+/// There should be one for the whole run: each time that devices come and go, the library resets
+/// its threads, which may leave one of them spinning.
 pub(crate) struct Device {
-    api: Rc<Api>,
+    api: Api,
     handle: Handle,
     bytes_held: Rc<AtomicIsize>,
 }
 
 impl Device {
-    pub(crate) fn new(api: &Rc<Api>) -> Result<Self> {
+    /// Loads the library at `path`.
+    pub(crate) fn load(path: &Path) -> Result<Self> {
+        let api = Api::load(path)?;
         let bytes_held = Rc::new(AtomicIsize::new(0));
         let counter = Rc::as_ptr(&bytes_held).cast_mut().cast();
         // SAFETY: the counter is kept beside the handle.
@@ -103,7 +108,7 @@ impl Device {
             let handle = (api.rtcNewDevice)(c"threads=1".as_ptr());
             ensure!(!handle.is_null(), "Embree has no device");
             (api.rtcSetDeviceMemoryMonitorFunction)(handle, count_bytes, counter);
-            Ok(Self { api: api.clone(), handle, bytes_held })
+            Ok(Self { api, handle, bytes_held })
         }
     }
 
@@ -112,49 +117,6 @@ impl Device {
         // SAFETY: the device is alive.
         let version = unsafe { (self.api.rtcGetDeviceProperty)(self.handle, PROPERTY_VERSION) };
         format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
-    }
-}
-
-impl Drop for Device {
-    fn drop(&mut self) {
-        // SAFETY: it is held once, and not used again.
-        unsafe { (self.api.rtcReleaseDevice)(self.handle) }
-    }
-}
-
-/// A mesh in the highest build quality, on a device of its own.
-pub(crate) struct Scene {
-    api: Rc<Api>,
-    device: Device,
-    handle: Handle,
-}
-
-impl Scene {
-    pub(crate) fn build(
-        api: &Rc<Api>,
-        vertices: &[[f32; 3]],
-        faces: &[[u32; 3]],
-        robust: bool,
-    ) -> Result<Self> {
-        ensure!(faces.iter().flatten().all(|&i| (i as usize) < vertices.len()), "a face without its vertex");
-        let device = Device::new(api)?;
-        // SAFETY: every handle is used while it is held.
-        unsafe {
-            let handle = (api.rtcNewScene)(device.handle);
-            let built = Self { api: api.clone(), device, handle };
-            (api.rtcSetSceneFlags)(handle, if robust { SCENE_ROBUST } else { 0 });
-            (api.rtcSetSceneBuildQuality)(handle, QUALITY_HIGH);
-            let geometry = (api.rtcNewGeometry)(built.device.handle, GEOMETRY_TRIANGLE);
-            built.fill(geometry, BUFFER_VERTEX, FORMAT_FLOAT3, vertices)?;
-            built.fill(geometry, BUFFER_INDEX, FORMAT_UINT3, faces)?;
-            (api.rtcCommitGeometry)(geometry);
-            (api.rtcAttachGeometry)(handle, geometry);
-            (api.rtcReleaseGeometry)(geometry);
-            (api.rtcCommitScene)(handle);
-            let error = (api.rtcGetDeviceError)(built.device.handle);
-            ensure!(error == 0, "Embree reports error {error}");
-            Ok(built)
-        }
     }
 
     /// Gives `geometry` a buffer that holds `items`.
@@ -169,9 +131,55 @@ impl Scene {
         Ok(())
     }
 
-    /// Bytes that the device holds, buffers included.
-    pub(crate) fn bytes(&self) -> usize {
-        self.device.bytes_held.load(Ordering::Relaxed).max(0) as usize
+    /// Bytes that all its scenes hold.
+    fn bytes_held(&self) -> isize {
+        self.bytes_held.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: it is held once, and not used again.
+        unsafe { (self.api.rtcReleaseDevice)(self.handle) }
+    }
+}
+
+/// A mesh in the highest build quality.
+pub(crate) struct Scene {
+    device: Rc<Device>,
+    handle: Handle,
+    /// Held for it, buffers included.
+    pub(crate) bytes: usize,
+}
+
+impl Scene {
+    pub(crate) fn build(
+        device: &Rc<Device>,
+        vertices: &[[f32; 3]],
+        faces: &[[u32; 3]],
+        robust: bool,
+    ) -> Result<Self> {
+        ensure!(faces.iter().flatten().all(|&i| (i as usize) < vertices.len()), "a face without its vertex");
+        let api = &device.api;
+        let bytes_before = device.bytes_held();
+        // SAFETY: every handle is used while it is held.
+        unsafe {
+            let handle = (api.rtcNewScene)(device.handle);
+            let mut built = Self { device: device.clone(), handle, bytes: 0 };
+            (api.rtcSetSceneFlags)(handle, if robust { SCENE_ROBUST } else { 0 });
+            (api.rtcSetSceneBuildQuality)(handle, QUALITY_HIGH);
+            let geometry = (api.rtcNewGeometry)(device.handle, GEOMETRY_TRIANGLE);
+            device.fill(geometry, BUFFER_VERTEX, FORMAT_FLOAT3, vertices)?;
+            device.fill(geometry, BUFFER_INDEX, FORMAT_UINT3, faces)?;
+            (api.rtcCommitGeometry)(geometry);
+            (api.rtcAttachGeometry)(handle, geometry);
+            (api.rtcReleaseGeometry)(geometry);
+            (api.rtcCommitScene)(handle);
+            let error = (api.rtcGetDeviceError)(device.handle);
+            ensure!(error == 0, "Embree reports error {error}");
+            built.bytes = (device.bytes_held() - bytes_before).max(0) as usize;
+            Ok(built)
+        }
     }
 
     /// The closest hit of each ray: the triangle, and `t`.
@@ -185,14 +193,14 @@ impl Scene {
         let mut packet = Aligned(RayHits { rays: *rays, hits: Hits::NONE });
         let (valid, mut arguments) = (Aligned([-1; N]), Arguments::new(coherence));
         let (valid, arguments) = (valid.0.as_ptr(), &raw mut arguments);
-        let (scene, pointer) = (self.handle, (&raw mut packet).cast());
+        let (api, scene, pointer) = (&self.device.api, self.handle, (&raw mut packet).cast());
         // SAFETY: `packet` and `valid` are laid out and aligned for `N` rays.
         unsafe {
             match N {
-                1 => (self.api.rtcIntersect1)(scene, pointer, arguments),
-                4 => (self.api.rtcIntersect4)(valid, scene, pointer, arguments),
-                8 => (self.api.rtcIntersect8)(valid, scene, pointer, arguments),
-                _ => (self.api.rtcIntersect16)(valid, scene, pointer, arguments),
+                1 => (api.rtcIntersect1)(scene, pointer, arguments),
+                4 => (api.rtcIntersect4)(valid, scene, pointer, arguments),
+                8 => (api.rtcIntersect8)(valid, scene, pointer, arguments),
+                _ => (api.rtcIntersect16)(valid, scene, pointer, arguments),
             }
         }
         let RayHits { rays, hits } = &packet.0;
@@ -206,14 +214,14 @@ impl Scene {
         let mut packet = Aligned(*rays);
         let (valid, mut arguments) = (Aligned([-1; N]), Arguments::new(coherence));
         let (valid, arguments) = (valid.0.as_ptr(), &raw mut arguments);
-        let (scene, pointer) = (self.handle, (&raw mut packet).cast());
+        let (api, scene, pointer) = (&self.device.api, self.handle, (&raw mut packet).cast());
         // SAFETY: `packet` and `valid` are laid out and aligned for `N` rays.
         unsafe {
             match N {
-                1 => (self.api.rtcOccluded1)(scene, pointer, arguments),
-                4 => (self.api.rtcOccluded4)(valid, scene, pointer, arguments),
-                8 => (self.api.rtcOccluded8)(valid, scene, pointer, arguments),
-                _ => (self.api.rtcOccluded16)(valid, scene, pointer, arguments),
+                1 => (api.rtcOccluded1)(scene, pointer, arguments),
+                4 => (api.rtcOccluded4)(valid, scene, pointer, arguments),
+                8 => (api.rtcOccluded8)(valid, scene, pointer, arguments),
+                _ => (api.rtcOccluded16)(valid, scene, pointer, arguments),
             }
         }
         packet.0.t_far.map(|t| t < 0.0)
@@ -223,6 +231,6 @@ impl Scene {
 impl Drop for Scene {
     fn drop(&mut self) {
         // SAFETY: it is held once, and not used again; its device goes after it.
-        unsafe { (self.api.rtcReleaseScene)(self.handle) }
+        unsafe { (self.device.api.rtcReleaseScene)(self.handle) }
     }
 }

@@ -8,7 +8,7 @@ use crate::measure::timed;
 use crate::peer::{Answer, Build, Entry, Family, Packets, Peer, Trial};
 use crate::scenes::Indexed;
 use anyhow::{Context, Result, ensure};
-use ffi::{Api, Device, Scene};
+use ffi::{Device, Scene};
 use flush::FlushToZero;
 use globillum::geom::Ray;
 use layout::{Coherence, Rays};
@@ -17,7 +17,7 @@ use std::rc::Rc;
 
 /// The library, loaded.
 pub(crate) struct Embree {
-    api: Rc<Api>,
+    device: Rc<Device>,
     pub(crate) version: String,
 }
 
@@ -27,11 +27,11 @@ impl Embree {
         let Some(path) = std::env::var_os("EMBREE_LIB").filter(|path| !path.is_empty()) else {
             return Ok(None);
         };
-        let api = Api::load(Path::new(&path)).context("EMBREE_LIB does not name a library of Embree 4")?;
-        let version = Device::new(&api)?.version();
+        let device = Device::load(Path::new(&path)).context("EMBREE_LIB names no library of Embree 4")?;
+        let version = device.version();
         // Other versions have functions of the same names that take other arguments.
         ensure!(version.starts_with("4."), "EMBREE_LIB names Embree {version}, not 4");
-        Ok(Some(Self { api, version }))
+        Ok(Some(Self { device: Rc::new(device), version }))
     }
 
     /// All modes over a mesh that is built twice, robust and not.
@@ -40,9 +40,9 @@ impl Embree {
         for (family, structure, robust) in
             [(Family::EmbreeRobust, "Embree robust", true), (Family::EmbreeFast, "Embree fast", false)]
         {
-            let (scene, seconds) = timed(|| Scene::build(&self.api, &mesh.vertices, &mesh.faces, robust));
+            let (scene, seconds) = timed(|| Scene::build(&self.device, &mesh.vertices, &mesh.faces, robust));
             let scene = Rc::new(scene?);
-            let build = Build { seconds, bytes: Some(scene.bytes()) };
+            let build = Build { seconds, bytes: Some(scene.bytes) };
             let entry = |(mode, peer)| Entry { family, structure, mode, build, peer };
             entries.extend(modes(&scene).into_iter().map(entry));
         }
