@@ -103,7 +103,7 @@ impl Options {
             return Ok(cornell::with_blocks(self.specular)?);
         };
         let loaded = load_obj(path)?;
-        for warning in &loaded.warnings {
+        for warning in &loaded.report.warnings {
             common::warn(warning);
         }
         let mesh = loaded.model.triangles();

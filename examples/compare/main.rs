@@ -110,7 +110,7 @@ impl Options {
 
 fn subject_from(path: &Path) -> Result<Subject> {
     let loaded = load_obj(path)?;
-    loaded.warnings.iter().for_each(common::warn);
+    loaded.report.warnings.iter().for_each(common::warn);
     let name =
         path.file_stem().map_or_else(|| path.display().to_string(), |s| s.to_string_lossy().into_owned());
     let subject = Subject::new(name, loaded.model.triangles().to_vec())?;

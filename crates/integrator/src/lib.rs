@@ -41,7 +41,7 @@ pub use camera::Camera;
 pub use emitters::Emitters;
 pub use error::RenderError;
 pub use film::Film;
-pub use model::Model;
+pub use model::{MaterialId, Model};
 pub use monitor::{Monitor, Progress};
 pub use path::{Counters, Estimator};
 pub use render::{Picture, render};

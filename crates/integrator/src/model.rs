@@ -1,5 +1,6 @@
 use globillum_geom::Triangle;
 use globillum_material::Material;
+use std::collections::TryReserveError;
 
 /// What a scene is made of, before anything is checked or built: triangles, each with a material.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -10,13 +11,41 @@ pub struct Model {
     materials: Vec<Material>,
 }
 
+/// A material of a [`Model`], as [`Model::add_material`] hands it out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MaterialId(u32);
+
 impl Model {
     /// Adds `triangles`, all of `material`, after those already there.
     pub fn add(&mut self, material: Material, triangles: impl IntoIterator<Item = Triangle>) {
-        let id = self.materials.len() as u32;
-        self.materials.push(material);
+        let MaterialId(id) = self.add_material(material);
         self.triangles.extend(triangles);
         self.material_ids.resize(self.triangles.len(), id);
+    }
+
+    /// Adds a material that triangles may be given later, and many times, by [`Model::push`].
+    pub fn add_material(&mut self, material: Material) -> MaterialId {
+        self.materials.push(material);
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a triangle of a material that is already there.
+    ///
+    /// # Panics
+    /// If `material` is another model's, and this one has not that many.
+    pub fn push(&mut self, material: MaterialId, triangle: Triangle) {
+        assert!((material.0 as usize) < self.materials.len(), "a material of another model");
+        self.triangles.push(triangle);
+        self.material_ids.push(material.0);
+    }
+
+    /// Makes room for so many triangles more.
+    ///
+    /// # Errors
+    /// If there is not that much memory.
+    pub fn try_reserve(&mut self, additional: usize) -> Result<(), TryReserveError> {
+        self.triangles.try_reserve(additional)?;
+        self.material_ids.try_reserve(additional)
     }
 
     /// All triangles, in the order in which they were added: their index is a hit's index.
@@ -29,7 +58,7 @@ impl Model {
         &self.material_ids
     }
 
-    /// All materials, one for each call of [`Model::add`].
+    /// All materials, in the order in which they were added.
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }

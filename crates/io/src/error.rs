@@ -1,14 +1,15 @@
+use crate::Location;
+use globillum_integrator::RenderError;
 use globillum_material::MaterialError;
 use std::error::Error as StdError;
-use std::fmt;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// Why a file could not be loaded or written.
 ///
-/// Messages are one line that starts with the file, and the line in it where there is one, the
-/// way compilers write it: a command-line program can print them as they are.
+/// Messages are one line that starts with the file and the place in it, the way compilers write
+/// it: a command-line program can print them as they are.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum IoError {
@@ -20,63 +21,152 @@ pub enum IoError {
         /// What the system said.
         source: io::Error,
     },
-    /// A statement is malformed.
-    #[error("{}: {message}", Place(path, *line))]
-    Parse {
+    /// Not a file but a folder, a pipe or a device.
+    #[error("{}: is not a regular file", path.display())]
+    NotRegularFile {
+        /// What is not a file.
+        path: PathBuf,
+    },
+    /// The extension names no scene format that can be read.
+    #[error("{}: unknown scene format; supported are {supported}", path.display())]
+    UnknownScene {
         /// The file.
         path: PathBuf,
-        /// Line, from 1; `None` if only the file as a whole is known to be bad.
-        line: Option<usize>,
-        /// What is wrong with it.
+        /// The extensions that are.
+        supported: &'static str,
+    },
+    /// More than [`Limits`](crate::Limits) allow.
+    #[error("{at}: more than {limit} {what}")]
+    TooLarge {
+        /// Where.
+        at: Location,
+        /// What there is too much of, in the plural.
+        what: &'static str,
+        /// How many are allowed.
+        limit: u64,
+    },
+    /// A statement or a structure is malformed.
+    #[error("{at}: {message}")]
+    Parse {
+        /// Where.
+        at: Location,
+        /// What is wrong.
         message: String,
     },
-    /// A vertex has a coordinate that is NaN or infinite, or too large for `f32`.
-    #[error("{}: coordinate is not finite", Place(path, Some(*line)))]
+    /// A coordinate is NaN or infinite, or too large for `f32`.
+    #[error("{at}: coordinate is not finite")]
     NonFinite {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
+        /// Where.
+        at: Location,
     },
-    /// A face refers to something that is not defined above it.
-    #[error("{}: index {index} refers to none of the {count} {what} above it", Place(path, Some(*line)))]
+    /// A number outside the range in which a scene can be traced.
+    #[error("{at}: {message}")]
+    Domain {
+        /// Where.
+        at: Location,
+        /// Which number, and the range.
+        message: String,
+    },
+    /// Something refers to what is not there.
+    #[error("{at}: index {index} refers to none of the {count} {what}")]
     Index {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// The index as written: from 1, or negative to count back from the face.
+        /// Where.
+        at: Location,
+        /// The index as written; in OBJ from 1, or negative to count back from the face.
         index: i64,
         /// How many there are to refer to.
         count: usize,
         /// What they are, in the plural.
         what: &'static str,
     },
+    /// A glTF accessor, its view or its buffer contradicts the data, or is of a type that its use
+    /// does not allow.
+    #[error("{at}: {message}")]
+    Accessor {
+        /// Which.
+        at: Location,
+        /// What is wrong.
+        message: String,
+    },
     /// A file asks for another one outside its own folder.
-    #[error("{}: `{name}` is not within the file's own folder", Place(path, Some(*line)))]
-    Escape {
-        /// The file that asks.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
+    #[error("{at}: `{name}` is not within the file's own folder")]
+    PathEscape {
+        /// Where it asks.
+        at: Location,
         /// The name it asks for.
         name: String,
     },
+    /// A malformed URI.
+    #[error("{at}: malformed URI: {message}")]
+    Uri {
+        /// Where.
+        at: Location,
+        /// What is wrong.
+        message: String,
+    },
+    /// A URI with a scheme other than `data:`.
+    #[error("{at}: URIs of scheme `{scheme}:` are not followed")]
+    Scheme {
+        /// Where.
+        at: Location,
+        /// The scheme.
+        scheme: String,
+    },
+    /// A glTF of a version that is not read.
+    #[error("{at}: glTF version {version} is not supported, only 2.0")]
+    Version {
+        /// The file.
+        at: Location,
+        /// The version that it has, or that it asks for.
+        version: String,
+    },
+    /// An extension without which the file can not be read, and which is not known.
+    #[error("{at}: extension `{extension}` is required and not supported")]
+    Unsupported {
+        /// The file.
+        at: Location,
+        /// The extension.
+        extension: String,
+    },
+    /// A node is its own ancestor.
+    #[error("{at}: is its own ancestor")]
+    Cycle {
+        /// The node.
+        at: Location,
+    },
+    /// A node has two parents, or is a root of the scene twice or beside a parent.
+    #[error("{at}: has more than one parent")]
+    NotATree {
+        /// The node.
+        at: Location,
+    },
     /// A material reflects or emits what no surface can.
-    #[error("{}: material `{name}`: {source}", Place(path, Some(*line)))]
+    #[error("{at}: material `{name}`: {source}")]
     Material {
-        /// The material library.
-        path: PathBuf,
-        /// Line, from 1, on which the material begins.
-        line: usize,
+        /// Where the material begins.
+        at: Location,
         /// The material's name.
         name: String,
         /// What is wrong with it.
         source: MaterialError,
     },
-    /// A mesh without a single triangle.
-    #[error("{}: has no faces", path.display())]
+    /// A camera that can not be.
+    #[error("{at}: {source}")]
+    Camera {
+        /// The camera, or its node.
+        at: Location,
+        /// What is wrong with it.
+        source: RenderError,
+    },
+    /// A scene without a single triangle that could be hit.
+    #[error("{}: has no triangles", path.display())]
     Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The monitor asked to stop.
+    #[error("{}: loading was cancelled", path.display())]
+    Cancelled {
         /// The file.
         path: PathBuf,
     },
@@ -105,28 +195,22 @@ pub enum IoError {
     },
 }
 
-/// A file, and a line of it if one is known, as `file:line`.
-pub(crate) struct Place<'a>(pub(crate) &'a Path, pub(crate) Option<usize>);
-
-impl fmt::Display for Place<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.0.display())?;
-        self.1.map_or(Ok(()), |line| write!(f, ":{line}"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Place;
+    use std::path::Path;
 
     #[test]
-    fn messages_start_with_file_and_line() {
-        let path = PathBuf::from("a.obj");
-        let at = |line| IoError::Parse { path: path.clone(), line, message: "odd".into() }.to_string();
-        assert_eq!((at(Some(7)), at(None)), ("a.obj:7: odd".into(), "a.obj: odd".into()));
-        let index = IoError::Index { path: path.clone(), line: 3, index: -9, count: 8, what: "vertices" };
-        assert_eq!(index.to_string(), "a.obj:3: index -9 refers to none of the 8 vertices above it");
-        let source = io::ErrorKind::PermissionDenied.into();
-        assert_eq!(IoError::Read { path, source }.to_string(), "a.obj: can not be read: permission denied");
+    fn messages_start_with_the_file_and_the_place() {
+        let at = |place: Place| {
+            IoError::Parse { at: place.of(Path::new("a.x")), message: "odd".into() }.to_string()
+        };
+        assert_eq!(at(Place::Line(7)), "a.x:7: odd");
+        assert_eq!(at(Place::File), "a.x: odd");
+        assert_eq!(at(Place::Node(2)), "a.x: nodes[2]: odd");
+        assert_eq!(at(Place::Primitive { mesh: 1, primitive: 0 }), "a.x: meshes[1].primitives[0]: odd");
+        let (path, source) = ("a.x".into(), io::ErrorKind::PermissionDenied.into());
+        assert_eq!(IoError::Read { path, source }.to_string(), "a.x: can not be read: permission denied");
     }
 }

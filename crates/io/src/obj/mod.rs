@@ -1,35 +1,29 @@
 //! Wavefront OBJ with MTL materials.
 
 mod mtl;
+mod number;
 mod palette;
+mod polygon;
 mod scan;
+mod seen;
 mod source;
 mod triangulate;
-mod warning;
 
-use crate::IoError;
-use globillum_integrator::Model;
+use crate::loading::Loading;
+use crate::{IoError, Loaded, Loader, Place, WarningKind};
+use globillum_integrator::MaterialId;
 use mtl::Description;
 use palette::Palette;
-use scan::Scan;
+use seen::Seen;
 use source::Source;
 use std::path::Path;
-pub use warning::Warning;
 
-/// What [`load_obj`] makes of a file.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Loaded {
-    /// Triangles with materials.
-    pub model: Model,
-    /// What was passed over, if anything.
-    pub warnings: Vec<Warning>,
-}
-
-/// Loads the faces of a Wavefront OBJ file, with the materials of the libraries it names.
+/// Loads the faces of a Wavefront OBJ file, with the materials of the libraries it names, within
+/// the default [`Limits`](crate::Limits).
 ///
-/// Triangles come in the order of the file's faces; a face of more than three vertices becomes a
-/// fan around its first. Indices must refer to what is defined above them.
+/// Triangles come in the order of the file's faces, degenerate ones left out; a face of more than
+/// three vertices becomes a fan around its first. Indices must refer to what is defined above
+/// them.
 ///
 /// Of a material, `Kd` becomes a Lambertian albedo and `Ke` what is emitted from the front. It
 /// is a mirror of reflectance `Ks` instead if it says `illum 3`, or has no `Kd`. Faces without a
@@ -38,48 +32,53 @@ pub struct Loaded {
 ///
 /// # Errors
 /// An [`IoError`] that names file and line: for a file that can not be read or has no faces, a
-/// malformed statement, an index out of range, a coordinate that is not finite, a library
-/// outside the folder, and a material that breaks [`Material`](globillum_material::Material)'s
-/// bounds. A missing library or material is no error but a [`Warning`].
+/// malformed statement, an index out of range, a coordinate that is not finite or too large to be
+/// traced, a library outside the folder, and a material that breaks
+/// [`Material`](globillum_material::Material)'s bounds. A missing library or material is no error
+/// but a [`Warning`](crate::Warning).
 ///
 /// ```no_run
 /// let loaded = globillum_io::load_obj("bunny.obj".as_ref())?;
-/// for warning in &loaded.warnings {
+/// for warning in &loaded.report.warnings {
 ///     eprintln!("{warning}");
 /// }
 /// println!("{} triangles", loaded.model.triangles().len());
 /// # Ok::<(), globillum_io::IoError>(())
 /// ```
 pub fn load_obj(path: &Path) -> Result<Loaded, IoError> {
-    let source = Source::read(path)?;
-    let scan = Scan::of(&source)?;
-    let mut warnings = Vec::new();
-    let palette = Palette::load(&scan.libraries, &mut warnings)?;
-    warnings.extend(passed_over(&scan, &palette));
-    let model = model(path, &scan, &palette)?;
-    Ok(Loaded { model, warnings })
+    Loader::new().load_obj(path)
 }
 
-fn passed_over(scan: &Scan<'_>, palette: &Palette) -> impl Iterator<Item = Warning> {
-    let unknown = scan.materials.iter().filter(|(name, _)| !palette.ids.contains_key(**name));
-    let unknown = unknown.map(|(&name, first_use)| {
-        let (path, line) = first_use.place();
-        Warning::UnknownMaterial { path, line, name: name.into() }
-    });
-    let short = scan.short_faces.map(|(first, count)| {
-        let (path, line) = first.place();
-        Warning::ShortFaces { path, line, count }
-    });
-    unknown.chain(short)
+pub(crate) fn load(mut loading: Loading<'_>) -> Result<Loaded, IoError> {
+    let bytes = loading.jail.read_scene()?;
+    let source = Source::of(loading.path, bytes, loading.limits)?;
+    let (mesh, seen) = triangulate::mesh(&source, &mut loading)?;
+    let palette = Palette::load(&seen.libraries, &mut loading)?;
+    let materials = materials(&seen, &palette, &mut loading)?;
+    seen.warn(&mut loading);
+    triangulate::fill(&mut loading, &source, &mesh, &seen, &materials)?;
+    loading.finish(Vec::new())
 }
 
-/// One addition for each run of faces of one material, which keeps the file's order.
-fn model(path: &Path, scan: &Scan<'_>, palette: &Palette) -> Result<Model, IoError> {
-    let default = Description::default().material().map_err(|e| triangulate::failed(path, &e.to_string()))?;
-    let mut model = Model::default();
-    for mesh in triangulate::meshes(path, &scan.triangles, &palette.ids)? {
-        let material = mesh.material_id.map_or(default, |id| palette.materials[id]);
-        model.add(material, triangulate::triangles(&mesh));
+/// The default material, then that of each name that faces use.
+fn materials(
+    seen: &Seen<'_>,
+    palette: &Palette,
+    loading: &mut Loading<'_>,
+) -> Result<Vec<MaterialId>, IoError> {
+    let at = loading.at(Place::File);
+    let source_of = |source| IoError::Material { at, name: "default".into(), source };
+    let default = loading.add_material(Description::default().material().map_err(source_of)?);
+    let mut ids = vec![default];
+    for first_use in &seen.materials {
+        let name = first_use.arguments;
+        ids.push(if let Some(material) = palette.get(name) {
+            loading.add_material(material)
+        } else {
+            let unknown = WarningKind::UnknownMaterial { name: name.into() };
+            loading.warn(Place::Line(first_use.line), unknown);
+            default
+        });
     }
-    if model.triangles().is_empty() { Err(IoError::Empty { path: path.into() }) } else { Ok(model) }
+    Ok(ids)
 }

@@ -1,5 +1,5 @@
 use super::source::{Source, Statement};
-use crate::IoError;
+use crate::{IoError, Limits, WarningKind};
 use globillum_material::{Emission, Material, MaterialError, Rgb, Sides};
 
 /// What a material library says of one material, as far as it is understood.
@@ -12,19 +12,30 @@ pub(super) struct Description {
     emitted: Rgb,
     illumination_model: u32,
     /// Whether it mentions texture maps.
-    pub(super) textured: bool,
+    textured: bool,
+    /// Whether it lets light through.
+    transparent: bool,
+    /// Whether a colour is given as a spectral curve.
+    spectral: bool,
 }
 
-/// The illumination model that asks for reflected rays.
+/// The illumination models that reflect as an ideal mirror does, without transparency.
 const MIRROR: u32 = 3;
+
+/// The illumination models of glass.
+const GLASS: [u32; 4] = [4, 6, 7, 9];
 
 impl Description {
     /// All materials of a library, each with the statement that begins it.
-    pub(super) fn all(library: &Source) -> Result<Vec<(Statement<'_>, Self)>, IoError> {
+    pub(super) fn all<'a>(
+        library: &'a Source,
+        limits: &Limits,
+    ) -> Result<Vec<(Statement<'a>, Self)>, IoError> {
         let mut all = Vec::new();
         for statement in library.statements() {
             if statement.keyword == "newmtl" {
                 statement.name()?;
+                statement.check_count(all.len() + 1, "materials", limits.materials)?;
                 all.push((statement, Self::default()));
             } else if let Some((_, description)) = all.last_mut() {
                 description.read(&statement)?;
@@ -35,15 +46,32 @@ impl Description {
 
     fn read(&mut self, statement: &Statement<'_>) -> Result<(), IoError> {
         match statement.keyword {
-            "Kd" => self.diffuse = Some(colour(statement)?),
-            "Ks" => self.specular = Some(colour(statement)?),
-            "Ke" => self.emitted = colour(statement)?,
-            "illum" => self.illumination_model = statement.number(statement.arguments)?,
+            "Kd" => self.diffuse = self.colour(statement)?,
+            "Ks" => self.specular = self.colour(statement)?,
+            "Ke" => self.emitted = self.colour(statement)?.unwrap_or_default(),
+            "illum" => self.illumination_model = first_number(statement)?,
+            "d" => self.transparent |= first_number::<f64>(statement).is_ok_and(|opacity| opacity < 1.0),
+            "Tr" => self.transparent |= first_number::<f64>(statement).is_ok_and(|share| share > 0.0),
             "bump" | "decal" | "disp" | "norm" | "refl" => self.textured = true,
             map if map.starts_with("map_") => self.textured = true,
             _ => {}
         }
         Ok(())
+    }
+
+    /// `r g b`, or one number for a grey; `None` for a spectral curve, which is not read.
+    fn colour(&mut self, statement: &Statement<'_>) -> Result<Option<Rgb>, IoError> {
+        if statement.words().next() == Some("spectral") {
+            self.spectral = true;
+            return Ok(None);
+        }
+        let numbers =
+            statement.words().map(|word| statement.number(word)).collect::<Result<Vec<f64>, _>>()?;
+        match numbers[..] {
+            [grey] => Ok(Some(Rgb::splat(grey))),
+            [r, g, b] => Ok(Some(Rgb::new(r, g, b))),
+            _ => Err(statement.malformed("takes 1 or 3 numbers")),
+        }
     }
 
     /// A mirror if that is asked for or there is no diffuse colour beside the specular one;
@@ -56,14 +84,27 @@ impl Description {
         };
         Ok(material.emitting(Emission::new(self.emitted, Sides::Front)?))
     }
+
+    /// What of it is not in its [`material`](Description::material).
+    pub(super) fn passed_over(&self, name: &str) -> impl Iterator<Item = WarningKind> {
+        let name = || name.to_owned();
+        let transparent = self.transparent || GLASS.contains(&self.illumination_model);
+        let dropped_highlight =
+            self.diffuse.is_some_and(|kd| !kd.is_black()) && self.specular.is_some_and(|ks| !ks.is_black());
+        let by =
+            if self.illumination_model == MIRROR { "an ideal mirror" } else { "an ideal diffuse surface" };
+        [
+            self.textured.then(|| WarningKind::TexturesIgnored { name: name() }),
+            transparent.then(|| WarningKind::TransparencyIgnored { name: name() }),
+            self.spectral.then(|| WarningKind::SpectrumIgnored { name: name() }),
+            dropped_highlight.then(|| WarningKind::Approximated { name: name(), by }),
+        ]
+        .into_iter()
+        .flatten()
+    }
 }
 
-/// `r g b`, or one number for a grey.
-fn colour(statement: &Statement<'_>) -> Result<Rgb, IoError> {
-    let numbers = statement.words().map(|word| statement.number(word)).collect::<Result<Vec<f64>, _>>()?;
-    match numbers[..] {
-        [grey] => Ok(Rgb::splat(grey)),
-        [r, g, b] => Ok(Rgb::new(r, g, b)),
-        _ => Err(statement.malformed("takes 1 or 3 numbers")),
-    }
+fn first_number<T: std::str::FromStr>(statement: &Statement<'_>) -> Result<T, IoError> {
+    // A halo's opacity is written `d -halo factor`.
+    statement.number(statement.words().find(|word| *word != "-halo").unwrap_or_default())
 }

@@ -1,7 +1,7 @@
-use crate::IoError;
+use crate::{IoError, Limits, Location, Place};
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::str::{FromStr, SplitAsciiWhitespace};
-use std::{fs, iter};
 
 /// What some editors put before UTF-8 text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
@@ -13,44 +13,44 @@ pub(super) struct Source {
 }
 
 impl Source {
-    pub(super) fn read(path: &Path) -> Result<Self, IoError> {
-        let bytes = fs::read(path).map_err(|source| IoError::Read { path: path.into(), source })?;
-        let mut text = String::from_utf8(bytes).map_err(|error| {
-            let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+    /// Makes text of a file's content.
+    pub(super) fn of(path: &Path, bytes: Vec<u8>, limits: &Limits) -> Result<Self, IoError> {
+        let malformed = |valid: &[u8], message: &str| {
             let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
-            IoError::Parse { path: path.into(), line: Some(line), message: "is not UTF-8".into() }
+            IoError::Parse { at: Place::Line(line).of(path), message: message.into() }
+        };
+        let mut text = String::from_utf8(bytes).map_err(|error| {
+            malformed(&error.as_bytes()[..error.utf8_error().valid_up_to()], "is not UTF-8")
         })?;
+        if let Some(nul) = text.find('\0') {
+            return Err(malformed(&text.as_bytes()[..nul], "holds a NUL byte"));
+        }
         if text.starts_with(BYTE_ORDER_MARK) {
             text.remove(0);
         }
-        Ok(Self { path: path.into(), text: joined(text) })
+        let text = joined(text);
+        let limit = limits.line_bytes;
+        if let Some((_, line)) = text.lines().zip(1..).find(|(text, _)| text.len() as u64 > limit) {
+            return Err(IoError::TooLarge { at: Place::Line(line).of(path), what: "bytes in a line", limit });
+        }
+        Ok(Self { path: path.into(), text })
+    }
+
+    /// All lines that say something, in order.
+    pub(super) fn statements(&self) -> impl Iterator<Item = Statement<'_>> {
+        self.text.lines().zip(1..).filter_map(|(text, line)| Statement::of(&self.path, line, text))
     }
 
     /// Bytes of text.
     pub(super) fn len(&self) -> usize {
         self.text.len()
     }
-
-    /// All lines that say something, in order.
-    pub(super) fn statements(&self) -> impl Iterator<Item = Statement<'_>> {
-        self.text.lines().zip(1..).filter_map(|(text, line)| {
-            let text = text.trim();
-            let (keyword, arguments) = text.split_once([' ', '\t']).unwrap_or((text, ""));
-            let says_something = !keyword.is_empty() && !keyword.starts_with('#');
-            says_something.then(|| Statement {
-                path: &self.path,
-                line,
-                keyword,
-                arguments: arguments.trim_start(),
-            })
-        })
-    }
 }
 
 /// One statement: `keyword arguments`.
 #[derive(Clone, Copy)]
 pub(super) struct Statement<'a> {
-    pub(super) path: &'a Path,
+    path: &'a Path,
     /// From 1.
     pub(super) line: usize,
     pub(super) keyword: &'a str,
@@ -58,16 +58,26 @@ pub(super) struct Statement<'a> {
 }
 
 impl<'a> Statement<'a> {
+    fn of(path: &'a Path, line: usize, text: &'a str) -> Option<Self> {
+        let text = text.trim_ascii();
+        let end = text.bytes().position(|byte| byte == b' ' || byte == b'\t').unwrap_or(text.len());
+        let (keyword, arguments) = text.split_at(end);
+        let says_something = !keyword.is_empty() && !keyword.starts_with('#');
+        says_something.then(|| Self { path, line, keyword, arguments: arguments.trim_ascii_start() })
+    }
+
+    /// The arguments, up to a comment.
     pub(super) fn words(&self) -> SplitAsciiWhitespace<'a> {
-        self.arguments.split_ascii_whitespace()
+        let arguments = self.arguments.split_once('#').map_or(self.arguments, |(before, _)| before);
+        arguments.split_ascii_whitespace()
     }
 
-    /// File and line, for an error or a warning.
-    pub(super) fn place(&self) -> (PathBuf, usize) {
-        (self.path.into(), self.line)
+    /// File and line.
+    pub(super) fn at(&self) -> Location {
+        Place::Line(self.line).of(self.path)
     }
 
-    /// All arguments as one name, which may have spaces.
+    /// All arguments as one name, which may have spaces, and a `#` too.
     pub(super) fn name(&self) -> Result<&'a str, IoError> {
         if self.arguments.is_empty() { Err(self.malformed("takes a name")) } else { Ok(self.arguments) }
     }
@@ -76,9 +86,18 @@ impl<'a> Statement<'a> {
         word.parse().map_err(|_| self.malformed(&format!("`{word}` is not a number")))
     }
 
+    /// Bytes that it takes, about.
+    pub(super) fn len(&self) -> u64 {
+        (self.keyword.len() + self.arguments.len() + 2) as u64
+    }
+
+    /// Refuses to go on if there are more than `limit` of something.
+    pub(super) fn check_count(&self, count: usize, what: &'static str, limit: u64) -> Result<(), IoError> {
+        if count as u64 > limit { Err(IoError::TooLarge { at: self.at(), what, limit }) } else { Ok(()) }
+    }
+
     pub(super) fn malformed(&self, why: &str) -> IoError {
-        let (path, line) = self.place();
-        IoError::Parse { path, line: Some(line), message: format!("{}: {why}", self.keyword) }
+        IoError::Parse { at: self.at(), message: format!("{}: {why}", self.keyword) }
     }
 }
 

@@ -1,0 +1,67 @@
+use crate::{IoError, Place};
+use std::path::Path;
+
+/// The parts of a glTF file.
+pub(super) struct Container<'a> {
+    pub(super) json: &'a [u8],
+    /// The binary chunk, which only .glb has.
+    pub(super) binary: Option<&'a [u8]>,
+    /// Whether `json` is the whole file, so that its lines are the file's.
+    pub(super) is_text: bool,
+}
+
+const MAGIC: &[u8; 4] = b"glTF";
+const JSON: &[u8; 4] = b"JSON";
+const BINARY: &[u8; 4] = b"BIN\0";
+
+/// Takes a file apart; what it is its first bytes say, not its name.
+pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, IoError> {
+    let Some(after_magic) = bytes.strip_prefix(MAGIC) else {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        return Ok(Container { json: text, binary: None, is_text: true });
+    };
+    let malformed = |message: &str| IoError::Parse { at: Place::File.of(path), message: message.into() };
+    let (version, rest) = number(after_magic).ok_or_else(|| malformed("the header is cut off"))?;
+    if version != 2 {
+        return Err(IoError::Version { at: Place::File.of(path), version: version.to_string() });
+    }
+    let (length, mut rest) = number(rest).ok_or_else(|| malformed("the header is cut off"))?;
+    if length != bytes.len() {
+        let message = format!("has {} bytes, but its header says {length}", bytes.len());
+        return Err(malformed(&message));
+    }
+    let mut next = || -> Result<Option<Chunk<'a>>, IoError> {
+        if rest.is_empty() {
+            return Ok(None);
+        }
+        let (chunk, after) = chunk(rest).ok_or_else(|| malformed("a chunk is cut off"))?;
+        rest = after;
+        if chunk.content.is_empty() { Err(malformed("a chunk is empty")) } else { Ok(Some(chunk)) }
+    };
+    let Some(json) = next()? else { return Err(malformed("there is no JSON chunk")) };
+    if json.kind != JSON {
+        return Err(malformed("the first chunk is not JSON"));
+    }
+    let binary = next()?.filter(|chunk| chunk.kind == BINARY).map(|chunk| chunk.content);
+    // What else may follow is for extensions, but whole it must be.
+    while next()?.is_some() {}
+    Ok(Container { json: json.content, binary, is_text: false })
+}
+
+struct Chunk<'a> {
+    kind: &'a [u8],
+    content: &'a [u8],
+}
+
+/// The first chunk, and what follows it.
+fn chunk(bytes: &[u8]) -> Option<(Chunk<'_>, &[u8])> {
+    let (length, rest) = number(bytes)?;
+    let (kind, rest) = rest.split_at_checked(4)?;
+    let (content, rest) = rest.split_at_checked(length)?;
+    Some((Chunk { kind, content }, rest))
+}
+
+fn number(bytes: &[u8]) -> Option<(usize, &[u8])> {
+    let (head, rest) = bytes.split_first_chunk()?;
+    Some((u32::from_le_bytes(*head) as usize, rest))
+}

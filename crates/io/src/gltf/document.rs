@@ -1,0 +1,98 @@
+use super::container::Container;
+use super::json::Root;
+use crate::loading::Loading;
+use crate::{IoError, Place, WarningKind};
+
+/// Extensions whose effect is not lost: the strength of emission is read, and where a texture lies
+/// does not matter, since textures are not.
+const READ: [&str; 2] = ["KHR_materials_emissive_strength", "KHR_texture_transform"];
+
+/// A glTF file's structure, of a version that is understood and needing no unknown extension.
+pub(super) struct Document<'a>(Root<'a>);
+
+impl<'a> Document<'a> {
+    pub(super) fn parse(container: &Container<'a>, loading: &mut Loading<'_>) -> Result<Self, IoError> {
+        check_count_of_values(container.json, loading)?;
+        let root: Root<'a> = serde_json::from_slice(container.json)
+            .map_err(|error| parse_error(&error, container, loading))?;
+        let document = Self(root);
+        document.check_version(loading)?;
+        document.check_extensions(loading)?;
+        document.check_images(loading)?;
+        Ok(document)
+    }
+
+    fn check_version(&self, loading: &Loading<'_>) -> Result<(), IoError> {
+        let asset = &self.0.asset;
+        let needed = asset.min_version.as_ref().unwrap_or(&asset.version).0.as_ref();
+        let readable = needed == "2.0" && asset.version.0.starts_with("2.");
+        let version = if needed == "2.0" { asset.version.0.as_ref() } else { needed };
+        if readable || (asset.min_version.is_none() && needed.starts_with("2.")) {
+            Ok(())
+        } else {
+            Err(IoError::Version { at: loading.at(Place::File), version: version.into() })
+        }
+    }
+
+    fn check_extensions(&self, loading: &mut Loading<'_>) -> Result<(), IoError> {
+        let unknown = |name: &&str| !READ.contains(name);
+        let required = self.extensions_required.iter().map(|name| name.0.as_ref());
+        if let Some(extension) = required.into_iter().find(unknown) {
+            let extension = extension.into();
+            return Err(IoError::Unsupported { at: loading.at(Place::File), extension });
+        }
+        for name in self.extensions_used.iter().map(|name| name.0.as_ref()).filter(unknown) {
+            loading.warn(Place::File, WarningKind::ExtensionIgnored { name: name.into() });
+        }
+        if !self.animations.is_empty() {
+            loading.warn(Place::File, WarningKind::AnimationsIgnored { count: self.animations.len() });
+        }
+        Ok(())
+    }
+
+    /// Images are not read, but a file that does not even say where they are is broken.
+    fn check_images(&self, loading: &Loading<'_>) -> Result<(), IoError> {
+        for (index, image) in self.images.iter().enumerate() {
+            let malformed = |message: &str| {
+                Err(IoError::Parse { at: loading.at(Place::Image(index)), message: message.into() })
+            };
+            match (&image.uri, image.buffer_view, &image.mime_type) {
+                (None, None, _) => return malformed("has neither a URI nor a buffer view"),
+                (None, Some(_), None) => return malformed("lies in a buffer view and has no MIME type"),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<'a> std::ops::Deref for Document<'a> {
+    type Target = Root<'a>;
+
+    fn deref(&self) -> &Root<'a> {
+        &self.0
+    }
+}
+
+/// Looks for too many values before any memory is spent on them. Commas within strings count too,
+/// so what passes may be a little less than the limit.
+fn check_count_of_values(json: &[u8], loading: &Loading<'_>) -> Result<(), IoError> {
+    let limit = loading.limits.json_values;
+    let count = json.iter().filter(|byte| matches!(byte, b',' | b'{' | b'[')).count();
+    if count as u64 > limit {
+        let at = loading.at(Place::File);
+        return Err(IoError::TooLarge { at, what: "values in JSON", limit });
+    }
+    Ok(())
+}
+
+fn parse_error(error: &serde_json::Error, container: &Container<'_>, loading: &Loading<'_>) -> IoError {
+    let text = error.to_string();
+    let (what, _) = text.rsplit_once(" at line ").unwrap_or((&text, ""));
+    let (place, column) = (Place::Line(error.line().max(1)), error.column());
+    if container.is_text {
+        IoError::Parse { at: loading.at(place), message: format!("column {column}: {what}") }
+    } else {
+        IoError::Parse { at: loading.at(Place::File), message: format!("JSON chunk: {text}") }
+    }
+}

@@ -1,0 +1,70 @@
+use crate::atomic::folder_of;
+use crate::{IoError, Limits, Location, Place};
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Component, Path, PathBuf};
+
+/// Reads the files of one scene: the scene file, and what it refers to in its own folder or
+/// below. Nothing else can be reached from inside a file, by whatever name or link.
+pub(crate) struct Jail<'a> {
+    scene: &'a Path,
+    /// What the files yet to be read may have together.
+    bytes_left: u64,
+    limit: u64,
+}
+
+impl<'a> Jail<'a> {
+    pub(crate) fn around(scene: &'a Path, limits: &Limits) -> Self {
+        Self { scene, bytes_left: limits.bytes, limit: limits.bytes }
+    }
+
+    /// Reads the scene file itself.
+    pub(crate) fn read_scene(&mut self) -> Result<Vec<u8>, IoError> {
+        self.read(self.scene)
+    }
+
+    /// Where the file `name` lies, which is asked for `at` a place of the scene.
+    pub(crate) fn resolve(&self, name: &str, at: &Location) -> Result<PathBuf, IoError> {
+        let escape = || IoError::PathEscape { at: at.clone(), name: name.into() };
+        let inside =
+            Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        if !inside {
+            return Err(escape());
+        }
+        let path = self.scene.with_file_name(name);
+        let canonical = |path: &Path| path.canonicalize().map_err(|source| read_error(path, source));
+        // The name says where the file seems to be, its canonical form where links lead.
+        let within = canonical(&path)?.starts_with(canonical(folder_of(self.scene))?);
+        if within { Ok(path) } else { Err(escape()) }
+    }
+
+    /// Reads a whole file, if it is a regular one: a pipe might never end, nor a device.
+    pub(crate) fn read(&mut self, path: &Path) -> Result<Vec<u8>, IoError> {
+        let failed = |source| read_error(path, source);
+        let metadata = fs::metadata(path).map_err(failed)?;
+        if !metadata.is_file() {
+            return Err(IoError::NotRegularFile { path: path.into() });
+        }
+        let too_large = || IoError::TooLarge {
+            at: Place::File.of(path),
+            what: "bytes in all files of the scene",
+            limit: self.limit,
+        };
+        if metadata.len() > self.bytes_left {
+            return Err(too_large());
+        }
+        let mut bytes = Vec::new();
+        let reserved = bytes.try_reserve_exact(metadata.len() as usize);
+        reserved.map_err(|_| failed(io::ErrorKind::OutOfMemory.into()))?;
+        // The file may grow while it is being read.
+        let mut file = File::open(path).map_err(failed)?.take(self.bytes_left + 1);
+        file.read_to_end(&mut bytes).map_err(failed)?;
+        let rest = self.bytes_left.checked_sub(bytes.len() as u64);
+        self.bytes_left = rest.ok_or_else(too_large)?;
+        Ok(bytes)
+    }
+}
+
+fn read_error(path: &Path, source: io::Error) -> IoError {
+    IoError::Read { path: path.into(), source }
+}

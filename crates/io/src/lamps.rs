@@ -1,0 +1,132 @@
+//! What is often wrong with the lamps of a scene.
+
+use glam::{DVec2, DVec3, Vec3Swizzles};
+use globillum_geom::{Aabb, Triangle};
+use globillum_integrator::Model;
+use std::collections::HashMap;
+
+/// Planes are told apart to this share of the scene's size, and of a turn.
+const RESOLUTION: f64 = 1e-6;
+
+/// Pairs of triangles that are compared for each triangle of the scene, on average, before the
+/// search is given up: a warning is not worth an hour.
+const PAIRS_PER_TRIANGLE: usize = 16;
+
+/// Whether any triangle emits light.
+pub(crate) fn any(model: &Model) -> bool {
+    (0..model.triangles().len()).any(|index| emits(model, index))
+}
+
+/// How many emitting triangles overlap another triangle in their own plane.
+pub(crate) fn coplanar(model: &Model) -> usize {
+    let bounds = Aabb::around(model.triangles().iter().flat_map(|t| t.vertices));
+    let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+    let planes = Planes { middle, size: bounds.extent().max_element() };
+    let mut lamps: HashMap<_, Vec<usize>> = HashMap::new();
+    for index in (0..model.triangles().len()).filter(|&index| emits(model, index)) {
+        lamps.entry(planes.key(&model.triangles()[index])).or_default().push(index);
+    }
+    if lamps.is_empty() {
+        return 0;
+    }
+    let mut pairs_left = PAIRS_PER_TRIANGLE * model.triangles().len();
+    let mut count = 0;
+    for (index, triangle) in model.triangles().iter().enumerate() {
+        let Some(neighbours) = lamps.get_mut(&planes.key(triangle)) else { continue };
+        neighbours.retain(|&lamp| {
+            pairs_left = pairs_left.saturating_sub(1);
+            let found = lamp != index && pairs_left > 0 && overlap(&model.triangles()[lamp], triangle);
+            count += usize::from(found);
+            !found
+        });
+    }
+    count
+}
+
+fn emits(model: &Model, index: usize) -> bool {
+    !model.material(index).emission.is_none()
+}
+
+/// Names the plane of a triangle, the same for all triangles in it whichever way they face.
+struct Planes {
+    middle: DVec3,
+    size: f64,
+}
+
+impl Planes {
+    fn key(&self, triangle: &Triangle) -> [i64; 4] {
+        let normal = normal(triangle);
+        let first = normal.to_array().into_iter().find(|x| x.abs() > RESOLUTION).unwrap_or(1.0);
+        let normal = normal * first.signum();
+        let offset = (triangle.vertices[0].as_dvec3() - self.middle).dot(normal) / self.size;
+        [normal.x, normal.y, normal.z, offset].map(|x| (x / RESOLUTION).round() as i64)
+    }
+}
+
+fn normal(triangle: &Triangle) -> DVec3 {
+    let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
+    (b - a).normalize_or_zero().cross((c - a).normalize_or_zero()).normalize_or_zero()
+}
+
+/// Whether two triangles of one plane share more than an edge: no edge of either separates them.
+fn overlap(a: &Triangle, b: &Triangle) -> bool {
+    let normal = normal(a).abs();
+    // Seen along the axis that the plane faces most, nothing collapses.
+    let flat = |t: &Triangle| {
+        t.vertices.map(|v| v.as_dvec3()).map(|v| {
+            if normal.x >= normal.y && normal.x >= normal.z {
+                v.yz()
+            } else if normal.y >= normal.z {
+                v.xz()
+            } else {
+                v.xy()
+            }
+        })
+    };
+    let (a, b) = (flat(a), flat(b));
+    !separated(a, b) && !separated(b, a)
+}
+
+/// Whether `b` lies beyond one of the edges of `a`, or on it.
+fn separated(a: [DVec2; 3], b: [DVec2; 3]) -> bool {
+    let turn = (a[1] - a[0]).perp_dot(a[2] - a[0]).signum();
+    (0..3).any(|i| {
+        let edge = a[(i + 1) % 3] - a[i];
+        b.iter().all(|&p| {
+            let side = turn * edge.perp_dot(p - a[i]);
+            side <= RESOLUTION * edge.length() * (p - a[i]).length()
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use globillum_material::{Material, Rgb};
+
+    fn square(x: f32, y: f32, half: f32) -> [Triangle; 2] {
+        let p = |dx: f32, dz: f32| Vec3::new(x + dx * half, y, dz * half);
+        let [a, b, c, d] = [p(-1.0, -1.0), p(1.0, -1.0), p(1.0, 1.0), p(-1.0, 1.0)];
+        [Triangle::new(a, b, c), Triangle::new(a, c, d)]
+    }
+
+    fn room_with(lamp: [Triangle; 2]) -> Model {
+        let mut model = Model::default();
+        model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, 1.0, 1.0));
+        model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, -1.0, 1.0));
+        model.add(Material::lamp(Rgb::WHITE).unwrap(), lamp);
+        model
+    }
+
+    #[test]
+    fn a_lamp_in_the_ceilings_plane_is_found() {
+        assert_eq!(coplanar(&room_with(square(0.1, 1.0, 0.3))), 2);
+    }
+
+    #[test]
+    fn a_lamp_below_the_ceiling_or_beside_it_is_fine() {
+        assert_eq!(coplanar(&room_with(square(0.1, 0.995, 0.3))), 0);
+        assert_eq!(coplanar(&room_with(square(2.0, 1.0, 1.0))), 0);
+    }
+}

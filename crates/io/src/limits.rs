@@ -1,0 +1,37 @@
+/// How much a scene file may ask for. What exceeds a limit is refused with
+/// [`IoError::TooLarge`](crate::IoError::TooLarge) before memory is spent on it.
+///
+/// ```
+/// let mut limits = globillum_io::Limits::default();
+/// limits.triangles = 1_000_000;
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Limits {
+    /// Bytes of all files that a scene consists of, together: 2 GiB.
+    pub bytes: u64,
+    /// Triangles, a mesh counted as often as it is placed: 2^29.
+    pub triangles: u64,
+    /// Materials: 65,536.
+    pub materials: u64,
+    /// Bytes in a line of OBJ or MTL: 16 MiB.
+    pub line_bytes: u64,
+    /// Corners of a polygon: 65,536.
+    pub polygon_corners: u64,
+    /// Values in a glTF's JSON, objects and arrays included: 2^23. JSON of few bytes can ask for
+    /// much memory: the smallest node is `{}`.
+    pub json_values: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            bytes: 2 << 30,
+            triangles: 1 << 29,
+            materials: 65_536,
+            line_bytes: 16 << 20,
+            polygon_corners: 65_536,
+            json_values: 1 << 23,
+        }
+    }
+}

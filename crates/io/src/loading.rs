@@ -1,0 +1,101 @@
+use crate::jail::Jail;
+use crate::lamps;
+use crate::loader::{LoadMonitor, LoadProgress, Loaded};
+use crate::{IoError, Limits, LoadReport, Location, Place, WarningKind};
+use globillum_geom::Triangle;
+use globillum_integrator::{Camera, MaterialId, Model};
+use globillum_material::Material;
+use std::io;
+use std::path::Path;
+
+/// The most steps between two looks at the monitor.
+const STEPS_BETWEEN_REPORTS: u64 = 1 << 16;
+
+/// A scene that is being loaded: what is known of it so far, and what watches over it.
+pub(crate) struct Loading<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) limits: &'a Limits,
+    pub(crate) jail: Jail<'a>,
+    pub(crate) report: LoadReport,
+    model: Model,
+    monitor: &'a dyn LoadMonitor,
+    reported: u64,
+}
+
+impl<'a> Loading<'a> {
+    pub(crate) fn new(path: &'a Path, limits: &'a Limits, monitor: &'a dyn LoadMonitor) -> Self {
+        let jail = Jail::around(path, limits);
+        Self {
+            path,
+            limits,
+            jail,
+            report: LoadReport::default(),
+            model: Model::default(),
+            monitor,
+            reported: 0,
+        }
+    }
+
+    /// A place in the scene file.
+    pub(crate) fn at(&self, place: Place) -> Location {
+        place.of(self.path)
+    }
+
+    pub(crate) fn warn(&mut self, place: Place, kind: WarningKind) {
+        self.report.warn(place, self.path, kind);
+    }
+
+    pub(crate) fn add_material(&mut self, material: Material) -> MaterialId {
+        self.model.add_material(material)
+    }
+
+    /// Makes room for `count` triangles in all, if so many are allowed.
+    pub(crate) fn reserve(&mut self, count: u64) -> Result<(), IoError> {
+        let limit = self.limits.triangles;
+        if count > limit {
+            let at = self.at(Place::File);
+            return Err(IoError::TooLarge { at, what: "triangles", limit });
+        }
+        self.model
+            .try_reserve(count as usize)
+            .map_err(|_| IoError::Read { path: self.path.into(), source: io::ErrorKind::OutOfMemory.into() })
+    }
+
+    /// Adds a triangle, unless nothing can hit it.
+    pub(crate) fn add(&mut self, material: MaterialId, triangle: Triangle) {
+        if triangle.is_degenerate() {
+            self.report.degenerate_triangles += 1;
+        } else {
+            self.model.push(material, triangle);
+        }
+    }
+
+    /// Tells the monitor, every so often.
+    pub(crate) fn progress(&mut self, done: u64, total: u64) -> Result<(), IoError> {
+        if done < total && done < self.reported.saturating_add(STEPS_BETWEEN_REPORTS) {
+            return Ok(());
+        }
+        self.reported = done;
+        self.monitor.progress(LoadProgress { done, total });
+        if self.monitor.cancelled() { Err(IoError::Cancelled { path: self.path.into() }) } else { Ok(()) }
+    }
+
+    /// Looks the whole scene over and hands it out.
+    pub(crate) fn finish(mut self, cameras: Vec<Camera>) -> Result<Loaded, IoError> {
+        if self.model.triangles().is_empty() {
+            return Err(IoError::Empty { path: self.path.into() });
+        }
+        let count = self.report.degenerate_triangles;
+        if count > 0 {
+            self.warn(Place::File, WarningKind::Degenerate { count });
+        }
+        if !lamps::any(&self.model) {
+            self.warn(Place::File, WarningKind::NoEmitter);
+        }
+        let count = lamps::coplanar(&self.model);
+        if count > 0 {
+            self.warn(Place::File, WarningKind::CoplanarEmitters { count });
+        }
+        Ok(Loaded { model: self.model, cameras, report: self.report })
+    }
+}

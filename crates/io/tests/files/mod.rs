@@ -1,0 +1,57 @@
+//! Scene files that tests write into a folder of their own.
+#![allow(dead_code, reason = "not every test uses all of it")]
+
+use globillum_io::{IoError, Loaded, Loader};
+use std::fs;
+use std::path::PathBuf;
+use tempfile::TempDir;
+
+/// A folder with files, gone with its owner.
+pub(crate) struct Files(TempDir);
+
+impl Files {
+    pub(crate) fn new(files: &[(&str, &[u8])]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content) in files {
+            fs::write(folder.path().join(name), content).unwrap();
+        }
+        Self(folder)
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub(crate) fn load(&self, name: &str) -> Result<Loaded, IoError> {
+        Loader::new().load(&self.path(name))
+    }
+
+    /// A message without this folder's name.
+    pub(crate) fn shortened(&self, message: &impl ToString) -> String {
+        message.to_string().replace(&format!("{}/", self.0.path().display()), "")
+    }
+}
+
+/// A .glb of that JSON and that binary chunk.
+pub(crate) fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
+    let mut chunks = Vec::new();
+    for (kind, content, padding) in [(b"JSON", json.as_bytes(), b' '), (b"BIN\0", binary, 0)] {
+        if !content.is_empty() {
+            let length = content.len().next_multiple_of(4);
+            chunks.extend((length as u32).to_le_bytes());
+            chunks.extend(kind);
+            chunks.extend(content);
+            chunks.resize(chunks.len() + length - content.len(), padding);
+        }
+    }
+    let mut file = b"glTF".to_vec();
+    file.extend(2_u32.to_le_bytes());
+    file.extend((chunks.len() as u32 + 12).to_le_bytes());
+    file.extend(chunks);
+    file
+}
+
+/// Little-endian bytes.
+pub(crate) fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}

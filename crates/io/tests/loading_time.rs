@@ -1,0 +1,37 @@
+//! How long loading takes, beside tobj alone: `cargo test --release -p globillum-io --test
+//! loading_time -- --ignored --nocapture`.
+#![cfg(feature = "obj")]
+#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+use tobj::LoadOptions;
+
+/// Most of tobj's own time that loading may take.
+const LIMIT: f64 = 1.2;
+
+#[test]
+#[ignore = "a measurement, which wants an idle machine and a release build"]
+fn a_scanned_mesh_loads_about_as_fast_as_by_tobj_alone() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/meshes/bunny.obj");
+    if !path.exists() {
+        eprintln!("SKIPPED: bunny.obj is not there");
+        return;
+    }
+    let options = LoadOptions { triangulate: true, ..LoadOptions::default() };
+    let ours = fastest(|| globillum_io::load_obj(&path).unwrap());
+    let tobjs = fastest(|| tobj::load_obj(&path, &options).unwrap());
+    eprintln!("{:.1} ms, tobj {:.1} ms: {:.2} times as long", 1e3 * ours, 1e3 * tobjs, ours / tobjs);
+    assert!(ours <= LIMIT * tobjs);
+}
+
+/// Seconds of the fastest of many runs.
+fn fastest<T>(run: impl Fn() -> T) -> f64 {
+    let seconds = |_| {
+        let start = Instant::now();
+        black_box(run());
+        start.elapsed().as_secs_f64()
+    };
+    (0..15).map(seconds).fold(f64::INFINITY, f64::min)
+}
