@@ -12,22 +12,23 @@ const RESOLUTION: f64 = 1e-6;
 /// search is given up: a warning is not worth an hour.
 const PAIRS_PER_TRIANGLE: usize = 16;
 
-/// Whether any triangle emits light.
-pub(crate) fn any(model: &Model) -> bool {
-    (0..model.triangles().len()).any(|index| emits(model, index))
+/// The triangles that emit light.
+pub(crate) fn all(model: &Model) -> Vec<usize> {
+    if model.materials().iter().all(|material| material.emission.is_none()) {
+        return Vec::new();
+    }
+    let emits = |index: &usize| !model.material(*index).emission.is_none();
+    (0..model.triangles().len()).filter(emits).collect()
 }
 
-/// How many emitting triangles overlap another triangle in their own plane.
-pub(crate) fn coplanar(model: &Model) -> usize {
+/// How many of the `emitting` triangles overlap another triangle in their own plane.
+pub(crate) fn coplanar(model: &Model, emitting: &[usize]) -> usize {
     let bounds = Aabb::around(model.triangles().iter().flat_map(|t| t.vertices));
     let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
     let planes = Planes { middle, size: bounds.extent().max_element() };
     let mut lamps: HashMap<_, Vec<usize>> = HashMap::new();
-    for index in (0..model.triangles().len()).filter(|&index| emits(model, index)) {
+    for &index in emitting {
         lamps.entry(planes.key(&model.triangles()[index])).or_default().push(index);
-    }
-    if lamps.is_empty() {
-        return 0;
     }
     let mut pairs_left = PAIRS_PER_TRIANGLE * model.triangles().len();
     let mut count = 0;
@@ -41,10 +42,6 @@ pub(crate) fn coplanar(model: &Model) -> usize {
         });
     }
     count
-}
-
-fn emits(model: &Model, index: usize) -> bool {
-    !model.material(index).emission.is_none()
 }
 
 /// Names the plane of a triangle, the same for all triangles in it whichever way they face.
@@ -111,22 +108,22 @@ mod tests {
         [Triangle::new(a, b, c), Triangle::new(a, c, d)]
     }
 
-    fn room_with(lamp: [Triangle; 2]) -> Model {
+    fn found(lamp: [Triangle; 2]) -> usize {
         let mut model = Model::default();
         model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, 1.0, 1.0));
         model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, -1.0, 1.0));
         model.add(Material::lamp(Rgb::WHITE).unwrap(), lamp);
-        model
+        coplanar(&model, &all(&model))
     }
 
     #[test]
     fn a_lamp_in_the_ceilings_plane_is_found() {
-        assert_eq!(coplanar(&room_with(square(0.1, 1.0, 0.3))), 2);
+        assert_eq!(found(square(0.1, 1.0, 0.3)), 2);
     }
 
     #[test]
     fn a_lamp_below_the_ceiling_or_beside_it_is_fine() {
-        assert_eq!(coplanar(&room_with(square(0.1, 0.995, 0.3))), 0);
-        assert_eq!(coplanar(&room_with(square(2.0, 1.0, 1.0))), 0);
+        assert_eq!(found(square(0.1, 0.995, 0.3)), 0);
+        assert_eq!(found(square(2.0, 1.0, 1.0)), 0);
     }
 }

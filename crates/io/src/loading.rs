@@ -89,12 +89,14 @@ impl<'a> Loading<'a> {
         if count > 0 {
             self.warn(Place::File, WarningKind::Degenerate { count });
         }
-        if !lamps::any(&self.model) {
+        let emitting = lamps::all(&self.model);
+        if emitting.is_empty() {
             self.warn(Place::File, WarningKind::NoEmitter);
-        }
-        let count = lamps::coplanar(&self.model);
-        if count > 0 {
-            self.warn(Place::File, WarningKind::CoplanarEmitters { count });
+        } else {
+            let count = lamps::coplanar(&self.model, &emitting);
+            if count > 0 {
+                self.warn(Place::File, WarningKind::CoplanarEmitters { count });
+            }
         }
         Ok(Loaded { model: self.model, cameras, report: self.report })
     }

@@ -84,16 +84,22 @@ impl<'a, 'm, 'l, S: Iterator<Item = Statement<'a>>> Scan<'a, 'm, 'l, S> {
     /// `v x y z`, or `v x y z weight`, or `v x y z r g b`.
     fn position(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
         let mut words = statement.words();
-        let position = [words.next(), words.next(), words.next()];
-        let rest = words.count();
-        let plain = position.iter().all(|word| word.is_some_and(is_plain_fraction));
-        if !plain || rest != 0 {
+        self.text.push('v');
+        let mut plain = 0;
+        for word in words.by_ref().take(3) {
+            plain += usize::from(is_plain_fraction(word));
+            self.pass_on(word);
+        }
+        // Colours stay behind: tobj wants them on all vertices or on none.
+        let fourth = words.next();
+        if let (Some(weight), None) = (fourth, words.next()) {
+            self.pass_on(weight);
+        }
+        self.text.push('\n');
+        if plain < 3 || fourth.is_some() {
             check_position(statement)?;
         }
         self.counts[0] += 1;
-        // Colours stay behind: tobj wants them on all vertices or on none.
-        let passed_on = if rest == 1 { 4 } else { 3 };
-        self.pass_on('v', statement.words().take(passed_on));
         Ok(())
     }
 
@@ -103,11 +109,12 @@ impl<'a, 'm, 'l, S: Iterator<Item = Statement<'a>>> Scan<'a, 'm, 'l, S> {
         let length_before = self.text.len();
         self.text.push('f');
         for word in statement.words() {
-            if plain_index(word).is_none_or(|index| index == 0 || index > self.counts[0]) {
+            if plain_index(word).is_some_and(|index| 0 < index && index <= self.counts[0]) {
+                self.pass_on(word);
+            } else {
                 self.check_corner(statement, word)?;
+                self.pass_on(word.split_once('/').map_or(word, |(vertex, _)| vertex));
             }
-            self.text.push(' ');
-            self.text.push_str(word.split_once('/').map_or(word, |(vertex, _)| vertex));
             corners += 1;
         }
         self.text.push('\n');
@@ -134,14 +141,10 @@ impl<'a, 'm, 'l, S: Iterator<Item = Statement<'a>>> Scan<'a, 'm, 'l, S> {
         Ok(())
     }
 
-    /// Adds a line to the text for tobj.
-    fn pass_on<'w>(&mut self, keyword: char, words: impl Iterator<Item = &'w str>) {
-        self.text.push(keyword);
-        for word in words {
-            self.text.push(' ');
-            self.text.push_str(word);
-        }
-        self.text.push('\n');
+    /// Adds a word to the line for tobj.
+    fn pass_on(&mut self, word: &str) {
+        self.text.push(' ');
+        self.text.push_str(word);
     }
 }
 

@@ -1,7 +1,7 @@
 use crate::{IoError, Limits, Location, Place};
 use std::iter;
 use std::path::{Path, PathBuf};
-use std::str::{FromStr, SplitAsciiWhitespace};
+use std::str::FromStr;
 
 /// What some editors put before UTF-8 text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
@@ -30,7 +30,11 @@ impl Source {
         }
         let text = joined(text);
         let limit = limits.line_bytes;
-        if let Some((_, line)) = text.lines().zip(1..).find(|(text, _)| text.len() as u64 > limit) {
+        let is_long = |text: &str| text.len() as u64 > limit;
+        // Most files are shorter than a line may be.
+        if is_long(&text)
+            && let Some((_, line)) = text.lines().zip(1..).find(|(text, _)| is_long(text))
+        {
             return Err(IoError::TooLarge { at: Place::Line(line).of(path), what: "bytes in a line", limit });
         }
         Ok(Self { path: path.into(), text })
@@ -67,9 +71,8 @@ impl<'a> Statement<'a> {
     }
 
     /// The arguments, up to a comment.
-    pub(super) fn words(&self) -> SplitAsciiWhitespace<'a> {
-        let arguments = self.arguments.split_once('#').map_or(self.arguments, |(before, _)| before);
-        arguments.split_ascii_whitespace()
+    pub(super) fn words(&self) -> impl Iterator<Item = &'a str> + use<'a> {
+        self.arguments.split_ascii_whitespace().take_while(|word| !word.starts_with('#'))
     }
 
     /// File and line.

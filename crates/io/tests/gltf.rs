@@ -1,0 +1,341 @@
+//! glTF files as they should be read.
+#![cfg(feature = "gltf")]
+#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+
+mod files;
+
+use files::{Files, floats, glb};
+use glam::{DVec3, Vec3};
+use globillum_geom::Triangle;
+use globillum_integrator::Camera;
+use globillum_io::{LoadMonitor, LoadProgress, Loaded, Loader, Place, WarningKind};
+use globillum_material::{Emission, Material, Rgb, Sides};
+use serde_json::{Value, json};
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+
+/// Corners of a unit square, counter-clockwise.
+const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+
+fn triangles(corners: &[[usize; 3]]) -> Vec<Triangle> {
+    let at = |i: usize| Vec3::from(SQUARE[i]);
+    corners.iter().map(|&[a, b, c]| Triangle::new(at(a), at(b), at(c))).collect()
+}
+
+/// A file with the square's first three positions in its first accessor, and whatever `more` sets.
+fn square(more: &Value) -> (Value, Vec<u8>) {
+    let mut json = json!({
+        "asset": {"version": "2.0"},
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}],
+        "buffers": [{"byteLength": 48}],
+    });
+    for (key, value) in more.as_object().unwrap() {
+        json[key] = value.clone();
+    }
+    (json, floats(SQUARE.as_flattened()))
+}
+
+fn load((json, binary): (Value, Vec<u8>)) -> Loaded {
+    Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]).load("a.glb").unwrap()
+}
+
+/// What was warned of, but that nothing shines.
+fn warnings(loaded: &Loaded) -> Vec<(Place, WarningKind)> {
+    let warnings = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoEmitter);
+    warnings.map(|w| (w.at.place, w.kind.clone())).collect()
+}
+
+/// The square with indices of some component type, in some mode.
+fn indexed(mode: u32, component_type: u32, indices: &[u32]) -> Loaded {
+    let size = match component_type {
+        5121 => 1,
+        5123 => 2,
+        _ => 4,
+    };
+    let (mut json, mut binary) = square(&json!({
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": mode}]}],
+    }));
+    let length = indices.len() * size;
+    let accessor =
+        json!({"bufferView": 1, "componentType": component_type, "count": indices.len(), "type": "SCALAR"});
+    json["accessors"][0]["count"] = json!(4);
+    json["accessors"].as_array_mut().unwrap().push(accessor);
+    let view = json!({"buffer": 0, "byteOffset": 48, "byteLength": length});
+    json["bufferViews"].as_array_mut().unwrap().push(view);
+    json["buffers"][0]["byteLength"] = json!(48 + length);
+    binary.extend(indices.iter().flat_map(|i| i.to_le_bytes()[..size].to_vec()));
+    load((json, binary))
+}
+
+#[test]
+fn all_modes_and_all_index_types_make_the_same_triangles() {
+    let expected = triangles(&[[0, 1, 2], [0, 2, 3]]);
+    for component_type in [5121, 5123, 5125] {
+        let loaded = indexed(4, component_type, &[0, 1, 2, 0, 2, 3]);
+        assert_eq!(loaded.model.triangles(), expected, "{component_type}");
+        assert_eq!(warnings(&loaded), []);
+    }
+    assert_eq!(indexed(6, 5123, &[0, 1, 2, 3]).model.triangles(), expected);
+    // A strip zigzags; every triangle of it faces the same way.
+    assert_eq!(indexed(5, 5123, &[0, 1, 3, 2]).model.triangles(), triangles(&[[0, 1, 3], [1, 2, 3]]));
+    let odd = indexed(4, 5121, &[0, 1, 2, 0, 2]);
+    assert_eq!(odd.model.triangles(), triangles(&[[0, 1, 2]]));
+    let place = Place::Primitive { mesh: 0, primitive: 0 };
+    assert_eq!(warnings(&odd), [(place, WarningKind::LeftOver { count: 2 })]);
+}
+
+#[test]
+fn without_indices_vertices_follow_each_other() {
+    let fan = json!({
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
+    });
+    assert_eq!(load(square(&fan)).model.triangles(), triangles(&[[0, 1, 2], [0, 2, 3]]));
+}
+
+#[test]
+fn interleaved_vertices_are_read_by_their_stride() {
+    let (json, _) = square(&json!({
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0}, "mode": 6}]}],
+        "accessors": [{"bufferView": 0, "byteOffset": 4, "componentType": 5126, "count": 4, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 8, "byteLength": 88, "byteStride": 24}],
+        "buffers": [{"byteLength": 96}],
+    }));
+    let between = [9.0; 3];
+    let all: Vec<_> = SQUARE.iter().flat_map(|v| between.iter().chain(v)).copied().collect();
+    let loaded = load((json, floats(&all)));
+    assert_eq!(loaded.model.triangles(), triangles(&[[0, 1, 2], [0, 2, 3]]));
+    let place = Place::Primitive { mesh: 0, primitive: 0 };
+    assert_eq!(warnings(&loaded), [(place, WarningKind::NormalsIgnored { count: 4 })]);
+}
+
+#[test]
+fn sparse_accessors_replace_single_elements() {
+    // Vertex 2 comes from the sparse part; without a view below it the others would be zero.
+    let sparse = json!({
+        "count": 1,
+        "indices": {"bufferView": 1, "componentType": 5123},
+        "values": {"bufferView": 1, "byteOffset": 4},
+    });
+    let view = json!([{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 16}]);
+    let accessor =
+        json!({"componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse, "bufferView": 0});
+    let (json, mut binary) = square(&json!({
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}],
+        "accessors": [accessor],
+        "bufferViews": view,
+        "buffers": [{"byteLength": 64}],
+    }));
+    binary.extend([2, 0, 0, 0]);
+    binary.extend(floats(&[5.0, 6.0, 7.0]));
+    let loaded = load((json.clone(), binary.clone()));
+    let moved = Vec3::new(5.0, 6.0, 7.0);
+    assert_eq!(loaded.model.triangles()[0].vertices, [Vec3::ZERO, Vec3::X, moved]);
+    assert_eq!(loaded.model.triangles()[1].vertices, [Vec3::ZERO, moved, Vec3::Y]);
+    let mut alone = json;
+    alone["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    let files = Files::new(&[("a.glb", &glb(&alone.to_string(), &binary))]);
+    assert!(files.load("a.glb").is_err(), "all but one vertex are zero: nothing has an area");
+}
+
+#[test]
+fn buffers_lie_in_uris_and_in_files_beside_the_scene() {
+    let (mut json, binary) = square(&json!({}));
+    json["buffers"][0]["uri"] = json!("my%20data/a.bin");
+    let files = Files::new(&[("a.gltf", json.to_string().as_bytes())]);
+    std::fs::create_dir(files.path("my data")).unwrap();
+    std::fs::write(files.path("my data/a.bin"), &binary).unwrap();
+    assert_eq!(files.load("a.gltf").unwrap().model.triangles(), triangles(&[[0, 1, 2]]));
+    // Percent signs spell any byte; base64 is tested beside its reader.
+    let data: String = binary.iter().map(|byte| format!("%{byte:02x}")).collect();
+    json["buffers"][0]["uri"] = json!(format!("data:application/octet-stream,{data}"));
+    let files = Files::new(&[("a.gltf", json.to_string().as_bytes())]);
+    assert_eq!(files.load("a.gltf").unwrap().model.triangles(), triangles(&[[0, 1, 2]]));
+}
+
+/// Where the square's triangle goes under these nodes.
+fn placed(nodes: &Value) -> Vec<[Vec3; 3]> {
+    load(square(&json!({"nodes": nodes}))).model.triangles().iter().map(|t| t.vertices).collect()
+}
+
+#[test]
+fn nodes_move_what_they_hold() {
+    let corners = |f: fn(Vec3) -> Vec3| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)].map(f);
+    let moved = json!([{"translation": [1, 2, 3], "children": [1]}, {"mesh": 0, "scale": [2, 2, 2]}]);
+    assert_eq!(placed(&moved), [corners(|v| 2.0 * v + Vec3::new(1.0, 2.0, 3.0))]);
+    let turned = json!([{"mesh": 0, "rotation": [0, 0, 2, 0]}]);
+    assert_eq!(placed(&turned), [corners(|v| Vec3::new(-v.x, -v.y, v.z))]);
+    let matrix = json!([{"mesh": 0, "matrix": [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1]}]);
+    assert_eq!(placed(&matrix), [corners(|v| Vec3::new(7.0 - v.y, v.x, v.z))]);
+}
+
+#[test]
+fn a_mirrored_triangle_keeps_its_front() {
+    let mirrored = [Vec3::ZERO, Vec3::new(-1.0, 1.0, 0.0), Vec3::new(-1.0, 0.0, 0.0)];
+    assert_eq!(placed(&json!([{"mesh": 0, "scale": [-1, 1, 1]}])), [mirrored]);
+    let twice = json!([{"scale": [-1, 1, 1], "children": [1]}, {"mesh": 0, "scale": [-1, 1, 1]}]);
+    assert_eq!(placed(&twice), placed(&json!([{"mesh": 0}])));
+}
+
+#[test]
+fn the_files_own_scene_is_loaded_and_children_come_in_order() {
+    let graph = json!([
+        {"mesh": 0, "translation": [9, 9, 9]},
+        {"children": [2, 3]},
+        {"mesh": 0, "translation": [1, 0, 0]},
+        {"mesh": 0, "translation": [2, 0, 0]},
+    ]);
+    let scenes = json!({"nodes": graph, "scene": 1, "scenes": [{"nodes": [0]}, {"nodes": [1]}]});
+    let loaded = load(square(&scenes));
+    let firsts: Vec<_> = loaded.model.triangles().iter().map(|t| t.vertices[0].x).collect();
+    assert_eq!(firsts, [1.0, 2.0]);
+}
+
+#[test]
+fn materials_become_the_nearer_of_two() {
+    let lambert = |x| Material::lambert(Rgb::splat(x)).unwrap();
+    let mirror = |x| Material::mirror(Rgb::splat(x)).unwrap();
+    let base = |metallic: f64, roughness: f64| {
+        json!({"name": "m", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1],
+            "metallicFactor": metallic, "roughnessFactor": roughness}})
+    };
+    let approximated = |by| vec![WarningKind::Approximated { name: "m".into(), by }];
+    let (diffuse, specular) = ("an ideal diffuse surface", "an ideal mirror");
+    let cases = [
+        (base(0.0, 1.0), lambert(0.5), vec![]),
+        (base(1.0, 0.0), mirror(0.5), vec![]),
+        (base(0.0, 0.0), lambert(0.5), approximated(diffuse)),
+        (base(1.0, 0.9), mirror(0.5), approximated(specular)),
+        (base(0.3, 0.4), lambert(0.5), approximated(diffuse)),
+        (json!({"name": "m"}), lambert(1.0), approximated(diffuse)),
+        (
+            json!({"name": "m", "alphaMode": "BLEND", "emissiveTexture": {"index": 0}, "pbrMetallicRoughness":
+                {"metallicFactor": 0}}),
+            lambert(1.0),
+            vec![
+                WarningKind::TexturesIgnored { name: "m".into() },
+                WarningKind::TransparencyIgnored { name: "m".into() },
+            ],
+        ),
+    ];
+    for (json, expected, kinds) in cases {
+        let (json, binary) = square(&json!({
+            "materials": [json],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        }));
+        let loaded = load((json.clone(), binary));
+        assert_eq!(*loaded.model.material(0), expected, "{json}");
+        let expected: Vec<_> = kinds.into_iter().map(|kind| (Place::Material(0), kind)).collect();
+        assert_eq!(warnings(&loaded), expected, "{json}");
+    }
+    assert_eq!(*load(square(&json!({}))).model.material(0), lambert(1.0));
+}
+
+#[test]
+fn lamps_shine_with_their_strength_from_the_sides_they_have() {
+    for (double_sided, sides) in [(false, Sides::Front), (true, Sides::Both)] {
+        let lamp = json!({
+            "emissiveFactor": [1, 0.5, 0.25], "doubleSided": double_sided,
+            "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}},
+            "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]},
+        });
+        let loaded = load(square(&json!({
+            "materials": [lamp],
+            "extensionsUsed": ["KHR_materials_emissive_strength"],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        })));
+        let emission = Emission::new(Rgb::new(8.0, 4.0, 2.0), sides).unwrap();
+        assert_eq!(loaded.model.material(0).emission, emission);
+        assert_eq!(loaded.report.warnings, []);
+    }
+}
+
+#[test]
+fn perspective_cameras_are_placed_by_their_nodes() {
+    let loaded = load(square(&json!({
+        "nodes": [{"mesh": 0}, {"translation": [0, 0, 3], "children": [2, 3]}, {"camera": 0}, {"camera": 1}],
+        "cameras": [
+            {"type": "perspective", "perspective": {"yfov": 0.7, "aspectRatio": 1.5, "znear": 0.1}},
+            {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}},
+        ],
+    })));
+    let expected = Camera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7).unwrap();
+    assert_eq!(loaded.cameras, [expected]);
+    assert_eq!(warnings(&loaded), [(Place::Camera(1), WarningKind::CameraIgnored)]);
+}
+
+#[test]
+fn what_moves_stands_still_and_is_reported() {
+    let loaded = load(square(&json!({
+        "nodes": [{"mesh": 0, "skin": 0}],
+        "skins": [{"joints": [0]}],
+        "animations": [{"channels": [], "samplers": []}],
+    })));
+    let expected = [
+        (Place::File, WarningKind::AnimationsIgnored { count: 1 }),
+        (Place::Node(0), WarningKind::PoseIgnored),
+    ];
+    assert_eq!(warnings(&loaded), expected);
+}
+
+struct StopAfter(Cell<u32>);
+
+impl LoadMonitor for StopAfter {
+    fn progress(&self, progress: LoadProgress) {
+        assert!(progress.done <= progress.total);
+        self.0.set(self.0.get().saturating_sub(1));
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.get() == 0
+    }
+}
+
+#[test]
+fn loading_is_watched_and_can_be_stopped() {
+    let (json, binary) = square(&json!({}));
+    let files = Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]);
+    let load = |monitor| Loader::new().monitor(monitor).load(&files.path("a.glb"));
+    let patient = StopAfter(Cell::new(100));
+    assert!(load(&patient).is_ok());
+    assert!(patient.0.get() < 100, "nothing was reported");
+    let message = load(&StopAfter(Cell::new(1))).unwrap_err().to_string();
+    assert!(message.ends_with("a.glb: loading was cancelled"), "{message}");
+}
+
+/// A reference scene, if it is there.
+fn reference(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference").join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("SKIPPED: {name} is not there");
+    None
+}
+
+#[test]
+fn the_gltf_crate_reads_the_same_triangles() {
+    for name in ["box.glb", "box_mirror.glb", "box_bunny.glb"] {
+        let Some(path) = reference(name) else { continue };
+        let loaded = globillum_io::load(&path).unwrap();
+        let theirs = gltf::Gltf::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        let blob = theirs.blob.as_deref().unwrap();
+        let mut expected = Vec::new();
+        for mesh in theirs.default_scene().unwrap().nodes().filter_map(|node| node.mesh()) {
+            for primitive in mesh.primitives() {
+                let reader = primitive.reader(|_| Some(blob));
+                let positions: Vec<_> = reader.read_positions().unwrap().map(Vec3::from).collect();
+                let indices: Vec<_> = reader.read_indices().unwrap().into_u32().collect();
+                let (faces, _) = indices.as_chunks::<3>();
+                expected
+                    .extend(faces.iter().map(|f| Triangle { vertices: f.map(|i| positions[i as usize]) }));
+            }
+        }
+        expected.retain(|triangle| !triangle.is_degenerate());
+        assert_eq!(loaded.model.triangles(), expected, "{name}");
+        assert_eq!(warnings(&loaded), [], "{name}");
+    }
+}
