@@ -3,58 +3,38 @@
 //! Composes the crates and nothing more: a model from `globillum-testkit` or an OBJ file, an
 //! accelerator, a camera, a render, a picture.
 
+#[allow(dead_code, unused_imports, reason = "this example needs only a part")]
 mod common;
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use common::{AccelKind, ProgressBar, Summary, report_and_exit};
-use globillum::integrator::{Model, Scene, Settings, render};
-use globillum::io::{AtomicFile, PictureFile, load_obj};
+use common::{RenderOptions, report_and_exit};
+use globillum::geom::Triangle;
+use globillum::integrator::{Camera, Model};
+use globillum::material::Rgb;
 use globillum_testkit::cornell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
 
 /// Renders the Cornell box.
 #[derive(Parser)]
 #[command(version, about)]
 struct Options {
-    /// Which scene: 0 is the box with two blocks
+    /// Which scene: 0 is the box with two blocks, 1 with a statue, 2 with a diffuse and a mirror
+    /// statue under two lamps, 3 with a statue of a million triangles; 4 is a hall of statues
     #[arg(long, default_value_t = 0)]
     scene: u32,
-    /// Stand this mesh in the box instead of the blocks
-    #[arg(long, value_name = "FILE.obj")]
-    mesh: Option<PathBuf>,
+    /// Stand this mesh in the box instead of the blocks or the statue; twice for two statues
+    #[arg(long, value_name = "FILE.{obj,gltf,glb}")]
+    mesh: Vec<PathBuf>,
     /// Make the tall block, or the mesh, an ideal mirror
     #[arg(long)]
     specular: bool,
-    /// What finds the triangles
-    #[arg(long, value_enum, default_value_t = AccelKind::Kd)]
-    accel: AccelKind,
-    /// Width of the picture in pixels
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
-    width: u32,
-    /// Height of the picture in pixels
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
-    height: u32,
-    /// Samples for each pixel
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
-    spp: u32,
-    /// Which random numbers
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
-    /// Worker threads, 0 for all
-    #[arg(long, default_value_t = 0)]
-    threads: usize,
-    /// Most bounces of a path: 0 is emitted light only, 1 adds direct light; unlimited by default
-    #[arg(long)]
-    max_bounces: Option<u32>,
-    /// Where the picture goes
-    #[arg(long, value_name = "FILE.png|FILE.exr", default_value = "cornell.png")]
-    out: PathBuf,
-    /// Also write the figures of the summary there
-    #[arg(long, value_name = "FILE.json")]
-    stats: Option<PathBuf>,
+    /// About how many triangles all statues have together
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..))]
+    triangles: Option<u32>,
+    #[command(flatten)]
+    render: RenderOptions,
 }
 
 fn main() -> ExitCode {
@@ -62,52 +42,41 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<()> {
-    let settings = options.settings();
-    settings.validate()?;
-    let model = options.model()?;
-    // Opened before the work, so that an unwritable place is known at once.
-    let picture_file = PictureFile::create(&options.out)?;
-    let stats_file = options.stats.as_deref().map(AtomicFile::create).transpose()?;
-
-    let start = Instant::now();
-    let scene = Scene::build(&model, |triangles| options.accel.build(triangles))?;
-    let build_seconds = start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let progress = ProgressBar::new();
-    let picture = render(&scene, &cornell::camera()?, &settings, &progress)?;
-    progress.finish();
-    let render_seconds = start.elapsed().as_secs_f64();
-
-    picture_file.write(&picture.film)?;
-    let summary = Summary::new(&scene, &picture, build_seconds, render_seconds);
-    if let Some(file) = stats_file {
-        let json = summary.to_json()?;
-        file.commit(|writer| writer.write_all(json.as_bytes()))?;
-    }
-    summary.print(&options.out)
+    let job = options.render.prepare("cornell.png")?;
+    let (model, camera) = options.scene()?;
+    job.run(&model, &camera, Rgb::BLACK)
 }
 
 impl Options {
-    fn settings(&self) -> Settings {
-        let mut settings = Settings::new(self.width, self.height, self.spp);
-        settings.seed = self.seed;
-        settings.threads = self.threads;
-        settings.max_bounces = self.max_bounces;
-        settings
+    fn scene(&self) -> Result<(Model, Camera)> {
+        ensure!(self.mesh.len() <= 2, "--mesh: at most two");
+        let meshes = self.mesh.iter().map(|path| mesh(path)).collect::<Result<Vec<_>>>()?;
+        let model = match self.scene {
+            0 if meshes.is_empty() => cornell::with_blocks(self.specular)?,
+            0 | 1 => cornell::with_mesh(&self.statues(meshes, 100_000, 1)[0], self.specular)?,
+            2 => {
+                let statues = self.statues(meshes, 200_000, 2);
+                cornell::with_two(&statues[0], statues.last().unwrap_or(&statues[0]))?
+            }
+            3 => cornell::with_mesh(&self.statues(meshes, 1_000_000, 1)[0], self.specular)?,
+            4 => {
+                let statues = self.statues(meshes, 1_000_000, 8);
+                return Ok((cornell::hall_with_statues(&statues)?, cornell::hall_camera()?));
+            }
+            scene => anyhow::bail!("--scene {scene}: there are only scenes 0 to 4"),
+        };
+        Ok((model, cornell::camera()?))
     }
 
-    fn model(&self) -> Result<Model> {
-        ensure!(self.scene == 0, "--scene {}: there is only scene 0", self.scene);
-        let Some(path) = &self.mesh else {
-            return Ok(cornell::with_blocks(self.specular)?);
-        };
-        let loaded = load_obj(path)?;
-        for warning in &loaded.report.warnings {
-            common::warn(warning);
-        }
-        let mesh = loaded.model.triangles();
-        ensure!(cornell::has_extent(mesh), "{}: all vertices are the same point", path.display());
-        Ok(cornell::with_mesh(mesh, self.specular)?)
+    /// The meshes from files, or a statue to be placed `copies` times.
+    fn statues(&self, meshes: Vec<Vec<Triangle>>, triangles: u32, copies: u32) -> Vec<Vec<Triangle>> {
+        let of_each = self.triangles.unwrap_or(triangles) / copies;
+        if meshes.is_empty() { vec![cornell::statue(of_each as usize)] } else { meshes }
     }
+}
+
+fn mesh(path: &Path) -> Result<Vec<Triangle>> {
+    let mesh = common::load(path)?.model.triangles().to_vec();
+    ensure!(cornell::has_extent(&mesh), "{}: all vertices are the same point", path.display());
+    Ok(mesh)
 }

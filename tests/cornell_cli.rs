@@ -1,45 +1,21 @@
 //! `examples/cornell.rs` as a person meets it: what it writes, and what it says when it can not.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program;
 
-/// The example's executable, which cargo builds beside the tests.
-fn cornell() -> PathBuf {
-    let test = std::env::current_exe().expect("a test knows its own path");
-    let profile = test.ancestors().nth(2).expect("tests lie in a profile's folder");
-    let path = profile.join("examples").join(format!("cornell{}", std::env::consts::EXE_SUFFIX));
-    assert!(path.exists(), "{} is not built; run `cargo test` or `cargo build --examples`", path.display());
-    path
+use program::Program;
+use std::path::Path;
+
+const CORNELL: Program = Program("cornell");
+
+fn fill(folder: &Path) {
+    std::fs::create_dir(folder.join("folder.png")).expect("an empty folder can be filled");
+    std::fs::write(folder.join("bad.obj"), "v 0 0 0\nv 1 0 zero\n").expect("likewise");
+    std::fs::write(folder.join("empty.obj"), "").expect("likewise");
+    std::fs::write(folder.join("point.obj"), "v 1 2 3\nf 1 1 1\n").expect("likewise");
 }
 
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(cornell()).current_dir(folder).args(arguments).output().expect("the example starts")
-}
-
-/// Fails with exit code 1 and one line on standard error that holds each of `words`, leaving the
-/// folder as it was.
 fn assert_refused(arguments: &[&str], words: &[&str]) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::create_dir(folder.path().join("folder.png")).expect("an empty folder can be filled");
-    std::fs::write(folder.path().join("bad.obj"), "v 0 0 0\nv 1 0 zero\n").expect("likewise");
-    std::fs::write(folder.path().join("empty.obj"), "").expect("likewise");
-    std::fs::write(folder.path().join("point.obj"), "v 1 2 3\nf 1 1 1\n").expect("likewise");
-    let before = names(folder.path());
-    let output = run(folder.path(), arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
-    assert_eq!(message.lines().count(), 1, "{arguments:?}: {message}");
-    for word in words {
-        assert!(message.contains(word), "{arguments:?}: {message}");
-    }
-    assert_eq!(names(folder.path()), before, "{arguments:?} left something behind");
-}
-
-fn names(folder: &Path) -> Vec<std::ffi::OsString> {
-    let entries = std::fs::read_dir(folder).expect("the folder is there");
-    let mut names: Vec<_> = entries.map(|e| e.expect("an entry").file_name()).collect();
-    names.sort();
-    names
+    CORNELL.assert_refused(fill, arguments, words);
 }
 
 #[test]
@@ -64,12 +40,28 @@ fn bad_input_is_one_line_that_names_it() {
 }
 
 #[test]
+fn every_scene_is_rendered_with_as_many_triangles_as_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let size = ["--width", "16", "--height", "16", "--spp", "1", "--triangles", "20000"];
+    for scene in ["1", "2", "3", "4"] {
+        let arguments = [&size[..], &["--scene", scene, "--stats", "stats.json"]].concat();
+        let output = CORNELL.run(folder.path(), &arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let stats = std::fs::read(folder.path().join("stats.json")).expect("the figures were written");
+        let stats: serde_json::Value = serde_json::from_slice(&stats).expect("it is JSON");
+        let around = if scene == "4" { 7680 + 12 + 8 * 12 } else { 12 };
+        let statues = stats["triangles"].as_u64().expect("a number") - around;
+        assert!(statues.abs_diff(20_000) < 2000, "scene {scene}: {statues}");
+    }
+}
+
+#[test]
 fn a_small_picture_and_its_figures_are_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let size = ["--width", "32", "--height", "24", "--spp", "4", "--max-bounces", "2"];
     for (accel, out) in [("kd", "a.png"), ("grid", "b.png"), ("brute", "c.png"), ("kd", "a.exr")] {
         let arguments = [&size[..], &["--accel", accel, "--out", out, "--stats", "stats.json"]].concat();
-        let output = run(folder.path(), &arguments);
+        let output = CORNELL.run(folder.path(), &arguments);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         assert!(String::from_utf8_lossy(&output.stdout).contains(out));
     }

@@ -1,8 +1,11 @@
 //! What the examples share: choosing an accelerator, showing progress, summing up.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "examples talk to people")]
 
+mod options;
 mod summary;
+pub(crate) mod view;
 
+pub(crate) use options::{RenderOptions, load};
 pub(crate) use summary::Summary;
 
 use globillum::geom::{Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};

@@ -2,7 +2,7 @@ use anyhow::Result;
 use globillum::geom::Accel;
 use globillum::integrator::{Picture, Scene};
 use serde::Serialize;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// The figures of a render.
 #[derive(Debug, Serialize)]
@@ -59,8 +59,8 @@ impl Summary {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// Prints the figures as a table, and where the picture went.
-    pub(crate) fn print(&self, out: &Path) -> Result<()> {
+    /// Prints the figures as a table, and where the pictures went.
+    pub(crate) fn print(&self, out: &[PathBuf]) -> Result<()> {
         let million = |n: u64| n as f64 / 1e6;
         let [r, g, b] = self.image_mean;
         println!(
@@ -93,7 +93,9 @@ impl Summary {
             println!("bounce limit  ended {} paths: light of more bounces is missing", self.limit_ends);
         }
         println!("image mean    ({r:.6}, {g:.6}, {b:.6})");
-        println!("picture       {}", out.display());
+        for path in out {
+            println!("picture       {}", path.display());
+        }
         Ok(())
     }
 }

@@ -68,6 +68,8 @@ pub struct PictureFile {
     format: PictureFormat,
     path: PathBuf,
     file: AtomicFile,
+    /// What radiance is multiplied by.
+    gain: f64,
 }
 
 impl PictureFile {
@@ -77,7 +79,16 @@ impl PictureFile {
     /// [`IoError::UnknownFormat`] for any extension but `png` and `exr`; [`IoError::Write`] if
     /// the folder is missing or can not be written to, or if `path` is itself a folder.
     pub fn create(path: &Path) -> Result<Self, IoError> {
-        Ok(Self { format: PictureFormat::of(path)?, path: path.into(), file: AtomicFile::create(path)? })
+        let format = PictureFormat::of(path)?;
+        Ok(Self { format, path: path.into(), file: AtomicFile::create(path)?, gain: 1.0 })
+    }
+
+    /// The same picture brightened by so many stops, each of which doubles the light, if it is a
+    /// PNG: OpenEXR is for measuring, and stays as it is.
+    #[must_use]
+    pub fn exposed(self, stops: f64) -> Self {
+        let gain = if self.format == PictureFormat::Png { stops.exp2() } else { 1.0 };
+        Self { gain, ..self }
     }
 
     /// Writes the mean radiance of the film's pixels, in one step: whoever looks, whenever a
@@ -88,9 +99,9 @@ impl PictureFile {
     /// # Errors
     /// [`IoError::Encode`] or [`IoError::Write`], which say what is then left.
     pub fn write(self, film: &Film) -> Result<(), IoError> {
-        let Self { format, path, file } = self;
+        let Self { format, path, file, gain } = self;
         let bytes = format
-            .encode(film.width(), film.height(), film.means())
+            .encode(film.width(), film.height(), film.means().map(|mean| mean * gain))
             .map_err(|source| IoError::Encode { path, source: source.into() })?;
         file.commit(|writer| writer.write_all(&bytes))
     }

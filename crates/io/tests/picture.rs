@@ -32,6 +32,17 @@ fn a_png_is_clamped_and_encoded() {
 }
 
 #[test]
+fn a_png_can_be_brightened_and_an_exr_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [png, exr] = ["a.png", "a.exr"].map(|name| folder.path().join(name));
+    for path in [&png, &exr] {
+        PictureFile::create(path).unwrap().exposed(1.0).write(&film()).unwrap();
+    }
+    assert_eq!(image::open(&png).unwrap().into_rgb8().get_pixel(0, 1).0, [255, 255, 188]);
+    assert_eq!(image::open(&exr).unwrap().into_rgb32f().get_pixel(0, 1).0, [2.0, 0.5, 0.25]);
+}
+
+#[test]
 fn an_exr_keeps_every_float() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");

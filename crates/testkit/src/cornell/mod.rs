@@ -2,11 +2,17 @@
 //!
 //! Two units wide, high and deep around the origin, open toward +z, whence the camera looks.
 
+mod hall;
+mod statues;
+
 use crate::shapes::{cuboid, quad};
 use glam::{DQuat, DVec3};
 use globillum_geom::{Aabb, Triangle};
 use globillum_integrator::{Camera, Model, RenderError};
 use globillum_material::{Material, MaterialError, Rgb};
+
+pub use hall::{camera as hall_camera, with_statues as hall_with_statues};
+pub use statues::{statue, with_two};
 
 const WHITE: Rgb = Rgb::splat(0.73);
 const RED: Rgb = Rgb::new(0.63, 0.065, 0.05);
@@ -31,6 +37,18 @@ pub fn camera() -> Result<Camera, RenderError> {
 /// # Errors
 /// None in fact; the type is that of the materials' constructors.
 pub fn room() -> Result<Model, MaterialError> {
+    let mut model = walls()?;
+    model.add(Material::lamp(LAMP)?, lamp(DVec3::new(0.0, 0.995, 0.0), 0.25, 0.2));
+    Ok(model)
+}
+
+/// A rectangle around `center` that faces down, given its half sides along x and z.
+fn lamp(center: DVec3, x: f64, z: f64) -> [Triangle; 2] {
+    let corner = |dx: f64, dz: f64| center + DVec3::new(dx * x, 0.0, dz * z);
+    quad(corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0))
+}
+
+fn walls() -> Result<Model, MaterialError> {
     let p = DVec3::new;
     let mut model = Model::default();
     let mut wall = |albedo, a, b, c, d| -> Result<(), MaterialError> {
@@ -43,8 +61,6 @@ pub fn room() -> Result<Model, MaterialError> {
     wall(WHITE, p(lo, lo, lo), p(hi, lo, lo), p(hi, hi, lo), p(lo, hi, lo))?; // back
     wall(RED, p(lo, lo, hi), p(lo, lo, lo), p(lo, hi, lo), p(lo, hi, hi))?; // left
     wall(GREEN, p(hi, lo, lo), p(hi, lo, hi), p(hi, hi, hi), p(hi, hi, lo))?; // right
-    let (x, y, z) = (0.25, 0.995, 0.2);
-    model.add(Material::lamp(LAMP)?, quad(p(-x, y, -z), p(x, y, -z), p(x, y, z), p(-x, y, z)));
     Ok(model)
 }
 

@@ -1,0 +1,112 @@
+use super::{AccelKind, ProgressBar, Summary};
+use anyhow::Result;
+use clap::Args;
+use globillum::integrator::{Camera, Model, Scene, Settings, render};
+use globillum::io::{AtomicFile, PictureFile};
+use globillum::material::Rgb;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// How a picture is made, whatever it shows.
+#[derive(Args)]
+pub(crate) struct RenderOptions {
+    /// What finds the triangles
+    #[arg(long, value_enum, default_value_t = AccelKind::Kd)]
+    accel: AccelKind,
+    /// Width of the picture in pixels
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
+    width: u32,
+    /// Height of the picture in pixels
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
+    height: u32,
+    /// Samples for each pixel
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+    /// Which random numbers
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Worker threads, 0 for all
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Most bounces of a path: 0 is emitted light only, 1 adds direct light; unlimited by default
+    #[arg(long)]
+    max_bounces: Option<u32>,
+    /// Where the picture goes, as often as wanted; by default to a PNG named after the example
+    #[arg(long, value_name = "FILE.png|FILE.exr")]
+    out: Vec<PathBuf>,
+    /// Brighten PNGs by so many stops: each doubles the light
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f64,
+    /// Also write the figures of the summary there
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+}
+
+impl RenderOptions {
+    /// Width over height of the picture.
+    pub(crate) fn aspect(&self) -> f64 {
+        f64::from(self.width) / f64::from(self.height)
+    }
+
+    /// Checks the settings, and opens the files: what can not work is known before any work.
+    pub(crate) fn prepare(&self, default_out: &str) -> Result<Job> {
+        let mut settings = Settings::new(self.width, self.height, self.spp);
+        settings.seed = self.seed;
+        settings.threads = self.threads;
+        settings.max_bounces = self.max_bounces;
+        settings.validate()?;
+        anyhow::ensure!(self.exposure.is_finite(), "--exposure {}: is not finite", self.exposure);
+        let default_out = [PathBuf::from(default_out)];
+        let out = if self.out.is_empty() { &default_out[..] } else { &self.out };
+        let open = |path: &PathBuf| Ok((path.clone(), PictureFile::create(path)?.exposed(self.exposure)));
+        Ok(Job {
+            accel: self.accel,
+            settings,
+            pictures: out.iter().map(open).collect::<Result<_>>()?,
+            stats: self.stats.as_deref().map(AtomicFile::create).transpose()?,
+        })
+    }
+}
+
+/// A picture to be made, its files open.
+pub(crate) struct Job {
+    accel: AccelKind,
+    settings: Settings,
+    pictures: Vec<(PathBuf, PictureFile)>,
+    stats: Option<AtomicFile>,
+}
+
+impl Job {
+    /// Renders, writes what was asked for and prints the figures.
+    pub(crate) fn run(self, model: &Model, camera: &Camera, environment: Rgb) -> Result<()> {
+        let start = Instant::now();
+        let scene = Scene::build(model, |triangles| self.accel.build(triangles))?;
+        let scene = scene.with_environment(environment)?;
+        let build_seconds = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        let progress = ProgressBar::new();
+        let picture = render(&scene, camera, &self.settings, &progress)?;
+        progress.finish();
+        let render_seconds = start.elapsed().as_secs_f64();
+
+        let mut written = Vec::new();
+        for (path, file) in self.pictures {
+            file.write(&picture.film)?;
+            written.push(path);
+        }
+        let summary = Summary::new(&scene, &picture, build_seconds, render_seconds);
+        if let Some(file) = self.stats {
+            let json = summary.to_json()?;
+            file.commit(|writer| writer.write_all(json.as_bytes()))?;
+        }
+        summary.print(&written)
+    }
+}
+
+/// Loads a scene, and says what was passed over.
+pub(crate) fn load(path: &Path) -> Result<globillum::io::Loaded> {
+    let loaded = globillum::io::load(path)?;
+    loaded.report.warnings.iter().for_each(super::warn);
+    Ok(loaded)
+}

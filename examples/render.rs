@@ -1,0 +1,45 @@
+//! Renders a scene file: `cargo run --example render -- SCENE.glb`.
+
+#[allow(dead_code, unused_imports, reason = "this example needs only a part")]
+mod common;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use common::{RenderOptions, report_and_exit, view};
+use globillum::integrator::Camera;
+use globillum::material::Rgb;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Renders a scene file.
+#[derive(Parser)]
+#[command(version, about)]
+struct Options {
+    /// What to render
+    #[arg(value_name = "SCENE.{obj,gltf,glb}")]
+    scene: PathBuf,
+    /// Where the camera stands, what it looks at, which way is up and how many degrees it sees
+    /// from bottom to top; by default the file's own camera, else a view of the whole scene
+    #[arg(long, value_name = "X,Y,Z/X,Y,Z[/X,Y,Z[/FOV]]", allow_hyphen_values = true, value_parser = view::parse_camera)]
+    camera: Option<Camera>,
+    /// Radiance that arrives from all around: one number, or one for each of red, green and blue
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, default_value = "0", value_parser = view::parse_colour)]
+    environment: Rgb,
+    #[command(flatten)]
+    render: RenderOptions,
+}
+
+fn main() -> ExitCode {
+    report_and_exit(Options::try_parse(), run)
+}
+
+fn run(options: &Options) -> Result<()> {
+    let job = options.render.prepare("render.png")?;
+    let loaded = common::load(&options.scene)?;
+    let camera = match options.camera.or(loaded.cameras.first().copied()) {
+        Some(camera) => camera,
+        None => view::of_all(&loaded.model, options.render.aspect())
+            .with_context(|| format!("{}: can not be seen whole", options.scene.display()))?,
+    };
+    job.run(&loaded.model, &camera, options.environment)
+}

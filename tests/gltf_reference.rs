@@ -1,0 +1,78 @@
+//! The reference scenes as they lie on disk, loaded and rendered, beside pictures by an
+//! independent renderer (Mitsuba 3.9.1).
+
+#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+
+use globillum::geom::{KdOptions, KdTree};
+use globillum::integrator::{Scene, Settings, render};
+use globillum::io::{Loaded, load};
+use globillum_testkit::cornell;
+use globillum_testkit::reference::Reference;
+use std::path::{Path, PathBuf};
+
+/// Largest distance of a block in standard errors: six pictures of 256 blocks and three channels
+/// may raise a false alarm with probability 3e-5 together.
+const Z_LIMIT: f64 = 5.85;
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference").join(name)
+}
+
+/// The scene and its reference, if they are there.
+fn reference(name: &str) -> Option<(Loaded, Reference)> {
+    let (scene, blocks) = (file(&format!("{name}.glb")), file(&format!("{name}.json")));
+    if !scene.exists() || !blocks.exists() {
+        eprintln!("SKIPPED: {name}.glb is not there, so nothing was compared");
+        return None;
+    }
+    let blocks = std::fs::read_to_string(blocks).expect("the reference can be read");
+    Some((load(&scene).expect("the scene is good"), Reference::parse(&blocks)))
+}
+
+/// Renders with `samples` a pixel for all light, and as many for direct light.
+fn check(name: &str, samples: [u32; 2]) {
+    let Some((loaded, reference)) = reference(name) else { return };
+    assert_eq!(loaded.report.warnings, []);
+    let scene = Scene::build(&loaded.model, |t| KdTree::build(t, &KdOptions::default())).expect("it is good");
+    for (max_bounces, samples) in [None, Some(1)].into_iter().zip(samples) {
+        let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
+        settings.max_bounces = max_bounces;
+        let film = render(&scene, &loaded.cameras[0], &settings, &()).expect("the scene is good").film;
+        let blocks = if max_bounces.is_some() { &reference.direct } else { &reference.path };
+        let deviation = reference.deviation(&film, blocks);
+        assert!(deviation.largest_z < Z_LIMIT, "{name}, bounces {max_bounces:?}: {deviation:?}");
+    }
+}
+
+#[test]
+fn the_box() {
+    check("box", [512, 512]);
+}
+
+#[test]
+fn the_box_with_a_mirror() {
+    // Light that a mirror throws is found rarely: few samples would not be nearly normal.
+    check("box_mirror", [2048, 2048]);
+}
+
+#[test]
+fn the_box_with_a_scanned_mesh() {
+    check("box_bunny", [512, 512]);
+}
+
+#[test]
+fn the_files_hold_the_scenes_that_are_written_in_code() {
+    for (name, specular) in [("box", false), ("box_mirror", true)] {
+        let Some((loaded, _)) = reference(name) else { continue };
+        let model = cornell::with_blocks(specular).expect("the box is good");
+        assert_eq!(loaded.model.triangles().len(), model.triangles().len());
+        for (index, expected) in model.triangles().iter().enumerate() {
+            let found = &loaded.model.triangles()[index];
+            for (a, b) in found.vertices.iter().zip(expected.vertices) {
+                assert!(a.distance(b) < 1e-6, "{name}, triangle {index}: {found:?} {expected:?}");
+            }
+            assert_eq!(loaded.model.material(index).bsdf, model.material(index).bsdf, "{name}, {index}");
+        }
+        assert_eq!(loaded.cameras, [cornell::camera().expect("it is good")]);
+    }
+}
