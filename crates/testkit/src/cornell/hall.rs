@@ -18,17 +18,17 @@ const CLAYS: [Rgb; 3] = [CLAY, Rgb::new(0.35, 0.45, 0.6), Rgb::new(0.65, 0.6, 0.
 
 /// A string of lamps: how many, and how far they are apart.
 const LAMPS: usize = 24;
-const SPACING: f64 = 0.38;
-const LAMP_RADIUS: f64 = 0.05;
-const WARM: Rgb = Rgb::new(60.0, 36.0, 16.0);
-const COOL: Rgb = Rgb::new(20.0, 34.0, 56.0);
+const SPACING: f64 = 0.33;
+const LAMP_RADIUS: f64 = 0.11;
+const WARM: Rgb = Rgb::new(7.0, 4.4, 2.0);
+const COOL: Rgb = Rgb::new(2.4, 4.0, 6.6);
 
 /// The camera at the entrance, which looks down the aisle.
 ///
 /// # Errors
 /// None in fact; the type is that of [`Camera::look_at`].
 pub fn camera() -> Result<Camera, RenderError> {
-    Camera::look_at(DVec3::new(-0.6, 1.2, 1.9), DVec3::new(0.25, 0.7, -3.0), DVec3::Y, 1.0)
+    Camera::look_at(DVec3::new(-0.7, 1.0, 1.95), DVec3::new(0.15, 0.75, -2.0), DVec3::Y, 0.95)
 }
 
 /// The hall with copies of `meshes`, in turn, and 7,680 emitting triangles.
@@ -82,7 +82,7 @@ fn hang_lamps(model: &mut Model) -> Result<(), MaterialError> {
         // The string sags between its ends as a chain does, about.
         let share = number as f64 / (LAMPS - 1) as f64;
         let sag = 0.3 * share * (1.0 - share);
-        let place = DVec3::new(0.25 * (4.0 * share).sin(), 1.75 - sag, 1.0 - SPACING * number as f64);
+        let place = DVec3::new(0.25 * (4.0 * share).sin(), 1.8 - sag, 0.2 - SPACING * number as f64);
         model.add(Material::lamp(radiance)?, sphere.clone().placed(LAMP_RADIUS, place).triangles());
     }
     Ok(())
