@@ -29,6 +29,14 @@ impl Model {
         MaterialId(self.materials.len() as u32 - 1)
     }
 
+    /// Makes all triangles of that material of another one.
+    ///
+    /// # Panics
+    /// If `id` is another model's, and this one has not that many.
+    pub fn set_material(&mut self, id: MaterialId, material: Material) {
+        self.materials[id.0 as usize] = material;
+    }
+
     /// Adds a triangle of a material that is already there.
     ///
     /// # Panics

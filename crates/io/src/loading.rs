@@ -49,6 +49,10 @@ impl<'a> Loading<'a> {
         self.model.add_material(material)
     }
 
+    pub(crate) fn set_material(&mut self, id: MaterialId, material: Material) {
+        self.model.set_material(id, material);
+    }
+
     /// Makes room for `count` triangles in all, if so many are allowed.
     pub(crate) fn reserve(&mut self, count: u64) -> Result<(), IoError> {
         let limit = self.limits.triangles;
@@ -56,9 +60,16 @@ impl<'a> Loading<'a> {
             let at = self.at(Place::File);
             return Err(IoError::TooLarge { at, what: "triangles", limit });
         }
-        self.model
-            .try_reserve(count as usize)
-            .map_err(|_| IoError::Read { path: self.path.into(), source: io::ErrorKind::OutOfMemory.into() })
+        let more = (count as usize).saturating_sub(self.model.triangles().len());
+        self.try_grow(more)
+    }
+
+    /// Makes room for so many triangles more.
+    pub(crate) fn try_grow(&mut self, count: usize) -> Result<(), IoError> {
+        self.model.try_reserve(count).map_err(|_| {
+            let source = io::ErrorKind::OutOfMemory.into();
+            IoError::Read { path: self.path.into(), source }
+        })
     }
 
     /// Adds a triangle, unless nothing can hit it.

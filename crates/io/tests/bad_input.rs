@@ -2,6 +2,7 @@
 //! with a message of one line, or is loaded with the right warning.
 #![cfg(all(feature = "obj", feature = "gltf"))]
 #![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
 mod files;
 

@@ -2,6 +2,7 @@
 //! loading_time -- --ignored --nocapture`.
 #![cfg(feature = "obj")]
 #![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
 use std::hint::black_box;
 use std::path::Path;

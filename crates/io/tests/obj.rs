@@ -1,6 +1,7 @@
 //! OBJ files, whole and broken, as they come from disk.
 #![cfg(feature = "obj")]
 #![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
 use glam::Vec3;
 use globillum_geom::Triangle;
@@ -262,4 +263,28 @@ fn libraries_lie_in_the_files_own_folder() {
     fs::create_dir(files.path("sub")).unwrap();
     fs::write(files.path("sub/m.mtl"), "newmtl m\nKd 1\n").unwrap();
     assert_eq!(warnings(&files.load().unwrap()), []);
+}
+
+#[test]
+fn tobj_reads_the_same_triangles() {
+    let polygons = format!("{SQUARE}v 0.125 -2e-3 +7.\nf 1 2 3 4\nf -1 -2 -3\nf 1 2 3 5 4\n");
+    let files = Files::new(&[("a.obj", polygons.as_bytes())]);
+    let bunny = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/meshes/bunny.obj"));
+    for path in [files.path("a.obj"), bunny] {
+        if !path.exists() {
+            eprintln!("SKIPPED: {} is not there", path.display());
+            continue;
+        }
+        let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
+        let (models, _) = tobj::load_obj(&path, &options).unwrap();
+        let mut expected = Vec::new();
+        for mesh in models.iter().map(|model| &model.mesh) {
+            let (positions, _) = mesh.positions.as_chunks::<3>();
+            let (faces, _) = mesh.indices.as_chunks::<3>();
+            let at = |i: u32| Vec3::from(positions[i as usize]);
+            expected.extend(faces.iter().map(|face| Triangle { vertices: face.map(at) }));
+        }
+        expected.retain(|triangle| !triangle.is_degenerate());
+        assert_eq!(load_obj(&path).unwrap().model.triangles(), expected);
+    }
 }

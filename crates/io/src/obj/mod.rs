@@ -1,20 +1,18 @@
 //! Wavefront OBJ with MTL materials.
 
+mod face;
 mod mtl;
 mod number;
 mod palette;
 mod polygon;
 mod scan;
-mod seen;
 mod source;
-mod triangulate;
 
 use crate::loading::Loading;
 use crate::{IoError, Loaded, Loader, Place, WarningKind};
-use globillum_integrator::MaterialId;
-use mtl::Description;
+use globillum_material::{Bsdf, Emission, Material, Reflectance, Rgb};
 use palette::Palette;
-use seen::Seen;
+use scan::Scan;
 use source::Source;
 use std::path::Path;
 
@@ -52,33 +50,24 @@ pub fn load_obj(path: &Path) -> Result<Loaded, IoError> {
 pub(crate) fn load(mut loading: Loading<'_>) -> Result<Loaded, IoError> {
     let bytes = loading.jail.read_scene()?;
     let source = Source::of(loading.path, bytes, loading.limits)?;
-    let (mesh, seen) = triangulate::mesh(&source, &mut loading)?;
-    let palette = Palette::load(&seen.libraries, &mut loading)?;
-    let materials = materials(&seen, &palette, &mut loading)?;
-    seen.warn(&mut loading);
-    triangulate::fill(&mut loading, &source, &mesh, &seen, &materials)?;
+    let default = loading.add_material(default_material());
+    let named = Scan::new(&mut loading, default).run(source.statements(), source.len())?;
+    let palette = Palette::load(&named.libraries, &mut loading)?;
+    for (first_use, id) in &named.materials {
+        let name = first_use.arguments;
+        match palette.get(name) {
+            Some(material) => loading.set_material(*id, material),
+            None => {
+                let unknown = WarningKind::UnknownMaterial { name: name.into() };
+                loading.warn(Place::Line(first_use.line), unknown);
+            }
+        }
+    }
     loading.finish(Vec::new())
 }
 
-/// The default material, then that of each name that faces use.
-fn materials(
-    seen: &Seen<'_>,
-    palette: &Palette,
-    loading: &mut Loading<'_>,
-) -> Result<Vec<MaterialId>, IoError> {
-    let at = loading.at(Place::File);
-    let source_of = |source| IoError::Material { at, name: "default".into(), source };
-    let default = loading.add_material(Description::default().material().map_err(source_of)?);
-    let mut ids = vec![default];
-    for first_use in &seen.materials {
-        let name = first_use.arguments;
-        ids.push(if let Some(material) = palette.get(name) {
-            loading.add_material(material)
-        } else {
-            let unknown = WarningKind::UnknownMaterial { name: name.into() };
-            loading.warn(Place::Line(first_use.line), unknown);
-            default
-        });
-    }
-    Ok(ids)
+/// What faces are made of that have no material: a grey of one half.
+fn default_material() -> Material {
+    let half = Rgb::splat(0.5);
+    Material { bsdf: Bsdf::Lambert(Reflectance::new(half).unwrap_or_default()), emission: Emission::NONE }
 }

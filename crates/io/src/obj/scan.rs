@@ -1,196 +1,197 @@
-use super::number::{is_plain_fraction, plain_index};
-use super::seen::Seen;
+use super::face::{self, Counts};
+use super::number::fraction;
+use super::polygon::is_convex;
 use super::source::Statement;
-use crate::IoError;
 use crate::loading::Loading;
-use globillum_geom::Triangles;
-use std::io::{self, BufRead, Read};
+use crate::{IoError, Place, WarningKind};
+use glam::Vec3;
+use globillum_geom::{Triangle, Triangles};
+use globillum_integrator::MaterialId;
+use std::collections::HashMap;
 
-/// How much text is prepared at once, in bytes.
-const CHUNK: usize = 1 << 16;
-
-/// An OBJ file on its way to tobj, looked through line by line.
-///
-/// tobj names no line in its errors, takes NaN for a coordinate and a polyline of three vertices
-/// for a triangle. The scan refuses what is malformed, and passes on only what makes triangles:
-/// positions, and the positions of faces. It is a reader, so that the file is never in memory a
-/// second time.
-pub(super) struct Scan<'a, 'm, 'l, S> {
-    statements: S,
-    pub(super) seen: Seen<'a>,
-    /// Why the scan stopped, if it did.
-    pub(super) failure: Option<IoError>,
+/// An OBJ file read line by line: faces become triangles at once, materials are only named.
+pub(super) struct Scan<'a, 'm, 'l> {
     loading: &'m mut Loading<'l>,
-    /// Bytes of the file, for the monitor.
-    done: u64,
-    total: u64,
-    /// What tobj is to read next, and how much of it is read.
-    text: String,
-    read: usize,
-    /// How many of each of [`REFERENTS`] there are so far.
-    counts: [usize; 3],
+    positions: Vec<Vec3>,
+    texture_coordinates: usize,
+    normals: Occurrences,
+    short_faces: Occurrences,
+    odd_polygons: Occurrences,
+    /// The corners of one face, kept only to be filled again.
+    corners: Vec<Vec3>,
+    fan: Vec<Triangle>,
+    /// Triangles of all faces, degenerate ones too.
+    triangles: u64,
+    /// The material of faces to come.
+    current: MaterialId,
+    ids: HashMap<&'a str, MaterialId>,
+    named: Named<'a>,
 }
 
-/// What the numbers in a face's corner `v/vt/vn` refer to.
-const REFERENTS: [&str; 3] = ["vertices above it", "texture coordinates above it", "normals above it"];
+/// What a file refers to by name.
+#[derive(Default)]
+pub(super) struct Named<'a> {
+    /// Statements that name material libraries.
+    pub(super) libraries: Vec<Statement<'a>>,
+    /// For each material, the statement that first uses it.
+    pub(super) materials: Vec<(Statement<'a>, MaterialId)>,
+}
 
-impl<'a, 'm, 'l, S: Iterator<Item = Statement<'a>>> Scan<'a, 'm, 'l, S> {
-    /// A scan of `statements` that have `total` bytes.
-    pub(super) fn new(statements: S, total: usize, loading: &'m mut Loading<'l>) -> Self {
+impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
+    /// A scan that gives faces the material `default` until a statement says otherwise.
+    pub(super) fn new(loading: &'m mut Loading<'l>, default: MaterialId) -> Self {
         Self {
-            statements,
-            seen: Seen::default(),
-            failure: None,
             loading,
-            done: 0,
-            total: total as u64,
-            text: String::with_capacity(2 * CHUNK),
-            read: 0,
-            counts: [0; 3],
+            positions: Vec::new(),
+            texture_coordinates: 0,
+            normals: Occurrences::default(),
+            short_faces: Occurrences::default(),
+            odd_polygons: Occurrences::default(),
+            corners: Vec::new(),
+            fan: Vec::new(),
+            triangles: 0,
+            current: default,
+            ids: HashMap::new(),
+            named: Named::default(),
         }
     }
 
-    fn refill(&mut self) -> Result<(), IoError> {
-        self.text.clear();
-        self.read = 0;
-        while self.text.len() < CHUNK {
-            let Some(statement) = self.statements.next() else {
-                return self.loading.progress(self.total, self.total);
-            };
-            self.done += statement.len();
-            self.loading.progress(self.done, self.total)?;
-            self.statement(&statement)?;
+    /// Reads `statements`, of `total` bytes together.
+    pub(super) fn run(
+        mut self,
+        statements: impl Iterator<Item = Statement<'a>>,
+        total: usize,
+    ) -> Result<Named<'a>, IoError> {
+        let (mut done, total) = (0, total as u64);
+        for statement in statements {
+            done += statement.len();
+            self.loading.progress(done.min(total), total)?;
+            self.read(&statement)?;
         }
-        Ok(())
+        self.loading.progress(total, total)?;
+        self.short_faces.warn(self.loading, |count| WarningKind::ShortFaces { count });
+        self.odd_polygons.warn(self.loading, |count| WarningKind::NonConvex { count });
+        self.normals.warn(self.loading, |count| WarningKind::NormalsIgnored { count });
+        Ok(self.named)
     }
 
-    fn statement(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+    fn read(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
         match statement.keyword {
-            "v" => self.position(statement)?,
+            "v" => self.positions.push(position(statement)?),
             "f" => self.face(statement)?,
-            "vt" => self.counts[1] += 1,
-            "vn" => {
-                self.seen.normal(statement);
-                self.counts[2] += 1;
-            }
-            "usemtl" => self.seen.material(statement, self.loading.limits)?,
-            "mtllib" => self.seen.libraries.push(*statement),
+            "vt" => self.texture_coordinates += 1,
+            "vn" => self.normals.count(statement),
+            "usemtl" => self.material(statement)?,
+            "mtllib" => self.named.libraries.push(*statement),
             // Names, points, lines, curves: nothing that a ray could meet.
             _ => {}
         }
         Ok(())
     }
 
-    /// `v x y z`, or `v x y z weight`, or `v x y z r g b`.
-    fn position(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
-        let mut words = statement.words();
-        self.text.push('v');
-        let mut plain = 0;
-        for word in words.by_ref().take(3) {
-            plain += usize::from(is_plain_fraction(word));
-            self.pass_on(word);
-        }
-        // Colours stay behind: tobj wants them on all vertices or on none.
-        let fourth = words.next();
-        if let (Some(weight), None) = (fourth, words.next()) {
-            self.pass_on(weight);
-        }
-        self.text.push('\n');
-        if plain < 3 || fourth.is_some() {
-            check_position(statement)?;
-        }
-        self.counts[0] += 1;
-        Ok(())
-    }
-
     /// `f` with three corners or more.
     fn face(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
-        let mut corners = 0;
-        let length_before = self.text.len();
-        self.text.push('f');
+        let limits = self.loading.limits;
+        let counts = Counts([self.positions.len(), self.texture_coordinates, self.normals.count]);
+        self.corners.clear();
         for word in statement.words() {
-            if plain_index(word).is_some_and(|index| 0 < index && index <= self.counts[0]) {
-                self.pass_on(word);
-            } else {
-                self.check_corner(statement, word)?;
-                self.pass_on(word.split_once('/').map_or(word, |(vertex, _)| vertex));
-            }
-            corners += 1;
+            self.corners.push(self.positions[face::corner(statement, word, &counts)?]);
+            statement.check_count(self.corners.len(), "corners of a polygon", limits.polygon_corners)?;
         }
-        self.text.push('\n');
-        if corners < 3 {
-            self.text.truncate(length_before);
-        }
-        self.seen.face(statement, corners, self.loading.limits)
-    }
-
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`, each an index from 1, or negative to count back.
-    fn check_corner(&self, statement: &Statement<'a>, word: &str) -> Result<(), IoError> {
-        for (kind, field) in word.split('/').enumerate() {
-            // Only `v//vn` leaves something out.
-            if kind == 1 && field.is_empty() {
-                continue;
-            }
-            let too_many = || statement.malformed("a corner has more than v/vt/vn");
-            let count = *self.counts.get(kind).ok_or_else(too_many)?;
-            let index: i64 = statement.number(field)?;
-            if index == 0 || index.unsigned_abs() > count as u64 {
-                return Err(IoError::Index { at: statement.at(), index, count, what: REFERENTS[kind] });
+        match self.corners.len() {
+            0 => return Err(statement.malformed("takes three corners or more")),
+            1 | 2 => self.short_faces.count(statement),
+            _ => {
+                self.triangles += self.corners.len() as u64 - 2;
+                statement.check_count(self.triangles as usize, "triangles", limits.triangles)?;
+                self.add_fan(statement)?;
             }
         }
         Ok(())
     }
 
-    /// Adds a word to the line for tobj.
-    fn pass_on(&mut self, word: &str) {
-        self.text.push(' ');
-        self.text.push_str(word);
+    /// Cuts the polygon of `corners` into triangles around its first corner.
+    fn add_fan(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+        let first = self.corners[0];
+        self.fan.clear();
+        self.fan.extend(self.corners[1..].windows(2).map(|side| Triangle::new(first, side[0], side[1])));
+        if !is_convex(&self.fan) {
+            self.odd_polygons.count(statement);
+        }
+        self.loading.try_grow(self.fan.len())?;
+        self.fan.iter().for_each(|triangle| self.loading.add(self.current, *triangle));
+        Ok(())
+    }
+
+    /// `usemtl name`.
+    fn material(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+        let name = statement.name()?;
+        self.current = match self.ids.get(name) {
+            Some(&id) => id,
+            None => {
+                let materials = &mut self.named.materials;
+                statement.check_count(materials.len() + 1, "materials", self.loading.limits.materials)?;
+                let id = self.loading.add_material(super::default_material());
+                materials.push((*statement, id));
+                self.ids.insert(name, id);
+                id
+            }
+        };
+        Ok(())
     }
 }
 
-/// The thorough look at a position that is not plain.
-fn check_position(statement: &Statement<'_>) -> Result<(), IoError> {
-    let numbers = statement.words().map(|word| statement.number(word)).collect::<Result<Vec<f32>, _>>()?;
-    let (position, weight) = match numbers[..] {
-        [x, y, z] | [x, y, z, _, _, _] => ([x, y, z], 1.0),
-        [_, _, _, 0.0] => return Err(statement.malformed("the weight is zero")),
-        [x, y, z, weight] => ([x, y, z], weight),
-        _ => return Err(statement.malformed("takes 3, 4 or 6 numbers")),
+/// `v x y z`, or `v x y z weight`, or `v x y z r g b`.
+fn position(statement: &Statement<'_>) -> Result<Vec3, IoError> {
+    let mut numbers = [0.0; 6];
+    let mut count = 0;
+    for word in statement.words() {
+        let number = fraction(word).map_or_else(|| statement.number(word), Ok)?;
+        *numbers.get_mut(count).ok_or_else(|| wrong_count(statement))? = number;
+        count += 1;
+    }
+    let weight = match count {
+        3 | 6 => 1.0,
+        4 if numbers[3] == 0.0 => return Err(statement.malformed("the weight is zero")),
+        4 => numbers[3],
+        _ => return Err(wrong_count(statement)),
     };
-    let position = position.map(|x| x / weight);
-    if !position.iter().all(|x| x.is_finite()) {
+    let position = Vec3::from_slice(&numbers) / weight;
+    if !position.is_finite() {
         return Err(IoError::NonFinite { at: statement.at() });
     }
-    match position.iter().find(|x| x.abs() > Triangles::MAX_COORDINATE) {
-        Some(x) => Err(IoError::Domain { at: statement.at(), message: out_of_range(*x) }),
-        None => Ok(()),
-    }
-}
-
-fn out_of_range(x: f32) -> String {
-    format!("coordinate {x:e} is beyond {:e}", Triangles::MAX_COORDINATE)
-}
-
-impl<'a, S: Iterator<Item = Statement<'a>>> BufRead for Scan<'a, '_, '_, S> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        if self.read == self.text.len()
-            && let Err(error) = self.refill()
-        {
-            self.failure = Some(error);
-            return Err(io::ErrorKind::InvalidData.into());
+    let limit = Triangles::MAX_COORDINATE;
+    match position.to_array().into_iter().find(|x| x.abs() > limit) {
+        Some(x) => {
+            let message = format!("coordinate {x:e} is beyond {limit:e}");
+            Err(IoError::Domain { at: statement.at(), message })
         }
-        Ok(&self.text.as_bytes()[self.read..])
-    }
-
-    fn consume(&mut self, count: usize) {
-        self.read += count;
+        None => Ok(position),
     }
 }
 
-impl<'a, S: Iterator<Item = Statement<'a>>> Read for Scan<'a, '_, '_, S> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.fill_buf()?.read(buffer)?;
-        self.consume(count);
-        Ok(count)
+fn wrong_count(statement: &Statement<'_>) -> IoError {
+    statement.malformed("takes 3, 4 or 6 numbers")
+}
+
+/// Something that is passed over: how often, and where first.
+#[derive(Default)]
+struct Occurrences {
+    first_line: usize,
+    count: usize,
+}
+
+impl Occurrences {
+    fn count(&mut self, statement: &Statement<'_>) {
+        if self.count == 0 {
+            self.first_line = statement.line;
+        }
+        self.count += 1;
+    }
+
+    fn warn(&self, loading: &mut Loading<'_>, kind: impl FnOnce(usize) -> WarningKind) {
+        if self.count > 0 {
+            loading.warn(Place::Line(self.first_line), kind(self.count));
+        }
     }
 }

@@ -1,0 +1,44 @@
+use super::number::plain_index;
+use super::source::Statement;
+use crate::IoError;
+
+/// How many vertices, texture coordinates and normals there are above a face.
+pub(super) struct Counts(pub(super) [usize; 3]);
+
+/// What the numbers in a face's corner `v/vt/vn` refer to.
+const REFERENTS: [&str; 3] = ["vertices above it", "texture coordinates above it", "normals above it"];
+
+/// The vertex, counted from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, each an index from
+/// 1, or negative to count back.
+pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> Result<usize, IoError> {
+    if let Some(index) = plain_index(word)
+        && 0 < index
+        && index <= counts.0[0]
+    {
+        return Ok(index - 1);
+    }
+    let mut fields = word.split('/').enumerate();
+    let (kind, field) = fields.next().unwrap_or_default();
+    let vertex = position(statement, field, kind, counts)?;
+    for (kind, field) in fields {
+        // Only `v//vn` leaves something out.
+        if kind == 1 && field.is_empty() {
+            continue;
+        }
+        if kind >= REFERENTS.len() {
+            return Err(statement.malformed("a corner has more than v/vt/vn"));
+        }
+        position(statement, field, kind, counts)?;
+    }
+    Ok(vertex)
+}
+
+/// What an index refers to, counted from 0.
+fn position(statement: &Statement<'_>, field: &str, kind: usize, counts: &Counts) -> Result<usize, IoError> {
+    let index: i64 = statement.number(field)?;
+    let (count, distance) = (counts.0[kind], index.unsigned_abs());
+    if index == 0 || distance > count as u64 {
+        return Err(IoError::Index { at: statement.at(), index, count, what: REFERENTS[kind] });
+    }
+    Ok(if index > 0 { distance as usize - 1 } else { count - distance as usize })
+}
