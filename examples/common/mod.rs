@@ -1,10 +1,12 @@
 //! What the examples share: choosing an accelerator, showing progress, summing up.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "examples talk to people")]
 
+#[cfg(all(feature = "obj", feature = "images"))]
 mod options;
 mod summary;
 pub(crate) mod view;
 
+#[cfg(all(feature = "obj", feature = "images"))]
 pub(crate) use options::{RenderOptions, load};
 pub(crate) use summary::Summary;
 

@@ -1,7 +1,9 @@
+#[cfg(feature = "gltf")]
+use crate::Location;
 use crate::jail::Jail;
 use crate::lamps;
 use crate::loader::{LoadMonitor, LoadProgress, Loaded};
-use crate::{IoError, Limits, LoadReport, Location, Place, WarningKind};
+use crate::{IoError, Limits, LoadReport, Place, WarningKind};
 use globillum_geom::Triangle;
 use globillum_integrator::{Camera, MaterialId, Model};
 use globillum_material::Material;
@@ -37,6 +39,7 @@ impl<'a> Loading<'a> {
     }
 
     /// A place in the scene file.
+    #[cfg(feature = "gltf")]
     pub(crate) fn at(&self, place: Place) -> Location {
         place.of(self.path)
     }
@@ -49,11 +52,13 @@ impl<'a> Loading<'a> {
         self.model.add_material(material)
     }
 
+    #[cfg(feature = "obj")]
     pub(crate) fn set_material(&mut self, id: MaterialId, material: Material) {
         self.model.set_material(id, material);
     }
 
     /// Makes room for `count` triangles in all, if so many are allowed.
+    #[cfg(feature = "gltf")]
     pub(crate) fn reserve(&mut self, count: u64) -> Result<(), IoError> {
         let limit = self.limits.triangles;
         if count > limit {
