@@ -26,6 +26,11 @@ fn every_type_can_be_shared_between_threads_and_shown() {
     shared_between_threads::<integrator::Settings>();
     shared_between_threads::<integrator::Stream>();
     shared_between_threads::<io::IoError>();
+    shared_between_threads::<io::Limits>();
+    shared_between_threads::<io::Location>();
+    shared_between_threads::<io::LoadProgress>();
+    shared_between_threads::<io::LoadReport>();
+    shared_between_threads::<io::Loaded>();
     shared_between_threads::<io::PictureFile>();
     shared_between_threads::<material::Bsdf>();
     shared_between_threads::<material::Material>();

@@ -285,6 +285,12 @@ fn rows_47_to_56_accessors() {
         (53, "5126", "5123", ["Accessor", "accessors[0]: positions must be VEC3 of floats"]),
         (54, "5121", "5126", ["Accessor", "accessors[1]: indices must be SCALAR of unsigned integers"]),
         (55, count, r#"5126,"count":2"#, ["Index", "accessors[1]: index 2 refers to none of the 2 vertices"]),
+        (
+            56,
+            r#""mode":4"#,
+            r#""material":3"#,
+            ["Index", "meshes[0].primitives[0]: index 3 refers to none of the 0 materials"],
+        ),
         (56, r#""mode":4"#, r#""mode":7"#, ["Parse", "meshes[0].primitives[0]: mode 7 is not known"]),
         (
             50,

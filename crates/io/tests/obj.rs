@@ -46,6 +46,17 @@ fn load_with(mtl: &str) -> Result<Loaded, IoError> {
     Files::new(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).load()
 }
 
+#[test]
+fn several_libraries_may_be_named_at_once_and_again() {
+    let obj =
+        format!("mtllib a.mtl b c.mtl no.mtl\nmtllib b c.mtl\nmtllib b c.mtl\n{SQUARE}usemtl n\nf 1 2 3\n");
+    let files =
+        Files::new(&[("a.obj", obj.as_bytes()), ("a.mtl", b"newmtl m\n"), ("b c.mtl", b"newmtl n\n")]);
+    let missing = |name: &str| (Place::Line(1), WarningKind::MissingLibrary { name: name.into() });
+    let expected = [missing("b"), missing("c.mtl"), missing("no.mtl")];
+    assert_eq!(warnings(&files.load().unwrap()), expected);
+}
+
 /// The corners, by their index in [`CORNERS`], of the triangles that these faces make.
 fn faces(faces: &str) -> Vec<[usize; 3]> {
     let loaded = load(format!("{SQUARE}{faces}")).unwrap();

@@ -23,15 +23,15 @@ impl<'a> Document<'a> {
     }
 
     fn check_version(&self, loading: &Loading<'_>) -> Result<(), IoError> {
-        let asset = &self.0.asset;
-        let needed = asset.min_version.as_ref().unwrap_or(&asset.version).0.as_ref();
-        let readable = needed == "2.0" && asset.version.0.starts_with("2.");
-        let version = if needed == "2.0" { asset.version.0.as_ref() } else { needed };
-        if readable || (asset.min_version.is_none() && needed.starts_with("2.")) {
-            Ok(())
-        } else {
-            Err(IoError::Version { at: loading.at(Place::File), version: version.into() })
-        }
+        let asset = &self.asset;
+        let readable = |version: &str| version.starts_with("2.");
+        let needed = asset.min_version.as_ref().map_or("2.0", |version| version.0.as_ref());
+        let refused = match (needed, asset.version.0.as_ref()) {
+            ("2.0", version) if readable(version) => return Ok(()),
+            ("2.0", version) => version,
+            (needed, _) => needed,
+        };
+        Err(IoError::Version { at: loading.at(Place::File), version: refused.into() })
     }
 
     fn check_extensions(&self, loading: &mut Loading<'_>) -> Result<(), IoError> {

@@ -33,7 +33,7 @@ pub(super) fn add_all(
     for Placed { node, world } in placed {
         let mesh = document.nodes[*node].mesh.and_then(|mesh| meshes.opened.get(&mesh));
         for primitive in mesh.into_iter().flatten() {
-            let material = materials.get(primitive.material, loading)?;
+            let material = materials.get(primitive.material, primitive.place, loading)?;
             for index in 0..primitive.triangle_count() {
                 let triangle = place(primitive.triangle(index, loading)?, world, *node, loading)?;
                 loading.add(material, triangle);

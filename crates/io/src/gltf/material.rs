@@ -12,10 +12,16 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    pub(super) fn get(&self, index: Option<u32>, loading: &Loading<'_>) -> Result<MaterialId, IoError> {
+    /// The material of that index, which `place` refers to.
+    pub(super) fn get(
+        &self,
+        index: Option<u32>,
+        place: Place,
+        loading: &Loading<'_>,
+    ) -> Result<MaterialId, IoError> {
         let Some(index) = index else { return Ok(self.default) };
         self.all.get(index as usize).copied().ok_or_else(|| IoError::Index {
-            at: loading.at(Place::File),
+            at: loading.at(place),
             index: index.into(),
             count: self.all.len(),
             what: "materials",

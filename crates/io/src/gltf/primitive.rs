@@ -19,7 +19,7 @@ pub(super) struct Primitive<'a> {
     mode: Mode,
     pub(super) material: Option<u32>,
     indices_at: Place,
-    place: Place,
+    pub(super) place: Place,
 }
 
 /// What there is to say of a primitive.

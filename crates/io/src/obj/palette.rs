@@ -3,7 +3,7 @@ use super::source::{Source, Statement};
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use globillum_material::Material;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io;
 use std::path::Path;
 
@@ -19,7 +19,9 @@ impl Palette {
     /// Reads the libraries that `statements` name; one that does not exist is only warned of.
     pub(super) fn load(statements: &[Statement<'_>], loading: &mut Loading<'_>) -> Result<Self, IoError> {
         let mut palette = Self::default();
-        for statement in statements {
+        let mut read = HashSet::new();
+        // Some exporters name the library again for every object.
+        for statement in statements.iter().filter(|statement| read.insert(statement.arguments)) {
             if palette.add_library(statement, statement.name()?, loading)? {
                 continue;
             }
