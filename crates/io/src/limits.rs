@@ -19,7 +19,8 @@ pub struct Limits {
     /// Corners of a polygon: 65,536.
     pub polygon_corners: u64,
     /// Values in a glTF's JSON, objects and arrays included: 2^23. JSON of few bytes can ask for
-    /// much memory: the smallest node is `{}`.
+    /// much memory: the smallest node is `{}`. As many elements may an accessor have without bytes
+    /// behind them.
     pub json_values: u64,
 }
 

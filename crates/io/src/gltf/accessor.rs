@@ -171,6 +171,11 @@ impl<'a> Reader<'a> {
     ) -> Result<Elements<'a>, IoError> {
         let view = |index| self.view(index, at, loading);
         let count = accessor.count;
+        let limit = loading.limits.json_values;
+        if accessor.buffer_view.is_none() && count > limit {
+            let what = "elements without a buffer view";
+            return Err(IoError::TooLarge { at: at.clone(), what, limit });
+        }
         let dense = accessor.buffer_view.map(view).transpose()?;
         let dense = dense
             .map(|(bytes, stride)| slots(bytes, stride, accessor.byte_offset, size, count, at))
