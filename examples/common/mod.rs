@@ -91,17 +91,3 @@ fn first_paragraph(message: &str) -> String {
     let lines = message.lines().map(str::trim).take_while(|line| !line.is_empty());
     lines.collect::<Vec<_>>().join(" ").trim_start_matches("error: ").to_owned()
 }
-
-/// What the machine calls its processor, where that is known.
-pub(crate) fn cpu_model() -> Option<String> {
-    let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = info.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
-}
-
-/// The command that runs this example once more.
-pub(crate) fn command(example: &str) -> String {
-    let options: Vec<_> = std::env::args().skip(1).collect();
-    let separator = if options.is_empty() { "" } else { " -- " };
-    format!("cargo run --release --example {example}{separator}{}", options.join(" "))
-}

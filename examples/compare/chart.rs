@@ -59,7 +59,7 @@ fn panel(area: &Area<'_>, rows: &[Row], unit: &str, series: &[Series]) -> Result
     let bottom = |row: usize| count - 1.0 - row as f64;
     let right = ("sans-serif", 13).into_font().color(&BLACK).pos(Pos::new(HPos::Right, VPos::Center));
     let names = rows.iter().enumerate().map(|(i, row)| {
-        EmptyElement::at((0.0, bottom(i) + 0.5)) + Text::new(row.accelerator, (-6, 0), right.clone())
+        EmptyElement::at((0.0, bottom(i) + 0.5)) + Text::new(row.accelerator.clone(), (-6, 0), right.clone())
     });
     chart.draw_series(names).map_err(drawing)?;
     let thickness = 0.84 / series.len() as f64;

@@ -22,8 +22,11 @@ impl<A: Traverse> Measurable for A {
     }
 }
 
+/// What a builder returns.
+pub type Built = Result<Box<dyn Measurable>, GeomError>;
+
 /// Builds an accelerator.
-pub type Builder = fn(&Triangles) -> Result<Box<dyn Measurable>, GeomError>;
+pub type Builder = fn(&Triangles) -> Built;
 
 /// Every accelerator by name; brute force, which is slow, comes first.
 pub const ACCELERATORS: [(&str, Builder); 3] = [
@@ -59,6 +62,6 @@ pub fn rule_options(rule: SplitRule) -> KdOptions {
     options
 }
 
-fn by_rule(triangles: &Triangles, rule: SplitRule) -> Result<Box<dyn Measurable>, GeomError> {
+fn by_rule(triangles: &Triangles, rule: SplitRule) -> Built {
     Ok(Box::new(KdTree::build(triangles, &rule_options(rule))?))
 }

@@ -1,9 +1,9 @@
 //! Measuring an accelerator: what it costs, and that it answers like the others.
 
-use crate::accelerators::{Builder, Measurable};
+use crate::accelerators::{Built, Measurable};
 use crate::meshes::Subject;
 use crate::rays::Rays;
-use globillum_geom::{Accel, Counts, GeomError, Hit, Ray};
+use globillum_geom::{Accel, Counts, GeomError, Hit, Ray, Triangles};
 use std::time::Instant;
 
 /// What rays are asked for, in the order of [`Measurement::queries`].
@@ -95,7 +95,7 @@ pub struct Buffers {
 #[derive(Clone, Debug)]
 pub struct Measurement {
     /// The accelerator's name.
-    pub accelerator: &'static str,
+    pub accelerator: String,
     /// Median seconds of building it.
     pub build_seconds: f64,
     /// Bytes it holds, the triangles included.
@@ -113,7 +113,8 @@ pub struct Measurement {
 /// # Errors
 /// What building it says.
 pub fn measure(
-    (accelerator, build): (&'static str, Builder),
+    accelerator: &str,
+    build: &dyn Fn(&Triangles) -> Built,
     subject: &Subject,
     rays: &Rays,
     repeats: usize,
@@ -134,7 +135,7 @@ pub fn measure(
         median(times) * 1e9 / count
     };
     Ok(Measurement {
-        accelerator,
+        accelerator: accelerator.to_owned(),
         build_seconds: median(builds),
         bytes: accel.bytes(),
         nanoseconds: Query::ALL.map(&mut nanoseconds_of),
@@ -177,7 +178,7 @@ impl Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accelerators;
+    use crate::accelerators::{self, Builder};
     use crate::shapes::statue;
 
     #[test]
@@ -185,14 +186,11 @@ mod tests {
         let subject = Subject::new("statue", statue(500).triangles()).unwrap();
         let rays = Rays::new(&subject, &*accelerators::ACCELERATORS[0].1(&subject.triangles).unwrap(), 16);
         assert!(rays.bounce.len() > 20 && rays.shadow.len() == rays.bounce.len());
-        let hash = |build| measure(("", build), &subject, &rays, 1).unwrap().hash;
+        let hash = |build: Builder| measure("", &build, &subject, &rays, 1).unwrap().hash;
         let expected = hash(accelerators::ACCELERATORS[0].1);
         for (name, build) in accelerators::all() {
             assert_eq!(hash(build), expected, "{name}");
         }
-        assert_ne!(
-            hash(|_| accelerators::ACCELERATORS[0].1(&globillum_geom::Triangles::new(Vec::new())?)),
-            expected
-        );
+        assert_ne!(hash(|_| accelerators::ACCELERATORS[0].1(&Triangles::new(Vec::new())?)), expected);
     }
 }
