@@ -61,15 +61,12 @@ fn run(options: &Options) -> Result<()> {
     let folder = &options.out;
     std::fs::create_dir_all(folder).with_context(|| format!("{}: can not be made", folder.display()))?;
     let contenders = options.structures.contenders();
-    let progress = indicatif::ProgressBar::new((subjects.len() * contenders.len()) as u64);
+    let progress =
+        indicatif::ProgressBar::new((subjects.len() * contenders.len()) as u64 * u64::from(options.repeats));
     let mut rows: Vec<Vec<Row>> = Vec::new();
     for subject in &subjects {
         let rays = rays_of(subject, options.side)?;
-        let mut measured = Vec::new();
-        for (name, build) in &contenders {
-            measured.push(measure(name, build, subject, &rays, options.repeats as usize)?);
-            progress.inc(1);
-        }
+        let measured = measure(&contenders, subject, &rays, options.repeats as usize, || progress.inc(1))?;
         rows.push(row::rows(&subject.name, subject.triangles.live().len(), &rays, measured));
     }
     progress.finish_and_clear();

@@ -3,6 +3,7 @@
 use clap::Args;
 use globillum::geom::{BruteForce, GridOptions, KdOptions, KdTree, SplitRule, Triangles, UniformGrid};
 use globillum_testkit::accelerators::{Built, rule_options};
+use globillum_testkit::lab::Contender;
 
 /// Options of the structures.
 #[derive(Args, Clone, Copy)]
@@ -30,12 +31,10 @@ pub(crate) struct Structures {
     brute: bool,
 }
 
-type Build = Box<dyn Fn(&Triangles) -> Built>;
-
 impl Structures {
     /// The name of each structure, and how it is built.
-    pub(crate) fn contenders(self) -> Vec<(String, Build)> {
-        let mut all: Vec<(String, Build)> = Vec::new();
+    pub(crate) fn contenders(self) -> Vec<Contender> {
+        let mut all: Vec<Contender> = Vec::new();
         if self.brute {
             all.push(("brute force".to_owned(), Box::new(|t| Ok(Box::new(BruteForce::build(t))))));
         }
@@ -69,7 +68,7 @@ impl Structures {
     }
 }
 
-fn kd(options: KdOptions) -> Build {
+fn kd(options: KdOptions) -> Box<dyn Fn(&Triangles) -> Built> {
     Box::new(move |triangles| Ok(Box::new(KdTree::build(triangles, &options)?)))
 }
 
