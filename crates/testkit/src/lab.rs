@@ -6,7 +6,7 @@ use crate::rays::Rays;
 use globillum_geom::{Accel, Counts, GeomError, Hit, Ray, Triangles};
 use std::time::Instant;
 
-/// What rays are asked for, in the order of [`Measurement::queries`].
+/// What rays are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Query {
     /// The closest hit of camera rays: coherent.
