@@ -1,6 +1,7 @@
 //! A k-d tree over triangles: cells halved by axis-parallel planes, leaves listing the triangles
 //! that touch them.
 
+mod branch;
 mod build;
 mod cost;
 mod events;
