@@ -80,7 +80,8 @@ fn bits(hit: Option<Hit>) -> Option<([u64; 3], u32)> {
 /// What `make` returns, and what it allocated: on one thread, since bytes are counted for each, and
 /// on a small stack, which is enough for the deepest tree.
 fn measured<T: Send>(make: impl FnOnce() -> T + Send) -> (T, AllocationInfo) {
-    let thread = rayon::ThreadPoolBuilder::new().num_threads(1).stack_size(256 * 1024).build().unwrap();
+    let thread = rayon::ThreadPoolBuilder::new().num_threads(1).stack_size(256 * 1024).build();
+    let thread = thread.expect("one thread can be had");
     let mut made = None;
     let allocated = thread.install(|| measure(|| made = Some(make())));
     (made.expect("`measure` calls once"), allocated)
