@@ -67,7 +67,9 @@ fn bad_input_is_one_line_that_names_it() {
 fn a_small_picture_and_its_figures_are_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let size = ["--width", "32", "--height", "24", "--spp", "4", "--max-bounces", "2"];
-    for (accel, out) in [("kd", "a.png"), ("grid", "b.png"), ("brute", "c.png"), ("kd", "a.exr")] {
+    for (accel, out) in
+        [("wide", "w.png"), ("kd", "a.png"), ("grid", "b.png"), ("brute", "c.png"), ("kd", "a.exr")]
+    {
         let arguments = [&size[..], &["--accel", accel, "--out", out, "--stats", "stats.json"]].concat();
         let output = run(folder.path(), &arguments);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

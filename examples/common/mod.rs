@@ -5,7 +5,9 @@ mod summary;
 
 pub(crate) use summary::Summary;
 
-use globillum::geom::{Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum::geom::{
+    Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid, WideKdTree,
+};
 use globillum::integrator::{Monitor, Progress};
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -13,7 +15,9 @@ use std::process::ExitCode;
 /// An accelerator by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum AccelKind {
-    /// A k-d tree by the surface area heuristic
+    /// A k-d tree by the surface area heuristic, for many rays at a time
+    Wide,
+    /// The same, for one ray at a time
     Kd,
     /// A uniform grid
     Grid,
@@ -25,6 +29,7 @@ impl AccelKind {
     /// Builds the accelerator with its default options.
     pub(crate) fn build(self, triangles: &Triangles) -> Result<Box<dyn Accel>, GeomError> {
         Ok(match self {
+            Self::Wide => Box::new(WideKdTree::build(triangles)?),
             Self::Kd => Box::new(KdTree::build(triangles, &KdOptions::default())?),
             Self::Grid => Box::new(UniformGrid::build(triangles, &GridOptions::default())?),
             Self::Brute => Box::new(BruteForce::build(triangles)),

@@ -1,7 +1,9 @@
 //! What is compared, and the options that all of it shares.
 
 use clap::Args;
-use globillum::geom::{BruteForce, GridOptions, KdOptions, KdTree, SplitRule, Triangles, UniformGrid};
+use globillum::geom::{
+    BruteForce, GridOptions, KdOptions, KdTree, SplitRule, Triangles, UniformGrid, WideKdTree,
+};
 use globillum_testkit::accelerators::{Built, rule_options};
 use globillum_testkit::lab::Contender;
 
@@ -46,6 +48,7 @@ impl Structures {
             options
         };
         all.push(("k-d tree".to_owned(), kd(usual)));
+        all.push(("wide k-d tree".to_owned(), Box::new(|t| Ok(Box::new(WideKdTree::build(t)?)))));
         all.extend(SplitRule::ALL.map(|rule| (format!("k-d tree, {}", name(rule)), kd(self.kd(rule)))));
         all
     }

@@ -14,7 +14,7 @@ use globillum_geom::conformance::{Regime, Seeded, Source};
 use globillum_geom::decide::Shear;
 use globillum_geom::{
     Accel, BruteForce, GeomError, GridOptions, Hit, KdOptions, KdStats, KdTree, Ray, SplitRule, Triangle,
-    Triangles, UniformGrid,
+    Triangles, UniformGrid, WideKdTree,
 };
 use globillum_testkit::accelerators::rule_options;
 use proptest::prelude::*;
@@ -25,6 +25,7 @@ struct Scene {
     brute: BruteForce,
     kd: KdTree,
     by_rule: Vec<(String, KdTree)>,
+    wide: WideKdTree,
     grid: UniformGrid,
 }
 
@@ -34,6 +35,7 @@ impl Scene {
         Self {
             brute: BruteForce::build(&triangles),
             kd: kd_within_bounds(&triangles, &KdOptions::default()),
+            wide: WideKdTree::build(&triangles).expect("not too many references"),
             by_rule: every_rule().map(|options| kd_by_rule(&triangles, &options)).collect(),
             grid: grid_within_bounds(&triangles, &GridOptions::default()),
             triangles,
@@ -49,7 +51,9 @@ impl Scene {
     /// What all structures answer.
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let expected = self.brute.intersect(ray);
-        for (name, accel) in [("k-d tree", &self.kd as &dyn Accel), ("grid", &self.grid)] {
+        for (name, accel) in
+            [("k-d tree", &self.kd as &dyn Accel), ("grid", &self.grid), ("wide k-d tree", &self.wide)]
+        {
             assert_same(name, accel, ray, expected);
         }
         for (name, tree) in &self.by_rule {
