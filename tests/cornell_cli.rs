@@ -78,6 +78,7 @@ fn a_small_picture_and_its_figures_are_written() {
     let read = |name| std::fs::read(folder.path().join(name)).expect("the picture was written");
     assert_eq!(read("a.png"), read("b.png"));
     assert_eq!(read("a.png"), read("c.png"));
+    assert_eq!(read("a.png"), read("w.png"));
     let stats: serde_json::Value = serde_json::from_slice(&read("stats.json")).expect("it is JSON");
     assert_eq!(stats["camera_rays"], 32 * 24 * 4);
     assert_eq!(stats["triangles"], 36);
