@@ -37,7 +37,7 @@ pub const ACCELERATORS: [(&str, Builder); 4] = [
 ];
 
 /// Those among them that pictures are made with.
-pub const STRUCTURES: [(&str, Builder); 3] = [ACCELERATORS[1], ACCELERATORS[2], ACCELERATORS[3]];
+pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[3], ACCELERATORS[2]];
 
 /// The wide tree with lesser instructions than the machine's best.
 pub const LESSER_LEVELS: [(&str, Builder); 2] = [
