@@ -6,16 +6,19 @@
 
 #[allow(dead_code, unused_imports, reason = "this example needs only a part")]
 mod common;
+#[path = "common/machine.rs"]
+mod machine;
 
 use anyhow::Result;
 use clap::Parser;
-use common::{command, cpu_model, report_and_exit};
+use common::report_and_exit;
 use glam::DVec3;
 use globillum::geom::conformance::Target;
 use globillum::geom::decide::Shear;
 use globillum_testkit::accuracy::{Misses, errors, leaks, sliver_misses, time};
 use globillum_testkit::aimed::Ball;
 use globillum_testkit::intersectors::{Intersector, MoellerTrumbore, Woop};
+use machine::{command, cpu_model};
 use std::io::Write;
 use std::process::ExitCode;
 

@@ -59,7 +59,9 @@ fn every_scene_is_rendered_with_as_many_triangles_as_asked_for() {
 fn a_small_picture_and_its_figures_are_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let size = ["--width", "32", "--height", "24", "--spp", "4", "--max-bounces", "2"];
-    for (accel, out) in [("kd", "a.png"), ("grid", "b.png"), ("brute", "c.png"), ("kd", "a.exr")] {
+    for (accel, out) in
+        [("wide", "w.png"), ("kd", "a.png"), ("grid", "b.png"), ("brute", "c.png"), ("kd", "a.exr")]
+    {
         let arguments = [&size[..], &["--accel", accel, "--out", out, "--stats", "stats.json"]].concat();
         let output = CORNELL.run(folder.path(), &arguments);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -68,6 +70,7 @@ fn a_small_picture_and_its_figures_are_written() {
     let read = |name| std::fs::read(folder.path().join(name)).expect("the picture was written");
     assert_eq!(read("a.png"), read("b.png"));
     assert_eq!(read("a.png"), read("c.png"));
+    assert_eq!(read("a.png"), read("w.png"));
     let stats: serde_json::Value = serde_json::from_slice(&read("stats.json")).expect("it is JSON");
     assert_eq!(stats["camera_rays"], 32 * 24 * 4);
     assert_eq!(stats["triangles"], 36);

@@ -10,7 +10,9 @@ pub(crate) mod view;
 pub(crate) use options::{RenderOptions, load};
 pub(crate) use summary::Summary;
 
-use globillum::geom::{Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum::geom::{
+    Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid, WideKdTree,
+};
 use globillum::integrator::{Monitor, Progress};
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -18,7 +20,9 @@ use std::process::ExitCode;
 /// An accelerator by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum AccelKind {
-    /// A k-d tree by the surface area heuristic
+    /// A k-d tree by the surface area heuristic, for many rays at a time
+    Wide,
+    /// The same, for one ray at a time
     Kd,
     /// A uniform grid
     Grid,
@@ -30,6 +34,7 @@ impl AccelKind {
     /// Builds the accelerator with its default options.
     pub(crate) fn build(self, triangles: &Triangles) -> Result<Box<dyn Accel>, GeomError> {
         Ok(match self {
+            Self::Wide => Box::new(WideKdTree::build(triangles)?),
             Self::Kd => Box::new(KdTree::build(triangles, &KdOptions::default())?),
             Self::Grid => Box::new(UniformGrid::build(triangles, &GridOptions::default())?),
             Self::Brute => Box::new(BruteForce::build(triangles)),
@@ -95,18 +100,4 @@ pub(crate) fn report_and_exit<O>(
 fn first_paragraph(message: &str) -> String {
     let lines = message.lines().map(str::trim).take_while(|line| !line.is_empty());
     lines.collect::<Vec<_>>().join(" ").trim_start_matches("error: ").to_owned()
-}
-
-/// What the machine calls its processor, where that is known.
-pub(crate) fn cpu_model() -> Option<String> {
-    let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = info.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
-}
-
-/// The command that runs this example once more.
-pub(crate) fn command(example: &str) -> String {
-    let options: Vec<_> = std::env::args().skip(1).collect();
-    let separator = if options.is_empty() { "" } else { " -- " };
-    format!("cargo run --release --example {example}{separator}{}", options.join(" "))
 }

@@ -11,7 +11,7 @@ use std::time::Instant;
 #[derive(Args)]
 pub(crate) struct RenderOptions {
     /// What finds the triangles
-    #[arg(long, value_enum, default_value_t = AccelKind::Kd)]
+    #[arg(long, value_enum, default_value_t = AccelKind::Wide)]
     accel: AccelKind,
     /// Width of the picture in pixels
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]

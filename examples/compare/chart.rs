@@ -47,19 +47,23 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 fn panel(area: &Area<'_>, rows: &[Row], unit: &str, series: &[Series]) -> Result<()> {
     let values = rows.iter().flat_map(|row| series.iter().map(|s| (s.value)(row)));
     let longest = values.fold(0.0, f64::max);
+    // Where there is a legend, bars leave room for it.
+    let width = longest * if series.len() > 1 { 1.3 } else { 1.05 };
     let count = rows.len() as f64;
     let mut chart = ChartBuilder::on(area)
         .caption(format!("{} ({} triangles)", rows[0].mesh, rows[0].triangles), ("sans-serif", 16))
         .margin(8)
         .x_label_area_size(36)
         .y_label_area_size(165)
-        .build_cartesian_2d(0.0..longest * 1.05, 0.0..count)
+        .build_cartesian_2d(0.0..width, 0.0..count)
         .map_err(drawing)?;
-    chart.configure_mesh().disable_y_mesh().disable_y_axis().x_desc(unit).draw().map_err(drawing)?;
+    let whole = |x: &f64| format!("{x:.0}");
+    let mut mesh = chart.configure_mesh();
+    mesh.disable_y_mesh().disable_y_axis().x_desc(unit).x_label_formatter(&whole).draw().map_err(drawing)?;
     let bottom = |row: usize| count - 1.0 - row as f64;
     let right = ("sans-serif", 13).into_font().color(&BLACK).pos(Pos::new(HPos::Right, VPos::Center));
     let names = rows.iter().enumerate().map(|(i, row)| {
-        EmptyElement::at((0.0, bottom(i) + 0.5)) + Text::new(row.accelerator, (-6, 0), right.clone())
+        EmptyElement::at((0.0, bottom(i) + 0.5)) + Text::new(row.accelerator.clone(), (-6, 0), right.clone())
     });
     chart.draw_series(names).map_err(drawing)?;
     let thickness = 0.84 / series.len() as f64;

@@ -8,25 +8,29 @@
 #[path = "../common/mod.rs"]
 #[allow(dead_code, unused_imports, reason = "this example needs only a part")]
 mod common;
+#[path = "../common/machine.rs"]
+mod machine;
 
 mod chart;
 mod heat;
 mod row;
 mod shape;
+mod structures;
 mod tables;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use common::{command, cpu_model, report_and_exit};
+use common::report_and_exit;
 use globillum::geom::{Accel, KdOptions, KdTree};
 use globillum::io::load_obj;
-use globillum_testkit::accelerators;
 use globillum_testkit::lab::measure;
 use globillum_testkit::meshes::{Subject, procedural};
 use globillum_testkit::rays::Rays;
+use machine::{command, cpu_model};
 use row::Row;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use structures::Structures;
 
 /// Compares every accelerator and every splitting rule on a few meshes.
 #[derive(Parser)]
@@ -41,6 +45,8 @@ struct Options {
     /// How often each thing is timed; the median counts
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     repeats: u32,
+    #[command(flatten)]
+    structures: Structures,
     /// The folder for compare.csv, compare.svg and the heat maps
     #[arg(long, value_name = "DIR", default_value = "compare")]
     out: PathBuf,
@@ -54,23 +60,20 @@ fn run(options: &Options) -> Result<()> {
     let subjects = options.subjects()?;
     let folder = &options.out;
     std::fs::create_dir_all(folder).with_context(|| format!("{}: can not be made", folder.display()))?;
-    let contenders: Vec<_> = accelerators::all().skip(1).collect();
-    let progress = indicatif::ProgressBar::new((subjects.len() * contenders.len()) as u64);
+    let contenders = options.structures.contenders();
+    let progress =
+        indicatif::ProgressBar::new((subjects.len() * contenders.len()) as u64 * u64::from(options.repeats));
     let mut rows: Vec<Vec<Row>> = Vec::new();
     for subject in &subjects {
         let rays = rays_of(subject, options.side)?;
-        let mut measured = Vec::new();
-        for &contender in &contenders {
-            measured.push(measure(contender, subject, &rays, options.repeats as usize)?);
-            progress.inc(1);
-        }
+        let measured = measure(&contenders, subject, &rays, options.repeats as usize, || progress.inc(1))?;
         rows.push(row::rows(&subject.name, subject.triangles.live().len(), &rays, measured));
     }
     progress.finish_and_clear();
 
     for (subject, rows) in subjects.iter().zip(&rows) {
         tables::print(rows);
-        shape::print(&subject.triangles)?;
+        shape::print(&subject.triangles, &options.structures)?;
         heat::print_histogram(subject, options.side)?;
     }
     tables::print_totals(&rows);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Row {
     pub(crate) mesh: String,
     pub(crate) triangles: usize,
-    pub(crate) accelerator: &'static str,
+    pub(crate) accelerator: String,
     pub(crate) build_ms: f64,
     pub(crate) bytes: usize,
     pub(crate) bytes_per_triangle: f64,
@@ -47,7 +47,7 @@ pub(crate) fn rows(mesh: &str, triangles: usize, rays: &Rays, mut measured: Vec<
         Row {
             mesh: mesh.to_owned(),
             triangles,
-            accelerator: m.accelerator,
+            accelerator: m.accelerator.clone(),
             build_ms: m.build_seconds * 1e3,
             bytes: m.bytes,
             bytes_per_triangle: m.bytes as f64 / triangles as f64,

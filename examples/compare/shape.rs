@@ -1,13 +1,13 @@
 //! What the trees look like, rule by rule.
 #![allow(clippy::print_stdout, reason = "examples talk to people")]
 
+use crate::structures::{Structures, name};
 use crate::tables::table;
 use anyhow::Result;
 use globillum::geom::{KdTree, SplitRule, Triangles};
-use globillum_testkit::accelerators::rule_options;
 
 /// A line for each rule.
-pub(crate) fn print(triangles: &Triangles) -> Result<()> {
+pub(crate) fn print(triangles: &Triangles, structures: &Structures) -> Result<()> {
     let mut table = table(&[
         "rule",
         "depth",
@@ -22,10 +22,10 @@ pub(crate) fn print(triangles: &Triangles) -> Result<()> {
         "expected cost",
     ]);
     for rule in SplitRule::ALL {
-        let options = rule_options(rule);
+        let options = structures.kd(rule);
         let stats = KdTree::build(triangles, &options)?.stats();
         table.add_row([
-            format!("{rule:?}"),
+            name(rule).to_owned(),
             stats.depth.to_string(),
             stats.nodes.to_string(),
             stats.leaves.to_string(),

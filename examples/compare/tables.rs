@@ -39,7 +39,7 @@ pub(crate) fn print(rows: &[Row]) {
         let one = |x: f64| format!("{x:.1}");
         let whole = |x: f64| format!("{x:.0}");
         table.add_row([
-            row.accelerator.to_owned(),
+            row.accelerator.clone(),
             one(row.build_ms),
             whole(row.bytes_per_triangle),
             whole(row.closest_camera_ns),
@@ -61,13 +61,13 @@ pub(crate) fn print(rows: &[Row]) {
 pub(crate) fn print_totals(rows: &[Vec<Row>]) {
     let mut table = table(&["mesh", "structure", "build ms", "rays", "all queries ns"]);
     for row in rows.iter().flatten() {
-        if ["k-d tree, sliding midpoint", "k-d tree", "uniform grid"].contains(&row.accelerator) {
+        if ["k-d tree, sliding midpoint", "k-d tree", "uniform grid"].contains(&row.accelerator.as_str()) {
             let rays = row.camera_rays + row.bounce_rays;
             let all = row.closest_camera_ns * row.camera_rays as f64
                 + row.closest_bounce_ns * row.bounce_rays as f64;
             table.add_row([
                 row.mesh.clone(),
-                row.accelerator.to_owned(),
+                row.accelerator.clone(),
                 format!("{:.1}", row.build_ms),
                 rays.to_string(),
                 format!("{all:.0}"),

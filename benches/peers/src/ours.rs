@@ -3,7 +3,9 @@
 use crate::measure::timed;
 use crate::peer::{Answer, Build, Entry, Family, Peer, Trial, one_by_one};
 use anyhow::Result;
-use globillum::geom::{Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, Triangles, UniformGrid};
+use globillum::geom::{
+    Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, Triangles, UniformGrid, WideKdTree,
+};
 use std::sync::Arc;
 
 /// Each structure twice, asked ray by ray and in batches. The first entry is what all others are
@@ -11,6 +13,7 @@ use std::sync::Arc;
 pub(crate) fn build(triangles: &Triangles) -> Result<Vec<Entry>> {
     let structures = [
         both("k-d tree", || KdTree::build(triangles, &KdOptions::default()))?,
+        both("wide k-d tree", || WideKdTree::build(triangles))?,
         both("uniform grid", || UniformGrid::build(triangles, &GridOptions::default()))?,
     ];
     Ok(structures.into_iter().flatten().collect())

@@ -5,8 +5,8 @@
 //!
 //! - [`Triangle`]s are checked once and become [`Triangles`], the only thing an accelerator is
 //!   built from;
-//! - [`BruteForce`], [`KdTree`] and [`UniformGrid`] implement [`Accel`], whose documentation is
-//!   the contract they share;
+//! - [`BruteForce`], [`KdTree`], [`WideKdTree`] and [`UniformGrid`] implement [`Accel`], whose
+//!   documentation is the contract they share;
 //! - a [`Ray`] goes in, a [`Hit`] comes out, decided by the one routine in [`decide`];
 //! - the hit becomes a [`SurfacePoint`], from which the next ray can leave without meeting the
 //!   triangle it starts on.
@@ -46,6 +46,7 @@ mod search;
 mod surface;
 mod triangle;
 mod triangles;
+mod wide;
 
 pub use aabb::Aabb;
 pub use accel::Accel;
@@ -58,7 +59,7 @@ pub use kdtree::{KdOptions, KdStats, KdTree, SplitRule};
 pub use measure::{PdfArea, PdfSolidAngle};
 pub use probe::{Counts, Probe, Traverse};
 pub use ray::Ray;
-pub use search::{Any, Closest, Search};
 pub use surface::SurfacePoint;
 pub use triangle::Triangle;
 pub use triangles::Triangles;
+pub use wide::{SimdLevel, WideKdTree};

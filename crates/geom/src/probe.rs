@@ -1,6 +1,6 @@
 //! What a search costs, counted with one meaning in every structure.
 
-use crate::{Accel, Any, Closest, Hit, Ray, Search};
+use crate::{Accel, Hit, Ray};
 use std::collections::HashSet;
 use std::ops::AddAssign;
 
@@ -12,18 +12,20 @@ pub trait Probe {
     /// A list of triangles was opened: a leaf or a cell that holds at least one.
     #[inline]
     fn open(&mut self) {}
-    /// The triangle of that index was decided.
+    /// The triangle of that index was tested: decided, or found out of question.
     #[inline]
     fn test(&mut self, _triangle: u32) {}
 }
 
 impl Probe for () {}
 
-/// An accelerator whose searches can be watched: its one traversal, generic over what it looks for
-/// and over who watches.
+/// An accelerator whose searches can be watched. The same traversal answers [`Accel`]'s queries.
 pub trait Traverse: Accel {
-    /// Runs `search` along `ray`, telling `probe` what is done for it.
-    fn search<S: Search, P: Probe>(&self, ray: &Ray, search: S, probe: &mut P) -> S;
+    /// [`Accel::intersect`], telling `probe` what is done for it.
+    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit>;
+
+    /// [`Accel::occluded`], telling `probe` what is done for it.
+    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool;
 }
 
 /// What searches cost, in all.
@@ -38,9 +40,9 @@ pub struct Counts {
     pub visits: u64,
     /// Lists opened: leaves and cells that hold triangles.
     pub opened: u64,
-    /// Triangles decided, repetitions included.
+    /// Triangles tested, repetitions included.
     pub tests: u64,
-    /// Decisions of a triangle that the same search had decided before, in another leaf or cell.
+    /// Tests of a triangle that the same search had tested before, in another leaf or cell.
     pub repeats: u64,
 }
 
@@ -48,14 +50,14 @@ impl Counts {
     /// Finds the closest hit as [`Accel::intersect`] does, and counts what it takes.
     pub fn closest(accel: &impl Traverse, ray: &Ray) -> (Option<Hit>, Self) {
         let mut watch = Watch::default();
-        let hit = accel.search(ray, Closest::new(ray), &mut watch).hit();
+        let hit = accel.closest(ray, &mut watch);
         (hit, watch.counts(hit.is_some()))
     }
 
     /// Finds out whether anything is hit as [`Accel::occluded`] does, and counts what it takes.
     pub fn any(accel: &impl Traverse, ray: &Ray) -> (bool, Self) {
         let mut watch = Watch::default();
-        let found = accel.search(ray, Any::new(ray), &mut watch).found();
+        let found = accel.any(ray, &mut watch);
         (found, watch.counts(found))
     }
 }
@@ -77,13 +79,13 @@ struct Watch {
     visits: u64,
     opened: u64,
     tests: u64,
-    decided: HashSet<u32>,
+    tested: HashSet<u32>,
 }
 
 impl Watch {
     fn counts(self, hit: bool) -> Counts {
-        let Self { visits, opened, tests, decided } = self;
-        let repeats = tests - decided.len() as u64;
+        let Self { visits, opened, tests, tested } = self;
+        let repeats = tests - tested.len() as u64;
         Counts { rays: 1, hits: u64::from(hit), visits, opened, tests, repeats }
     }
 }
@@ -97,7 +99,7 @@ impl Probe for Watch {
     }
     fn test(&mut self, triangle: u32) {
         self.tests += 1;
-        self.decided.insert(triangle);
+        self.tested.insert(triangle);
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Span {
 pub(crate) struct Pruner {
     pub(crate) origin: DVec3,
     pub(crate) direction: DVec3,
-    inverse: DVec3,
+    pub(crate) inverse: DVec3,
     /// Half the thickness of every plane, in units of length.
     pub(crate) slack: f64,
 }
@@ -33,7 +33,7 @@ const SLACK_ULPS: f64 = 64.0;
 /// Direction components below this fraction of the largest count as this fraction, so that no
 /// quotient is NaN. Over any distance at which the scene lies, the difference is far below the
 /// slack.
-const PARALLEL: f64 = f64::from_bits((1023 - 200) << 52);
+pub(crate) const PARALLEL: f64 = f64::from_bits((1023 - 200) << 52);
 
 impl Pruner {
     /// Prepares a [traceable](Ray::is_traceable) ray for a scene within `bounds`.

@@ -4,7 +4,7 @@ use crate::decide::{Intersection, Shear};
 use crate::{Hit, Probe, Ray, Triangles};
 
 /// A search in progress. An accelerator has one traversal, generic over this.
-pub trait Search {
+pub(crate) trait Search {
     /// Takes note of an intersection with triangle `index`, wherever on the line it lies.
     fn offer(&mut self, intersection: Intersection, index: u32);
 
@@ -15,7 +15,7 @@ pub trait Search {
 
 /// Looks for the hit of smallest `t`, of equals the smallest index.
 #[derive(Clone, Copy, Debug)]
-pub struct Closest {
+pub(crate) struct Closest {
     t_min: f64,
     t_max: f64,
     best: Option<Hit>,
@@ -23,7 +23,7 @@ pub struct Closest {
 
 /// Looks for any hit.
 #[derive(Clone, Copy, Debug)]
-pub struct Any {
+pub(crate) struct Any {
     t_min: f64,
     t_max: f64,
     found: bool,
@@ -31,24 +31,29 @@ pub struct Any {
 
 impl Closest {
     /// A search over the ray's range.
-    pub fn new(ray: &Ray) -> Self {
+    pub(crate) fn new(ray: &Ray) -> Self {
         Self { t_min: ray.t_min, t_max: ray.t_max, best: None }
     }
 
     /// What was found; `None` if nothing lies strictly inside the range.
-    pub fn hit(&self) -> Option<Hit> {
+    pub(crate) fn hit(&self) -> Option<Hit> {
         self.best
     }
 }
 
 impl Any {
     /// A search over the ray's range.
-    pub fn new(ray: &Ray) -> Self {
+    pub(crate) fn new(ray: &Ray) -> Self {
         Self { t_min: ray.t_min, t_max: ray.t_max, found: false }
     }
 
+    /// The search after something was found by other means.
+    pub(crate) fn found_one(self) -> Self {
+        Self { found: true, ..self }
+    }
+
     /// Whether anything lies strictly inside the range.
-    pub fn found(&self) -> bool {
+    pub(crate) fn found(&self) -> bool {
         self.found
     }
 }

@@ -1,8 +1,8 @@
 //! The accelerators that tests run on: a new one is one line here.
 
 use globillum_geom::{
-    Accel, BruteForce, Counts, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SplitRule, Traverse,
-    Triangles, UniformGrid,
+    Accel, BruteForce, Counts, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel, SplitRule,
+    Traverse, Triangles, UniformGrid, WideKdTree,
 };
 
 /// An accelerator whose searches can be counted.
@@ -22,18 +22,32 @@ impl<A: Traverse> Measurable for A {
     }
 }
 
+/// What a builder returns.
+pub type Built = Result<Box<dyn Measurable>, GeomError>;
+
 /// Builds an accelerator.
-pub type Builder = fn(&Triangles) -> Result<Box<dyn Measurable>, GeomError>;
+pub type Builder = fn(&Triangles) -> Built;
 
 /// Every accelerator by name; brute force, which is slow, comes first.
-pub const ACCELERATORS: [(&str, Builder); 3] = [
+pub const ACCELERATORS: [(&str, Builder); 4] = [
     ("brute force", |t| Ok(Box::new(BruteForce::build(t)))),
     ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
     ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
+    ("wide k-d tree", |t| wide(t, SimdLevel::best())),
 ];
 
 /// Those among them that pictures are made with.
-pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[1], ACCELERATORS[2]];
+pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[3], ACCELERATORS[2]];
+
+/// The wide tree with lesser instructions than the machine's best.
+pub const LESSER_LEVELS: [(&str, Builder); 2] = [
+    ("wide k-d tree, AVX2", |t| wide(t, SimdLevel::Avx2)),
+    ("wide k-d tree, portable", |t| wide(t, SimdLevel::Portable)),
+];
+
+fn wide(triangles: &Triangles, level: SimdLevel) -> Built {
+    Ok(Box::new(WideKdTree::build(triangles)?.with_level(level)))
+}
 
 /// The k-d tree by every rule, all else being equal: [`rule_options`].
 pub const RULES: [(&str, Builder); 7] = [
@@ -48,7 +62,7 @@ pub const RULES: [(&str, Builder); 7] = [
 
 /// All of these.
 pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
-    ACCELERATORS.into_iter().chain(RULES)
+    ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(RULES)
 }
 
 /// How rules are compared: with a plane of lookahead, without which the simple ones give up where
@@ -59,6 +73,6 @@ pub fn rule_options(rule: SplitRule) -> KdOptions {
     options
 }
 
-fn by_rule(triangles: &Triangles, rule: SplitRule) -> Result<Box<dyn Measurable>, GeomError> {
+fn by_rule(triangles: &Triangles, rule: SplitRule) -> Built {
     Ok(Box::new(KdTree::build(triangles, &rule_options(rule))?))
 }

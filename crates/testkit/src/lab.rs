@@ -1,12 +1,12 @@
 //! Measuring an accelerator: what it costs, and that it answers like the others.
 
-use crate::accelerators::{Builder, Measurable};
+use crate::accelerators::{Built, Measurable};
 use crate::meshes::Subject;
 use crate::rays::Rays;
-use globillum_geom::{Accel, Counts, GeomError, Hit, Ray};
+use globillum_geom::{Accel, Counts, GeomError, Hit, Ray, Triangles};
 use std::time::Instant;
 
-/// What rays are asked for, in the order of [`Measurement::queries`].
+/// What rays are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Query {
     /// The closest hit of camera rays: coherent.
@@ -95,7 +95,7 @@ pub struct Buffers {
 #[derive(Clone, Debug)]
 pub struct Measurement {
     /// The accelerator's name.
-    pub accelerator: &'static str,
+    pub accelerator: String,
     /// Median seconds of building it.
     pub build_seconds: f64,
     /// Bytes it holds, the triangles included.
@@ -108,39 +108,80 @@ pub struct Measurement {
     pub hash: u64,
 }
 
-/// Builds and asks the accelerator `repeats` times, after its answers have been hashed.
+/// An accelerator by name, and how it is built.
+pub type Contender = (String, Box<dyn Fn(&Triangles) -> Built>);
+
+/// Builds and asks every accelerator `repeats` times, in turn, so that a disturbance meets all
+/// alike; `done` is called after each turn of each.
 ///
 /// # Errors
-/// What building it says.
+/// What building one says.
 pub fn measure(
-    (accelerator, build): (&'static str, Builder),
+    contenders: &[Contender],
     subject: &Subject,
     rays: &Rays,
     repeats: usize,
-) -> Result<Measurement, GeomError> {
-    let mut accel = build(&subject.triangles)?;
-    let mut buffers = Buffers::default();
-    let mut hash = Fnv::new();
-    Query::ALL.iter().for_each(|query| hash.add(query.answer(&accel, rays, &mut buffers)));
-    let mut builds = Vec::new();
+    mut done: impl FnMut(),
+) -> Result<Vec<Measurement>, GeomError> {
+    let runs: Result<Vec<Run<'_>>, GeomError> =
+        contenders.iter().map(|contender| Run::new(contender, subject)).collect();
+    let mut runs = runs?;
     for _ in 0..repeats {
-        let start = Instant::now();
-        accel = build(&subject.triangles)?;
-        builds.push(start.elapsed().as_secs_f64());
+        for run in &mut runs {
+            run.turn(subject, rays)?;
+            done();
+        }
     }
-    let mut nanoseconds_of = |query: Query| {
-        let count = query.rays(rays).len().max(1) as f64;
-        let times = (0..repeats).map(|_| query.time(&accel, rays, &mut buffers)).collect();
-        median(times) * 1e9 / count
-    };
-    Ok(Measurement {
-        accelerator,
-        build_seconds: median(builds),
-        bytes: accel.bytes(),
-        nanoseconds: Query::ALL.map(&mut nanoseconds_of),
-        counts: Query::ALL.map(|query| query.count(&*accel, rays)),
-        hash: hash.0,
-    })
+    Ok(runs.into_iter().map(|run| run.finish(rays)).collect())
+}
+
+/// What has been measured of one accelerator.
+struct Run<'a> {
+    contender: &'a Contender,
+    accel: Box<dyn Measurable>,
+    builds: Vec<f64>,
+    queries: [Vec<f64>; 4],
+    buffers: Buffers,
+}
+
+impl<'a> Run<'a> {
+    fn new(contender: &'a Contender, subject: &Subject) -> Result<Self, GeomError> {
+        let accel = contender.1(&subject.triangles)?;
+        Ok(Self {
+            contender,
+            accel,
+            builds: Vec::new(),
+            queries: Default::default(),
+            buffers: Buffers::default(),
+        })
+    }
+
+    fn turn(&mut self, subject: &Subject, rays: &Rays) -> Result<(), GeomError> {
+        let start = Instant::now();
+        self.accel = self.contender.1(&subject.triangles)?;
+        self.builds.push(start.elapsed().as_secs_f64());
+        for query in Query::ALL {
+            self.queries[query as usize].push(query.time(&self.accel, rays, &mut self.buffers));
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, rays: &Rays) -> Measurement {
+        let mut hash = Fnv::new();
+        Query::ALL.iter().for_each(|query| hash.add(query.answer(&self.accel, rays, &mut self.buffers)));
+        let nanoseconds = |query: Query| {
+            let count = query.rays(rays).len().max(1) as f64;
+            median(self.queries[query as usize].clone()) * 1e9 / count
+        };
+        Measurement {
+            accelerator: self.contender.0.clone(),
+            bytes: self.accel.bytes(),
+            nanoseconds: Query::ALL.map(nanoseconds),
+            counts: Query::ALL.map(|query| query.count(&*self.accel, rays)),
+            hash: hash.0,
+            build_seconds: median(self.builds),
+        }
+    }
 }
 
 /// The middle one of some numbers; NaN if there are none.
@@ -177,7 +218,7 @@ impl Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accelerators;
+    use crate::accelerators::{self, Builder};
     use crate::shapes::statue;
 
     #[test]
@@ -185,14 +226,15 @@ mod tests {
         let subject = Subject::new("statue", statue(500).triangles()).unwrap();
         let rays = Rays::new(&subject, &*accelerators::ACCELERATORS[0].1(&subject.triangles).unwrap(), 16);
         assert!(rays.bounce.len() > 20 && rays.shadow.len() == rays.bounce.len());
-        let hash = |build| measure(("", build), &subject, &rays, 1).unwrap().hash;
-        let expected = hash(accelerators::ACCELERATORS[0].1);
-        for (name, build) in accelerators::all() {
-            assert_eq!(hash(build), expected, "{name}");
+        let nothing: Builder = |_| accelerators::ACCELERATORS[0].1(&Triangles::new(Vec::new())?);
+        let contenders = accelerators::all().chain([("nothing", nothing)]);
+        let contenders: Vec<Contender> =
+            contenders.map(|(name, build)| (name.to_owned(), Box::new(build) as Box<_>)).collect();
+        let measured = measure(&contenders, &subject, &rays, 1, || ()).unwrap();
+        let [alike @ .., nothing] = &measured[..] else { panic!("there is nothing") };
+        for measurement in alike {
+            assert_eq!(measurement.hash, alike[0].hash, "{}", measurement.accelerator);
         }
-        assert_ne!(
-            hash(|_| accelerators::ACCELERATORS[0].1(&globillum_geom::Triangles::new(Vec::new())?)),
-            expected
-        );
+        assert_ne!(nothing.hash, alike[0].hash);
     }
 }

@@ -5,7 +5,8 @@ use crate::{Aabb, GeomError, Triangles};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GridOptions {
-    /// Cells for each triangle, where no resolution is given; finite and `> 0`.
+    /// Cells for each triangle, where no resolution is given; finite and `> 0`. The default was
+    /// measured (docs/accelerators.md).
     pub density: f64,
     /// Cells along each axis, each at least 1; `None` to follow `density`. An axis along which
     /// the scene is flat always has one.
@@ -14,7 +15,7 @@ pub struct GridOptions {
 
 impl Default for GridOptions {
     fn default() -> Self {
-        Self { density: 4.0, resolution: None }
+        Self { density: 2.0, resolution: None }
     }
 }
 

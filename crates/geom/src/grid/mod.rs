@@ -9,7 +9,7 @@ mod walk;
 pub use build::GridOptions;
 use lattice::Lattice;
 
-use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Traverse, Triangles};
+use crate::{Aabb, Accel, Hit, Ray, Traverse, Triangles};
 
 /// A uniform grid.
 #[derive(Clone, Debug)]
@@ -48,11 +48,11 @@ impl UniformGrid {
 
 impl Accel for UniformGrid {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.search(ray, Closest::new(ray), &mut ()).hit()
+        self.closest(ray, &mut ())
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        self.search(ray, Any::new(ray), &mut ()).found()
+        self.any(ray, &mut ())
     }
 
     fn bounds(&self) -> Aabb {

@@ -1,10 +1,11 @@
+use super::branch::Branch;
 use super::cost::CostModel;
 use super::events::{Event, Events, Move};
 use super::member::Member;
-use super::plane::{Place, Plane, Side, Split};
+use super::plane::{Place, Split};
 use super::rules::choose_plane;
 use super::sweep::cheapest_split;
-use super::{KdOptions, KdTree, Node, SplitRule};
+use super::{KdOptions, KdTree, SplitRule};
 use crate::{Aabb, GeomError, Triangles};
 
 /// Leaves references and nodes countable in `u32`.
@@ -27,9 +28,12 @@ impl KdTree {
     ///
     /// Takes `O(N log N)` for the surface area heuristic, `N` being the references in the end.
     ///
+    /// Large cells are built side by side on the threads of the current rayon pool; the tree is the
+    /// same for any number of them.
+    ///
     /// Memory is bounded beforehand. Over `n` live triangles the leaves hold at most
     /// `b = 8 n + 1024` references (never more than `2^31`), there are fewer than `2 b` nodes, and
-    /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `140 n + 190 b` bytes
+    /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `200 n + 190 b` bytes
     /// beside the triangles: for each triangle in the cell that is being halved, and for each of
     /// `b`, a box and its six events, 76 bytes; and for each of `b` a reference and two nodes, in
     /// vectors that hold up to three times their content while they grow. A closed mesh takes
@@ -49,17 +53,9 @@ impl KdTree {
             unpaid: 0,
             room: room_for(live.len()),
         };
-        let mut builder = Builder {
-            triangles,
-            options,
-            costs: options.costs(),
-            slack: slack_for(&triangles.bounds()),
-            nodes: Vec::new(),
-            references: Vec::new(),
-            scratch: Scratch::default(),
-        };
-        builder.subdivide(everything);
-        let Builder { mut nodes, mut references, .. } = builder;
+        let builder =
+            Builder { triangles, options, costs: options.costs(), slack: slack_for(&triangles.bounds()) };
+        let (Branch { mut nodes, mut references }, _) = builder.grow(everything);
         nodes.shrink_to_fit();
         references.shrink_to_fit();
         Ok(Self { triangles: triangles.clone(), nodes, references })
@@ -69,7 +65,7 @@ impl KdTree {
 /// A cell that may yet be halved.
 struct Cell {
     bounds: Aabb,
-    /// What touches it, ascending by index.
+    /// What touches it.
     members: Vec<Member>,
     /// Where the members' boxes begin and end, for a rule that sweeps.
     events: Option<Events>,
@@ -100,69 +96,77 @@ struct Built {
     cost: f64,
 }
 
+/// What all cells share.
 struct Builder<'a> {
     triangles: &'a Triangles,
     options: &'a KdOptions,
     costs: CostModel,
     /// By how much a cut errs on the safe side.
     slack: f64,
-    nodes: Vec<Node>,
-    references: Vec<u32>,
-    scratch: Scratch,
 }
 
 /// Lists that each halving needs anew.
 #[derive(Default)]
 struct Scratch {
     moves: Vec<Move>,
-    /// Places, among the members of each side, of parts of those that straddle the plane.
-    parts: [Vec<u32>; 2],
-    events: Vec<Event>,
+    events: [Vec<Event>; 3],
 }
 
+/// The halves of a cell with so many members are built side by side. Part of what a tree is: they
+/// do not pass on room to each other.
+const SIDE_BY_SIDE: usize = 4096;
+
 impl Builder<'_> {
-    /// Adds the nodes of `cell`.
-    fn subdivide(&mut self, cell: Cell) -> Built {
+    /// Builds a branch of its own out of `cell`.
+    fn grow(&self, cell: Cell) -> (Branch, Built) {
+        let mut branch = Branch::default();
+        let built = self.subdivide(cell, &mut branch, &mut Scratch::default());
+        (branch, built)
+    }
+
+    /// Adds the nodes of `cell` to `branch`.
+    fn subdivide(&self, cell: Cell, branch: &mut Branch, scratch: &mut Scratch) -> Built {
         let (area, count, room) = (cell.bounds.half_area(), cell.members.len(), cell.room);
         let as_leaf = Built { room_left: room - room_of_leaf(count), cost: area * count as f64 };
-        let start = (self.nodes.len(), self.references.len());
+        let start = branch.len();
         let Some(Choice { split, unpaid }) = self.choose_split(&cell) else {
-            self.add_leaf(cell.members.iter().map(|m| m.index));
+            branch.add_leaf(cell.members.iter().map(|m| m.index));
             return as_leaf;
         };
-        let [lower, mut upper] = self.halve(cell, &split, unpaid);
-        let Plane { axis, position, .. } = split.plane;
-        // The upper child's index is known only after the lower one's nodes.
-        self.nodes.push(Node::Split { axis: axis as u8, position, upper: 0 });
-        let lower = self.subdivide(lower);
-        let next = self.nodes.len() as u32;
-        if let Node::Split { upper, .. } = &mut self.nodes[start.0] {
-            *upper = next;
-        }
-        upper.room += lower.room_left;
-        let upper = self.subdivide(upper);
-        let cost = area * self.costs.traversal + lower.cost + upper.cost;
+        let halves = self.halve(cell, &split, unpaid, scratch);
+        branch.add_split(&split.plane);
+        let Built { room_left, cost } = if count < SIDE_BY_SIDE {
+            self.one_by_one(halves, branch, scratch)
+        } else {
+            self.side_by_side(halves, branch)
+        };
+        let cost = area * self.costs.traversal + cost;
         if unpaid > 0 && cost >= as_leaf.cost {
-            self.collapse(start);
+            branch.collapse(start);
             return as_leaf;
         }
-        Built { room_left: upper.room_left, cost }
+        Built { room_left, cost }
     }
 
-    fn add_leaf(&mut self, triangles: impl Iterator<Item = u32>) {
-        let first = self.references.len();
-        self.references.extend(triangles);
-        let count = self.references.len() - first;
-        self.nodes.push(Node::Leaf { first: first as u32, count: count as u32 });
+    /// Adds the nodes of both halves of a cell whose own node comes last in `branch`.
+    fn one_by_one(&self, [lower, mut upper]: [Cell; 2], branch: &mut Branch, scratch: &mut Scratch) -> Built {
+        let parent = branch.nodes.len() - 1;
+        let lower = self.subdivide(lower, branch, scratch);
+        branch.point_to_upper(parent);
+        upper.room += lower.room_left;
+        let upper = self.subdivide(upper, branch, scratch);
+        Built { room_left: upper.room_left, cost: lower.cost + upper.cost }
     }
 
-    /// Makes one leaf of what has been added since there were so many nodes and references.
-    fn collapse(&mut self, (nodes, references): (usize, usize)) {
-        let mut listed = self.references.split_off(references);
-        listed.sort_unstable();
-        listed.dedup();
-        self.nodes.truncate(nodes);
-        self.add_leaf(listed.into_iter());
+    /// The same on two threads, where there are two.
+    fn side_by_side(&self, [lower, upper]: [Cell; 2], branch: &mut Branch) -> Built {
+        let parent = branch.nodes.len() - 1;
+        let ((lower_branch, lower), (upper_branch, upper)) =
+            rayon::join(|| self.grow(lower), || self.grow(upper));
+        branch.append(&lower_branch);
+        branch.point_to_upper(parent);
+        branch.append(&upper_branch);
+        Built { room_left: lower.room_left + upper.room_left, cost: lower.cost + upper.cost }
     }
 
     /// Where to halve `cell`; `None` where it is to be a leaf: by the same criteria, whichever rule
@@ -182,18 +186,18 @@ impl Builder<'_> {
         (fits && unpaid <= self.options.lookahead).then_some(Choice { split, unpaid })
     }
 
-    fn halve(&mut self, cell: Cell, split: &Split, unpaid: u32) -> [Cell; 2] {
+    fn halve(&self, cell: Cell, split: &Split, unpaid: u32, scratch: &mut Scratch) -> [Cell; 2] {
         let needed = split.counts.map(room_of_leaf);
         let spare = cell.room - needed[0] - needed[1];
         // Shared in proportion; what the lower cell leaves goes to the upper one later.
         let share = (spare as f64 * needed[0] as f64 / (needed[0] + needed[1]) as f64) as usize;
         let [lower_room, upper_room] = [needed[0] + share, needed[1] + (spare - share)];
         let halves = split.plane.halves(&cell.bounds);
-        let [lower, upper] = self.distribute(&cell.members, split, &halves);
+        let ([lower, upper], parts) = self.distribute(&cell, split, scratch);
         let [lower_events, upper_events] = match &cell.events {
             Some(events) => {
-                let Scratch { moves, parts, events: scratch } = &mut self.scratch;
-                events.divide(moves, [&lower, &upper], parts, scratch).map(Some)
+                let Scratch { moves, events: lists } = scratch;
+                events.divide(moves, [&lower, &upper], parts, lists).map(Some)
             }
             None => [None, None],
         };
@@ -208,31 +212,36 @@ impl Builder<'_> {
         [child(halves[0], lower, lower_events, lower_room), child(halves[1], upper, upper_events, upper_room)]
     }
 
-    /// What is in each half, at most as many as the split counts: of those whose box straddles
-    /// the plane, the parts in both halves. Notes in `scratch` where they went.
-    fn distribute(&mut self, members: &[Member], split: &Split, halves: &[Aabb; 2]) -> [Vec<Member>; 2] {
+    /// What is in each half, at most as many as the split counts: the members on its side of the
+    /// plane, and, from the returned places on, the parts of those that straddle it. Notes in
+    /// `scratch` where they went.
+    fn distribute(
+        &self,
+        cell: &Cell,
+        split: &Split,
+        scratch: &mut Scratch,
+    ) -> ([Vec<Member>; 2], [usize; 2]) {
+        scratch.moves.clear();
         let mut sides = split.counts.map(Vec::with_capacity);
-        let Scratch { moves, parts, .. } = &mut self.scratch;
-        moves.clear();
-        parts.iter_mut().for_each(Vec::clear);
-        for member in members {
-            match split.plane.place(member) {
-                Place::Only(side) => {
-                    let list = &mut sides[side as usize];
-                    moves.push(Move::to(side, list.len()));
-                    list.push(*member);
+        for member in &cell.members {
+            let place = split.plane.place(member);
+            let end = match place {
+                Place::Both => 0,
+                Place::Lower | Place::Upper => {
+                    let side = &mut sides[place as usize];
+                    side.push(*member);
+                    side.len() - 1
                 }
-                Place::Both => {
-                    moves.push(Move::STRADDLES);
-                    for side in [Side::Lower, Side::Upper].map(|side| side as usize) {
-                        if let Some(part) = member.within(&halves[side], self.triangles, self.slack) {
-                            parts[side].push(sides[side].len() as u32);
-                            sides[side].push(part);
-                        }
-                    }
-                }
+            };
+            scratch.moves.push(Move::to(place, end));
+        }
+        let parts = sides.each_ref().map(Vec::len);
+        for member in cell.members.iter().filter(|member| split.plane.place(member) == Place::Both) {
+            let halves = member.halves(&cell.bounds, &split.plane, self.triangles, self.slack);
+            for (list, part) in sides.iter_mut().zip(halves) {
+                list.extend(part);
             }
         }
-        sides
+        (sides, parts)
     }
 }

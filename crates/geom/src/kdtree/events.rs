@@ -5,7 +5,7 @@
 //! 2006, section 4.3).
 
 use super::member::Member;
-use super::plane::Side;
+use super::plane::Place;
 
 /// What is met at a position, in the order in which a sweep must count it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,14 +77,18 @@ pub(super) struct Events {
 pub(super) struct Move(u32);
 
 impl Move {
-    pub(super) const STRADDLES: Self = Self(u32::MAX);
-
-    pub(super) fn to(side: Side, place: usize) -> Self {
-        Self((place as u32) << 1 | side as u32)
+    /// To `place` in the list of that side; where it straddles the plane, `place` means nothing.
+    #[inline]
+    pub(super) fn to(side: Place, place: usize) -> Self {
+        Self((place as u32) << 2 | side as u32)
     }
 
-    fn target(self) -> Option<(usize, u32)> {
-        (self.0 != Self::STRADDLES.0).then_some(((self.0 & 1) as usize, self.0 >> 1))
+    fn is_to(self, side: Place) -> bool {
+        self.0 & 3 == side as u32
+    }
+
+    fn place(self) -> u32 {
+        self.0 >> 2
     }
 }
 
@@ -107,45 +111,76 @@ impl Events {
         &self.all[start..self.ends[axis]]
     }
 
-    /// The events of both sides: those of `moves` keep their order, into which those of straddling
-    /// members, the places `parts` among the members of each side, are sorted.
+    /// The events of both sides: those of `moves` keep their order; into them those of straddling
+    /// members are sorted, which are listed last among the members of each side: from `parts` on.
     pub(super) fn divide(
         &self,
         moves: &[Move],
         members: [&[Member]; 2],
-        parts: &[Vec<u32>; 2],
-        scratch: &mut Vec<Event>,
+        parts: [usize; 2],
+        scratch: &mut [Vec<Event>; 3],
     ) -> [Self; 2] {
         let mut sides = members.map(|m| Self { all: Vec::with_capacity(6 * m.len()), ends: [0; 3] });
         for axis in 0..3 {
-            scratch.clear();
-            let mut fresh = [0..0, 0..0];
-            for side in 0..2 {
-                let start = scratch.len();
-                for &place in &parts[side] {
-                    push_events(&members[side][place as usize], place, axis, scratch);
+            let [lower, upper, fresh] = scratch;
+            let ends = distribute(self.along(axis), moves, [lower, upper]);
+            let kept = [&lower[..ends[0]], &upper[..ends[1]]];
+            for (side, events) in sides.iter_mut().enumerate() {
+                fresh.clear();
+                for (member, place) in members[side].iter().zip(0..).skip(parts[side]) {
+                    push_events(member, place, axis, fresh);
                 }
-                scratch[start..].sort_unstable();
-                fresh[side] = start..scratch.len();
-            }
-            for event in self.along(axis) {
-                let Some((side, place)) = moves[event.member() as usize].target() else { continue };
-                let all = &mut sides[side].all;
-                while let Some(&next) = scratch[fresh[side].clone()].first()
-                    && next.key() < event.key()
-                {
-                    all.push(next);
-                    fresh[side].start += 1;
-                }
-                all.push(event.of_member(place));
-            }
-            for (side, rest) in sides.iter_mut().zip(fresh) {
-                side.all.extend_from_slice(&scratch[rest]);
-                side.ends[axis] = side.all.len();
+                fresh.sort_unstable();
+                merge(kept[side], fresh, &mut events.all);
+                events.ends[axis] = events.all.len();
             }
         }
         sides
     }
+}
+
+/// Copies `events` into the list of their side, and returns how many came to each; those of
+/// straddling members come to neither.
+///
+/// Sides change at random, which no processor foresees: so there is no branch. Every event is
+/// written at the end of both lists, and stays where the end moves on.
+fn distribute(events: &[Event], moves: &[Move], lists: [&mut Vec<Event>; 2]) -> [usize; 2] {
+    let [lower, upper] = lists.map(|list| {
+        list.resize(events.len() + 1, Event(0));
+        &mut list[..=events.len()]
+    });
+    let mut ends = [0, 0];
+    for event in events {
+        let to = moves[event.member() as usize];
+        let moved = event.of_member(to.place());
+        lower[ends[0]] = moved;
+        upper[ends[1]] = moved;
+        ends[0] += usize::from(to.is_to(Place::Lower));
+        ends[1] += usize::from(to.is_to(Place::Upper));
+    }
+    ends
+}
+
+/// Appends both sorted lists, merged, to `merged`; `fresh` is the short one.
+fn merge(mut kept: &[Event], fresh: &[Event], merged: &mut Vec<Event>) {
+    for &event in fresh {
+        let (before, after) = kept.split_at(first_at_or_after(kept, event));
+        merged.extend_from_slice(before);
+        merged.push(event);
+        kept = after;
+    }
+    merged.extend_from_slice(kept);
+}
+
+/// How many of `kept` come before `event`, by steps that double and then halve.
+fn first_at_or_after(kept: &[Event], event: Event) -> usize {
+    let mut reach = 1;
+    while reach < kept.len() && kept[reach].key() < event.key() {
+        reach *= 2;
+    }
+    let start = reach / 2;
+    let end = kept.len().min(reach + 1);
+    start + kept[start..end].partition_point(|e| e.key() < event.key())
 }
 
 /// Adds the events of `member`, which is at `place` among the members of its cell.
@@ -196,26 +231,25 @@ mod tests {
             boxes in prop::collection::vec(prop::array::uniform2(-8i8..8), 1..40), at in -8i8..8,
         ) {
             let members: Vec<Member> = boxes.into_iter().map(member).collect();
-            let (mut sides, mut parts, mut moves) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()], Vec::new());
-            for m in &members {
-                let (below, above) = (m.bounds.min.x < f32::from(at), m.bounds.max.x > f32::from(at));
-                let straddles = below && above;
-                for side in 0..2 {
-                    if straddles {
-                        parts[side].push(sides[side].len() as u32);
-                        // Some other box, as clipping makes them.
-                        sides[side].push(member([at, at + side as i8]));
-                    } else if (side == 1) == above {
-                        moves.push(Move::to([Side::Lower, Side::Upper][side], sides[side].len()));
-                        sides[side].push(*m);
-                    }
+            let at = f32::from(at);
+            let straddles = |m: &Member| m.bounds.min.x < at && m.bounds.max.x > at;
+            let mut sides = [Vec::new(), Vec::new()];
+            let moves: Vec<Move> = members.iter().map(|m| {
+                if straddles(m) {
+                    return Move::to(Place::Both, 0);
                 }
-                if straddles {
-                    moves.push(Move::STRADDLES);
-                }
+                let side = if m.bounds.max.x > at { Place::Upper } else { Place::Lower };
+                sides[side as usize].push(*m);
+                Move::to(side, sides[side as usize].len() - 1)
+            }).collect();
+            let parts = sides.each_ref().map(Vec::len);
+            for (_, i) in members.iter().filter(|m| straddles(m)).zip(0..) {
+                // Some other boxes, as clipping makes them.
+                sides[0].push(member([i % 5, 3]));
+                sides[1].push(member([-i % 7, i % 3]));
             }
             let lists = sides.each_ref().map(Vec::as_slice);
-            let divided = Events::new(&members).divide(&moves, lists, &parts, &mut Vec::new());
+            let divided = Events::new(&members).divide(&moves, lists, parts, &mut Default::default());
             for (side, members) in divided.iter().zip(lists) {
                 let fresh = Events::new(members);
                 for axis in 0..3 {

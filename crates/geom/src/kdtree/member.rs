@@ -5,6 +5,7 @@
 //! and better planes (Havran and Bittner, "On improving kd-trees for ray shooting", 2002). Nothing
 //! but the build depends on it: a triangle is decided whole.
 
+use super::plane::Plane;
 use crate::{Aabb, Triangle, Triangles};
 use arrayvec::ArrayVec;
 use glam::DVec3;
@@ -18,8 +19,8 @@ pub(super) struct Member {
     pub(super) bounds: Aabb,
 }
 
-/// The most corners that three have after six cuts.
-type Polygon = ArrayVec<DVec3, 9>;
+/// The most corners that three have after seven cuts: at the faces of a cell and at a plane.
+type Polygon = ArrayVec<DVec3, 10>;
 
 impl Member {
     /// The whole triangle.
@@ -27,14 +28,29 @@ impl Member {
         Self { index, bounds: triangles.get(index).bounds() }
     }
 
-    /// What of it lies in `cell`, a part of the cell so far; `None` if nothing does.
+    /// What of it lies on either side of `plane`, which halves `cell`; `None` if nothing does.
     ///
     /// Errs on the safe side by `slack`, which is to be far above the rounding of a coordinate in
-    /// `f64`: no point of the triangle in `cell` is ever outside the new box.
-    pub(super) fn within(&self, cell: &Aabb, triangles: &Triangles, slack: f64) -> Option<Self> {
-        let polygon = cut_at_faces(triangles.get(self.index), cell, slack);
+    /// `f64`: no point of the triangle in a half is ever outside its new box.
+    pub(super) fn halves(
+        &self,
+        cell: &Aabb,
+        plane: &Plane,
+        triangles: &Triangles,
+        slack: f64,
+    ) -> [Option<Self>; 2] {
+        let whole = cut_at_faces(triangles.get(self.index), cell, slack);
+        let (axis, at) = (plane.axis, f64::from(plane.position));
+        let lower = cut(&whole, |p| at + slack - p[axis]);
+        let upper = cut(&whole, |p| p[axis] - (at - slack));
+        let [below, above] = plane.halves(cell);
+        [self.around(&lower, &below, slack), self.around(&upper, &above, slack)]
+    }
+
+    /// The member with a box around `polygon`, its part in `cell`; `None` if that is empty.
+    fn around(&self, polygon: &Polygon, cell: &Aabb, slack: f64) -> Option<Self> {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for corner in &polygon {
+        for corner in polygon {
             (low, high) = (low.min(*corner), high.max(*corner));
         }
         // One number further out makes up for rounding to the nearest.
@@ -48,10 +64,17 @@ impl Member {
 /// The triangle's part in `cell` widened by `slack` (Sutherland and Hodgman, 1974).
 fn cut_at_faces(triangle: &Triangle, cell: &Aabb, slack: f64) -> Polygon {
     let mut polygon: Polygon = triangle.vertices.iter().map(|v| v.as_dvec3()).collect();
+    let bounds = triangle.bounds();
     for axis in 0..3 {
-        let (min, max) = (f64::from(cell.min[axis]) - slack, f64::from(cell.max[axis]) + slack);
-        polygon = cut(&polygon, |p| p[axis] - min);
-        polygon = cut(&polygon, |p| max - p[axis]);
+        // Most faces have nothing of the triangle beyond them.
+        if bounds.min[axis] < cell.min[axis] {
+            let min = f64::from(cell.min[axis]) - slack;
+            polygon = cut(&polygon, |p| p[axis] - min);
+        }
+        if bounds.max[axis] > cell.max[axis] {
+            let max = f64::from(cell.max[axis]) + slack;
+            polygon = cut(&polygon, |p| max - p[axis]);
+        }
     }
     polygon
 }
@@ -74,24 +97,28 @@ fn cut(polygon: &Polygon, height: impl Fn(&DVec3) -> f64) -> Polygon {
 
 #[cfg(test)]
 mod tests {
+    use super::super::plane::Side;
     use super::*;
     use glam::Vec3;
     use proptest::prelude::*;
 
-    fn part(triangle: Triangle, cell: Aabb) -> Option<Aabb> {
+    fn halves(triangle: Triangle, cell: Aabb, axis: usize, position: f32) -> [Option<Aabb>; 2] {
         let triangles = Triangles::new(vec![triangle]).unwrap();
-        Member::new(&triangles, 0).within(&cell, &triangles, 1e-12).map(|m| m.bounds)
+        let plane = Plane { axis, position, within: Side::Lower };
+        Member::new(&triangles, 0).halves(&cell, &plane, &triangles, 1e-12).map(|part| part.map(|m| m.bounds))
     }
 
     #[test]
     fn a_box_is_cut_to_what_the_triangle_needs() {
         let corner = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
-        let cell = |min: f32, max: f32| Aabb { min: Vec3::splat(min), max: Vec3::splat(max) };
-        let cut = part(corner, Aabb { min: Vec3::new(0.75, 0.0, -1.0), max: Vec3::ONE }).unwrap();
-        assert!((cut.max.y - 0.25).abs() < 1e-6 && cut.min.x == 0.75 && cut.max.x == 1.0);
+        let [lower, upper] = halves(corner, corner.bounds(), 0, 0.75);
+        assert_eq!(lower.unwrap().max, Vec3::new(0.75, 1.0, 0.0));
+        let upper = upper.unwrap();
+        assert!((upper.max.y - 0.25).abs() < 1e-6 && upper.min.x == 0.75 && upper.max.x == 1.0);
         // The corner that the long side cuts off is in the box, not in the triangle.
-        assert_eq!(part(corner, Aabb { min: Vec3::new(0.75, 0.75, -1.0), max: Vec3::ONE }), None);
-        assert_eq!(part(corner, cell(-1.0, 2.0)), Some(corner.bounds()));
+        let cell = Aabb { min: Vec3::new(0.5, 0.5, -1.0), max: Vec3::ONE };
+        let [lower, upper] = halves(corner, cell, 0, 0.75);
+        assert!(lower.is_some() && upper.is_none());
     }
 
     proptest! {
@@ -100,17 +127,22 @@ mod tests {
         fn no_point_of_the_triangle_in_the_cell_is_lost(
             c in prop::array::uniform9(-4i8..=4), low in prop::array::uniform3(-4i8..=4),
             size in prop::array::uniform3(0u8..=4), along in prop::array::uniform2(0u8..=8), scale in -1.0..1.0f32,
+            axis in 0usize..3, share in 0u8..=4,
         ) {
             let at = |i: usize| Vec3::new(f32::from(c[i]), f32::from(c[i + 1]), f32::from(c[i + 2])) * scale;
             let triangle = Triangle::new(at(0), at(3), at(6));
             let min = Vec3::from(low.map(f32::from)) * scale.abs();
             let cell = Aabb { min, max: min + Vec3::from(size.map(f32::from)) * scale.abs() };
+            let position = cell.min[axis] + (cell.max[axis] - cell.min[axis]) * f32::from(share) / 4.0;
             let [u, v] = along.map(|i| f64::from(i) / 8.0);
             let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
             let point = a.lerp(b, u).lerp(c, v);
             let inside = |b: &Aabb| b.min.as_dvec3().cmple(point).all() && point.cmple(b.max.as_dvec3()).all();
             if inside(&cell) {
-                prop_assert!(part(triangle, cell).is_some_and(|b| inside(&b)));
+                let [lower, upper] = halves(triangle, cell, axis, position);
+                let at = f64::from(position);
+                prop_assert!(point[axis] > at || lower.is_some_and(|b| inside(&b)));
+                prop_assert!(point[axis] < at || upper.is_some_and(|b| inside(&b)));
             }
         }
     }

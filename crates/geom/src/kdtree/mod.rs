@@ -1,6 +1,7 @@
 //! A k-d tree over triangles: cells halved by axis-parallel planes, leaves listing the triangles
 //! that touch them.
 
+mod branch;
 mod build;
 mod cost;
 mod events;
@@ -15,7 +16,7 @@ mod traverse;
 pub use options::{KdOptions, SplitRule};
 pub use stats::KdStats;
 
-use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Traverse, Triangles};
+use crate::{Aabb, Accel, Hit, Ray, Traverse, Triangles};
 
 /// A k-d tree, halved by one of several [`SplitRule`]s.
 ///
@@ -25,14 +26,14 @@ use crate::{Aabb, Accel, Any, Closest, Hit, Ray, Traverse, Triangles};
 pub struct KdTree {
     triangles: Triangles,
     /// Depth first: an inner node's lower child follows it.
-    nodes: Vec<Node>,
+    pub(crate) nodes: Vec<Node>,
     /// Triangle indices of all leaves, ascending within each.
-    references: Vec<u32>,
+    pub(crate) references: Vec<u32>,
 }
 
 /// One cell of the tree.
 #[derive(Clone, Copy, Debug)]
-enum Node {
+pub(crate) enum Node {
     /// Halved at `axis = position`; the upper half is node `upper`.
     Split { axis: u8, position: f32, upper: u32 },
     /// Not halved: lists `references[first..][..count]`.
@@ -40,6 +41,11 @@ enum Node {
 }
 
 impl KdTree {
+    /// The triangles it was built over.
+    pub(crate) fn triangles(&self) -> &Triangles {
+        &self.triangles
+    }
+
     /// The deepest tree that is ever built, whatever the options ask for.
     pub const MAX_DEPTH: u32 = 60;
 
@@ -54,11 +60,11 @@ impl KdTree {
 
 impl Accel for KdTree {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.search(ray, Closest::new(ray), &mut ()).hit()
+        self.closest(ray, &mut ())
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        self.search(ray, Any::new(ray), &mut ()).found()
+        self.any(ray, &mut ())
     }
 
     fn bounds(&self) -> Aabb {

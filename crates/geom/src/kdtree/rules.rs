@@ -80,12 +80,12 @@ impl Surroundings<'_> {
 
     /// The plane, moved to the nearest box if all are on one side of it.
     fn slide(&self, plane: Plane) -> Plane {
-        let all = |side| self.members.iter().all(|m| plane.place(m) == Place::Only(side));
+        let all = |place| self.members.iter().all(|m| plane.place(m) == place);
         let bounds = || self.members.iter().map(|m| m.bounds);
-        if all(Side::Upper) {
+        if all(Place::Upper) {
             let nearest = bounds().map(|b| b.min[plane.axis]).fold(f32::INFINITY, f32::min);
             Plane { position: nearest, within: Side::Upper, ..plane }
-        } else if all(Side::Lower) {
+        } else if all(Place::Lower) {
             let nearest = bounds().map(|b| b.max[plane.axis]).fold(f32::NEG_INFINITY, f32::max);
             Plane { position: nearest, within: Side::Lower, ..plane }
         } else {

@@ -1,8 +1,8 @@
 use super::{KdTree, Node};
 use crate::decide::Shear;
 use crate::prune::{Pruner, Span};
-use crate::search::offer_all;
-use crate::{Probe, Ray, Search, Traverse};
+use crate::search::{Any, Closest, Search, offer_all};
+use crate::{Hit, Probe, Ray, Traverse};
 use arrayvec::ArrayVec;
 
 /// A node still to be visited, over the part of the ray within its widened cell.
@@ -12,6 +12,18 @@ struct Pending {
 }
 
 impl Traverse for KdTree {
+    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        self.search(ray, Closest::new(ray), probe).hit()
+    }
+
+    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        self.search(ray, Any::new(ray), probe).found()
+    }
+}
+
+impl KdTree {
+    /// Runs `search` along `ray`: the one traversal behind every query.
+    ///
     /// Front to back over cells whose planes are widened by the pruning slack, so a ray near a
     /// plane visits both sides (Havran 2000, with thick planes).
     fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
@@ -25,9 +37,7 @@ impl Traverse for KdTree {
         }
         search
     }
-}
 
-impl KdTree {
     fn traverse<S: Search, P: Probe>(
         &self,
         shear: &Shear,
@@ -74,7 +84,7 @@ mod tests {
     use super::*;
     use crate::conformance::shapes::statue;
     use crate::conformance::{Seeded, Source};
-    use crate::{Closest, KdOptions, Triangles};
+    use crate::{KdOptions, Triangles};
     use glam::DVec3;
 
     /// Counts nodes and leaves visited.

@@ -1,0 +1,49 @@
+//! One ray on its own.
+
+use super::WideKdTree;
+use super::course::Course;
+use super::goal::Goal;
+use super::leaf::{note, open};
+use super::node::Child;
+use super::scratch::Scratch;
+use super::simd::Simd;
+use super::step::step;
+use crate::{Probe, Ray};
+
+/// Searches for `ray`, telling `probe` what is done for it.
+#[inline(always)]
+pub(super) fn search_alone<S: Simd, Q: Goal, P: Probe>(
+    simd: S,
+    tree: &WideKdTree,
+    ray: &Ray,
+    probe: &mut P,
+) -> Q {
+    let mut search = Q::begin(ray);
+    let Some(course) = Course::new(ray, &tree.triangles.bounds(), &tree.space) else { return search };
+    Scratch::lend(
+        #[inline(always)]
+        |scratch| {
+            let [trace, ..] = &mut *scratch.traces;
+            trace.begin(course, 0);
+            loop {
+                let child = trace.top();
+                if Child::is_end(child) == 1 {
+                    break;
+                }
+                if Child::is_block(child) == 0 {
+                    probe.visit();
+                    step(simd, &tree.nodes, std::slice::from_mut(trace), [0]);
+                    continue;
+                }
+                probe.open();
+                tree.listed(child).iter().for_each(|&index| probe.test(index));
+                let found = open(simd, tree, trace);
+                if found.is_any() {
+                    note(simd, tree, ray, &found, trace, &mut search);
+                }
+            }
+            trace.candidates.decide(trace.t_end, ray, &tree.triangles, &mut search);
+        },
+    );
+    search
+}

@@ -1,0 +1,70 @@
+//! Triangles of the leaves, in blocks of up to eight, coordinate by coordinate.
+
+use super::simd::{LANES, Rows};
+use super::space::Space;
+use crate::Triangles;
+
+/// What a vector read at the last row may see beyond the end.
+const PADDING: usize = Rows::COUNT * LANES + LANES;
+
+/// All blocks, one after another. A block of `n` triangles is nine rows of `n` coordinates: each
+/// vertex's x, each one's y, each one's z. A vector read from a row sees what follows in the lanes
+/// that are too many, so there is nothing here that is slow to compute with: no indices, which
+/// would be denormal numbers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Blocks {
+    coordinates: Vec<f32>,
+    indices: Vec<u32>,
+}
+
+impl Blocks {
+    /// Adds a block and returns its place.
+    pub(super) fn push(&mut self, triangles: &Triangles, space: &Space, indices: &[u32]) -> u32 {
+        let first = self.indices.len();
+        self.indices.extend(indices);
+        for axis in 0..3 {
+            for vertex in 0..3 {
+                let coordinate = |&i: &u32| space.coordinate(axis, triangles.get(i).vertices[vertex][axis]);
+                self.coordinates.extend(indices.iter().map(coordinate));
+            }
+        }
+        first as u32
+    }
+
+    /// Ends the last block.
+    pub(super) fn finish(&mut self) {
+        self.coordinates.extend([0.0; PADDING]);
+        self.coordinates.shrink_to_fit();
+        self.indices.shrink_to_fit();
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.coordinates) + size_of_val(&*self.indices)
+    }
+
+    /// Bytes of coordinates that a triangle takes.
+    pub(super) const STRIDE: usize = Rows::COUNT * size_of::<f32>();
+
+    /// Where the coordinates are.
+    #[inline(always)]
+    pub(super) fn as_ptr(&self) -> *const u8 {
+        self.coordinates.as_ptr().cast()
+    }
+
+    /// The block's rows.
+    #[inline(always)]
+    pub(super) fn rows(&self, first: usize, count: usize) -> Rows<'_> {
+        Rows::new(&self.coordinates[Rows::COUNT * first..], count)
+    }
+
+    /// The triangles of the block.
+    pub(super) fn indices(&self, first: usize, count: usize) -> &[u32] {
+        &self.indices[first..][..count]
+    }
+
+    /// The index of a triangle of the block.
+    #[inline(always)]
+    pub(super) fn index(&self, first: usize, lane: usize) -> u32 {
+        self.indices[first + lane]
+    }
+}

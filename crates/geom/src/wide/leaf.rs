@@ -1,0 +1,77 @@
+//! A ray at a leaf's block.
+
+use super::WideKdTree;
+use super::filter::{Filtered, Rays, Vertices, filter};
+use super::goal::Goal;
+use super::node::Child;
+use super::simd::{LANES, Simd};
+use super::trace::Trace;
+use crate::Ray;
+
+/// What of a block may be hit.
+#[derive(Clone, Copy)]
+pub(super) struct Found<S: Simd> {
+    /// The block's first reference.
+    first: usize,
+    filtered: Filtered<S>,
+}
+
+impl<S: Simd> Found<S> {
+    pub(super) fn nothing(simd: S) -> Self {
+        let zero = simd.splat(0.0);
+        Self { first: 0, filtered: Filtered { possible: 0, certain: 0, start: zero, end: zero } }
+    }
+
+    /// Whether there is anything.
+    #[inline(always)]
+    pub(super) fn is_any(&self) -> bool {
+        self.filtered.possible != 0
+    }
+}
+
+/// Takes the nearest block and filters it.
+#[inline(always)]
+pub(super) fn open<S: Simd>(simd: S, tree: &WideKdTree, trace: &mut Trace) -> Found<S> {
+    let (child, _, _) = trace.pop();
+    let (first, count) = Child::block(child);
+    let rows = tree.blocks.rows(first, count);
+    let vertices = Vertices::load(simd, rows, trace.course.axes.map(usize::from));
+    let rays = Rays::same(simd, &trace.course, trace.t_end);
+    let mut filtered = filter::<S, false>(simd, &rays, &vertices);
+    filtered.possible &= rows.lanes();
+    filtered.certain &= rows.lanes();
+    Found { first, filtered }
+}
+
+/// Takes note of what was found.
+#[inline(always)]
+pub(super) fn note<S: Simd, Q: Goal>(
+    simd: S,
+    tree: &WideKdTree,
+    ray: &Ray,
+    Found { first, filtered }: &Found<S>,
+    trace: &mut Trace,
+    search: &mut Q,
+) {
+    if Q::ANY && filtered.certain != 0 {
+        *search = search.sure();
+        trace.finish();
+        return;
+    }
+    let mut starts = [0.0; LANES];
+    simd.store(&mut starts, filtered.start);
+    let mut rest = filtered.possible;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize % LANES;
+        rest &= rest - 1;
+        trace.candidates.add(starts[lane], tree.blocks.index(*first, lane));
+        if trace.candidates.is_full() {
+            trace.candidates.decide(trace.t_end, ray, &tree.triangles, search);
+        }
+    }
+    if filtered.certain != 0 {
+        let end = simd.min_of(filtered.end, filtered.certain);
+        trace.t_end = if end < trace.t_end { end } else { trace.t_end };
+        trace.drop_beyond(simd);
+    }
+}

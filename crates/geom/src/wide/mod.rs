@@ -1,0 +1,197 @@
+//! A k-d tree for many rays: eight cells a node, triangles by the block, searched in `f32` and
+//! decided in `f64`.
+//!
+//! - [`collapse`]: three levels of a binary tree become one [`node`], leaves become [`blocks`],
+//!   in the scene's own [`space`];
+//! - [`course`]: a ray in that space, with a bound for every error;
+//! - [`step`] finds the cells of a node that a ray meets, [`filter`] the triangles of a block;
+//! - a ray is searched for [`alone`], in a [`wave`] of many that take their steps in turn, or in a
+//!   [`packet`] of eight that go the same way;
+//! - [`candidates`]: what is left, a triangle a hit and mostly none otherwise, is decided.
+//!
+//! All of it is written once, over the vectors of [`simd`], for the [`level`] that the machine has.
+
+mod alone;
+mod blocks;
+mod candidates;
+mod collapse;
+mod course;
+mod filter;
+mod goal;
+mod leaf;
+mod level;
+mod node;
+mod packet;
+mod scratch;
+#[allow(unsafe_code)]
+mod simd;
+mod space;
+mod step;
+mod trace;
+mod wave;
+
+pub use level::SimdLevel;
+
+use crate::search::{Any, Closest};
+use crate::{Aabb, Accel, GeomError, Hit, KdOptions, KdTree, Probe, Ray, Traverse, Triangles};
+use alone::search_alone;
+use blocks::Blocks;
+use collapse::Collapse;
+use level::Token;
+use node::{Child, Node};
+use simd::Simd;
+use space::Space;
+use wave::{search_in_turn, search_together};
+
+/// A [`KdTree`] whose nodes hold three levels each, and whose leaves are tested eight triangles at
+/// a time.
+///
+/// Made for batches: many rays are searched for in turn, so that their waiting overlaps.
+///
+/// The search uses the best vector instructions of the machine it runs on; the answers are the same
+/// with any.
+#[derive(Clone, Debug)]
+pub struct WideKdTree {
+    triangles: Triangles,
+    space: Space,
+    nodes: Vec<Node>,
+    blocks: Blocks,
+    token: Token,
+}
+
+impl WideKdTree {
+    /// Builds the tree, with options that suit it: eight triangles cost as much as one.
+    ///
+    /// # Errors
+    /// As [`WideKdTree::from_tree`].
+    pub fn build(triangles: &Triangles) -> Result<Self, GeomError> {
+        let options = KdOptions { leaf_size: 8, traversal_cost: 4.0, ..KdOptions::default() };
+        Self::from_tree(&KdTree::build(triangles, &options)?)
+    }
+
+    /// The same cells as those of `tree`.
+    ///
+    /// # Errors
+    /// [`GeomError::Budget`] for a tree with more than some 134 million references.
+    pub fn from_tree(tree: &KdTree) -> Result<Self, GeomError> {
+        let (requested, budget) = (tree.references.len(), Child::MAX_REFERENCES);
+        if requested > budget {
+            let (requested, budget) = (requested as u64, budget as u64);
+            return Err(GeomError::Budget { what: "wide k-d tree references", requested, budget });
+        }
+        let triangles = tree.triangles().clone();
+        let space = Space::new(&triangles.bounds());
+        let Collapse { nodes, blocks, .. } = Collapse::run(tree, space);
+        Ok(Self { triangles, space, nodes, blocks, token: Token::new(SimdLevel::Avx512) })
+    }
+
+    /// The same tree, searched with the instructions of `level`, or the best below it that this
+    /// machine has.
+    #[must_use]
+    pub fn with_level(self, level: SimdLevel) -> Self {
+        Self { token: Token::new(level), ..self }
+    }
+
+    /// The instructions that it is searched with.
+    pub fn level(&self) -> SimdLevel {
+        self.token.level()
+    }
+
+    /// The triangles of a block.
+    fn listed(&self, child: u32) -> &[u32] {
+        let (first, count) = Child::block(child);
+        self.blocks.indices(first, count)
+    }
+
+    /// Where a child is. Looked up, since a branch would be mispredicted.
+    #[inline(always)]
+    fn address(&self, child: u32) -> *const u8 {
+        let (nodes, blocks) = (self.nodes.as_ptr().cast::<u8>(), self.blocks.as_ptr());
+        let (base, size) =
+            [(nodes, size_of::<Node>()), (blocks, Blocks::STRIDE)][Child::is_block(child) as usize];
+        base.wrapping_add((child & Child::PLACE) as usize * size)
+    }
+}
+
+/// How many rays stay in the cache.
+const CACHED: usize = 4096;
+
+/// Runs an expression compiled for the tree's level, with the vectors of that level at hand.
+macro_rules! vectorized {
+    ($tree:expr, |$simd:ident| $search:expr) => {
+        match $tree.token {
+            Token::Portable($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $search,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Token::Avx2($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $search,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Token::Avx512($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $search,
+            ),
+        }
+    };
+}
+
+impl WideKdTree {
+    fn closest_of_all(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        // Rays are looked at twice: those that go together first, then the others.
+        for (rays, hits) in rays.chunks(CACHED).zip(hits.chunks_mut(CACHED)) {
+            vectorized!(self, |simd| {
+                let together = search_together(simd, self, rays, |i, search| hits[i] = search.hit());
+                search_in_turn(simd, self, rays, together, |i, search: Closest| hits[i] = search.hit());
+            });
+        }
+    }
+
+    fn any_of_all(&self, rays: &[Ray], occluded: &mut [bool]) {
+        vectorized!(self, |simd| {
+            search_in_turn(simd, self, rays, false, |i, search: Any| occluded[i] = search.found());
+        });
+    }
+}
+
+impl Traverse for WideKdTree {
+    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        vectorized!(self, |simd| search_alone::<_, Closest, P>(simd, self, ray, probe)).hit()
+    }
+
+    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        vectorized!(self, |simd| search_alone::<_, Any, P>(simd, self, ray, probe)).found()
+    }
+}
+
+impl Accel for WideKdTree {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, &mut ())
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.any(ray, &mut ())
+    }
+
+    fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        self.closest_of_all(rays, hits);
+    }
+
+    fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        occluded.clear();
+        occluded.resize(rays.len(), false);
+        self.any_of_all(rays, occluded);
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.triangles.bounds()
+    }
+
+    fn bytes(&self) -> usize {
+        self.triangles.bytes() + size_of_val(&*self.nodes) + self.blocks.bytes()
+    }
+}

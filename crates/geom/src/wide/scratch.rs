@@ -1,0 +1,37 @@
+//! The memory that searches work in, kept from one to the next so that queries do not allocate.
+
+use super::packet::Packet;
+use super::trace::Trace;
+use std::cell::Cell;
+
+/// How many rays are advanced in turn.
+pub(super) const WIDTH: usize = 64;
+
+#[derive(Debug)]
+pub(super) struct Scratch {
+    /// One for each of [`WIDTH`] rays; on the heap, since they are large.
+    pub(super) traces: Box<[Trace; WIDTH]>,
+    pub(super) packet: Packet,
+}
+
+thread_local! {
+    static SCRATCH: Cell<Option<Box<Scratch>>> = const { Cell::new(None) };
+}
+
+impl Scratch {
+    /// Lends this thread's to `work`.
+    #[inline(always)]
+    pub(super) fn lend<T>(work: impl FnOnce(&mut Self) -> T) -> T {
+        let mut scratch = SCRATCH.take().unwrap_or_else(Self::idle);
+        let result = work(&mut scratch);
+        SCRATCH.set(Some(scratch));
+        result
+    }
+
+    #[cold]
+    fn idle() -> Box<Self> {
+        let traces: Vec<Trace> = (0..WIDTH).map(|_| Trace::idle()).collect();
+        let traces = traces.into_boxed_slice().try_into().expect("as many as were made");
+        Box::new(Self { traces, packet: Packet::idle() })
+    }
+}

@@ -1,0 +1,217 @@
+//! AVX2 with FMA.
+
+use super::{LANES, Simd};
+use std::arch::x86_64::*;
+
+/// The machine has AVX2 and FMA.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Avx2(());
+
+impl Avx2 {
+    pub(in super::super) fn detect() -> Option<Self> {
+        let all = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("popcnt")
+            && is_x86_feature_detected!("lzcnt");
+        all.then_some(Self(()))
+    }
+}
+
+/// For each mask its lanes, in order.
+static PACKED: [[u8; LANES]; 256] = packed();
+
+const fn packed() -> [[u8; LANES]; 256] {
+    let mut table = [[0; LANES]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut next) = (0, 0);
+        while lane < LANES {
+            if mask >> lane & 1 == 1 {
+                table[mask][next] = lane as u8;
+                next += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+}
+
+/// All bits of the lanes in `mask`.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn lanes(mask: u8) -> __m256 {
+    let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    let mask = _mm256_and_si256(_mm256_set1_epi32(i32::from(mask)), bits);
+    _mm256_castsi256_ps(_mm256_cmpeq_epi32(mask, bits))
+}
+
+/// Calls an intrinsic in a method of the token.
+macro_rules! call {
+    ($e:expr) => {
+        // SAFETY: the token exists only where the instructions do; every pointer that is read or
+        // written through comes from a reference to as much as that.
+        unsafe { $e }
+    };
+}
+
+impl Simd for Avx2 {
+    type F = __m256;
+    type I = __m256i;
+
+    #[inline(always)]
+    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt,lzcnt")]
+        fn inner<R>(f: impl FnOnce() -> R) -> R {
+            f()
+        }
+        call!(inner(f))
+    }
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> __m256 {
+        call!(_mm256_set1_ps(x))
+    }
+    #[inline(always)]
+    fn load(self, x: &[f32; LANES]) -> __m256 {
+        call!(_mm256_loadu_ps(x.as_ptr()))
+    }
+    #[inline(always)]
+    fn load_twice(self, x: &[f32; 4]) -> __m256 {
+        call!(_mm256_broadcast_ps(&_mm_loadu_ps(x.as_ptr())))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES], x: __m256) {
+        call!(_mm256_storeu_ps(to.as_mut_ptr(), x));
+    }
+    #[inline(always)]
+    fn add(self, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_add_ps(a, b))
+    }
+    #[inline(always)]
+    fn sub(self, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_sub_ps(a, b))
+    }
+    #[inline(always)]
+    fn mul(self, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_mul_ps(a, b))
+    }
+    #[inline(always)]
+    fn div(self, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_div_ps(a, b))
+    }
+    #[inline(always)]
+    fn mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+        call!(_mm256_fmadd_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+        call!(_mm256_fmsub_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn min(self, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_min_ps(a, b))
+    }
+    #[inline(always)]
+    fn max(self, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_max_ps(a, b))
+    }
+    #[inline(always)]
+    fn abs(self, a: __m256) -> __m256 {
+        call!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
+    }
+    #[inline(always)]
+    fn max_abs(self, a: __m256, b: __m256) -> __m256 {
+        self.max(self.abs(a), self.abs(b))
+    }
+    #[inline(always)]
+    fn lt(self, a: __m256, b: __m256) -> u8 {
+        call!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b))) as u8
+    }
+    #[inline(always)]
+    fn le(self, a: __m256, b: __m256) -> u8 {
+        call!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b))) as u8
+    }
+    #[inline(always)]
+    fn signs(self, a: __m256) -> u8 {
+        call!(_mm256_movemask_ps(a)) as u8
+    }
+    #[inline(always)]
+    fn choose<const MASK: u8>(self, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_blendv_ps(b, a, lanes(MASK)))
+    }
+    #[inline(always)]
+    fn choose_by(self, mask: u8, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_blendv_ps(b, a, lanes(mask)))
+    }
+    #[inline(always)]
+    fn permute_four(self, table: __m256, index: __m256i) -> __m256 {
+        call!(_mm256_permutevar_ps(table, index))
+    }
+    #[inline(always)]
+    fn permute_mixed<const HIGH: u8>(self, low: __m256, high: __m256, index: __m256i) -> __m256 {
+        call!({
+            let (low, high) = (_mm256_permutevar8x32_ps(low, index), _mm256_permutevar8x32_ps(high, index));
+            _mm256_blendv_ps(low, high, lanes(HIGH))
+        })
+    }
+    #[inline(always)]
+    fn min_of(self, a: __m256, mask: u8) -> f32 {
+        call!({
+            let a = _mm256_blendv_ps(_mm256_set1_ps(f32::INFINITY), a, lanes(mask));
+            let a = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
+            let a = _mm_min_ps(a, _mm_movehl_ps(a, a));
+            _mm_cvtss_f32(_mm_min_ss(a, _mm_movehdup_ps(a)))
+        })
+    }
+    #[inline(always)]
+    fn compress(self, to: &mut [f32; LANES], a: __m256, mask: u8) {
+        let order = self.widen(&PACKED[usize::from(mask)]);
+        self.store(to, call!(_mm256_permutevar8x32_ps(a, order)));
+    }
+
+    #[inline(always)]
+    fn load_i(self, x: &[u32; LANES]) -> __m256i {
+        call!(_mm256_loadu_si256(x.as_ptr().cast()))
+    }
+    #[inline(always)]
+    fn widen(self, x: &[u8; LANES]) -> __m256i {
+        call!(_mm256_cvtepu8_epi32(_mm_loadl_epi64(x.as_ptr().cast())))
+    }
+    #[inline(always)]
+    fn splat_i(self, x: u32) -> __m256i {
+        call!(_mm256_set1_epi32(x as i32))
+    }
+    #[inline(always)]
+    fn add_i(self, a: __m256i, b: __m256i) -> __m256i {
+        call!(_mm256_add_epi32(a, b))
+    }
+    #[inline(always)]
+    fn shift<const N: u32>(self, a: __m256i) -> __m256i {
+        call!(_mm256_srl_epi32(a, _mm_cvtsi32_si128(N as i32)))
+    }
+    #[inline(always)]
+    fn shift_by_lane(self, a: __m256i) -> __m256i {
+        call!(_mm256_srlv_epi32(a, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14)))
+    }
+    #[inline(always)]
+    fn permute_i(self, table: __m256i, index: __m256i) -> __m256i {
+        call!(_mm256_permutevar8x32_epi32(table, index))
+    }
+    #[inline(always)]
+    fn ne_i(self, a: __m256i, b: __m256i) -> u8 {
+        !(call!(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b)))) as u8)
+    }
+    #[inline(always)]
+    fn compress_i(self, to: &mut [u32; LANES], a: __m256i, mask: u8) {
+        let order = self.widen(&PACKED[usize::from(mask)]);
+        call!(_mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, order)));
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, x: *const T) {
+        call!(_mm_prefetch::<_MM_HINT_T0>(x.cast()));
+    }
+}

@@ -1,0 +1,124 @@
+//! Eight lanes at a time, on whatever the machine has.
+//!
+//! The searches are written once, over [`Simd`]. A value of a type that implements it is a token:
+//! it can be made only where the instructions exist, so using it is safe.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+pub(super) use avx512::Avx512;
+pub(super) use portable::Portable;
+
+/// How many lanes a vector has.
+pub(super) const LANES: usize = 8;
+
+/// Nine rows of `count` coordinates, up to eight, one after another: those of three vertices along
+/// each axis. Readable a vector beyond the end.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    words: &'a [f32],
+    count: usize,
+}
+
+impl<'a> Rows<'a> {
+    pub(super) const COUNT: usize = 9;
+
+    #[inline(always)]
+    pub(super) fn new(words: &'a [f32], count: usize) -> Self {
+        assert!(count <= LANES && words.len() >= (Self::COUNT + 1) * LANES);
+        Self { words, count }
+    }
+
+    /// The coordinates along `axis` of the three vertices.
+    #[inline(always)]
+    pub(super) fn along(self, axis: usize) -> [&'a [f32; LANES]; 3] {
+        assert!(axis < 3);
+        [0, 1, 2].map(
+            #[inline(always)]
+            |vertex| {
+                let start = (3 * axis + vertex) * self.count;
+                // SAFETY: `start` is at most `8 * LANES`, and there are `10 * LANES` words.
+                unsafe { &*self.words.as_ptr().add(start).cast() }
+            },
+        )
+    }
+
+    /// The lanes that hold a triangle.
+    #[inline(always)]
+    pub(super) fn lanes(self) -> u8 {
+        (0xff_u32 >> (LANES - self.count)) as u8
+    }
+}
+
+/// Vectors of eight `f32` or `u32`. Masks are bytes, bit `i` for lane `i`.
+///
+/// Comparisons with NaN are false. `mul_add` may round once or twice.
+pub(super) trait Simd: Copy {
+    /// Eight `f32`.
+    type F: Copy;
+    /// Eight `u32`.
+    type I: Copy;
+
+    /// Runs `f`, compiled for this instruction set.
+    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R;
+
+    fn splat(self, x: f32) -> Self::F;
+    fn load(self, x: &[f32; LANES]) -> Self::F;
+    /// The four numbers twice.
+    fn load_twice(self, x: &[f32; 4]) -> Self::F;
+    fn store(self, to: &mut [f32; LANES], x: Self::F);
+    fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    /// `a * b + c`.
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// `a * b - c`.
+    fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// The smaller; `b` if either is NaN.
+    fn min(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The larger; `b` if either is NaN.
+    fn max(self, a: Self::F, b: Self::F) -> Self::F;
+    fn abs(self, a: Self::F) -> Self::F;
+    /// The larger of the magnitudes.
+    fn max_abs(self, a: Self::F, b: Self::F) -> Self::F;
+    fn lt(self, a: Self::F, b: Self::F) -> u8;
+    fn le(self, a: Self::F, b: Self::F) -> u8;
+    /// The sign bits.
+    fn signs(self, a: Self::F) -> u8;
+    /// `a` in the lanes of `MASK`, `b` elsewhere.
+    fn choose<const MASK: u8>(self, a: Self::F, b: Self::F) -> Self::F;
+    /// `a` in the lanes of `mask`, `b` elsewhere.
+    fn choose_by(self, mask: u8, a: Self::F, b: Self::F) -> Self::F;
+    /// Lane `i` is lane `index[i] % 4` of `table`, which holds four numbers twice.
+    fn permute_four(self, table: Self::F, index: Self::I) -> Self::F;
+    /// Lane `i` is lane `index[i] % 8` of `low`, or of `high` in the lanes of `HIGH`, whose `index`
+    /// is to be 8 or more; elsewhere it is to be less.
+    fn permute_mixed<const HIGH: u8>(self, low: Self::F, high: Self::F, index: Self::I) -> Self::F;
+    /// The smallest of the lanes in `mask`, or infinity.
+    fn min_of(self, a: Self::F, mask: u8) -> f32;
+    /// Writes the lanes of `mask`, packed, to the front of `to`; the rest of `to` is lost.
+    fn compress(self, to: &mut [f32; LANES], a: Self::F, mask: u8);
+
+    fn load_i(self, x: &[u32; LANES]) -> Self::I;
+    fn widen(self, x: &[u8; LANES]) -> Self::I;
+    fn splat_i(self, x: u32) -> Self::I;
+    fn add_i(self, a: Self::I, b: Self::I) -> Self::I;
+    /// `a >> N`, each lane.
+    fn shift<const N: u32>(self, a: Self::I) -> Self::I;
+    /// `a >> 2 i` in lane `i`.
+    fn shift_by_lane(self, a: Self::I) -> Self::I;
+    fn permute_i(self, table: Self::I, index: Self::I) -> Self::I;
+    fn ne_i(self, a: Self::I, b: Self::I) -> u8;
+    /// [`Simd::compress`] for integers.
+    fn compress_i(self, to: &mut [u32; LANES], a: Self::I, mask: u8);
+
+    /// Asks for the cache line at `x`, whatever is there.
+    fn prefetch<T>(self, x: *const T);
+}

@@ -1,0 +1,43 @@
+//! The space that a wide tree works in: the scene moved to the origin and scaled to unit size.
+
+use crate::Aabb;
+use glam::DVec3;
+
+/// A map from the scene to `[-1, 1]^3`. Scaling is by a power of two, so it rounds nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Space {
+    pub(super) center: DVec3,
+    pub(super) scale: f64,
+}
+
+impl Space {
+    /// The space of a scene within `bounds`; any, if they are empty.
+    pub(super) fn new(bounds: &Aabb) -> Self {
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        if bounds.is_empty() {
+            return Self { center: DVec3::ZERO, scale: 1.0 };
+        }
+        let center = 0.5 * (min + max);
+        let half = (max - center).max(center - min).max_element();
+        Self { center, scale: power_of_two_below(half).recip() * 0.5 }
+    }
+
+    /// A coordinate, off by at most half an `f32`'s last bit of 1. Tiny ones become zero, since
+    /// denormal operands are slow.
+    pub(super) fn coordinate(&self, axis: usize, x: f32) -> f32 {
+        let x = (f64::from(x) - self.center[axis]) * self.scale;
+        if x.abs() < 2.0_f64.powi(-60) { 0.0 } else { x as f32 }
+    }
+}
+
+/// The power of two with the exponent of `x`, a normal number.
+#[inline]
+pub(super) fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
+}
+
+/// `1 / x` for a power of two within `2^-1022..=2^1022`.
+#[inline]
+pub(super) fn power_of_two_inverse(x: f64) -> f64 {
+    f64::from_bits((2046 << 52) - x.to_bits())
+}

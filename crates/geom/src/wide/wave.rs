@@ -1,0 +1,238 @@
+//! Many rays in turn: each makes one step before any makes the next, so that what one waits for,
+//! the others hide.
+//!
+//! A step ends before its outcome is known, and nothing but the outcome of an earlier round is
+//! waited for or branched upon: it decides in which round's set of rays a ray is.
+
+use super::WideKdTree;
+use super::course::Course;
+use super::goal::Goal;
+use super::leaf::{Found, note, open};
+use super::node::Child;
+use super::packet::is_coherent;
+use super::scratch::{Scratch, WIDTH};
+use super::simd::{LANES, Simd};
+use super::step::step;
+use super::trace::Trace;
+use crate::Ray;
+use crate::search::Closest;
+
+/// How many make a step side by side.
+const SIDE: usize = 4;
+
+/// A set of rays in hand, a bit each. It is kept in a register: were it a list in memory, the place
+/// of an entry would depend on a step's outcome, and later loads would wait to know it.
+type Slots = u64;
+
+/// What rays in hand are waiting for.
+#[derive(Default)]
+struct Waiting {
+    nodes: Slots,
+    blocks: Slots,
+    ended: Slots,
+}
+
+struct Wave<'a, Q, R> {
+    tree: &'a WideKdTree,
+    rays: &'a [Ray],
+    /// The next ray to be taken in hand.
+    next: usize,
+    /// Whether rays that go the same way are left out.
+    apart: bool,
+    traces: &'a mut [Trace; WIDTH],
+    searches: [Option<Q>; WIDTH],
+    report: R,
+}
+
+/// Searches for every ray, and hands each finished search to `report`. Rays that go the same way
+/// are left to [`search_together`], if `apart`.
+#[inline(always)]
+pub(super) fn search_in_turn<S: Simd, Q: Goal>(
+    simd: S,
+    tree: &WideKdTree,
+    rays: &[Ray],
+    apart: bool,
+    report: impl FnMut(usize, Q),
+) {
+    Scratch::lend(
+        #[inline(always)]
+        |Scratch { traces, .. }| {
+            let searches = [None; WIDTH];
+            Wave { tree, rays, next: 0, apart, traces, searches, report }.run(simd);
+        },
+    );
+}
+
+/// Searches for those rays that go the same way as their neighbours, and hands each finished
+/// search to `report`. Returns whether there are any.
+#[inline(always)]
+pub(super) fn search_together<S: Simd>(
+    simd: S,
+    tree: &WideKdTree,
+    rays: &[Ray],
+    mut report: impl FnMut(usize, Closest),
+) -> bool {
+    Scratch::lend(
+        #[inline(always)]
+        |Scratch { packet, .. }| {
+            let (groups, _) = rays.as_chunks::<LANES>();
+            let mut any = false;
+            for (i, group) in groups.iter().enumerate() {
+                if is_coherent(group) {
+                    any = true;
+                    let searches = packet.search(simd, tree, group);
+                    for (lane, search) in searches.into_iter().enumerate() {
+                        report(LANES * i + lane, search);
+                    }
+                }
+            }
+            any
+        },
+    )
+}
+
+/// The slots in a set, ascending. An iterator and no closure: what is not inlined is not compiled
+/// for the instruction set.
+struct Each(Slots);
+
+impl Iterator for Each {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let slot = self.0.trailing_zeros() as usize % WIDTH;
+        self.0 &= self.0 - 1;
+        Some(slot)
+    }
+}
+
+impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S) {
+        let mut found = [Found::nothing(simd); WIDTH];
+        let mut waiting = Waiting { ended: Slots::MAX, ..Waiting::default() };
+        loop {
+            waiting.nodes |= self.turn_over(waiting.ended);
+            if waiting.nodes | waiting.blocks == 0 {
+                break;
+            }
+            let Waiting { nodes, blocks, .. } = std::mem::take(&mut waiting);
+            self.step(simd, nodes, &mut waiting);
+            self.open(simd, blocks, &mut found, &mut waiting);
+            waiting.nodes = (nodes | blocks) & !(waiting.blocks | waiting.ended);
+        }
+    }
+
+    /// The next ray to be taken in hand.
+    #[inline(always)]
+    fn next_ray(&mut self) -> Option<usize> {
+        while self.apart && self.next.is_multiple_of(LANES) {
+            match self.rays[self.next..].first_chunk::<LANES>() {
+                Some(group) if is_coherent(group) => self.next += LANES,
+                _ => break,
+            }
+        }
+        let next = self.next;
+        if next == self.rays.len() {
+            return None;
+        }
+        self.next += 1;
+        Some(next)
+    }
+
+    /// Ends the searches of the slots `ended`, and begins others there; returns where it did.
+    #[inline(always)]
+    fn turn_over(&mut self, ended: Slots) -> Slots {
+        let mut begun = 0;
+        for slot in Each(ended) {
+            let trace = &mut self.traces[slot];
+            if let Some(mut search) = self.searches[slot].take() {
+                let id = trace.ray as usize;
+                trace.candidates.decide(trace.t_end, &self.rays[id], &self.tree.triangles, &mut search);
+                (self.report)(id, search);
+            }
+            begun |= Slots::from(self.begin_next(slot)) << slot;
+        }
+        begun
+    }
+
+    /// Begins a search, unless there is none left.
+    #[inline(always)]
+    fn begin_next(&mut self, slot: usize) -> bool {
+        while let Some(id) = self.next_ray() {
+            let ray = &self.rays[id];
+            let search = Q::begin(ray);
+            if let Some(course) = Course::new(ray, &self.tree.triangles.bounds(), &self.tree.space) {
+                self.traces[slot].begin(course, id as u32);
+                self.searches[slot] = Some(search);
+                return true;
+            }
+            (self.report)(id, search);
+        }
+        false
+    }
+
+    /// One step through a node for each of the rays that wait for one.
+    #[inline(always)]
+    fn step<S: Simd>(&mut self, simd: S, nodes: Slots, waiting: &mut Waiting) {
+        let mut list = [0; WIDTH];
+        let mut count = 0;
+        for slot in Each(nodes) {
+            list[count] = slot as u8;
+            count += 1;
+        }
+        let (groups, rest) = list[..count].as_chunks::<SIDE>();
+        for group in groups {
+            let slots = group.map(usize::from);
+            step(simd, &self.tree.nodes, self.traces, slots);
+            for slot in slots {
+                self.advance(simd, slot, waiting);
+            }
+        }
+        for &slot in rest {
+            let slot = usize::from(slot);
+            step(simd, &self.tree.nodes, self.traces, [slot]);
+            self.advance(simd, slot, waiting);
+        }
+    }
+
+    /// One block for each of the rays that wait for one.
+    ///
+    /// All are filtered before the first hit is looked at: whether there is one can not be
+    /// predicted, and a wrong guess costs all that was begun after it.
+    #[inline(always)]
+    fn open<S: Simd>(
+        &mut self,
+        simd: S,
+        blocks: Slots,
+        found: &mut [Found<S>; WIDTH],
+        waiting: &mut Waiting,
+    ) {
+        let mut hits: Slots = 0;
+        for slot in Each(blocks) {
+            found[slot] = open(simd, self.tree, &mut self.traces[slot]);
+            hits |= Slots::from(found[slot].is_any()) << slot;
+        }
+        for slot in Each(hits) {
+            let trace = &mut self.traces[slot];
+            if let Some(search) = &mut self.searches[slot] {
+                note(simd, self.tree, &self.rays[trace.ray as usize], &found[slot], trace, search);
+            }
+        }
+        for slot in Each(blocks) {
+            self.advance(simd, slot, waiting);
+        }
+    }
+
+    /// Finds out what the ray waits for now, and asks for its memory.
+    #[inline(always)]
+    fn advance<S: Simd>(&mut self, simd: S, slot: usize, waiting: &mut Waiting) {
+        let child = self.traces[slot].top();
+        waiting.blocks |= Slots::from(Child::is_block(child)) << slot;
+        waiting.ended |= Slots::from(Child::is_end(child)) << slot;
+        simd.prefetch(self.tree.address(child));
+    }
+}
