@@ -6,4 +6,4 @@ mod wave;
 
 pub use counters::Counters;
 pub use estimator::Estimator;
-pub(crate) use wave::{PassSamples, View, Wave};
+pub(crate) use wave::{View, Wave, WaveSamples};
