@@ -55,7 +55,7 @@ pub use film::{Film, ImageError};
 pub use filter::PixelFilter;
 pub use model::Model;
 pub use monitor::{Monitor, Progress};
-pub use path::{Counters, Estimator};
+pub use path::{Counters, Estimator, Replay, Vertex, replay};
 pub use picture::{Ending, Picture};
 pub use render::{Render, render};
 pub use sampler::{Sampler, Stream};

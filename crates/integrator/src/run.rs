@@ -107,10 +107,8 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
     /// goals, of which it has `excess`, need fewer.
     fn expect(&self, picture: &Picture, passes: Range<u32>, excess: Option<f64>) {
         let held = f64::from(picture.samples) * picture.film.pixel_count() as f64;
-        let lacking: u64 = passes
-            .filter(|&pass| !picture.film.holds(pass))
-            .map(|pass| self.job.samples_of(pass..pass + 1))
-            .sum();
+        let there: u64 = picture.film.held_of(&passes).map(|part| self.job.samples_of(part)).sum();
+        let lacking = self.job.samples_of(passes) - there;
         let needed = excess.map_or(f64::INFINITY, |excess| held * (excess - 1.0).max(0.0));
         // Nothing held, nothing known: not a number, and so no minimum.
         self.job.meter.expect(needed.min(lacking as f64) as u64);

@@ -1,4 +1,5 @@
 use super::moments::{Moments, Tally};
+use std::fmt;
 use std::ops::Range;
 
 /// What a power of two of neighbouring passes have added up to, for every pixel.
@@ -7,7 +8,7 @@ use std::ops::Range;
 /// joined at once, so blocks are the nodes of one fixed binary tree over all passes there could
 /// be: a sum of passes has the same bits in whatever order and places they were rendered, and its
 /// rounding error grows with the logarithm of their number only.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Block {
     pub(crate) first: u32,
     pub(crate) passes: u32,
@@ -41,5 +42,15 @@ impl Block {
         }
         self.tally = self.tally.joined(next.tally);
         self.passes *= 2;
+    }
+}
+
+impl fmt::Debug for Block {
+    /// Without the pixels, of which there may be millions.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Block")
+            .field("passes", &self.range())
+            .field("tally", &self.tally)
+            .finish_non_exhaustive()
     }
 }

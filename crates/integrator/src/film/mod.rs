@@ -131,10 +131,8 @@ impl Film {
         if (self.width, self.height) != (other.width, other.height) {
             return Err(CheckpointError::Mismatch("size"));
         }
-        for range in other.passes() {
-            if let Some(pass) = range.clone().find(|&pass| self.holds(pass)) {
-                return Err(CheckpointError::Overlap { pass });
-            }
+        if let Some(shared) = other.passes().iter().find_map(|range| self.held_of(range).next()) {
+            return Err(CheckpointError::Overlap { pass: shared.start });
         }
         for block in other.blocks {
             self.insert(block);
@@ -145,6 +143,13 @@ impl Film {
     /// Whether the film holds this pass.
     pub(crate) fn holds(&self, pass: u32) -> bool {
         self.blocks.iter().any(|block| block.range().contains(&u64::from(pass)))
+    }
+
+    /// The parts of `passes` that the film holds, in ascending order.
+    pub(crate) fn held_of(&self, passes: &Range<u32>) -> impl Iterator<Item = Range<u32>> + use<> {
+        let Range { start, end } = *passes;
+        let parts = self.passes().into_iter().map(move |held| held.start.max(start)..held.end.min(end));
+        parts.filter(|part| !part.is_empty())
     }
 
     /// Adds a block of passes that are not there yet, and joins what makes up a larger block.

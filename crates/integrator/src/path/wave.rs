@@ -19,33 +19,33 @@ pub(crate) struct WaveSamples {
 #[derive(Debug, Default)]
 pub(crate) struct Wave {
     /// Paths still under way, and beside each the ray it follows next.
-    paths: Vec<Path>,
-    rays: Vec<Ray>,
-    hits: Vec<Option<Hit>>,
+    pub(super) paths: Vec<Path>,
+    pub(super) rays: Vec<Ray>,
+    pub(super) hits: Vec<Option<Hit>>,
     /// Light that arrives unless its shadow ray is occluded.
-    arriving: Vec<Arriving>,
+    pub(super) arriving: Vec<Arriving>,
     shadow_rays: Vec<Ray>,
-    occluded: Vec<bool>,
+    pub(super) occluded: Vec<bool>,
     /// What each sample has gathered, in the order in which the samples are taken.
-    radiance: Vec<Rgb>,
+    pub(super) radiance: Vec<Rgb>,
 }
 
 /// One path under way.
 #[derive(Clone, Copy, Debug)]
-struct Path {
+pub(super) struct Path {
     /// Its place in [`Wave::radiance`].
     sample: u32,
     numbers: Numbers,
-    throughput: Rgb,
+    pub(super) throughput: Rgb,
     /// How the direction of its ray was chosen; the camera's counts as a delta, since no light
     /// sample could have found it.
     density: Density,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Arriving {
+pub(super) struct Arriving {
     sample: u32,
-    radiance: Rgb,
+    pub(super) radiance: Rgb,
 }
 
 /// Which random number serves which purpose. Fixed, so that a path's numbers depend on nothing
@@ -99,17 +99,31 @@ impl Wave {
     }
 
     /// Takes all paths through one bounce.
-    pub(super) fn advance<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
-        view.scene.accel().intersect_batch(&self.rays, &mut self.hits);
+    fn advance<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
+        self.find_hits(view);
         self.shade(view, bounce, counters);
-        view.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
-        self.add_unoccluded();
+        self.find_light(view);
         counters.shadow_rays += self.shadow_rays.len() as u64;
         counters.bounce_rays += self.rays.len() as u64;
     }
 
+    /// What each path's ray meets.
+    pub(super) fn find_hits<A: Accel>(&mut self, view: &View<'_, A>) {
+        view.scene.accel().intersect_batch(&self.rays, &mut self.hits);
+    }
+
+    /// Adds the light that arrives unoccluded.
+    pub(super) fn find_light<A: Accel>(&mut self, view: &View<'_, A>) {
+        view.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
+        for (arriving, &occluded) in self.arriving.iter().zip(&self.occluded) {
+            if !occluded {
+                self.radiance[arriving.sample as usize] += arriving.radiance;
+            }
+        }
+    }
+
     /// Camera rays, `samples.count` for each pixel of the tile.
-    fn start(&mut self, camera: &Camera, settings: &Settings, tile: Tile, samples: WaveSamples) {
+    pub(super) fn start(&mut self, camera: &Camera, settings: &Settings, tile: Tile, samples: WaveSamples) {
         self.paths.clear();
         self.rays.clear();
         let (width, height) = (f64::from(settings.width), f64::from(settings.height));
@@ -132,7 +146,7 @@ impl Wave {
 
     /// Adds what the hits emit, chooses points on lights, and scatters; keeps the paths that go
     /// on, in their order.
-    fn shade<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
+    pub(super) fn shade<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
         self.arriving.clear();
         self.shadow_rays.clear();
         let mut kept = 0;
@@ -143,6 +157,11 @@ impl Wave {
                 continue;
             };
             let at = view.scene.interaction(&ray, &hit);
+            if !at.point.position.is_finite() {
+                // No ray could leave it: the sample would seem black instead of wrong.
+                self.radiance[path.sample as usize] = Rgb::splat(f64::NAN);
+                continue;
+            }
             self.radiance[path.sample as usize] += path.throughput * view.emitted(&path, &ray, &hit, &at);
             if view.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
@@ -165,14 +184,6 @@ impl Wave {
         }
         self.paths.truncate(kept);
         self.rays.truncate(kept);
-    }
-
-    fn add_unoccluded(&mut self) {
-        for (arriving, &occluded) in self.arriving.iter().zip(&self.occluded) {
-            if !occluded {
-                self.radiance[arriving.sample as usize] += arriving.radiance;
-            }
-        }
     }
 
     /// Adds the traced samples to the tile's pixels, of which each holds `before` earlier ones of
