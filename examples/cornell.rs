@@ -3,12 +3,13 @@
 //! Composes the crates and nothing more: a model from `globillum-testkit` or an OBJ file, an
 //! accelerator, a camera, a render, a picture.
 
+#[allow(dead_code, unused_imports, reason = "this example needs only a part")]
 mod common;
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use common::{AccelKind, ProgressBar, Summary, report_and_exit};
-use globillum::integrator::{Model, Scene, Settings, render};
+use common::{AccelKind, RenderFlags, Summary, report_and_exit};
+use globillum::integrator::{Model, Scene};
 use globillum::io::{AtomicFile, PictureFile, load_obj};
 use globillum_testkit::cornell;
 use std::path::PathBuf;
@@ -37,18 +38,8 @@ struct Options {
     /// Height of the picture in pixels
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
     height: u32,
-    /// Samples for each pixel
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
-    spp: u32,
-    /// Which random numbers
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
-    /// Worker threads, 0 for all
-    #[arg(long, default_value_t = 0)]
-    threads: usize,
-    /// Most bounces of a path: 0 is emitted light only, 1 adds direct light; unlimited by default
-    #[arg(long)]
-    max_bounces: Option<u32>,
+    #[command(flatten)]
+    render: RenderFlags,
     /// Where the picture goes
     #[arg(long, value_name = "FILE.png|FILE.exr", default_value = "cornell.png")]
     out: PathBuf,
@@ -62,8 +53,7 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<()> {
-    let settings = options.settings();
-    settings.validate()?;
+    let settings = options.render.settings(options.width, options.height)?;
     let model = options.model()?;
     // Opened before the work, so that an unwritable place is known at once.
     let picture_file = PictureFile::create(&options.out)?;
@@ -74,9 +64,7 @@ fn run(options: &Options) -> Result<()> {
     let build_seconds = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
-    let progress = ProgressBar::new();
-    let picture = render(&scene, &cornell::camera()?, &settings, &progress)?;
-    progress.finish();
+    let picture = options.render.render(&scene, &cornell::camera()?, &settings)?;
     let render_seconds = start.elapsed().as_secs_f64();
 
     picture_file.write(&picture.film)?;
@@ -89,14 +77,6 @@ fn run(options: &Options) -> Result<()> {
 }
 
 impl Options {
-    fn settings(&self) -> Settings {
-        let mut settings = Settings::new(self.width, self.height, self.spp);
-        settings.seed = self.seed;
-        settings.threads = self.threads;
-        settings.max_bounces = self.max_bounces;
-        settings
-    }
-
     fn model(&self) -> Result<Model> {
         ensure!(self.scene == 0, "--scene {}: there is only scene 0", self.scene);
         let Some(path) = &self.mesh else {
