@@ -5,10 +5,11 @@ use crate::{Film, RenderError};
 /// Limits end it when the first of them is reached; goals when all of them are. Both act between
 /// passes, so what comes out is a picture of whole passes.
 ///
-/// A render that stops when its error seems small stops rather too early: where few bright paths
-/// happened to be found, the picture is too dark and its error seems small at the same time. The
-/// bias falls with the number of observations and of pixels that are judged together, so it
-/// matters for [`PixelGoal`] more than for [`Stop::relative_rmse`]. [`Stop::pilot`] avoids it.
+/// A render that stops when its error seems small is biased, since the mean and the error come from
+/// the same samples: it stops earlier where these happen to be bright or alike. The bias falls with
+/// the number of observations and of pixels that are judged together, so it matters for
+/// [`PixelGoal`] more than for [`Stop::relative_rmse`]; docs/estimators.md has figures.
+/// [`Stop::pilot`] avoids it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Stop {
