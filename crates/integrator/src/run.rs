@@ -1,7 +1,7 @@
 use crate::pass::PassJob;
 use crate::{Ending, Monitor, Picture, RenderError, Stop};
 use globillum_geom::Accel;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 /// A render under way: pass after pass, until something ends it.
 pub(crate) struct Run<'a, A, M> {
@@ -46,8 +46,8 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
     ) -> Result<Ending, RenderError> {
         let second = passes.start.saturating_add(pilot).min(passes.end);
         let planned = match self.plan(picture, passes.start..second)? {
-            Ok(planned) => planned,
-            Err(ending) => return Ok(ending),
+            ControlFlow::Continue(planned) => planned,
+            ControlFlow::Break(ending) => return Ok(ending),
         };
         let enough = planned.is_some_and(|planned| planned <= f64::from(passes.end - second));
         let end = planned.map_or(passes.end, |planned| {
@@ -64,19 +64,24 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
     }
 
     /// How many passes the goals need, going by the error of the `pilot`'s, which are dropped;
-    /// `None` without a goal, and the inner error if the render was cancelled.
-    fn plan(&self, picture: &Picture, pilot: Range<u32>) -> Result<Result<Option<f64>, Ending>, RenderError> {
+    /// `None` without a goal. Breaks if the render was cancelled.
+    fn plan(
+        &self,
+        picture: &Picture,
+        pilot: Range<u32>,
+    ) -> Result<ControlFlow<Ending, Option<f64>>, RenderError> {
         let mut trial = Picture::new(picture.film.width(), picture.film.height(), picture.key);
         for pass in pilot.clone() {
             self.expect(&trial, pass..pilot.end, None);
             match self.add(&mut trial, pass)? {
                 None => {}
                 Some(Ending::Seconds) => break,
-                Some(ending) => return Ok(Err(ending)),
+                Some(ending) => return Ok(ControlFlow::Break(ending)),
             }
         }
         let rendered = trial.film.passes().iter().map(|range| range.len() as f64).sum::<f64>();
-        Ok(Ok(self.stop.excess(&trial.film).map(|excess| (excess * rendered).ceil().max(1.0))))
+        let excess = self.stop.excess(&trial.film);
+        Ok(ControlFlow::Continue(excess.map(|excess| (excess * rendered).ceil().max(1.0))))
     }
 
     /// Renders one pass and adds it to the picture, unless that holds it; the reason if there was

@@ -70,18 +70,25 @@ pub fn replay<A: Accel>(
     Ok(replay)
 }
 
+/// What one bounce came to.
+enum Step {
+    Met(Vertex),
+    /// The environment, and what arrives from there.
+    Left(Rgb),
+}
+
 impl Replay {
     /// Adds up as the wave does: first what is emitted, then what the light sample brings.
-    fn add(&mut self, step: Result<Vertex, Rgb>) {
+    fn add(&mut self, step: Step) {
         match step {
-            Ok(vertex) => {
+            Step::Met(vertex) => {
                 self.radiance += vertex.emitted;
                 if !vertex.direct.is_black() {
                     self.radiance += vertex.direct;
                 }
                 self.vertices.push(vertex);
             }
-            Err(environment) => {
+            Step::Left(environment) => {
                 self.radiance += environment;
                 self.environment = environment;
             }
@@ -90,21 +97,20 @@ impl Replay {
 }
 
 impl Wave {
-    /// Takes the only path through one bounce: the vertex that it meets, or else what arrives from
-    /// the environment; `None` if the path has ended.
-    fn step_alone<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32) -> Option<Result<Vertex, Rgb>> {
+    /// Takes the only path through one bounce; `None` if it has ended.
+    fn step_alone<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32) -> Option<Step> {
         let (path, ray) = (*self.paths.first()?, *self.rays.first()?);
         // What the wave adds to nothing is what this bounce adds.
         self.radiance[0] = Rgb::BLACK;
         self.find_hits(view);
         self.shade(view, bounce, &mut Counters::default());
         let emitted = self.radiance[0];
-        let Some(hit) = self.hits[0] else { return Some(Err(emitted)) };
+        let Some(hit) = self.hits[0] else { return Some(Step::Left(emitted)) };
         self.find_light(view);
         let unoccluded = self.occluded.first() == Some(&false);
         let direct = self.arriving.first().filter(|_| unoccluded);
         let at = view.scene.interaction(&ray, &hit);
-        Some(Ok(Vertex {
+        Some(Step::Met(Vertex {
             point: at.point,
             triangle: hit.triangle,
             material: *at.material,
