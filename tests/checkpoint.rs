@@ -156,6 +156,11 @@ fn passes_count_once() {
     let other = but(base, |s| s.seed = 9);
     assert!(matches!(picture.merge(passes(9..10, &other)), Err(CheckpointError::Mismatch(_))));
     assert_eq!(picture.to_bytes(), before);
+    // A pass cut short in the middle: no run would have made it.
+    let cut = passes(0..2, &but(base, |s| s.samples = 3));
+    for (mut a, b) in [(cut.clone(), passes(2..3, &base)), (passes(2..3, &base), cut)] {
+        assert_eq!(a.merge(b), Err(CheckpointError::Mismatch("number of samples")));
+    }
     for senseless in [5..5, 0..65] {
         let (scene, camera) = the_box();
         let result = Render::new(&scene, &camera, &base).passes(senseless).run(&());

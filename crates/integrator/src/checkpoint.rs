@@ -1,7 +1,7 @@
 //! Pictures as bytes.
 //!
-//! All numbers are little-endian. A header (magic, version, key, width, height, counters, number of
-//! blocks) is followed by the blocks of the film (first pass, passes, samples, observations, then
+//! All numbers are little-endian. A header (magic, version, key, width, height, samples in a pass,
+//! counters, number of blocks) is followed by the blocks of the film (first pass, passes, samples, observations, then
 //! for each pixel the sum and the spread of three components as `f64`), and by a checksum of all
 //! bytes before it.
 
@@ -64,6 +64,7 @@ impl Picture {
         bytes.extend(self.key.to_le_bytes());
         bytes.extend(self.film.width().to_le_bytes());
         bytes.extend(self.film.height().to_le_bytes());
+        bytes.extend(self.pass_samples.to_le_bytes());
         bytes.extend(self.counters.to_array().iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend((blocks.len() as u32).to_le_bytes());
         for block in blocks {
@@ -83,6 +84,7 @@ impl Picture {
         let content = check(bytes)?;
         let mut reader = Reader { bytes: &content[MAGIC.len() + 4..] };
         let (key, width, height) = (reader.u64()?, reader.u32()?, reader.u32()?);
+        let pass_samples = reader.u32()?;
         let counters = reader.counters()?;
         let count = reader.u32()?;
         let pixels = u64::from(width) * u64::from(height);
@@ -96,16 +98,26 @@ impl Picture {
             return Err(CheckpointError::Length);
         }
         let mut film = Film::new(width, height);
+        let mut held = 0_u64;
         for _ in 0..count {
             let block = reader.block(pixels as usize)?;
-            if film.blocks().last().is_some_and(|last| block.range().start < last.range().end) {
+            let last = film.blocks().last();
+            if last.is_some_and(|last| block.range().start < last.range().end) {
                 return Err(CheckpointError::Malformed("order of passes"));
             }
+            // Only the last of all may lack samples, and not a pass of them.
+            let full = u64::from(block.passes) * u64::from(pass_samples);
+            let lacking = full.checked_sub(block.tally.samples);
+            let before = film.tally().samples == held;
+            if !before || lacking.is_none_or(|lacking| lacking >= u64::from(pass_samples)) {
+                return Err(CheckpointError::Malformed("number of samples"));
+            }
+            held += full;
             film.insert(block);
         }
         let samples =
             film.samples().try_into().map_err(|_| CheckpointError::Malformed("number of samples"))?;
-        Ok(Self { film, counters, samples, ..Self::new(width, height, key) })
+        Ok(Self { film, counters, samples, ..Self::new(width, height, pass_samples, key) })
     }
 }
 
@@ -184,8 +196,10 @@ impl Reader<'_> {
         if !Block::is_node(first, passes) {
             return Err(CheckpointError::Malformed("block of passes"));
         }
-        let samples_fit = tally.samples >= u64::from(passes) && tally.samples <= u64::from(u32::MAX);
-        if !samples_fit || tally.observations < u64::from(passes) || tally.observations > tally.samples {
+        if tally.samples > u64::from(u32::MAX)
+            || tally.observations < u64::from(passes)
+            || tally.observations > tally.samples
+        {
             return Err(CheckpointError::Malformed("number of samples"));
         }
         let moments = |reader: &mut Self| Ok(Moments { sum: reader.rgb()?, spread: reader.rgb()? });

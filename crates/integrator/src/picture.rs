@@ -14,6 +14,8 @@ pub struct Picture {
     pub counters: Counters,
     /// Samples of each pixel.
     pub samples: u32,
+    /// Samples in a pass; only the last one held may have fewer.
+    pub pass_samples: u32,
     /// A hash of all that decides the picture's bits: scene, camera, and settings but for the
     /// numbers of samples and threads.
     pub key: u64,
@@ -38,20 +40,23 @@ pub enum Ending {
 }
 
 impl Picture {
-    pub(crate) fn new(width: u32, height: u32, key: u64) -> Self {
+    pub(crate) fn new(width: u32, height: u32, pass_samples: u32, key: u64) -> Self {
         let film = Film::new(width, height);
-        Self { film, counters: Counters::default(), samples: 0, key, ending: Ending::Open }
+        Self { film, counters: Counters::default(), samples: 0, pass_samples, key, ending: Ending::Open }
     }
 
     /// Takes in the passes of `other`, rendered of the same scene, camera and settings. Whatever
     /// the order in which all passes come together, the bits are the same.
     ///
     /// # Errors
-    /// [`CheckpointError::Mismatch`] if `other` is another picture, [`CheckpointError::Overlap`]
-    /// for a pass that both hold. Then this picture is as it was.
+    /// [`CheckpointError::Mismatch`] if `other` is another picture, or one of them has a pass cut
+    /// short that is not the last of all; [`CheckpointError::Overlap`] for a pass that both hold. Then this picture is as it was.
     pub fn merge(&mut self, other: Self) -> Result<(), CheckpointError> {
         if self.key != other.key {
             return Err(CheckpointError::Mismatch("scene, camera or settings"));
+        }
+        if self.is_cut_before(&other) || other.is_cut_before(self) {
+            return Err(CheckpointError::Mismatch("number of samples"));
         }
         let samples = self.samples.checked_add(other.samples);
         let samples = samples.ok_or(CheckpointError::Malformed("number of samples"))?;
@@ -60,5 +65,12 @@ impl Picture {
         self.samples = samples;
         self.ending = Ending::Open;
         Ok(())
+    }
+
+    /// Whether the last pass is cut short, and `other` has one after it.
+    fn is_cut_before(&self, other: &Self) -> bool {
+        let passes: u64 = self.film.passes().iter().map(|range| range.len() as u64).sum();
+        let end = |picture: &Self| picture.film.passes().last().map_or(0, |range| range.end);
+        self.film.samples() < passes * u64::from(self.pass_samples) && end(self) < end(other)
     }
 }

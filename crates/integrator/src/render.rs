@@ -98,9 +98,11 @@ impl<'a, A: Accel> Render<'a, A> {
 
     /// The picture to go on from.
     fn start(&mut self) -> Result<Picture, RenderError> {
-        let Settings { width, height, .. } = *self.settings;
+        let Settings { width, height, pass_samples, .. } = *self.settings;
         let key = picture_key(self.scene, self.camera, self.settings);
-        let Some(picture) = self.before.take() else { return Ok(Picture::new(width, height, key)) };
+        let Some(picture) = self.before.take() else {
+            return Ok(Picture::new(width, height, pass_samples, key));
+        };
         if picture.key != key {
             return Err(CheckpointError::Mismatch("scene, camera or settings").into());
         }
