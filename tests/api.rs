@@ -18,12 +18,16 @@ fn every_type_can_be_shared_between_threads_and_shown() {
     shared_between_threads::<geom::UniformGrid>();
     shared_between_threads::<geom::decide::Shear>();
     shared_between_threads::<integrator::Camera>();
+    shared_between_threads::<integrator::CheckpointError>();
     shared_between_threads::<integrator::Film>();
     shared_between_threads::<integrator::Model>();
     shared_between_threads::<integrator::Picture>();
+    shared_between_threads::<integrator::Render<'_, geom::KdTree>>();
     shared_between_threads::<integrator::RenderError>();
+    shared_between_threads::<integrator::Replay>();
     shared_between_threads::<integrator::Scene<geom::KdTree>>();
     shared_between_threads::<integrator::Settings>();
+    shared_between_threads::<integrator::Stop>();
     shared_between_threads::<integrator::Stream>();
     shared_between_threads::<io::IoError>();
     shared_between_threads::<io::Limits>();

@@ -4,7 +4,7 @@
 use approx::assert_relative_eq;
 use glam::DVec3;
 use globillum::geom::Accel;
-use globillum::integrator::{Camera, Estimator, Film, Model, Scene, Settings, render};
+use globillum::integrator::{Camera, Estimator, Film, Model, Sampler, Scene, Settings, render};
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
@@ -12,9 +12,11 @@ use globillum_testkit::stats::Estimate;
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
-/// 64 x 64 pixels, all of the same point.
+/// 64 x 64 pixels, all of the same point, by independent samples.
 fn settings(samples: u32) -> Settings {
-    Settings::new(64, 64, samples)
+    let mut settings = Settings::new(64, 64, samples);
+    settings.sampler = Sampler::Independent;
+    settings
 }
 
 fn film(scene: &Scene<Box<dyn Accel>>, camera: &Camera, settings: &Settings) -> Film {

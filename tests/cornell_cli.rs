@@ -4,6 +4,7 @@ mod program;
 
 use program::Program;
 use std::path::Path;
+use std::process::Command;
 
 const CORNELL: Program = Program("cornell");
 
@@ -37,6 +38,15 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["--out", "nowhere/picture.png"], &["nowhere"]);
     assert_refused(&["--stats", "nowhere/stats.json"], &["nowhere/stats.json"]);
     assert_refused(&["--no-such-flag"], &["--no-such-flag"]);
+    assert_refused(&["--pass-spp", "3"], &["pass_samples"]);
+    assert_refused(&["--error", "-1"], &["error"]);
+    assert_refused(&["--seconds", "nan"], &["seconds"]);
+    assert_refused(&["--passes", "3"], &["--passes"]);
+    assert_refused(&["--passes", "4..4"], &["passes"]);
+    assert_refused(&["--resume"], &["--checkpoint"]);
+    assert_refused(&["--checkpoint", "bad.obj"], &["bad.obj", "--resume"]);
+    assert_refused(&["--checkpoint", "bad.obj", "--resume"], &["bad.obj", "is no checkpoint"]);
+    assert_refused(&["--checkpoint", "nowhere/a"], &["nowhere/a"]);
 }
 
 #[test]
@@ -76,4 +86,76 @@ fn a_small_picture_and_its_figures_are_written() {
     assert_eq!(stats["triangles"], 36);
     assert!(stats["limit_ends"].as_u64().is_some_and(|n| n > 0));
     assert!(stats["accelerator_bytes"].as_u64().is_some_and(|n| n > 36 * 36));
+}
+
+const SMALL: [&str; 8] = ["--width", "32", "--height", "24", "--pass-spp", "2", "--out", "a.exr"];
+
+fn read(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Runs an example in `folder`, where it must succeed.
+fn succeed(name: &'static str, folder: &Path, arguments: &[&[&str]]) -> String {
+    let output = Program(name).run(folder, &arguments.concat());
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn parts_of_a_picture_are_merged_to_the_whole() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let render = |arguments: &[&str]| succeed("cornell", folder, &[&SMALL, arguments]);
+    render(&["--spp", "12", "--checkpoint", "whole"]);
+    let whole = read(folder, "a.exr");
+    for (part, passes) in [("1", "0..3"), ("2", "3..4"), ("3", "4..6")] {
+        render(&["--passes", passes, "--checkpoint", part]);
+    }
+    let said = succeed("merge", folder, &[&["2", "3", "1", "--out", "b.exr", "--checkpoint", "all"]]);
+    assert!(said.contains("12 a pixel, passes 0..6") && said.contains("error "), "{said}");
+    assert_eq!(read(folder, "b.exr"), whole);
+    assert_eq!(read(folder, "all"), read(folder, "whole"));
+    for (parts, message) in [(["1", "1"], "held twice"), (["1", "a.exr"], "a.exr: is no checkpoint")] {
+        let output = Program("merge").run(folder, &[&parts[..], &["--out", "c.png"]].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && said.contains(message), "{said}");
+    }
+    render(&["--seed", "1", "--passes", "0..1", "--checkpoint", "4"]);
+    let output = Program("merge").run(folder, &["1", "4", "--out", "c.png"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("4: belongs to another picture"));
+}
+
+#[test]
+fn an_error_can_be_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for pilot in [&[][..], &["--pilot", "4"]] {
+        let said = succeed("cornell", folder.path(), &[&SMALL, &["--error", "0.1"], pilot]);
+        assert!(said.contains("ended by      the error reached"), "{said}");
+    }
+    let said = succeed("cornell", folder.path(), &[&SMALL, &["--seconds", "0.2", "--error", "1e-9"]]);
+    assert!(said.contains("ended by      the time given"), "{said}");
+}
+
+/// L4: a render killed a hundred times, and resumed each time, is the one that nobody disturbed.
+#[test]
+fn a_render_survives_being_killed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let flags = ["--spp", "1000", "--threads", "1", "--checkpoint"];
+    succeed("cornell", folder, &[&SMALL, &flags, &["whole"]]);
+    let resume = [&SMALL[..], &flags, &["parts", "--resume", "--save-every", "0"]].concat();
+    for i in 0..100 {
+        let mut child = Command::new(CORNELL.path())
+            .current_dir(folder)
+            .args(&resume)
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .expect("the example starts");
+        std::thread::sleep(std::time::Duration::from_millis(10 + 37 * i % 29));
+        child.kill().expect("it is our own");
+        child.wait().expect("it is our own");
+    }
+    assert!(folder.join("parts").exists(), "none came as far as a first checkpoint");
+    succeed("cornell", folder, &[&resume]);
+    assert_eq!(read(folder, "parts"), read(folder, "whole"));
 }

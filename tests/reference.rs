@@ -31,21 +31,21 @@ const BOX_MIRROR: &str = include_str!("reference/box_mirror.json");
 
 #[test]
 fn the_box_in_full_light() {
-    check(BOX, false, None, 2048);
+    check(BOX, false, None, 1024);
 }
 
 #[test]
 fn the_box_in_direct_light() {
-    check(BOX, false, Some(1), 8192);
+    check(BOX, false, Some(1), 1024);
 }
 
 #[test]
 fn the_box_with_a_mirror_in_full_light() {
     // Light that a mirror throws is found rarely: fewer samples would not be nearly normal.
-    check(BOX_MIRROR, true, None, 8192);
+    check(BOX_MIRROR, true, None, 4096);
 }
 
 #[test]
 fn the_box_with_a_mirror_in_direct_light() {
-    check(BOX_MIRROR, true, Some(1), 8192);
+    check(BOX_MIRROR, true, Some(1), 1024);
 }

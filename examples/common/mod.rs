@@ -1,21 +1,26 @@
 //! What the examples share: choosing an accelerator, showing progress, summing up.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "examples talk to people")]
 
+mod checkpoint;
+mod flags;
 #[cfg(all(feature = "obj", feature = "images"))]
 mod options;
 mod summary;
 pub(crate) mod view;
 
+pub(crate) use checkpoint::{Saver, read_checkpoint, write_checkpoint};
+pub(crate) use flags::RenderFlags;
 #[cfg(all(feature = "obj", feature = "images"))]
 pub(crate) use options::{RenderOptions, load};
-pub(crate) use summary::Summary;
+pub(crate) use summary::{Summary, print_error};
 
 use globillum::geom::{
     Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid, WideKdTree,
 };
-use globillum::integrator::{Monitor, Progress};
+use globillum::integrator::Progress;
 use std::fmt::Display;
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// An accelerator by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -48,23 +53,30 @@ pub(crate) struct ProgressBar(indicatif::ProgressBar);
 impl ProgressBar {
     /// A bar that has not moved yet.
     pub(crate) fn new() -> Self {
-        let style = indicatif::ProgressStyle::with_template(
-            "{wide_bar} {percent}% of {human_len} samples, {elapsed} elapsed, {eta} left",
-        );
+        let template = "{wide_bar} {percent}% of {human_len} samples, {elapsed} elapsed, {msg}";
+        let style = indicatif::ProgressStyle::with_template(template);
         let bar = indicatif::ProgressBar::new(0);
         Self(style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style)))
+    }
+
+    /// Moves the bar.
+    pub(crate) fn show(&self, progress: &Progress) {
+        if self.0.is_hidden() {
+            return;
+        }
+        self.0.set_length(progress.samples_total);
+        self.0.set_position(progress.samples_done);
+        let left = indicatif::HumanDuration(Duration::from_secs_f64(progress.seconds_left.min(1e9)));
+        let error = match progress.relative_rmse {
+            error if error.is_finite() => format!(", error {:.2} %", 100.0 * error),
+            _ => String::new(),
+        };
+        self.0.set_message(format!("{left:#} left{error}"));
     }
 
     /// Takes the bar off the terminal.
     pub(crate) fn finish(&self) {
         self.0.finish_and_clear();
-    }
-}
-
-impl Monitor for ProgressBar {
-    fn progress(&self, progress: Progress) {
-        self.0.set_length(progress.samples_total);
-        self.0.set_position(progress.samples_done);
     }
 }
 
@@ -90,7 +102,7 @@ pub(crate) fn report_and_exit<O>(
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {error:#}");
             ExitCode::FAILURE
         }
     }

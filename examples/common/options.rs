@@ -1,7 +1,7 @@
-use super::{AccelKind, ProgressBar, Summary};
+use super::{AccelKind, RenderFlags, Summary};
 use anyhow::Result;
 use clap::Args;
-use globillum::integrator::{Camera, Model, Scene, Settings, render};
+use globillum::integrator::{Camera, Model, Scene, Settings};
 use globillum::io::{AtomicFile, PictureFile};
 use globillum::material::Rgb;
 use std::path::{Path, PathBuf};
@@ -19,18 +19,8 @@ pub(crate) struct RenderOptions {
     /// Height of the picture in pixels
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
     height: u32,
-    /// Samples for each pixel
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
-    spp: u32,
-    /// Which random numbers
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
-    /// Worker threads, 0 for all
-    #[arg(long, default_value_t = 0)]
-    threads: usize,
-    /// Most bounces of a path: 0 is emitted light only, 1 adds direct light; unlimited by default
-    #[arg(long)]
-    max_bounces: Option<u32>,
+    #[command(flatten)]
+    render: RenderFlags,
     /// Where the picture goes, as often as wanted; by default to a PNG named after the example
     #[arg(long, value_name = "FILE.png|FILE.exr")]
     out: Vec<PathBuf>,
@@ -49,18 +39,15 @@ impl RenderOptions {
     }
 
     /// Checks the settings, and opens the files: what can not work is known before any work.
-    pub(crate) fn prepare(&self, default_out: &str) -> Result<Job> {
-        let mut settings = Settings::new(self.width, self.height, self.spp);
-        settings.seed = self.seed;
-        settings.threads = self.threads;
-        settings.max_bounces = self.max_bounces;
-        settings.validate()?;
+    pub(crate) fn prepare(&self, default_out: &str) -> Result<Job<'_>> {
+        let settings = self.render.settings(self.width, self.height)?;
         anyhow::ensure!(self.exposure.is_finite(), "--exposure {}: is not finite", self.exposure);
         let default_out = [PathBuf::from(default_out)];
         let out = if self.out.is_empty() { &default_out[..] } else { &self.out };
         let open = |path: &PathBuf| Ok((path.clone(), PictureFile::create(path)?.exposed(self.exposure)));
         Ok(Job {
             accel: self.accel,
+            render: &self.render,
             settings,
             pictures: out.iter().map(open).collect::<Result<_>>()?,
             stats: self.stats.as_deref().map(AtomicFile::create).transpose()?,
@@ -69,14 +56,15 @@ impl RenderOptions {
 }
 
 /// A picture to be made, its files open.
-pub(crate) struct Job {
+pub(crate) struct Job<'a> {
     accel: AccelKind,
+    render: &'a RenderFlags,
     settings: Settings,
     pictures: Vec<(PathBuf, PictureFile)>,
     stats: Option<AtomicFile>,
 }
 
-impl Job {
+impl Job<'_> {
     /// Renders, writes what was asked for and prints the figures.
     pub(crate) fn run(self, model: &Model, camera: &Camera, environment: Rgb) -> Result<()> {
         let start = Instant::now();
@@ -85,9 +73,7 @@ impl Job {
         let build_seconds = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
-        let progress = ProgressBar::new();
-        let picture = render(&scene, camera, &self.settings, &progress)?;
-        progress.finish();
+        let picture = self.render.render(&scene, camera, &self.settings)?;
         let render_seconds = start.elapsed().as_secs_f64();
 
         let mut written = Vec::new();

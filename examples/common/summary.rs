@@ -1,6 +1,6 @@
 use anyhow::Result;
 use globillum::geom::Accel;
-use globillum::integrator::{Picture, Scene};
+use globillum::integrator::{Ending, Picture, Scene};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -23,6 +23,11 @@ pub(crate) struct Summary {
     emitters: usize,
     accelerator_bytes: usize,
     image_mean: [f64; 3],
+    /// Root mean squared error of the pixels over the picture's mean, and the interval that holds it
+    /// with a probability of 95 %; none while it is not known.
+    relative_rmse: Option<f64>,
+    relative_rmse_95: Option<[f64; 2]>,
+    ended_by: &'static str,
 }
 
 impl Summary {
@@ -34,6 +39,8 @@ impl Summary {
         render_seconds: f64,
     ) -> Self {
         let counters = picture.counters;
+        let error = picture.film.error();
+        let known = error.relative_rmse.is_finite();
         Self {
             build_seconds,
             render_seconds,
@@ -51,6 +58,9 @@ impl Summary {
             emitters: scene.emitters().len(),
             accelerator_bytes: scene.accel().bytes(),
             image_mean: picture.film.image_mean().to_array(),
+            relative_rmse: known.then_some(error.relative_rmse),
+            relative_rmse_95: known.then_some(error.interval_95).filter(|interval| interval[1].is_finite()),
+            ended_by: reason(picture.ending),
         }
     }
 
@@ -93,9 +103,43 @@ impl Summary {
             println!("bounce limit  ended {} paths: light of more bounces is missing", self.limit_ends);
         }
         println!("image mean    ({r:.6}, {g:.6}, {b:.6})");
+        println!("ended by      {}", self.ended_by);
+        if let Some((error, interval)) = self.relative_rmse.zip(self.relative_rmse_95) {
+            print_error_line(error, interval);
+        }
         for path in out {
             println!("picture       {}", path.display());
         }
         Ok(())
+    }
+}
+
+/// Prints how many samples and passes a picture has, and how far it is from the truth.
+pub(crate) fn print_error(picture: &Picture) {
+    let passes = picture
+        .film
+        .passes()
+        .iter()
+        .map(|range| format!("{}..{}", range.start, range.end))
+        .collect::<Vec<_>>();
+    println!("samples       {} a pixel, passes {}", picture.samples, passes.join(", "));
+    let error = picture.film.error();
+    if error.relative_rmse.is_finite() {
+        print_error_line(error.relative_rmse, error.interval_95);
+    }
+}
+
+fn print_error_line(error: f64, interval: [f64; 2]) {
+    let [error, low, high] = [error, interval[0], interval[1]].map(|x| 100.0 * x);
+    println!("error         {error:.3} % of the mean (with 95 % confidence {low:.3} to {high:.3} %)");
+}
+
+fn reason(ending: Ending) -> &'static str {
+    match ending {
+        Ending::Samples => "all samples taken",
+        Ending::Goals => "the error reached",
+        Ending::Seconds => "the time given",
+        Ending::Cancelled => "being cancelled",
+        _ => "nothing",
     }
 }

@@ -8,7 +8,7 @@ pub(crate) struct Program(pub(crate) &'static str);
 
 impl Program {
     /// The example's executable, which cargo builds beside the tests.
-    fn path(&self) -> PathBuf {
+    pub(crate) fn path(&self) -> PathBuf {
         let test = std::env::current_exe().expect("a test knows its own path");
         let profile = test.ancestors().nth(2).expect("tests lie in a profile's folder");
         let path = profile.join("examples").join(format!("{}{}", self.0, std::env::consts::EXE_SUFFIX));

@@ -39,6 +39,11 @@ impl Camera {
         Ok(Self { eye, forward, right: right * half_height, up: right.cross(forward) * half_height })
     }
 
+    /// All that the camera is made of.
+    pub(crate) fn vectors(&self) -> [DVec3; 4] {
+        [self.eye, self.forward, self.right, self.up]
+    }
+
     /// The ray through the film at `x`, `y`, which run from -1 to 1 rightward and upward over a
     /// picture `aspect` times as wide as high. The direction is not a unit vector.
     pub fn ray(&self, x: f64, y: f64, aspect: f64) -> Ray {

@@ -70,3 +70,67 @@ impl Emitters {
 fn power(triangle: &Triangle, emission: &Emission) -> f64 {
     triangle.area() * emission.exitance().luminance()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Stream;
+    use glam::Vec3;
+    use globillum_material::{Rgb, Sides};
+
+    /// Triangles of area 1/2 and of these radiances.
+    fn emitters(radiances: &[f64]) -> (Triangles, Emitters) {
+        let mut model = Model::default();
+        for (i, &radiance) in radiances.iter().enumerate() {
+            let corner = Vec3::new(i as f32, 0.0, 0.0);
+            let emission = Emission::new(Rgb::splat(radiance), Sides::Front).unwrap();
+            let material = Material::lambert(Rgb::BLACK).unwrap().emitting(emission);
+            model.add(material, [Triangle::new(corner, corner + Vec3::X, corner + Vec3::Y)]);
+        }
+        let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
+        let emitters = Emitters::of(&model, &triangles);
+        (triangles, emitters)
+    }
+
+    #[test]
+    fn what_does_not_emit_is_never_chosen() {
+        let (triangles, emitters) = emitters(&[0.0, 1.0, 0.0, 3.0, 0.0]);
+        assert_eq!(emitters.len(), 2);
+        for i in 0..10_000 {
+            let numbers = Stream::new(1, 0, i);
+            let sample = emitters.sample(&triangles, numbers.uniform(0), numbers.uniform_pair(1)).unwrap();
+            assert!(sample.emission.toward(1.0).g > 0.0);
+        }
+        assert!(self::emitters(&[0.0]).1.is_empty());
+    }
+
+    /// H57: powers that differ by a factor of 1e12 are chosen in proportion, a million of them.
+    #[test]
+    fn h57_a_million_emitters_are_chosen_by_their_power() {
+        let radiances: Vec<f64> = (0..1_000_000).map(|i| 10.0_f64.powi(i % 13 - 6)).collect();
+        let (triangles, emitters) = emitters(&radiances);
+        let total: f64 = radiances.iter().sum();
+        // One cell for each radiance: counts of the rarest are pooled.
+        let (mut counts, draws) = ([0_u32; 13], 2_000_000);
+        for i in 0..draws {
+            let numbers = Stream::new(2, 0, i);
+            let sample = emitters.sample(&triangles, numbers.uniform(0), [0.3, 0.3]).unwrap();
+            let radiance = sample.emission.toward(1.0).g;
+            counts[(radiance.log10().round() + 6.0) as usize] += 1;
+            // The density of the choice times that of the point.
+            let expected = radiance / total * 2.0;
+            assert!((sample.pdf.0 / expected - 1.0).abs() < 1e-9);
+        }
+        let (mut chi_sq, mut pool, mut cells) = (0.0, (0.0, 0.0), 0.0);
+        for (i, &count) in (0..).zip(&counts) {
+            let share = radiances.iter().skip(i).step_by(13).sum::<f64>() / total;
+            pool = (pool.0 + f64::from(count), pool.1 + share * f64::from(draws));
+            if pool.1 >= 5.0 {
+                chi_sq += (pool.0 - pool.1).powi(2) / pool.1;
+                (pool, cells) = ((0.0, 0.0), cells + 1.0);
+            }
+        }
+        // Exceeded with a probability of 5e-9 at five degrees of freedom.
+        assert!(cells == 6.0 && chi_sq < 47.3, "{chi_sq} over {cells} cells: {counts:?}");
+    }
+}

@@ -1,3 +1,4 @@
+use crate::CheckpointError;
 use globillum_geom::GeomError;
 use globillum_material::MaterialError;
 use thiserror::Error;
@@ -35,6 +36,20 @@ pub enum RenderError {
         /// Index of the sample within the pixel.
         sample: u32,
     },
+    /// Something panicked while a tile was rendered: an accelerator or a monitor. The process and
+    /// later renders go on.
+    #[error("panic in the tile at pixel ({x}, {y}): {message}")]
+    Worker {
+        /// Column of the tile's upper left pixel.
+        x: u32,
+        /// Row of it, 0 at the top.
+        y: u32,
+        /// What the panic said.
+        message: String,
+    },
+    /// A checkpoint can not be used.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// The worker threads could not be started.
     #[error("worker threads: {0}")]
     Threads(String),

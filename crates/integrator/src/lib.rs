@@ -2,7 +2,8 @@
 //!
 //! In the order the data flows: a [`Model`] (triangles with materials) becomes a [`Scene`] with
 //! an accelerator and its [`Emitters`]; a [`Camera`] sends rays; [`render`] traces paths tile by
-//! tile, wave by wave, with random numbers from a [`Stream`]; a [`Film`] sums what they carry.
+//! tile, wave by wave, with random numbers from a [`Sampler`]; a [`Film`] sums what they carry and
+//! tells its own error; a [`Stop`] says when that is enough.
 //!
 //! A picture is decided by scene, camera and [`Settings`]: its bits do not depend on the number
 //! of threads, on the accelerator, or on the scene's unit of length.
@@ -25,26 +26,39 @@
 
 mod alias;
 mod camera;
+mod checkpoint;
 mod emitters;
 mod error;
 mod film;
+mod filter;
+mod hash;
+mod key;
+mod meter;
 mod model;
 mod monitor;
+mod pass;
 mod path;
+mod picture;
 mod render;
+mod run;
+mod sampler;
 mod scene;
 mod settings;
-mod stream;
+mod stop;
 mod tile;
 
 pub use camera::Camera;
+pub use checkpoint::CheckpointError;
 pub use emitters::Emitters;
 pub use error::RenderError;
-pub use film::Film;
+pub use film::{Film, ImageError};
+pub use filter::PixelFilter;
 pub use model::{MaterialId, Model};
 pub use monitor::{Monitor, Progress};
-pub use path::{Counters, Estimator};
-pub use render::{Picture, render};
+pub use path::{Counters, Estimator, Replay, Vertex, replay};
+pub use picture::{Ending, Picture};
+pub use render::{Render, render};
+pub use sampler::{Sampler, Stream};
 pub use scene::{Interaction, Scene};
 pub use settings::{Roulette, Settings};
-pub use stream::Stream;
+pub use stop::{PixelGoal, Stop};

@@ -1,15 +1,27 @@
+use crate::Picture;
+
 /// How far a render has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Samples taken so far, all pixels together.
+    /// Samples taken so far in this run, all pixels together.
     pub samples_done: u64,
-    /// Samples asked for, all pixels together.
+    /// Samples that this run will have taken, all pixels together; an estimate where an error is
+    /// the goal.
     pub samples_total: u64,
+    /// Rays of all kinds traced so far in this run.
+    pub rays: u64,
+    /// The picture's error as of the last whole pass ([`ImageError`](crate::ImageError)); infinite
+    /// while it is not known.
+    pub relative_rmse: f64,
+    /// Seconds since the run began.
+    pub seconds: f64,
+    /// Seconds that are probably left, going by those gone.
+    pub seconds_left: f64,
 }
 
-/// Watches a render, and may stop it. Methods are called from worker threads, often: they should
-/// return at once.
+/// Watches a render, and may stop it. Methods but for [`Monitor::pass_done`] are called from worker
+/// threads, often: they should return at once.
 pub trait Monitor: Sync {
     /// Called after each tile.
     fn progress(&self, _progress: Progress) {}
@@ -18,6 +30,10 @@ pub trait Monitor: Sync {
     fn cancelled(&self) -> bool {
         false
     }
+
+    /// Called after each pass, from one thread, with all that is whole so far: the place to save a
+    /// checkpoint, now and then. The next pass waits until it returns.
+    fn pass_done(&self, _picture: &Picture) {}
 }
 
 /// Watches nothing.

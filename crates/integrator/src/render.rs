@@ -1,100 +1,117 @@
-use crate::film::PixelSum;
-use crate::path::{PassSamples, View, Wave};
-use crate::tile::Tile;
-use crate::{Camera, Counters, Film, Monitor, Progress, RenderError, Scene, Settings};
+use crate::key::picture_key;
+use crate::meter::Meter;
+use crate::pass::PassJob;
+use crate::path::View;
+use crate::run::Run;
+use crate::{Camera, CheckpointError, Monitor, Picture, RenderError, Scene, Settings, Stop};
 use globillum_geom::Accel;
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::ops::Range;
 
-/// Samples of a pixel in one pass. Part of a picture's definition: sums are made pass by pass.
-const PASS_SAMPLES: u32 = 4;
-
-/// What [`render`] made.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Picture {
-    /// The picture: every pixel holds the same number of samples.
-    pub film: Film,
-    /// What was done for it.
-    pub counters: Counters,
-    /// Samples of each pixel; fewer than asked for if the render was cancelled.
-    pub samples: u32,
-}
-
-/// Renders `scene` as `camera` sees it.
-///
-/// The work goes over the picture in passes of a few samples a pixel, tile by tile on all
-/// threads. Each tile is one task and each pixel belongs to one tile, so sums are made in one
-/// fixed order, whatever the number of threads. If `monitor` cancels, the pass under way is
-/// dropped and the picture is that of the passes before it.
+/// Renders `scene` as `camera` sees it: [`Render`] with all passes and no other end.
 ///
 /// # Errors
-/// [`RenderError::Param`] for settings out of range, [`RenderError::Threads`] if no threads can be
-/// had, [`RenderError::NonFinite`] for a sample that is NaN or infinite.
+/// Those of [`Render::run`].
 pub fn render<A: Accel>(
     scene: &Scene<A>,
     camera: &Camera,
     settings: &Settings,
     monitor: &impl Monitor,
 ) -> Result<Picture, RenderError> {
-    settings.validate()?;
-    let threads = rayon::ThreadPoolBuilder::new()
-        .num_threads(settings.threads)
-        .build()
-        .map_err(|error| RenderError::Threads(error.to_string()))?;
-    let job = Job { scene, camera, settings, monitor, samples_done: AtomicU64::new(0) };
-    threads.install(|| job.run())
+    Render::new(scene, camera, settings).run(monitor)
 }
 
-struct Job<'a, A, M> {
+/// A picture to be rendered, and when to stop.
+///
+/// The work goes over the picture in passes of a few samples a pixel, tile by tile on all threads.
+/// Each tile is one task and each pixel belongs to one tile, so sums are made in one fixed order,
+/// whatever the number of threads; passes are joined in one fixed order too, wherever and whenever
+/// they are rendered.
+#[derive(Debug)]
+pub struct Render<'a, A> {
     scene: &'a Scene<A>,
     camera: &'a Camera,
     settings: &'a Settings,
-    monitor: &'a M,
-    samples_done: AtomicU64,
+    stop: Stop,
+    passes: Option<Range<u32>>,
+    before: Option<Picture>,
 }
 
-type TileResult = (Tile, Vec<PixelSum>, Counters);
+impl<'a, A: Accel> Render<'a, A> {
+    /// All samples that `settings` ask for.
+    pub fn new(scene: &'a Scene<A>, camera: &'a Camera, settings: &'a Settings) -> Self {
+        Self { scene, camera, settings, stop: Stop::default(), passes: None, before: None }
+    }
 
-impl<A: Accel, M: Monitor> Job<'_, A, M> {
-    fn run(&self) -> Result<Picture, RenderError> {
-        let Settings { width, height, samples, .. } = *self.settings;
-        let mut picture =
-            Picture { film: Film::new(width, height), counters: Counters::default(), samples: 0 };
-        for first in (0..samples).step_by(PASS_SAMPLES as usize) {
-            let pass = PassSamples { first, count: PASS_SAMPLES.min(samples - first) };
-            let Some(tiles) = self.pass(pass)? else { break };
-            for (tile, sums, counters) in tiles {
-                picture.film.merge_tile(&tile, &sums);
-                picture.counters += counters;
-            }
-            picture.samples += pass.count;
+    /// Stops before that, if `stop` says so.
+    #[must_use]
+    pub fn until(self, stop: Stop) -> Self {
+        Self { stop, ..self }
+    }
+
+    /// Renders these passes only, of the [`Settings::passes`] there are: a share of the work, to be
+    /// [merged](Picture::merge) with the others.
+    #[must_use]
+    pub fn passes(self, passes: Range<u32>) -> Self {
+        Self { passes: Some(passes), ..self }
+    }
+
+    /// Goes on from `picture`: passes that it holds are not rendered again.
+    #[must_use]
+    pub fn resume(self, picture: Picture) -> Self {
+        Self { before: Some(picture), ..self }
+    }
+
+    /// Renders. If `monitor` cancels, the pass under way is dropped and the picture is that of the
+    /// passes before it.
+    ///
+    /// # Errors
+    /// [`RenderError::Param`] for settings, stop conditions or passes out of range,
+    /// [`RenderError::Checkpoint`] for a picture to resume that is another one,
+    /// [`RenderError::Threads`] if no threads can be had, [`RenderError::NonFinite`] for a sample
+    /// that is NaN or infinite, [`RenderError::Worker`] for a panic in an accelerator or monitor.
+    /// The passes before an error were handed to [`Monitor::pass_done`].
+    pub fn run(mut self, monitor: &impl Monitor) -> Result<Picture, RenderError> {
+        self.settings.validate()?;
+        self.stop.validate()?;
+        let passes = self.checked_passes()?;
+        let picture = self.start()?;
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.settings.threads)
+            .build()
+            .map_err(|error| RenderError::Threads(error.to_string()))?;
+        let meter = Meter::new(self.stop.seconds);
+        let view = View { scene: self.scene, camera: self.camera, settings: self.settings };
+        let run = Run { job: PassJob { view, monitor, meter: &meter }, stop: self.stop };
+        threads.install(|| run.run(picture, passes))
+    }
+
+    fn checked_passes(&self) -> Result<Range<u32>, RenderError> {
+        let all = 0..self.settings.passes();
+        let Some(passes) = self.passes.clone() else { return Ok(all) };
+        if passes.is_empty() || passes.end > all.end {
+            let value = if passes.is_empty() { passes.start } else { passes.end };
+            let range = "the passes of all samples, of which at least one must be asked for";
+            return Err(RenderError::Param { name: "passes", value: value.into(), range });
+        }
+        Ok(passes)
+    }
+
+    /// The picture to go on from.
+    fn start(&mut self) -> Result<Picture, RenderError> {
+        let Settings { width, height, pass_samples, .. } = *self.settings;
+        let key = picture_key(self.scene, self.camera, self.settings);
+        let Some(picture) = self.before.take() else {
+            return Ok(Picture::new(width, height, pass_samples, key));
+        };
+        if picture.key != key {
+            return Err(CheckpointError::Mismatch("scene, camera or settings").into());
+        }
+        // A last pass cut short can not be told from its samples when more of them are asked for.
+        let samples_of = |passes| self.settings.samples_of(passes).len() as u64;
+        let expected: u64 = picture.film.passes().into_iter().map(samples_of).sum();
+        if picture.film.samples() != expected {
+            return Err(CheckpointError::Mismatch("number of samples").into());
         }
         Ok(picture)
-    }
-
-    /// All tiles of one pass, in order; `None` if cancelled before the last.
-    fn pass(&self, pass: PassSamples) -> Result<Option<Vec<TileResult>>, RenderError> {
-        let tiles: Vec<Tile> = Tile::all(self.settings.width, self.settings.height).collect();
-        let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
-            .into_par_iter()
-            .map_init(Wave::default, |wave, tile| {
-                let view = View { scene: self.scene, camera: self.camera, settings: self.settings };
-                let Some(counters) = wave.trace(&view, tile, pass, || self.monitor.cancelled()) else {
-                    return Ok(None);
-                };
-                self.report(counters.camera_rays);
-                Ok(Some((tile, wave.sum_pixels(tile, pass)?, counters)))
-            })
-            .collect();
-        // A pass with a tile missing is no pass.
-        Ok(results?.into_iter().collect())
-    }
-
-    fn report(&self, samples: u64) {
-        let Settings { width, height, samples: per_pixel, .. } = *self.settings;
-        let samples_done = self.samples_done.fetch_add(samples, Ordering::Relaxed) + samples;
-        let samples_total = u64::from(width) * u64::from(height) * u64::from(per_pixel);
-        self.monitor.progress(Progress { samples_done, samples_total });
     }
 }

@@ -27,6 +27,28 @@ pub struct Interaction<'a> {
     pub wo: DVec3,
 }
 
+impl<A> Scene<A> {
+    /// What triangle `index` is made of.
+    pub(crate) fn material(&self, index: u32) -> &Material {
+        &self.materials[self.material_ids[index as usize] as usize]
+    }
+
+    /// The checked triangles.
+    pub fn triangles(&self) -> &Triangles {
+        &self.triangles
+    }
+
+    /// The triangles that emit light.
+    pub fn emitters(&self) -> &Emitters {
+        &self.emitters
+    }
+
+    /// The radiance that arrives from outside.
+    pub fn environment(&self) -> Rgb {
+        self.environment
+    }
+}
+
 impl<A: Accel> Scene<A> {
     /// Checks the model's triangles and hands them to `build` for an accelerator.
     ///
@@ -63,30 +85,14 @@ impl<A: Accel> Scene<A> {
         &self.accel
     }
 
-    /// The checked triangles.
-    pub fn triangles(&self) -> &Triangles {
-        &self.triangles
-    }
-
-    /// The triangles that emit light.
-    pub fn emitters(&self) -> &Emitters {
-        &self.emitters
-    }
-
-    /// The radiance that arrives from outside.
-    pub fn environment(&self) -> Rgb {
-        self.environment
-    }
-
     /// Looks up what `ray` met at `hit`, a hit of this scene's accelerator.
     ///
     /// # Panics
     /// If `hit` names a triangle that this scene does not have.
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
-        let material_id = self.material_ids[hit.triangle as usize];
         Interaction {
             point: self.triangles.surface_point(hit.triangle, hit.u, hit.v),
-            material: &self.materials[material_id as usize],
+            material: self.material(hit.triangle),
             wo: -unit(ray.direction),
         }
     }

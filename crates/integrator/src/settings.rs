@@ -1,4 +1,5 @@
-use crate::{Estimator, RenderError};
+use crate::{Estimator, PixelFilter, RenderError, Sampler};
+use std::ops::Range;
 
 /// How a picture is rendered. Together with scene and camera it decides the picture's bits,
 /// `threads` excepted.
@@ -9,8 +10,18 @@ pub struct Settings {
     pub width: u32,
     /// Height in pixels, at least 1. At most [`Settings::MAX_PIXELS`] in all.
     pub height: u32,
-    /// Samples for each pixel, at least 1.
+    /// Samples for each pixel, at least 1, unless something ends the render before.
     pub samples: u32,
+    /// Samples of each pixel in one pass, a power of two up to `2^16`. A picture is made of whole
+    /// passes, but for the last, which takes what is left of `samples`.
+    ///
+    /// With [`Sampler::Sobol`] a pass is also what is stratified together: longer passes make a
+    /// smooth picture better and its error, which rests on their number, less certain.
+    pub pass_samples: u32,
+    /// Where random numbers come from.
+    pub sampler: Sampler,
+    /// How a pixel weighs the light around its centre.
+    pub filter: PixelFilter,
     /// Which random numbers are used.
     pub seed: u64,
     /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for as many as the machine offers.
@@ -52,19 +63,41 @@ impl Settings {
     /// The most bounces that a path can be made to take: `2^20`.
     pub const MAX_BOUNCES: u32 = 1 << 20;
 
-    /// `width` x `height` pixels of `samples` samples each; seed 0, all threads, no limit on
-    /// bounces, multiple importance sampling, roulette from the fourth bounce on.
+    /// `width` x `height` pixels of `samples` samples each, Sobol' points in passes of 16; box
+    /// filter, seed 0, all threads, no limit on bounces, multiple importance sampling, roulette
+    /// from the fourth bounce on.
     pub fn new(width: u32, height: u32, samples: u32) -> Self {
         Self {
             width,
             height,
             samples,
+            pass_samples: 16,
+            sampler: Sampler::Sobol,
+            filter: PixelFilter::Box,
             seed: 0,
             threads: 0,
             max_bounces: None,
             estimator: Estimator::Mis,
             roulette: Roulette { start: 3 },
         }
+    }
+
+    /// How many passes make up all samples.
+    pub fn passes(&self) -> u32 {
+        self.samples.div_ceil(self.pass_samples)
+    }
+
+    /// The samples that `passes` take of each pixel, as a range of their indices.
+    pub(crate) fn samples_of(&self, passes: Range<u32>) -> Range<u32> {
+        let first = |pass: u32| u64::from(pass) * u64::from(self.pass_samples);
+        let [start, end] = [passes.start, passes.end].map(|pass| first(pass).min(self.samples.into()) as u32);
+        start..end
+    }
+
+    /// The samples of the pass to which `sample` belongs.
+    pub(crate) fn pass_of(&self, sample: u32) -> Range<u32> {
+        let pass = sample / self.pass_samples;
+        self.samples_of(pass..pass + 1)
     }
 
     /// How many bounces a path takes whatever roulette says, if it finds something to bounce off.
@@ -83,6 +116,12 @@ impl Settings {
             (self.height >= 1, "height", f64::from(self.height), "[1, inf)"),
             (pixels <= Self::MAX_PIXELS, "width x height", pixels as f64, "[1, 2^27]"),
             (self.samples >= 1, "samples", f64::from(self.samples), "[1, inf)"),
+            (
+                self.pass_samples.is_power_of_two() && self.pass_samples <= Sampler::MAX_PASS,
+                "pass_samples",
+                f64::from(self.pass_samples),
+                "the powers of two in [1, 2^16]",
+            ),
             (self.threads <= Self::MAX_THREADS, "threads", self.threads as f64, "[0, 1024]"),
             (
                 self.certain_bounces() <= Self::MAX_BOUNCES,

@@ -24,6 +24,11 @@ impl Tile {
         })
     }
 
+    /// How many pixels it has.
+    pub(crate) fn pixel_count(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
     /// The tile's pixels, row by row.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let Self { x, y, width, height } = *self;

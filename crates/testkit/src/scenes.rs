@@ -101,3 +101,50 @@ pub fn mirror_corridor(r: f64, length: f64) -> Model {
     model.add(lamp, quad(end[0], end[1], end[2], end[3]));
     model
 }
+
+/// C5: a lamp of radiance 1 from (x0, h, z0) to (x1, h, z1), facing down, above a floor of albedo
+/// 0.5 at height 0.
+pub fn rectangle_over_floor([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> Model {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    model.add(lambert(0.5), quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0)));
+    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
+    model.add(lamp, quad(p(x0, h, z0), p(x1, h, z0), p(x1, h, z1), p(x0, h, z1)));
+    model
+}
+
+/// C9: C3 and a mirror of reflectance 0.9 at x = 1.5, which faces it.
+pub fn lamp_beside_mirror() -> Model {
+    let p = DVec3::new;
+    let mut model = lamp_over_floor();
+    let wall = quad(p(1.5, 0.0, 3.0), p(1.5, 3.0, 3.0), p(1.5, 3.0, -3.0), p(1.5, 0.0, -3.0));
+    model.add(mirror(0.9), wall);
+    model
+}
+
+/// C10: C3, of whose lamp a black sheet at height 0.7 hides the half where x is above zero.
+pub fn lamp_half_hidden() -> Model {
+    let p = DVec3::new;
+    let mut model = lamp_over_floor();
+    let sheet = quad(p(0.0, 0.7, -3.0), p(3.0, 0.7, -3.0), p(3.0, 0.7, 3.0), p(0.0, 0.7, 3.0));
+    model.add(lambert(0.0), sheet);
+    model
+}
+
+/// C12: a lamp of radiance 1, one unit wide and high, that stands on a floor of albedo 0.5 at
+/// x = 0 and faces +x.
+pub fn lamp_on_floor() -> Model {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    model.add(lambert(0.5), quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0)));
+    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
+    model.add(lamp, quad(p(0.0, 0.0, 0.5), p(0.0, 0.0, -0.5), p(0.0, 1.0, -0.5), p(0.0, 1.0, 0.5)));
+    model
+}
+
+/// C17: a cube of albedo `rho` around the origin, its sides 2 long.
+pub fn cube(rho: f64) -> Model {
+    let mut model = Model::default();
+    model.add(lambert(rho), cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
+    model
+}

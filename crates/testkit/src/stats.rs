@@ -32,11 +32,11 @@ impl Estimate {
         let mean = pixels().map(|(x, y)| component(film.mean(x, y))).sum::<f64>() / n;
         // All pixels show the same, so their variances add up to that of the sum.
         let within: f64 = pixels().map(|(x, y)| component(film.variance_of_mean(x, y))).sum();
-        let count = pixels().map(|(x, y)| film.sample_count(x, y) as f64).sum();
+        let count = n * film.samples() as f64;
         Self { mean, std_err: within.sqrt() / n, count }
     }
 
-    /// Variance of a single sample.
+    /// Variance of a single sample, of the independent sampler.
     pub fn sample_variance(&self) -> f64 {
         self.std_err * self.std_err * self.count
     }

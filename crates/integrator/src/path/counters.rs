@@ -17,6 +17,17 @@ pub struct Counters {
 }
 
 impl Counters {
+    pub(crate) const COUNT: usize = 5;
+
+    pub(crate) fn to_array(self) -> [u64; Self::COUNT] {
+        [self.camera_rays, self.bounce_rays, self.shadow_rays, self.roulette_ends, self.limit_ends]
+    }
+
+    pub(crate) fn from_array(counters: [u64; Self::COUNT]) -> Self {
+        let [camera_rays, bounce_rays, shadow_rays, roulette_ends, limit_ends] = counters;
+        Self { camera_rays, bounce_rays, shadow_rays, roulette_ends, limit_ends }
+    }
+
     /// Rays of all kinds.
     pub fn rays(&self) -> u64 {
         self.camera_rays + self.bounce_rays + self.shadow_rays
@@ -25,10 +36,9 @@ impl Counters {
 
 impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
-        self.camera_rays += other.camera_rays;
-        self.bounce_rays += other.bounce_rays;
-        self.shadow_rays += other.shadow_rays;
-        self.roulette_ends += other.roulette_ends;
-        self.limit_ends += other.limit_ends;
+        let own = self.to_array();
+        let other = other.to_array();
+        // Saturating, since counters read from a file may be anything.
+        *self = Self::from_array(std::array::from_fn(|i| own[i].saturating_add(other[i])));
     }
 }

@@ -2,8 +2,10 @@
 
 mod counters;
 mod estimator;
+mod replay;
 mod wave;
 
 pub use counters::Counters;
 pub use estimator::Estimator;
-pub(crate) use wave::{PassSamples, View, Wave};
+pub use replay::{Replay, Vertex, replay};
+pub(crate) use wave::{View, Wave, WaveSamples};

@@ -1,57 +1,58 @@
 use super::Counters;
-use crate::film::PixelSum;
+use crate::film::Moments;
+use crate::sampler::Numbers;
 use crate::tile::Tile;
-use crate::{Camera, Interaction, RenderError, Roulette, Scene, Settings, Stream};
+use crate::{Camera, Interaction, RenderError, Roulette, Scene, Settings};
 use glam::DVec3;
 use globillum_geom::{Accel, Frame, Hit, PdfSolidAngle, Ray};
 use globillum_material::{Density, Rgb};
 
-/// The samples of each pixel that one pass takes.
+/// The samples of each pixel that one wave takes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PassSamples {
+pub(crate) struct WaveSamples {
     pub(crate) first: u32,
     pub(crate) count: u32,
 }
 
-/// All paths of one tile and pass, advanced together one bounce at a time, so that the
+/// All paths of one tile's next samples, advanced together one bounce at a time, so that the
 /// accelerator gets many rays at once. Its buffers are kept from tile to tile.
 #[derive(Debug, Default)]
 pub(crate) struct Wave {
     /// Paths still under way, and beside each the ray it follows next.
-    paths: Vec<Path>,
-    rays: Vec<Ray>,
-    hits: Vec<Option<Hit>>,
+    pub(super) paths: Vec<Path>,
+    pub(super) rays: Vec<Ray>,
+    pub(super) hits: Vec<Option<Hit>>,
     /// Light that arrives unless its shadow ray is occluded.
-    arriving: Vec<Arriving>,
+    pub(super) arriving: Vec<Arriving>,
     shadow_rays: Vec<Ray>,
-    occluded: Vec<bool>,
+    pub(super) occluded: Vec<bool>,
     /// What each sample has gathered, in the order in which the samples are taken.
-    radiance: Vec<Rgb>,
+    pub(super) radiance: Vec<Rgb>,
 }
 
 /// One path under way.
 #[derive(Clone, Copy, Debug)]
-struct Path {
+pub(super) struct Path {
     /// Its place in [`Wave::radiance`].
     sample: u32,
-    stream: Stream,
-    throughput: Rgb,
+    numbers: Numbers,
+    pub(super) throughput: Rgb,
     /// How the direction of its ray was chosen; the camera's counts as a delta, since no light
     /// sample could have found it.
     density: Density,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Arriving {
+pub(super) struct Arriving {
     sample: u32,
-    radiance: Rgb,
+    pub(super) radiance: Rgb,
 }
 
 /// Which random number serves which purpose. Fixed, so that a path's numbers depend on nothing
 /// but its own bounces.
 struct Dimensions {
-    light_choice: u32,
-    light_point: u32,
+    /// The choice of a light, and a point on it.
+    light: u32,
     scatter: u32,
     roulette: u32,
 }
@@ -61,11 +62,12 @@ impl Dimensions {
 
     fn of_bounce(bounce: u32) -> Self {
         let base = 2 + 6 * bounce;
-        Self { light_choice: base, light_point: base + 1, scatter: base + 3, roulette: base + 5 }
+        Self { light: base, scatter: base + 3, roulette: base + 5 }
     }
 }
 
 /// What is rendered: all that the steps of a wave share.
+#[derive(Debug)]
 pub(crate) struct View<'a, A> {
     pub(crate) scene: &'a Scene<A>,
     pub(crate) camera: &'a Camera,
@@ -73,27 +75,22 @@ pub(crate) struct View<'a, A> {
 }
 
 impl Wave {
-    /// Traces the tile's samples of this pass; `None` if `cancelled` before the last bounce.
+    /// Traces these samples of the tile; `None` if `cancelled` before the last bounce.
     pub(crate) fn trace<A: Accel>(
         &mut self,
         view: &View<'_, A>,
         tile: Tile,
-        pass: PassSamples,
+        samples: WaveSamples,
         cancelled: impl Fn() -> bool,
     ) -> Option<Counters> {
         let mut counters = Counters::default();
-        self.start(view.camera, view.settings, tile, pass);
+        self.start(view.camera, view.settings, tile, samples);
         counters.camera_rays = self.rays.len() as u64;
         for bounce in 0.. {
             if cancelled() {
                 return None;
             }
-            view.scene.accel().intersect_batch(&self.rays, &mut self.hits);
-            self.shade(view, bounce, &mut counters);
-            view.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
-            self.add_unoccluded();
-            counters.shadow_rays += self.shadow_rays.len() as u64;
-            counters.bounce_rays += self.rays.len() as u64;
+            self.advance(view, bounce, &mut counters);
             if self.paths.is_empty() {
                 break;
             }
@@ -101,21 +98,46 @@ impl Wave {
         Some(counters)
     }
 
-    /// Camera rays, `pass.count` for each pixel of the tile.
-    fn start(&mut self, camera: &Camera, settings: &Settings, tile: Tile, pass: PassSamples) {
+    /// Takes all paths through one bounce.
+    fn advance<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
+        self.find_hits(view);
+        self.shade(view, bounce, counters);
+        self.find_light(view);
+        counters.shadow_rays += self.shadow_rays.len() as u64;
+        counters.bounce_rays += self.rays.len() as u64;
+    }
+
+    /// What each path's ray meets.
+    pub(super) fn find_hits<A: Accel>(&mut self, view: &View<'_, A>) {
+        view.scene.accel().intersect_batch(&self.rays, &mut self.hits);
+    }
+
+    /// Adds the light that arrives unoccluded.
+    pub(super) fn find_light<A: Accel>(&mut self, view: &View<'_, A>) {
+        view.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
+        for (arriving, &occluded) in self.arriving.iter().zip(&self.occluded) {
+            if !occluded {
+                self.radiance[arriving.sample as usize] += arriving.radiance;
+            }
+        }
+    }
+
+    /// Camera rays, `samples.count` for each pixel of the tile.
+    pub(super) fn start(&mut self, camera: &Camera, settings: &Settings, tile: Tile, samples: WaveSamples) {
         self.paths.clear();
         self.rays.clear();
         let (width, height) = (f64::from(settings.width), f64::from(settings.height));
+        let pass = settings.pass_of(samples.first);
         for (x, y) in tile.pixels() {
             let pixel = u64::from(y) * u64::from(settings.width) + u64::from(x);
-            for sample in pass.first..pass.first + pass.count {
-                let stream = Stream::new(settings.seed, pixel, sample);
-                let [dx, dy] = stream.uniform_pair(Dimensions::FILM);
+            for sample in samples.first..samples.first + samples.count {
+                let numbers = settings.sampler.numbers(settings.seed, pixel, sample, &pass);
+                let [dx, dy] = settings.filter.place(numbers.uniform_pair(Dimensions::FILM));
                 let film_x = 2.0 * (f64::from(x) + dx) / width - 1.0;
                 let film_y = 1.0 - 2.0 * (f64::from(y) + dy) / height;
                 self.rays.push(camera.ray(film_x, film_y, width / height));
                 let sample = self.paths.len() as u32;
-                self.paths.push(Path { sample, stream, throughput: Rgb::WHITE, density: Density::Delta });
+                self.paths.push(Path { sample, numbers, throughput: Rgb::WHITE, density: Density::Delta });
             }
         }
         self.radiance.clear();
@@ -124,7 +146,7 @@ impl Wave {
 
     /// Adds what the hits emit, chooses points on lights, and scatters; keeps the paths that go
     /// on, in their order.
-    fn shade<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
+    pub(super) fn shade<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
         self.arriving.clear();
         self.shadow_rays.clear();
         let mut kept = 0;
@@ -135,6 +157,11 @@ impl Wave {
                 continue;
             };
             let at = view.scene.interaction(&ray, &hit);
+            if !at.point.position.is_finite() {
+                // No ray could leave it: the sample would seem black instead of wrong.
+                self.radiance[path.sample as usize] = Rgb::splat(f64::NAN);
+                continue;
+            }
             self.radiance[path.sample as usize] += path.throughput * view.emitted(&path, &ray, &hit, &at);
             if view.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
@@ -159,30 +186,25 @@ impl Wave {
         self.rays.truncate(kept);
     }
 
-    fn add_unoccluded(&mut self) {
-        for (arriving, &occluded) in self.arriving.iter().zip(&self.occluded) {
-            if !occluded {
-                self.radiance[arriving.sample as usize] += arriving.radiance;
+    /// Adds the traced samples to the tile's pixels, of which each holds `before` earlier ones of
+    /// this pass, in the order in which they are taken.
+    pub(crate) fn add_to(
+        &self,
+        pixels: &mut [Moments],
+        tile: Tile,
+        samples: WaveSamples,
+        before: u32,
+    ) -> Result<(), RenderError> {
+        let radiance = self.radiance.chunks_exact(samples.count as usize);
+        for (((x, y), pixel), radiance) in tile.pixels().zip(pixels).zip(radiance) {
+            for (i, &radiance) in (0..).zip(radiance) {
+                if !radiance.is_finite() {
+                    return Err(RenderError::NonFinite { x, y, sample: samples.first + i });
+                }
+                pixel.add(radiance, u64::from(before + i));
             }
         }
-    }
-
-    /// The traced samples, summed pixel by pixel in the order in which they are taken.
-    pub(crate) fn sum_pixels(&self, tile: Tile, pass: PassSamples) -> Result<Vec<PixelSum>, RenderError> {
-        let samples = self.radiance.chunks_exact(pass.count as usize);
-        let pixels = tile.pixels().zip(samples);
-        pixels
-            .map(|((x, y), samples)| {
-                let mut sum = PixelSum::default();
-                for (&radiance, sample) in samples.iter().zip(pass.first..) {
-                    if !radiance.is_finite() {
-                        return Err(RenderError::NonFinite { x, y, sample });
-                    }
-                    sum.add(radiance);
-                }
-                Ok(sum)
-            })
-            .collect()
+        Ok(())
     }
 }
 
@@ -213,8 +235,7 @@ impl<A: Accel> View<'_, A> {
         if !self.settings.estimator.samples_lights() || at.material.bsdf.is_delta() {
             return None;
         }
-        let choice = path.stream.uniform(dimensions.light_choice);
-        let u = path.stream.uniform_pair(dimensions.light_point);
+        let (choice, u) = path.numbers.uniform_triple(dimensions.light);
         let light = self.scene.emitters().sample(self.scene.triangles(), choice, u)?;
         let between = light.point.position - at.point.position;
         let distance_sq = between.length_squared();
@@ -236,7 +257,7 @@ impl<A: Accel> View<'_, A> {
 impl Path {
     /// Chooses where the path goes on; `None` if nothing is reflected.
     fn scatter(&mut self, at: &Interaction<'_>, frame: &Frame, wo: DVec3, dims: &Dimensions) -> Option<Ray> {
-        let sample = at.material.bsdf.sample(wo, self.stream.uniform_pair(dims.scatter))?;
+        let sample = at.material.bsdf.sample(wo, self.numbers.uniform_pair(dims.scatter))?;
         self.throughput *= sample.weight;
         self.density = sample.density;
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
@@ -248,6 +269,6 @@ impl Path {
         }
         let survive_prob = self.throughput.max_component().min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;
-        self.stream.uniform(dimensions.roulette) < survive_prob
+        self.numbers.uniform(dimensions.roulette) < survive_prob
     }
 }

@@ -1,4 +1,6 @@
-/// The random numbers of one sample of one pixel, each addressed by its dimension.
+use crate::hash::{fold, nth, unit};
+
+/// The independent random numbers of one sample of one pixel, each addressed by its dimension.
 ///
 /// Counter-based: a number depends on (seed, pixel, sample, dimension) and on nothing that was
 /// drawn before, so any sample can be computed alone, by any thread, in any order. The key is
@@ -9,23 +11,16 @@ pub struct Stream {
     key: u64,
 }
 
-/// The odd number nearest to `2^64` over the golden ratio.
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-
 impl Stream {
     /// The stream of sample `sample` of pixel `pixel` (counted row by row) for `seed`.
     pub fn new(seed: u64, pixel: u64, sample: u32) -> Self {
-        let key = [seed, pixel, u64::from(sample)]
-            .into_iter()
-            .fold(0, |key: u64, part| mix(key.wrapping_add(GOLDEN) ^ mix(part.wrapping_add(GOLDEN))));
-        Self { key }
+        Self { key: [seed, pixel, u64::from(sample)].into_iter().fold(0, fold) }
     }
 
     /// A number uniform in `[0, 1)`, a multiple of `2^-53`.
     #[inline]
     pub fn uniform(&self, dimension: u32) -> f64 {
-        let counter = self.key.wrapping_add(GOLDEN.wrapping_mul(u64::from(dimension) + 1));
-        (mix(counter) >> 11) as f64 * (f64::EPSILON / 2.0)
+        unit(nth(self.key, u64::from(dimension)))
     }
 
     /// The numbers of `dimension` and the one after it.
@@ -33,15 +28,6 @@ impl Stream {
     pub fn uniform_pair(&self, dimension: u32) -> [f64; 2] {
         [self.uniform(dimension), self.uniform(dimension + 1)]
     }
-}
-
-/// A bijection of 64 bits in which every input bit changes about half of the output bits
-/// (Stafford's thirteenth mixer).
-#[inline]
-fn mix(mut x: u64) -> u64 {
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }
 
 #[cfg(test)]

@@ -1,0 +1,209 @@
+//! Pictures as bytes.
+//!
+//! All numbers are little-endian. A header (magic, version, key, width, height, samples in a pass,
+//! counters, number of blocks) is followed by the blocks of the film (first pass, passes, samples, observations, then
+//! for each pixel the sum and the spread of three components as `f64`), and by a checksum of all
+//! bytes before it.
+
+use crate::film::{Block, Moments, Tally};
+use crate::hash::fold;
+use crate::{Counters, Film, Picture, Settings};
+use globillum_material::Rgb;
+use thiserror::Error;
+
+/// Why a checkpoint can not be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// It does not begin as a checkpoint does.
+    #[error("is no checkpoint")]
+    NoCheckpoint,
+    /// It was written by another version of the format.
+    #[error("is a checkpoint of version {0}; this program reads version {VERSION}")]
+    Version(u32),
+    /// It has another length than its header says: it was cut short, or more was added.
+    #[error("has another length than its header says")]
+    Length,
+    /// Its bytes are not those that were written.
+    #[error("is damaged: its checksum is wrong")]
+    Checksum,
+    /// It holds what no render writes.
+    #[error("holds an impossible {0}")]
+    Malformed(&'static str),
+    /// It is of another picture: what is named here differs.
+    #[error("belongs to another picture: the {0} differs")]
+    Mismatch(&'static str),
+    /// A pass that is there already.
+    #[error("pass {pass} is held twice")]
+    Overlap {
+        /// The first such pass.
+        pass: u32,
+    },
+}
+
+const MAGIC: [u8; 8] = *b"GLBLPASS";
+const VERSION: u32 = 1;
+
+/// Bytes of a pixel in a block: six numbers.
+const PIXEL_BYTES: u64 = 48;
+/// Bytes of a block before its pixels.
+const BLOCK_BYTES: u64 = 24;
+/// Passes are numbered by 32 bits: the tree's nodes that cover any number of them, gaps included,
+/// are fewer than this for every picture that is rendered in a sensible number of parts.
+const MAX_BLOCKS: u32 = 1 << 20;
+
+impl Picture {
+    /// The picture with its bookkeeping as bytes, the same on every machine.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let blocks = self.film.blocks();
+        let mut bytes = Vec::with_capacity(
+            128 + blocks.len() * (BLOCK_BYTES + PIXEL_BYTES * self.film.pixel_count() as u64) as usize,
+        );
+        bytes.extend(MAGIC);
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(self.key.to_le_bytes());
+        bytes.extend(self.film.width().to_le_bytes());
+        bytes.extend(self.film.height().to_le_bytes());
+        bytes.extend(self.pass_samples.to_le_bytes());
+        bytes.extend(self.counters.to_array().iter().flat_map(|n| n.to_le_bytes()));
+        bytes.extend((blocks.len() as u32).to_le_bytes());
+        for block in blocks {
+            put_block(&mut bytes, block);
+        }
+        let checksum = checksum(&bytes);
+        bytes.extend(checksum.to_le_bytes());
+        bytes
+    }
+
+    /// The picture that [`Picture::to_bytes`] wrote.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] for any other bytes, without having allocated more memory than a small
+    /// multiple of their length.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        let content = check(bytes)?;
+        let mut reader = Reader { bytes: &content[MAGIC.len() + 4..] };
+        let (key, width, height) = (reader.u64()?, reader.u32()?, reader.u32()?);
+        let pass_samples = reader.u32()?;
+        let counters = reader.counters()?;
+        let count = reader.u32()?;
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels == 0 || pixels > Settings::MAX_PIXELS {
+            return Err(CheckpointError::Malformed("size"));
+        }
+        if count > MAX_BLOCKS {
+            return Err(CheckpointError::Malformed("number of blocks"));
+        }
+        if reader.bytes.len() as u64 != u64::from(count) * (BLOCK_BYTES + PIXEL_BYTES * pixels) {
+            return Err(CheckpointError::Length);
+        }
+        let mut film = Film::new(width, height);
+        let mut held = 0_u64;
+        for _ in 0..count {
+            let block = reader.block(pixels as usize)?;
+            let last = film.blocks().last();
+            if last.is_some_and(|last| block.range().start < last.range().end) {
+                return Err(CheckpointError::Malformed("order of passes"));
+            }
+            // Only the last of all may lack samples, and not a pass of them.
+            let full = u64::from(block.passes) * u64::from(pass_samples);
+            let lacking = full.checked_sub(block.tally.samples);
+            let before = film.tally().samples == held;
+            if !before || lacking.is_none_or(|lacking| lacking >= u64::from(pass_samples)) {
+                return Err(CheckpointError::Malformed("number of samples"));
+            }
+            held += full;
+            film.insert(block);
+        }
+        let samples =
+            film.samples().try_into().map_err(|_| CheckpointError::Malformed("number of samples"))?;
+        Ok(Self { film, counters, samples, ..Self::new(width, height, pass_samples, key) })
+    }
+}
+
+/// The bytes without the checksum, which is that of a checkpoint of this version.
+fn check(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
+    let rest = bytes.strip_prefix(&MAGIC).ok_or(CheckpointError::NoCheckpoint)?;
+    let version = Reader { bytes: rest }.u32()?;
+    if version != VERSION {
+        return Err(CheckpointError::Version(version));
+    }
+    let (content, end) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Length)?;
+    if content.len() < MAGIC.len() + 4 {
+        return Err(CheckpointError::Length);
+    }
+    if checksum(content) == u64::from_le_bytes(*end) { Ok(content) } else { Err(CheckpointError::Checksum) }
+}
+
+/// A hash in which every bit of every byte, and their number, takes part.
+fn checksum(bytes: &[u8]) -> u64 {
+    let words = bytes.chunks(8).map(|chunk| {
+        let mut word = [0; 8];
+        word[..chunk.len()].copy_from_slice(chunk);
+        u64::from_le_bytes(word)
+    });
+    words.fold(bytes.len() as u64, fold)
+}
+
+fn put_block(bytes: &mut Vec<u8>, block: &Block) {
+    bytes.extend(block.first.to_le_bytes());
+    bytes.extend(block.passes.to_le_bytes());
+    bytes.extend(block.tally.samples.to_le_bytes());
+    bytes.extend(block.tally.observations.to_le_bytes());
+    for pixel in &block.pixels {
+        let numbers = pixel.sum.to_array().into_iter().chain(pixel.spread.to_array());
+        bytes.extend(numbers.flat_map(f64::to_le_bytes));
+    }
+}
+
+/// Takes numbers off the front.
+struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], CheckpointError> {
+        let (head, rest) = self.bytes.split_first_chunk().ok_or(CheckpointError::Length)?;
+        self.bytes = rest;
+        Ok(*head)
+    }
+
+    fn u32(&mut self) -> Result<u32, CheckpointError> {
+        Ok(u32::from_le_bytes(self.take()?))
+    }
+
+    fn u64(&mut self) -> Result<u64, CheckpointError> {
+        Ok(u64::from_le_bytes(self.take()?))
+    }
+
+    fn rgb(&mut self) -> Result<Rgb, CheckpointError> {
+        let mut component = || Ok(f64::from_le_bytes(self.take()?));
+        let rgb = Rgb::new(component()?, component()?, component()?);
+        if rgb.is_finite() { Ok(rgb) } else { Err(CheckpointError::Malformed("radiance")) }
+    }
+
+    fn counters(&mut self) -> Result<Counters, CheckpointError> {
+        let mut numbers = [0; Counters::COUNT];
+        for number in &mut numbers {
+            *number = self.u64()?;
+        }
+        Ok(Counters::from_array(numbers))
+    }
+
+    fn block(&mut self, pixels: usize) -> Result<Block, CheckpointError> {
+        let (first, passes) = (self.u32()?, self.u32()?);
+        let tally = Tally { samples: self.u64()?, observations: self.u64()? };
+        if !Block::is_node(first, passes) {
+            return Err(CheckpointError::Malformed("block of passes"));
+        }
+        if tally.samples > u64::from(u32::MAX)
+            || tally.observations < u64::from(passes)
+            || tally.observations > tally.samples
+        {
+            return Err(CheckpointError::Malformed("number of samples"));
+        }
+        let moments = |reader: &mut Self| Ok(Moments { sum: reader.rgb()?, spread: reader.rgb()? });
+        let pixels = (0..pixels).map(|_| moments(self)).collect::<Result<_, _>>()?;
+        Ok(Block { first, passes, tally, pixels })
+    }
+}

@@ -1,0 +1,263 @@
+//! What the samples add up to.
+
+mod block;
+mod error;
+mod moments;
+mod student;
+
+pub(crate) use block::Block;
+pub use error::ImageError;
+pub(crate) use moments::{Moments, Tally};
+
+use crate::CheckpointError;
+use globillum_material::Rgb;
+use std::ops::Range;
+
+/// A picture's pixels, row 0 at the top: mean radiance, and how well it is known.
+///
+/// All pixels hold the same passes. Equal passes give equal bits, wherever and in whatever order
+/// they were rendered and put together.
+///
+/// The standard error comes from the spread of independent observations: of samples where those
+/// are independent, of the means of passes where the samples of a pass are stratified. Errors of
+/// different pixels are independent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    /// In the order of their passes; no two that could be joined.
+    blocks: Vec<Block>,
+}
+
+impl Film {
+    pub(crate) fn new(width: u32, height: u32) -> Self {
+        Self { width, height, blocks: Vec::new() }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Mean radiance of a pixel; black before the first sample.
+    ///
+    /// # Panics
+    /// If the pixel lies outside the film.
+    pub fn mean(&self, x: u32, y: u32) -> Rgb {
+        let (moments, tally) = self.sums(self.index(x, y));
+        moments.mean(tally)
+    }
+
+    /// Variance of [`Film::mean`], estimated from the spread of [`Film::observations`], component
+    /// by component; infinite for fewer than two. Its square root is the standard error.
+    ///
+    /// # Panics
+    /// If the pixel lies outside the film.
+    pub fn variance_of_mean(&self, x: u32, y: u32) -> Rgb {
+        let (moments, tally) = self.sums(self.index(x, y));
+        moments.variance_of_mean(tally)
+    }
+
+    /// Half the width of the interval around [`Film::mean`] that holds the truth with a probability
+    /// of 95 %, component by component, as far as an observation is normally distributed: Student's
+    /// quantile times the standard error. Infinite for fewer than two observations.
+    ///
+    /// # Panics
+    /// If the pixel lies outside the film.
+    pub fn margin_95(&self, x: u32, y: u32) -> Rgb {
+        let quantile = student::quantile_975(self.observations().saturating_sub(1));
+        self.variance_of_mean(x, y).map(|variance| quantile * variance.sqrt())
+    }
+
+    /// How many samples each pixel holds.
+    pub fn samples(&self) -> u64 {
+        self.tally().samples
+    }
+
+    /// How many independent observations each pixel's error rests on: samples of the independent
+    /// sampler, passes of the Sobol' sampler.
+    pub fn observations(&self) -> u64 {
+        self.tally().observations
+    }
+
+    /// The passes held, as ranges in ascending order that neither meet nor overlap.
+    pub fn passes(&self) -> Vec<Range<u32>> {
+        let mut ranges: Vec<Range<u32>> = Vec::new();
+        for block in &self.blocks {
+            let end = block.first + block.passes;
+            match ranges.last_mut() {
+                Some(last) if last.end == block.first => last.end = end,
+                _ => ranges.push(block.first..end),
+            }
+        }
+        ranges
+    }
+
+    /// Mean radiance of every pixel, row by row from the top.
+    pub fn means(&self) -> impl Iterator<Item = Rgb> + '_ {
+        self.all_sums().map(|(moments, tally)| moments.mean(tally))
+    }
+
+    /// [`Film::variance_of_mean`] of every pixel, row by row from the top.
+    pub fn variances_of_mean(&self) -> impl Iterator<Item = Rgb> + '_ {
+        self.all_sums().map(|(moments, tally)| moments.variance_of_mean(tally))
+    }
+
+    /// Mean radiance of the whole picture.
+    pub fn image_mean(&self) -> Rgb {
+        let mut sum = Rgb::BLACK;
+        for mean in self.means() {
+            sum += mean;
+        }
+        sum / self.pixel_count() as f64
+    }
+
+    /// How far the whole picture is from the truth.
+    pub fn error(&self) -> ImageError {
+        ImageError::of(self)
+    }
+
+    /// Takes in the passes of `other`, a film of the same picture.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Overlap`] for a pass that both hold, [`CheckpointError::Mismatch`] for
+    /// another width or height. Neither film is changed.
+    pub(crate) fn merge(&mut self, other: Self) -> Result<(), CheckpointError> {
+        if (self.width, self.height) != (other.width, other.height) {
+            return Err(CheckpointError::Mismatch("size"));
+        }
+        if let Some(shared) = other.passes().iter().find_map(|range| self.held_of(range).next()) {
+            return Err(CheckpointError::Overlap { pass: shared.start });
+        }
+        for block in other.blocks {
+            self.insert(block);
+        }
+        Ok(())
+    }
+
+    /// Whether the film holds this pass.
+    pub(crate) fn holds(&self, pass: u32) -> bool {
+        self.blocks.iter().any(|block| block.range().contains(&u64::from(pass)))
+    }
+
+    /// The parts of `passes` that the film holds, in ascending order.
+    pub(crate) fn held_of(&self, passes: &Range<u32>) -> impl Iterator<Item = Range<u32>> + use<> {
+        let Range { start, end } = *passes;
+        let parts = self.passes().into_iter().map(move |held| held.start.max(start)..held.end.min(end));
+        parts.filter(|part| !part.is_empty())
+    }
+
+    /// Adds a block of passes that are not there yet, and joins what makes up a larger block.
+    pub(crate) fn insert(&mut self, block: Block) {
+        let mut at = self.blocks.partition_point(|other| other.first < block.first);
+        self.blocks.insert(at, block);
+        loop {
+            let pairs_with =
+                |i: usize| self.blocks.get(i + 1).is_some_and(|next| self.blocks[i].is_sibling(next));
+            at = match at {
+                _ if pairs_with(at) => at,
+                1.. if pairs_with(at - 1) => at - 1,
+                _ => break,
+            };
+            let next = self.blocks.remove(at + 1);
+            self.blocks[at].join(&next);
+        }
+    }
+
+    pub(crate) fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    pub(crate) fn pixel_count(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    pub(crate) fn tally(&self) -> Tally {
+        self.blocks.iter().fold(Tally::default(), |sum, block| sum.joined(block.tally))
+    }
+
+    fn all_sums(&self) -> impl Iterator<Item = (Moments, Tally)> + '_ {
+        (0..self.pixel_count()).map(|index| self.sums(index))
+    }
+
+    /// All of a pixel's blocks as one set, in the order of their passes.
+    fn sums(&self, index: usize) -> (Moments, Tally) {
+        let mut blocks = self.blocks.iter().map(|block| (block.pixels[index], block.tally));
+        let first = blocks.next().unwrap_or_default();
+        blocks.fold(first, |(a, n), (b, m)| (a.joined(n.samples, &b, m.samples), n.joined(m)))
+    }
+
+    fn index(&self, x: u32, y: u32) -> usize {
+        assert!(x < self.width && y < self.height, "pixel ({x}, {y}) is outside the film");
+        y as usize * self.width as usize + x as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// A pass of a film of one pixel, of one sample that no other pass has.
+    fn pass(first: u32) -> Block {
+        let sum = Rgb::splat(1.0 / f64::from(3 + first));
+        let tally = Tally { samples: 1, observations: 1 };
+        Block { first, passes: 1, tally, pixels: vec![Moments { sum, spread: Rgb::BLACK }] }
+    }
+
+    fn film(passes: impl IntoIterator<Item = u32>) -> Film {
+        let mut film = Film::new(1, 1);
+        passes.into_iter().for_each(|first| film.insert(pass(first)));
+        film
+    }
+
+    #[test]
+    fn any_order_of_passes_gives_the_same_bits() {
+        let whole = film(0..37);
+        // 5 and 37 have no common factor: this visits every pass once.
+        assert_eq!(film((0..37).map(|i| 5 * i % 37)), whole);
+        assert_eq!(film((0..37).rev()), whole);
+        let parts = [film(16..29), film(0..5), film(29..37), film(5..16)];
+        let mut merged = Film::new(1, 1);
+        for part in parts {
+            merged.merge(part).unwrap();
+        }
+        assert_eq!(merged, whole);
+        assert_eq!(whole.blocks.len(), 3, "37 is 32 + 4 + 1");
+        assert_eq!(whole.samples(), 37);
+        assert_eq!((whole.passes().len(), whole.passes()[0].clone()), (1, 0..37));
+    }
+
+    #[test]
+    fn blocks_hold_what_a_plain_sum_does() {
+        let film = film(0..37);
+        let values: Vec<f64> = (0..37).map(|i| 1.0 / f64::from(3 + i)).collect();
+        let mean = values.iter().sum::<f64>() / 37.0;
+        let spread: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
+        assert_relative_eq!(film.mean(0, 0).g, mean, max_relative = 1e-14);
+        assert_relative_eq!(film.variance_of_mean(0, 0).g, spread / (36.0 * 37.0), max_relative = 1e-13);
+    }
+
+    #[test]
+    fn an_empty_film_is_black_and_knows_nothing() {
+        let film = Film::new(2, 1);
+        assert_eq!((film.mean(1, 0), film.samples()), (Rgb::BLACK, 0));
+        assert_eq!(film.variance_of_mean(0, 0).r, f64::INFINITY);
+        assert_eq!(film.margin_95(0, 0).r, f64::INFINITY);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_and_nothing_changes() {
+        let (mut a, before) = (film(0..6), film(0..6));
+        assert_eq!(a.merge(film(5..8)), Err(CheckpointError::Overlap { pass: 5 }));
+        assert_eq!(a.merge(Film::new(1, 2)), Err(CheckpointError::Mismatch("size")));
+        assert_eq!(a, before);
+        a.merge(film(9..11)).unwrap();
+        assert_eq!(a.passes(), [0..6, 9..11]);
+    }
+}

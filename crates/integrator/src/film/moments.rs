@@ -1,0 +1,101 @@
+use globillum_material::Rgb;
+
+/// Sum of the samples, and squared deviations of the observations from their mean, of one pixel.
+///
+/// Deviations are kept instead of squares, so that nothing cancels where the spread is small beside
+/// the mean; two sets are joined by the pairwise formula of Chan, Golub and LeVeque ("Algorithms
+/// for Computing the Sample Variance", 1983, equation 2.1), here with weights.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Moments {
+    /// Sum of all samples.
+    pub(crate) sum: Rgb,
+    /// Sum of the squared deviations of observations, each weighted by its samples.
+    pub(crate) spread: Rgb,
+}
+
+/// How much a set of [`Moments`] rests on; the same for all pixels of a pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Tally {
+    /// Samples of each pixel.
+    pub(crate) samples: u64,
+    /// Independent observations among them: single samples, or means of whole passes.
+    pub(crate) observations: u64,
+}
+
+impl Tally {
+    pub(crate) fn joined(self, other: Self) -> Self {
+        Self { samples: self.samples + other.samples, observations: self.observations + other.observations }
+    }
+}
+
+impl Moments {
+    /// This and `other` as one set, where they rest on so many samples, both above zero.
+    pub(crate) fn joined(&self, samples: u64, other: &Self, other_samples: u64) -> Self {
+        let (n, m) = (samples as f64, other_samples as f64);
+        let apart = other.sum / m + self.sum / n * -1.0;
+        Self {
+            sum: self.sum + other.sum,
+            spread: self.spread + other.spread + apart * apart * (n * m / (n + m)),
+        }
+    }
+
+    /// Adds one sample, an observation of its own, to `before` earlier ones.
+    pub(crate) fn add(&mut self, sample: Rgb, before: u64) {
+        let one = Self { sum: sample, spread: Rgb::BLACK };
+        *self = if before == 0 { one } else { self.joined(before, &one, 1) };
+    }
+
+    pub(crate) fn mean(&self, tally: Tally) -> Rgb {
+        if tally.samples == 0 { Rgb::BLACK } else { self.sum / tally.samples as f64 }
+    }
+
+    /// Infinite for fewer than two observations.
+    pub(crate) fn variance_of_mean(&self, tally: Tally) -> Rgb {
+        if tally.observations < 2 {
+            return Rgb::splat(f64::INFINITY);
+        }
+        self.spread / ((tally.observations - 1) as f64 * tally.samples as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn of(samples: &[f64]) -> (Moments, u64) {
+        let mut moments = Moments::default();
+        for (before, &x) in (0..).zip(samples) {
+            moments.add(Rgb::splat(x), before);
+        }
+        (moments, samples.len() as u64)
+    }
+
+    #[test]
+    fn mean_and_its_variance_follow_the_samples() {
+        let (moments, n) = of(&[1.0, 2.0, 3.0, 6.0]);
+        let tally = Tally { samples: n, observations: n };
+        assert_eq!(moments.mean(tally), Rgb::splat(3.0));
+        // Sample variance 14/3, over four samples.
+        assert_relative_eq!(moments.variance_of_mean(tally).g, 14.0 / 12.0, max_relative = 1e-15);
+    }
+
+    #[test]
+    fn parts_join_to_the_whole() {
+        let all = [4.0, -1.0, 2.5, 8.0, 8.0, 0.25, 3.0];
+        let (whole, _) = of(&all);
+        for cut in 1..all.len() {
+            let ((a, n), (b, m)) = (of(&all[..cut]), of(&all[cut..]));
+            let joined = a.joined(n, &b, m);
+            assert_relative_eq!(joined.sum.r, whole.sum.r, max_relative = 1e-15);
+            assert_relative_eq!(joined.spread.r, whole.spread.r, max_relative = 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_small_spread_around_a_large_mean_is_not_lost() {
+        let (moments, n) = of(&[1e9 + 4.0, 1e9 + 7.0, 1e9 + 13.0, 1e9 + 16.0]);
+        let variance = moments.variance_of_mean(Tally { samples: n, observations: n }).b;
+        assert_relative_eq!(variance, 30.0 / 4.0, max_relative = 1e-12);
+    }
+}

@@ -1,0 +1,51 @@
+/// How a pixel weighs the light around its centre.
+///
+/// Samples are placed with the filter's own density, so all count alike and each belongs to one
+/// pixel: neighbours share no sample, and their errors are independent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PixelFilter {
+    /// The pixel's own square, evenly.
+    #[default]
+    Box,
+    /// A pyramid over the two-pixel square around the centre, the product of two triangular
+    /// densities: smoother edges, a little blur.
+    Tent,
+}
+
+impl PixelFilter {
+    /// The place of a sample, in pixels from the pixel's upper left corner, for `u` in `[0, 1)^2`.
+    pub(crate) fn place(self, u: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Box => u,
+            Self::Tent => u.map(|u| 0.5 + tent(u)),
+        }
+    }
+}
+
+/// The inverse of the distribution with density `1 - |x|` in `[-1, 1]`.
+fn tent(u: f64) -> f64 {
+    if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 * (1.0 - u)).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tent_inverts_its_distribution() {
+        for i in 0..=1000 {
+            let u = f64::from(i) / 1001.0;
+            let x = tent(u);
+            let below = if x < 0.0 { (1.0 + x) * (1.0 + x) / 2.0 } else { 1.0 - (1.0 - x) * (1.0 - x) / 2.0 };
+            assert!((below - u).abs() < 1e-15, "{u}");
+        }
+        assert_eq!((tent(0.0), tent(0.5)), (-1.0, 0.0));
+        assert!(tent(1.0_f64.next_down()) < 1.0);
+    }
+
+    #[test]
+    fn the_box_is_the_pixel() {
+        assert_eq!(PixelFilter::Box.place([0.25, 0.75]), [0.25, 0.75]);
+    }
+}

@@ -1,0 +1,110 @@
+use crate::film::{Block, Moments, Tally};
+use crate::meter::Meter;
+use crate::path::{View, Wave, WaveSamples};
+use crate::tile::Tile;
+use crate::{Counters, Monitor, RenderError, Sampler};
+use globillum_geom::Accel;
+use globillum_material::Rgb;
+use rayon::prelude::*;
+use std::any::Any;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Samples of a pixel in one wave: with the pixels of a tile, about a thousand rays.
+const WAVE_SAMPLES: u32 = 4;
+
+/// What all passes of a render share.
+pub(crate) struct PassJob<'a, A, M> {
+    pub(crate) view: View<'a, A>,
+    pub(crate) monitor: &'a M,
+    pub(crate) meter: &'a Meter,
+}
+
+type TileResult = (Tile, Vec<Moments>, Counters);
+
+impl<A: Accel, M: Monitor> PassJob<'_, A, M> {
+    /// Samples in `passes`, all pixels together.
+    pub(crate) fn samples_of(&self, passes: Range<u32>) -> u64 {
+        let settings = self.view.settings;
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        settings.samples_of(passes).len() as u64 * pixels
+    }
+
+    /// Renders one pass on all threads; `None` if `cancelled` before its end.
+    pub(crate) fn render(
+        &self,
+        pass: u32,
+        cancelled: impl Fn() -> bool + Sync,
+    ) -> Result<Option<(Block, Counters)>, RenderError> {
+        let settings = self.view.settings;
+        let tiles: Vec<Tile> = Tile::all(settings.width, settings.height).collect();
+        let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
+            .into_par_iter()
+            .map_init(Wave::default, |wave, tile| {
+                // What a panic leaves behind in the wave, the next tile clears.
+                let tile_task = AssertUnwindSafe(|| self.tile(wave, tile, pass, &cancelled));
+                catch_unwind(tile_task).unwrap_or_else(|payload| Err(worker_error(tile, payload.as_ref())))
+            })
+            .collect();
+        // A pass with a tile missing is no pass.
+        let tiles: Option<Vec<TileResult>> = results?.into_iter().collect();
+        Ok(tiles.map(|tiles| self.block(pass, tiles)))
+    }
+
+    /// The samples of one tile in one pass, a few at a time.
+    fn tile(
+        &self,
+        wave: &mut Wave,
+        tile: Tile,
+        pass: u32,
+        cancelled: &impl Fn() -> bool,
+    ) -> Result<Option<TileResult>, RenderError> {
+        let samples = self.view.settings.samples_of(pass..pass + 1);
+        let mut pixels = vec![Moments::default(); tile.pixel_count()];
+        let mut counters = Counters::default();
+        for first in samples.clone().step_by(WAVE_SAMPLES as usize) {
+            if cancelled() {
+                return Ok(None);
+            }
+            let part = WaveSamples { first, count: WAVE_SAMPLES.min(samples.end - first) };
+            let Some(counted) = wave.trace(&self.view, tile, part, cancelled) else { return Ok(None) };
+            wave.add_to(&mut pixels, tile, part, first - samples.start)?;
+            counters += counted;
+        }
+        self.meter.add(&counters);
+        self.monitor.progress(self.meter.progress());
+        Ok(Some((tile, pixels, counters)))
+    }
+
+    /// All tiles of a pass as a block of the film.
+    fn block(&self, pass: u32, tiles: Vec<TileResult>) -> (Block, Counters) {
+        let settings = self.view.settings;
+        let samples = settings.samples_of(pass..pass + 1).len() as u64;
+        let width = settings.width as usize;
+        let mut pixels = vec![Moments::default(); width * settings.height as usize];
+        let mut counters = Counters::default();
+        for (tile, moments, counted) in tiles {
+            for ((x, y), moments) in tile.pixels().zip(moments) {
+                pixels[y as usize * width + x as usize] = moments;
+            }
+            counters += counted;
+        }
+        let observations = match settings.sampler {
+            Sampler::Independent => samples,
+            // Its samples depend on each other: only their mean is an observation.
+            Sampler::Sobol => {
+                pixels.iter_mut().for_each(|pixel| pixel.spread = Rgb::BLACK);
+                1
+            }
+        };
+        let tally = Tally { samples, observations };
+        (Block { first: pass, passes: 1, tally, pixels }, counters)
+    }
+}
+
+fn worker_error(tile: Tile, payload: &(dyn Any + Send)) -> RenderError {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+    let message = text.unwrap_or_else(|| "a panic without a message".to_owned());
+    RenderError::Worker { x: tile.x, y: tile.y, message }
+}

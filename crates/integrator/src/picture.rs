@@ -1,0 +1,76 @@
+use crate::{CheckpointError, Counters, Film};
+
+/// A picture, whole or in parts, with the bookkeeping that makes it fit others.
+///
+/// It can be [saved](Picture::to_bytes) and continued later or elsewhere
+/// ([`Render::resume`](crate::Render::resume)), and [merged](Picture::merge) with other passes of
+/// the same picture; the bits are those of one run.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Picture {
+    /// The picture: every pixel holds the same number of samples.
+    pub film: Film,
+    /// What was done for it.
+    pub counters: Counters,
+    /// Samples of each pixel.
+    pub samples: u32,
+    /// Samples in a pass; only the last one held may have fewer.
+    pub pass_samples: u32,
+    /// A hash of all that decides the picture's bits: scene, camera, and settings but for the
+    /// numbers of samples and threads.
+    pub key: u64,
+    /// Why no more samples were taken.
+    pub ending: Ending,
+}
+
+/// Why a render ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Ending {
+    /// It has not: the picture was given to a monitor, read from a checkpoint, or merged.
+    Open,
+    /// All samples asked for were taken.
+    Samples,
+    /// The goals for its error were met, or with a pilot, the samples planned for them were taken.
+    Goals,
+    /// Its time was over.
+    Seconds,
+    /// The monitor cancelled it.
+    Cancelled,
+}
+
+impl Picture {
+    pub(crate) fn new(width: u32, height: u32, pass_samples: u32, key: u64) -> Self {
+        let film = Film::new(width, height);
+        Self { film, counters: Counters::default(), samples: 0, pass_samples, key, ending: Ending::Open }
+    }
+
+    /// Takes in the passes of `other`, rendered of the same scene, camera and settings. Whatever
+    /// the order in which all passes come together, the bits are the same.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Mismatch`] if `other` is another picture, or one of them has a pass cut
+    /// short that is not the last of all; [`CheckpointError::Overlap`] for a pass that both hold. Then this picture is as it was.
+    pub fn merge(&mut self, other: Self) -> Result<(), CheckpointError> {
+        if self.key != other.key {
+            return Err(CheckpointError::Mismatch("scene, camera or settings"));
+        }
+        if self.is_cut_before(&other) || other.is_cut_before(self) {
+            return Err(CheckpointError::Mismatch("number of samples"));
+        }
+        let samples = self.samples.checked_add(other.samples);
+        let samples = samples.ok_or(CheckpointError::Malformed("number of samples"))?;
+        self.film.merge(other.film)?;
+        self.counters += other.counters;
+        self.samples = samples;
+        self.ending = Ending::Open;
+        Ok(())
+    }
+
+    /// Whether the last pass is cut short, and `other` has one after it.
+    fn is_cut_before(&self, other: &Self) -> bool {
+        let passes: u64 = self.film.passes().iter().map(|range| range.len() as u64).sum();
+        let end = |picture: &Self| picture.film.passes().last().map_or(0, |range| range.end);
+        self.film.samples() < passes * u64::from(self.pass_samples) && end(self) < end(other)
+    }
+}

@@ -1,0 +1,122 @@
+use crate::pass::PassJob;
+use crate::{Ending, Monitor, Picture, RenderError, Stop};
+use globillum_geom::Accel;
+use std::ops::{ControlFlow, Range};
+
+/// A render under way: pass after pass, until something ends it.
+pub(crate) struct Run<'a, A, M> {
+    pub(crate) job: PassJob<'a, A, M>,
+    pub(crate) stop: Stop,
+}
+
+impl<A: Accel, M: Monitor> Run<'_, A, M> {
+    /// Adds `passes` to `picture`, as far as the stop conditions let it.
+    pub(crate) fn run(&self, mut picture: Picture, passes: Range<u32>) -> Result<Picture, RenderError> {
+        picture.ending = Ending::Open;
+        picture.ending = match self.stop.pilot {
+            Some(pilot) => self.in_two_stages(&mut picture, passes, pilot)?,
+            None => self.until_goals_met(&mut picture, passes)?,
+        };
+        Ok(picture)
+    }
+
+    /// Looks at the error after each pass, and stops where it is small enough.
+    fn until_goals_met(&self, picture: &mut Picture, passes: Range<u32>) -> Result<Ending, RenderError> {
+        for pass in passes.clone() {
+            let excess = self.stop.excess(&picture.film);
+            if excess.is_some_and(|excess| excess <= 1.0) {
+                return Ok(Ending::Goals);
+            }
+            self.expect(picture, pass..passes.end, excess);
+            if let Some(ending) = self.add(picture, pass)? {
+                return Ok(ending);
+            }
+            self.job.monitor.pass_done(picture);
+        }
+        let met = self.stop.excess(&picture.film).is_some_and(|excess| excess <= 1.0);
+        Ok(if met { Ending::Goals } else { Ending::Samples })
+    }
+
+    /// Renders a pilot for its error alone, then as many passes as that error asks for.
+    fn in_two_stages(
+        &self,
+        picture: &mut Picture,
+        passes: Range<u32>,
+        pilot: u32,
+    ) -> Result<Ending, RenderError> {
+        let second = passes.start.saturating_add(pilot).min(passes.end);
+        let planned = match self.plan(picture, passes.start..second)? {
+            ControlFlow::Continue(planned) => planned,
+            ControlFlow::Break(ending) => return Ok(ending),
+        };
+        let enough = planned.is_some_and(|planned| planned <= f64::from(passes.end - second));
+        let end = planned.map_or(passes.end, |planned| {
+            f64::min(f64::from(second) + planned, f64::from(passes.end)) as u32
+        });
+        for pass in second..end {
+            self.expect(picture, pass..end, None);
+            if let Some(ending) = self.add(picture, pass)? {
+                return Ok(ending);
+            }
+            self.job.monitor.pass_done(picture);
+        }
+        Ok(if enough { Ending::Goals } else { Ending::Samples })
+    }
+
+    /// How many passes the goals need, going by the error of the `pilot`'s, which are dropped;
+    /// `None` without a goal. Breaks if the render was cancelled.
+    fn plan(
+        &self,
+        picture: &Picture,
+        pilot: Range<u32>,
+    ) -> Result<ControlFlow<Ending, Option<f64>>, RenderError> {
+        let mut trial =
+            Picture::new(picture.film.width(), picture.film.height(), picture.pass_samples, picture.key);
+        for pass in pilot.clone() {
+            self.expect(&trial, pass..pilot.end, None);
+            match self.add(&mut trial, pass)? {
+                None => {}
+                Some(Ending::Seconds) => break,
+                Some(ending) => return Ok(ControlFlow::Break(ending)),
+            }
+        }
+        let rendered = trial.film.passes().iter().map(|range| range.len() as f64).sum::<f64>();
+        let excess = self.stop.excess(&trial.film);
+        Ok(ControlFlow::Continue(excess.map(|excess| (excess * rendered).ceil().max(1.0))))
+    }
+
+    /// Renders one pass and adds it to the picture, unless that holds it; the reason if there was
+    /// no time for it, or the monitor did not want it.
+    fn add(&self, picture: &mut Picture, pass: u32) -> Result<Option<Ending>, RenderError> {
+        if picture.film.holds(pass) {
+            return Ok(None);
+        }
+        let PassJob { monitor, meter, .. } = self.job;
+        // A first pass is finished in any case: there is no picture without one.
+        let limited = picture.samples > 0;
+        let pass_seconds = meter.seconds_for(self.job.samples_of(pass..pass + 1));
+        if limited && meter.is_over_in(pass_seconds) {
+            return Ok(Some(Ending::Seconds));
+        }
+        let over = || limited && meter.is_over_in(0.0);
+        let Some((block, counters)) = self.job.render(pass, || monitor.cancelled() || over())? else {
+            return Ok(Some(if over() { Ending::Seconds } else { Ending::Cancelled }));
+        };
+        picture.samples += block.tally.samples as u32;
+        picture.film.insert(block);
+        picture.counters += counters;
+        meter.set_error(picture.film.error().relative_rmse);
+        Ok(None)
+    }
+
+    /// Tells the meter what is left to do: of `passes` those that the picture lacks, or fewer if its
+    /// goals, of which it has `excess`, need fewer.
+    fn expect(&self, picture: &Picture, passes: Range<u32>, excess: Option<f64>) {
+        let held = f64::from(picture.samples) * picture.film.pixel_count() as f64;
+        let there: u64 = picture.film.held_of(&passes).map(|part| self.job.samples_of(part)).sum();
+        let lacking = self.job.samples_of(passes) - there;
+        let needed = excess.map_or(f64::INFINITY, |excess| held * (excess - 1.0).max(0.0));
+        // Nothing held, nothing known: not a number, and so no minimum.
+        self.job.meter.expect(needed.min(lacking as f64) as u64);
+    }
+}

@@ -1,0 +1,183 @@
+use super::nested::NestedPermutation;
+use crate::hash::{fold, nth, unit};
+
+/// One point of a replicate, which has `2^digits` points for each decision of a path, stratified
+/// in all dimensions of the decision together and randomised as a whole.
+///
+/// For each decision the first dimensions of Sobol's sequence (1967) are taken, scrambled as Owen
+/// does (1995) and visited in an order of its own, so that decisions are independent of each
+/// other: padding, after Kollig and Keller (2002) and Burley (2020). Padding needs no table, has
+/// no dimension in which the sequence is poor, and serves paths of any length. What it gives up is
+/// stratification across decisions.
+///
+/// Each point is uniform in the unit square, so a mean over a replicate is unbiased; the points
+/// of one replicate depend on each other, and replicates do not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SobolPoint {
+    /// Hashed from seed, pixel and replicate.
+    key: u64,
+    index: u32,
+    digits: u32,
+}
+
+/// The randomisations of one dimension's points, each a sequence of hashes of its own.
+#[derive(Clone, Copy)]
+enum Purpose {
+    Mixing = 0,
+    Order = 1,
+    First = 2,
+    Second = 3,
+    Third = 4,
+}
+
+impl SobolPoint {
+    /// The most digits: `2^16` points in a replicate.
+    pub(crate) const MAX_DIGITS: u32 = 16;
+
+    /// Point `index` of the `2^digits` of replicate `replicate`, for a pixel and a seed.
+    pub(crate) fn new(seed: u64, pixel: u64, replicate: u32, index: u32, digits: u32) -> Self {
+        debug_assert!(digits <= Self::MAX_DIGITS && index >> digits == 0);
+        // The salt keeps these keys apart from those of `Stream`.
+        let parts = [seed, pixel, u64::from(replicate), u64::from(digits), SALT];
+        Self { key: parts.into_iter().fold(0, fold), index, digits }
+    }
+
+    #[inline]
+    pub(crate) fn uniform(&self, dimension: u32) -> f64 {
+        let (key, place) = self.place(dimension);
+        self.scrambled(key, Purpose::First, reversed(place, self.digits))
+    }
+
+    #[inline]
+    pub(crate) fn uniform_pair(&self, dimension: u32) -> [f64; 2] {
+        let (key, place) = self.place(dimension);
+        self.pair(key, place)
+    }
+
+    #[inline]
+    pub(crate) fn uniform_triple(&self, dimension: u32) -> (f64, [f64; 2]) {
+        let (key, place) = self.place(dimension);
+        let third = self.scrambled(key, Purpose::Third, third_sobol(place, self.digits));
+        (third, self.pair(key, place))
+    }
+
+    fn pair(&self, key: u64, place: u32) -> [f64; 2] {
+        [
+            self.scrambled(key, Purpose::First, reversed(place, self.digits)),
+            self.scrambled(key, Purpose::Second, second_sobol(place, self.digits)),
+        ]
+    }
+
+    /// The key of a dimension, and where in the sequence its point is: a random permutation of the replicate.
+    ///
+    /// A single nested permutation, as in Burley (2020), would not do: two samples whose indices
+    /// differ in the last digit would fall into opposite halves in every dimension at once, so that
+    /// the integral of a product of two dimensions had nearly twice the variance. One that keeps
+    /// together what shares its last digits comes first.
+    fn place(&self, dimension: u32) -> (u64, u32) {
+        let key = nth(self.key, u64::from(dimension));
+        let mirrored = reversed(self.index, self.digits);
+        let mixed = NestedPermutation::new(key, Purpose::Mixing as u64).apply(mirrored, self.digits);
+        let index = reversed(mixed, self.digits);
+        (key, NestedPermutation::new(key, Purpose::Order as u64).apply(index, self.digits))
+    }
+
+    /// Owen's scrambling of a number given by its first digits. No other point of the replicate
+    /// shares them all, so the digits after them are simply random.
+    fn scrambled(&self, key: u64, purpose: Purpose, prefix: u32) -> f64 {
+        let permutation = NestedPermutation::new(key, purpose as u64);
+        let prefix = permutation.apply(prefix, self.digits);
+        let random = permutation.below(prefix) >> self.digits;
+        unit((u64::from(prefix) << (63 - self.digits) << 1) | random)
+    }
+}
+
+const SALT: u64 = 0x736f_626f_6c27;
+
+/// The last `digits` binary digits in reverse order: the first Sobol' dimension's first digits, the
+/// radical inverse of van der Corput.
+#[inline]
+fn reversed(index: u32, digits: u32) -> u32 {
+    (u64::from(index.reverse_bits()) << digits >> 32) as u32
+}
+
+/// The first `digits` binary digits of the second Sobol' dimension, whose matrix is Pascal's
+/// triangle modulo two: each direction number is the one before it, added to itself shifted.
+#[inline]
+fn second_sobol(index: u32, digits: u32) -> u32 {
+    let (mut sum, mut direction) = (0, 1_u32 << 31);
+    for digit in 0..digits {
+        sum ^= direction * ((index >> digit) & 1);
+        direction ^= direction >> 1;
+    }
+    (u64::from(sum) << digits >> 32) as u32
+}
+
+/// The first `digits` binary digits of the third Sobol' dimension, of the polynomial x^2 + x + 1
+/// with initial numbers 1 and 3 (Joe and Kuo 2008).
+#[inline]
+fn third_sobol(index: u32, digits: u32) -> u32 {
+    let (mut sum, mut direction, mut next) = (0, 1_u32 << 31, 3_u32 << 30);
+    for digit in 0..digits {
+        sum ^= direction * ((index >> digit) & 1);
+        (direction, next) = (next, next ^ direction ^ (direction >> 2));
+    }
+    (u64::from(sum) << digits >> 32) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_points_are_those_of_sobol() {
+        let first: Vec<_> = (0..8).map(|i| reversed(i, 3)).collect();
+        let second: Vec<_> = (0..8).map(|i| second_sobol(i, 3)).collect();
+        assert_eq!(first, [0, 4, 2, 6, 1, 5, 3, 7]);
+        let third: Vec<_> = (0..8).map(|i| third_sobol(i, 3)).collect();
+        // In eighths.
+        assert_eq!(second, [0, 4, 6, 2, 5, 1, 3, 7]);
+        assert_eq!(third, [0, 4, 6, 2, 3, 7, 5, 1]);
+    }
+
+    /// The defining property of a (0, m, 2)-net: each elementary interval, whatever its shape,
+    /// holds one point.
+    #[test]
+    fn every_elementary_interval_holds_one_point() {
+        for (digits, replicate, dimension) in
+            [(0, 0, 1), (1, 3, 0), (4, 0, 7), (6, 1, 2), (8, 2, 600), (11, 0, 3)]
+        {
+            let points: Vec<_> = (0..1_u32 << digits)
+                .map(|i| SobolPoint::new(5, 77, replicate, i, digits).uniform_pair(dimension))
+                .collect();
+            for across in 0..=digits {
+                let (columns, rows) = (1_usize << across, 1_usize << (digits - across));
+                let mut seen = vec![false; columns * rows];
+                for [x, y] in &points {
+                    let cell = (x * columns as f64) as usize * rows + (y * rows as f64) as usize;
+                    assert!(!std::mem::replace(&mut seen[cell], true), "{digits} digits, {columns} columns");
+                }
+            }
+        }
+    }
+
+    /// A (1, m, 3)-net: an elementary box of two points' volume holds two.
+    #[test]
+    fn every_elementary_box_holds_two_points() {
+        for digits in [1, 2, 4, 6, 9] {
+            let points: Vec<_> = (0..1_u32 << digits)
+                .map(|i| SobolPoint::new(5, 77, 3, i, digits).uniform_triple(8))
+                .collect();
+            for (along, across) in (0..digits).flat_map(|i| (0..digits - i).map(move |j| (i, j))) {
+                let sides = [along, across, digits - 1 - along - across].map(|d| 1_usize << d);
+                let mut counts = vec![0; sides.iter().product()];
+                for &(z, [x, y]) in &points {
+                    let cell = |u: f64, n: usize| (u * n as f64) as usize;
+                    counts[(cell(x, sides[0]) * sides[1] + cell(y, sides[1])) * sides[2]
+                        + cell(z, sides[2])] += 1;
+                }
+                assert!(counts.iter().all(|&n| n == 2), "{digits} digits, {sides:?}");
+            }
+        }
+    }
+}

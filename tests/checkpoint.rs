@@ -1,0 +1,189 @@
+//! Pictures in parts: saved, continued, merged; L1 to L3 of docs/testing.md.
+
+use glam::DVec3;
+use globillum::geom::Accel;
+use globillum::integrator::{
+    Camera, CheckpointError, Ending, Estimator, Monitor, Picture, PixelFilter, Render, RenderError, Sampler,
+    Scene, Settings, render,
+};
+use globillum::material::Rgb;
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::{cornell, scenes};
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
+
+fn the_box() -> (Scene<Box<dyn Accel>>, Camera) {
+    let model = cornell::with_blocks(false).expect("the box is good");
+    (scenes::scene(&model, STRUCTURES[0].1), cornell::camera().expect("the camera is good"))
+}
+
+/// 64 passes, of which the last is cut short.
+fn settings(sampler: Sampler) -> Settings {
+    let mut settings = Settings::new(24, 20, 127);
+    (settings.pass_samples, settings.sampler, settings.seed) = (2, sampler, 5);
+    settings
+}
+
+fn but(mut settings: Settings, change: impl FnOnce(&mut Settings)) -> Settings {
+    change(&mut settings);
+    settings
+}
+
+fn passes(range: Range<u32>, settings: &Settings) -> Picture {
+    let (scene, camera) = the_box();
+    Render::new(&scene, &camera, settings).passes(range).run(&()).expect("the scene is good")
+}
+
+/// Cancels after some passes.
+struct After(u32, AtomicU32);
+
+impl Monitor for After {
+    fn pass_done(&self, picture: &Picture) {
+        assert_eq!(picture.ending, Ending::Open);
+        self.1.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.1.load(Ordering::Relaxed) >= self.0
+    }
+}
+
+fn through_bytes(picture: &Picture) -> Picture {
+    Picture::from_bytes(&picture.to_bytes()).expect("it was just written")
+}
+
+#[test]
+fn one_run_any_threads_two_halves_and_four_ranges_are_the_same_bytes() {
+    let (scene, camera) = the_box();
+    for sampler in SAMPLERS {
+        let mut settings = settings(sampler);
+        let whole = render(&scene, &camera, &settings, &()).expect("the scene is good");
+        assert_eq!((whole.samples, whole.ending), (127, Ending::Samples));
+        let bytes = whole.to_bytes();
+        for threads in [1, 2, 3, 7] {
+            settings.threads = threads;
+            assert_eq!(
+                render(&scene, &camera, &settings, &()).expect("likewise").to_bytes(),
+                bytes,
+                "{threads}"
+            );
+        }
+
+        let stopped = Render::new(&scene, &camera, &settings).run(&After(31, 0.into())).expect("likewise");
+        assert_eq!((stopped.samples, stopped.ending), (62, Ending::Cancelled));
+        let resumed = Render::new(&scene, &camera, &settings).resume(through_bytes(&stopped)).run(&());
+        assert_eq!(resumed.expect("it is the same picture").to_bytes(), bytes);
+
+        let parts = [0..8, 8..21, 21..63, 63..64].map(|range| passes(range, &settings));
+        for order in [[0, 1, 2, 3], [3, 2, 1, 0], [2, 0, 3, 1]] {
+            let mut parts = order.map(|i| through_bytes(&parts[i])).into_iter();
+            let mut merged = parts.next().expect("there are four");
+            parts.for_each(|part| merged.merge(part).expect("they are disjoint"));
+            assert_eq!(merged.to_bytes(), bytes, "{order:?}");
+        }
+    }
+}
+
+#[test]
+fn every_accelerator_makes_the_same_checkpoint() {
+    let (model, camera) = (cornell::with_blocks(false).expect("the box is good"), the_box().1);
+    let bytes = STRUCTURES.map(|(_, build)| {
+        let scene = scenes::scene(&model, build);
+        render(&scene, &camera, &settings(Sampler::Sobol), &()).expect("the scene is good").to_bytes()
+    });
+    assert!(bytes.iter().all(|b| *b == bytes[0]));
+}
+
+#[test]
+fn a_render_may_go_on_with_more_samples() {
+    let (scene, camera) = the_box();
+    let with = |samples| but(settings(Sampler::Sobol), |s| s.samples = samples);
+    let whole = render(&scene, &camera, &with(40), &()).expect("the scene is good");
+    let part = render(&scene, &camera, &with(24), &()).expect("likewise");
+    let more = Render::new(&scene, &camera, &with(40)).resume(part.clone()).run(&()).expect("likewise");
+    assert_eq!(more.to_bytes(), whole.to_bytes());
+    // Of a pass cut short, what is missing can not be added; nor can samples be taken back.
+    let short = render(&scene, &camera, &with(23), &()).expect("likewise");
+    for (samples, picture) in [(40, short), (20, part)] {
+        let result = Render::new(&scene, &camera, &with(samples)).resume(picture).run(&());
+        let mismatch = CheckpointError::Mismatch("number of samples");
+        assert_eq!(result.expect_err("it does not fit"), RenderError::Checkpoint(mismatch));
+    }
+}
+
+#[test]
+fn another_picture_is_refused() {
+    let (scene, camera) = the_box();
+    let base = settings(Sampler::Sobol);
+    let picture = passes(0..2, &base);
+    type Change = fn(&mut Settings);
+    let changes: [Change; 8] = [
+        |s| s.seed += 1,
+        |s| s.pass_samples = 4,
+        |s| s.sampler = Sampler::Independent,
+        |s| s.filter = PixelFilter::Tent,
+        |s| s.estimator = Estimator::Light,
+        |s| s.max_bounces = Some(1),
+        |s| s.roulette.start += 1,
+        |s| (s.width, s.height) = (s.height, s.width),
+    ];
+    let refused = |result: Result<Picture, RenderError>| {
+        let mismatch = CheckpointError::Mismatch("scene, camera or settings");
+        assert_eq!(result.expect_err("it is another picture"), RenderError::Checkpoint(mismatch));
+    };
+    for change in changes {
+        let mut other = base;
+        change(&mut other);
+        refused(Render::new(&scene, &camera, &other).resume(picture.clone()).run(&()));
+    }
+    let nearly = Camera::look_at(DVec3::new(0.0, 0.0, 3.9_f64.next_up()), DVec3::ZERO, DVec3::Y, 0.7);
+    refused(Render::new(&scene, &nearly.expect("it is good"), &base).resume(picture.clone()).run(&()));
+    let mirror = cornell::with_blocks(true).expect("the box is good");
+    let mirror = scenes::scene(&mirror, STRUCTURES[0].1);
+    refused(Render::new(&mirror, &camera, &base).resume(picture.clone()).run(&()));
+    let scene = scene.with_environment(Rgb::splat(1e-9)).expect("it is finite");
+    refused(Render::new(&scene, &camera, &base).resume(picture).run(&()));
+}
+
+#[test]
+fn passes_count_once() {
+    let base = settings(Sampler::Sobol);
+    let mut picture = passes(3..7, &base);
+    let before = picture.to_bytes();
+    assert_eq!(picture.merge(passes(6..9, &base)), Err(CheckpointError::Overlap { pass: 6 }));
+    let other = but(base, |s| s.seed = 9);
+    assert!(matches!(picture.merge(passes(9..10, &other)), Err(CheckpointError::Mismatch(_))));
+    assert_eq!(picture.to_bytes(), before);
+    // A pass cut short in the middle: no run would have made it.
+    let cut = passes(0..2, &but(base, |s| s.samples = 3));
+    for (mut a, b) in [(cut.clone(), passes(2..3, &base)), (passes(2..3, &base), cut)] {
+        assert_eq!(a.merge(b), Err(CheckpointError::Mismatch("number of samples")));
+    }
+    for senseless in [5..5, 0..65] {
+        let (scene, camera) = the_box();
+        let result = Render::new(&scene, &camera, &base).passes(senseless).run(&());
+        assert!(matches!(result, Err(RenderError::Param { name: "passes", .. })));
+    }
+}
+
+#[test]
+fn what_is_not_a_whole_checkpoint_is_refused() {
+    let small = but(settings(Sampler::Sobol), |s| (s.width, s.height) = (3, 2));
+    let bytes = passes(0..3, &small).to_bytes();
+    assert!(Picture::from_bytes(&bytes).is_ok());
+    for length in 0..bytes.len() {
+        assert!(Picture::from_bytes(&bytes[..length]).is_err(), "cut to {length} bytes");
+    }
+    for bit in 0..8 * bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        assert!(Picture::from_bytes(&damaged).is_err(), "bit {bit}");
+    }
+    assert!(Picture::from_bytes(&[&bytes[..], &[0]].concat()).is_err());
+    assert_eq!(Picture::from_bytes(b"\x89PNG and so on"), Err(CheckpointError::NoCheckpoint));
+    let mut newer = bytes;
+    newer[8] += 1;
+    assert_eq!(Picture::from_bytes(&newer), Err(CheckpointError::Version(2)));
+}

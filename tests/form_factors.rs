@@ -1,0 +1,208 @@
+//! More light that is known in closed form, by Sobol' points: form factors, mirrors, shadows, and
+//! scenes in which every sample is exact. Names are those of docs/testing.md.
+
+use glam::DVec3;
+use globillum::integrator::{Camera, Estimator, Film, Model, Settings, render};
+use globillum::material::{Material, Rgb};
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::scenes::{self, stare};
+use globillum_testkit::shapes::{cuboid, inside_out, quad};
+use globillum_testkit::stats::Estimate;
+use std::f64::consts::TAU;
+
+use Estimator::{Bsdf, Light, Mis};
+
+const ALL: [Estimator; 3] = [Bsdf, Light, Mis];
+
+/// The film of a model, which must be the same in every structure.
+fn film(model: &Model, camera: &Camera, settings: &Settings) -> Film {
+    let films = STRUCTURES.map(|(_, build)| {
+        render(&scenes::scene(model, build), camera, settings, &()).expect("the scene is good").film
+    });
+    films.into_iter().reduce(|a, b| if a == b { a } else { panic!("the structures differ") }).expect("some")
+}
+
+/// 64 x 64 pixels of the same point, two long passes each.
+fn settings(estimator: Estimator, bounces: u32) -> Settings {
+    let mut settings = Settings::new(64, 64, 128);
+    (settings.estimator, settings.max_bounces, settings.pass_samples) = (estimator, Some(bounces), 64);
+    settings
+}
+
+/// Asserts the radiance of the floor at `target`, light of at most `bounces` bounces, and that the
+/// estimators agree with each other.
+fn assert_floor(
+    model: &Model,
+    target: DVec3,
+    bounces: u32,
+    estimators: &[Estimator],
+    truth: f64,
+    what: &str,
+) {
+    let camera = stare(target + DVec3::new(0.1, 0.5, 0.2), target);
+    for &estimator in estimators {
+        let settings = settings(estimator, bounces);
+        let film = film(model, &camera, &settings);
+        Estimate::of_film(&film, |c| c.g).assert_is(truth, &format!("{what}, {estimator:?}"));
+    }
+}
+
+/// The form factor of a parallel rectangle with a corner above the point.
+fn corner(a: f64, b: f64) -> f64 {
+    let part = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
+    (part(a, b) + part(b, a)) / TAU
+}
+
+#[test]
+fn c5_rectangles_above_a_floor() {
+    let centred = |half: f64, h: f64| 4.0 * corner(half / h, half / h);
+    assert!((corner(1.0, 1.0) - 0.138_531_606).abs() < 1e-9);
+    assert!((centred(0.5, 1.0) - 0.239_456_470).abs() < 1e-9);
+    assert!((centred(1.0, 0.01) - 0.999_918_176).abs() < 1e-9);
+    assert!((centred(1.0, 100.0) / 1.273_070e-4 - 1.0).abs() < 1e-6);
+    let cases = [
+        ([0.0, 1.0], 1.0, corner(1.0, 1.0), &ALL[..]),
+        ([-0.5, 0.5], 1.0, centred(0.5, 1.0), &ALL),
+        // Points chosen on a lamp so near are almost all too far to matter.
+        ([-1.0, 1.0], 0.01, centred(1.0, 0.01), &[Bsdf, Mis]),
+        // A direction scattered meets a lamp so small almost never.
+        ([-1.0, 1.0], 100.0, centred(1.0, 100.0), &[Light, Mis]),
+    ];
+    for (span, height, factor, estimators) in cases {
+        let model = scenes::rectangle_over_floor(span, span, height);
+        let camera_below = DVec3::new(0.001, 0.005, 0.002);
+        for &estimator in estimators {
+            let film = film(&model, &stare(camera_below, DVec3::ZERO), &settings(estimator, 1));
+            let what = format!("{span:?}, height {height}, {estimator:?}");
+            Estimate::of_film(&film, |c| c.g).assert_is(0.5 * factor, &what);
+        }
+    }
+}
+
+#[test]
+fn c9_a_lamp_and_its_image_in_a_mirror() {
+    // Floor, mirror, lamp: light of more bounces comes from the floor itself.
+    assert_floor(&scenes::lamp_beside_mirror(), DVec3::ZERO, 2, &ALL, 0.284_169_084, "C9");
+}
+
+#[test]
+fn c10_half_of_a_lamp() {
+    assert_floor(&scenes::lamp_half_hidden(), DVec3::ZERO, 1, &ALL, 0.138_531_606, "C10");
+}
+
+/// H56: near a lamp that stands on the floor, points chosen on it have a variance without bound.
+#[test]
+fn c12_a_lamp_that_stands_on_the_floor() {
+    let model = scenes::lamp_on_floor();
+    let cases = [
+        // A direction scattered meets it too seldom.
+        (1.0, 0.071_093_439, &[Light, Mis][..]),
+        (0.1, 0.422_544_860, &[Bsdf, Mis]),
+        (0.01, 0.492_158_952, &[Bsdf, Mis]),
+        (1e-3, 0.499_215_798, &[Bsdf, Mis]),
+    ];
+    for (x, factor, estimators) in cases {
+        let target = DVec3::new(x, 0.0, 0.0);
+        assert_floor(&model, target, 1, estimators, 0.5 * factor, &format!("{x} before the lamp"));
+    }
+    // What is not tested against the truth must still be a number: NaN would be an error.
+    for x in [0.0, 1e-12, 1e-6, 0.01] {
+        for estimator in ALL {
+            let camera = stare(DVec3::new(x + 0.1, 0.5, 0.2), DVec3::new(x, 0.0, 0.0));
+            let mut settings = Settings::new(16, 16, 64);
+            settings.estimator = estimator;
+            film(&model, &camera, &settings);
+        }
+    }
+}
+
+/// Every path from a convex body leaves it for the sky.
+#[test]
+fn c17_a_convex_body_under_a_white_sky_shows_its_albedo() {
+    let camera = stare(DVec3::new(3.0, 2.5, 2.0), DVec3::new(1.0, 0.3, 0.2));
+    for rho in [0.25, 1.0] {
+        for (estimator, (_, build)) in ALL.into_iter().flat_map(|e| STRUCTURES.map(|s| (e, s))) {
+            let scene = scenes::scene(&scenes::cube(rho), build).with_environment(Rgb::WHITE);
+            let mut settings = Settings::new(16, 16, 16);
+            settings.estimator = estimator;
+            let film =
+                render(&scene.expect("a sky"), &camera, &settings, &()).expect("the scene is good").film;
+            assert!(film.means().all(|mean| mean == Rgb::splat(rho)), "{rho}, {estimator:?}");
+        }
+    }
+}
+
+fn lambert(albedo: f64) -> Material {
+    Material::lambert(Rgb::splat(albedo)).expect("an albedo")
+}
+
+#[test]
+fn h54_a_lamp_that_can_not_be_seen_gives_nothing() {
+    let p = DVec3::new;
+    let floor = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
+    let below = quad(p(-1.0, -1.0, -1.0), p(1.0, -1.0, -1.0), p(1.0, -1.0, 1.0), p(-1.0, -1.0, 1.0));
+    let facing_up = quad(p(-1.0, 1.0, 1.0), p(1.0, 1.0, 1.0), p(1.0, 1.0, -1.0), p(-1.0, 1.0, -1.0));
+    let in_its_plane = quad(p(2.0, 0.0, 1.0), p(3.0, 0.0, 1.0), p(3.0, 0.0, -1.0), p(2.0, 0.0, -1.0));
+    for lamp in [below, facing_up, in_its_plane] {
+        let mut model = Model::default();
+        model.add(lambert(0.5), floor);
+        model.add(Material::lamp(Rgb::WHITE).expect("a lamp"), lamp);
+        for estimator in ALL {
+            let mut settings = Settings::new(32, 32, 16);
+            settings.estimator = estimator;
+            let film = film(&model, &stare(p(0.1, 0.5, 0.2), p(0.05, 0.0, -0.1)), &settings);
+            assert!(film.means().all(|mean| mean == Rgb::BLACK), "{estimator:?}, {lamp:?}");
+        }
+    }
+}
+
+/// H59 and H61, and H70's narrow pictures: samples that are exact whatever the random numbers.
+#[test]
+fn h59_h61_h70_what_is_exact_in_every_sample() {
+    let shine = globillum::material::Emission::new(Rgb::WHITE, globillum::material::Sides::Front);
+    let shine = shine.expect("a finite radiance");
+    let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
+    let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
+    for (width, height) in [(1, 1), (1, 40), (40, 1), (16, 16)] {
+        for estimator in ALL {
+            let mut model = Model::default();
+            model.add(lambert(0.0).emitting(shine), walls.clone());
+            let mut settings = Settings::new(width, height, 16);
+            settings.estimator = estimator;
+            assert!(film(&model, &camera, &settings).means().all(|mean| mean == Rgb::WHITE), "{estimator:?}");
+        }
+        let mut model = Model::default();
+        model.add(lambert(1.0).emitting(shine), walls.clone());
+        let mut settings = Settings::new(width, height, 16);
+        (settings.estimator, settings.max_bounces, settings.roulette.start) = (Bsdf, Some(30), 30);
+        let film_of_31 = film(&model, &camera, &settings);
+        assert!(film_of_31.means().all(|mean| mean == Rgb::splat(31.0)));
+        assert!(film_of_31.error().relative_rmse.is_infinite() && film_of_31.observations() == 1);
+        // H61: without a limit roulette ends every path all the same.
+        settings.max_bounces = None;
+        settings.roulette.start = 0;
+        film(&model, &camera, &settings);
+    }
+}
+
+#[test]
+fn h64_ten_thousand_bounces_between_perfect_mirrors_lose_nothing() {
+    let camera = stare(DVec3::new(0.0, 0.5, 0.0), DVec3::new(1.0, 1000.8, 0.0));
+    let mut settings = Settings::new(1, 1, 1);
+    settings.roulette.start = Settings::MAX_BOUNCES;
+    let film = film(&scenes::mirror_corridor(1.0, 10.0), &camera, &settings);
+    assert_eq!(film.mean(0, 0), Rgb::WHITE);
+}
+
+/// H69: roulette changes the variance and not the mean.
+#[test]
+fn h69_roulette_or_none_is_the_same_light() {
+    let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
+    let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
+    for start in [0, 3] {
+        let mut settings = Settings::new(64, 64, 256);
+        (settings.estimator, settings.roulette.start) = (Bsdf, start);
+        let estimate = Estimate::of_film(&film(&model, &camera, &settings), |c| c.g);
+        estimate.assert_is(2.0, &format!("roulette from bounce {start}"));
+    }
+}

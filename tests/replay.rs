@@ -1,0 +1,73 @@
+//! Any sample can be traced alone, and is then the one that the picture holds.
+
+use globillum::geom::Accel;
+use globillum::integrator::{Estimator, PixelFilter, Replay, Sampler, Scene, Settings, render, replay};
+use globillum::material::{Bsdf, Rgb};
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::{cornell, scenes};
+
+fn the_box() -> Scene<Box<dyn Accel>> {
+    scenes::scene(&cornell::with_blocks(true).expect("the box is good"), STRUCTURES[0].1)
+}
+
+fn replayed(scene: &Scene<Box<dyn Accel>>, settings: &Settings, pixel: (u32, u32), sample: u32) -> Replay {
+    let camera = cornell::camera().expect("the camera is good");
+    replay(scene, &camera, settings, pixel, sample).expect("the picture has it")
+}
+
+#[test]
+fn the_samples_of_a_pixel_add_up_to_it() {
+    let (scene, camera) = (the_box(), cornell::camera().expect("the camera is good"));
+    for sampler in [Sampler::Independent, Sampler::Sobol] {
+        for (estimator, filter) in [
+            (Estimator::Mis, PixelFilter::Box),
+            (Estimator::Bsdf, PixelFilter::Tent),
+            (Estimator::Light, PixelFilter::Box),
+        ] {
+            // The last pass is cut short.
+            let mut settings = Settings::new(20, 18, 11);
+            (settings.sampler, settings.estimator, settings.filter) = (sampler, estimator, filter);
+            (settings.pass_samples, settings.seed) = (8, 3);
+            let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+            for (x, y) in [(0, 0), (10, 3), (13, 12), (19, 17)] {
+                let sum = |samples: std::ops::Range<u32>| {
+                    let add = |sum: Rgb, sample| sum + replayed(&scene, &settings, (x, y), sample).radiance;
+                    samples.fold(Rgb::BLACK, add)
+                };
+                assert_eq!(
+                    film.mean(x, y),
+                    (sum(0..8) + sum(8..11)) / 11.0,
+                    "{sampler:?}, {estimator:?}, {x}, {y}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_replay_tells_what_the_path_met() {
+    let (scene, settings) = (the_box(), Settings::new(64, 64, 64));
+    let (mut seen_mirror, mut seen_direct) = (false, false);
+    for sample in 0..64 {
+        let path = replayed(&scene, &settings, (26, 40), sample);
+        let contributions = path.vertices.iter().fold(Rgb::BLACK, |sum, v| sum + v.emitted + v.direct);
+        assert!((contributions.g - path.radiance.g).abs() <= 1e-15 * path.radiance.g);
+        assert_eq!(path.vertices[0].throughput, Rgb::WHITE);
+        for pair in path.vertices.windows(2) {
+            seen_mirror |= matches!(pair[0].material.bsdf, Bsdf::Mirror(_));
+            seen_direct |= pair[0].direct.g > 0.0;
+        }
+        assert!(path.to_string().lines().count() > 2 * path.vertices.len());
+    }
+    assert!(seen_mirror && seen_direct);
+}
+
+#[test]
+fn what_the_picture_does_not_have_is_refused() {
+    let (scene, camera) = (the_box(), cornell::camera().expect("the camera is good"));
+    let settings = Settings::new(4, 3, 2);
+    for (pixel, sample, name) in [((4, 0), 0, "x"), ((0, 3), 0, "y"), ((3, 2), 2, "sample")] {
+        let error = replay(&scene, &camera, &settings, pixel, sample).expect_err("it has not");
+        assert!(error.to_string().starts_with(name), "{error}");
+    }
+}

@@ -1,0 +1,285 @@
+//! What ends a render: limits, goals, cancelling, and things that go wrong.
+
+use glam::DVec3;
+use globillum::geom::{Aabb, Accel, Hit, Ray};
+use globillum::integrator::{
+    Camera, Ending, Estimator, Monitor, Picture, PixelGoal, Progress, Render, RenderError, Scene, Settings,
+    Stop, render,
+};
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::scenes::{self, stare};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+/// C3.
+fn lamp_over_floor() -> (Scene<Box<dyn Accel>>, Camera) {
+    let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
+    (scenes::scene(&scenes::lamp_over_floor(), STRUCTURES[0].1), camera)
+}
+
+const TRUTH: f64 = 0.277_063_212;
+
+fn stop(set: impl FnOnce(&mut Stop)) -> Stop {
+    let mut stop = Stop::default();
+    set(&mut stop);
+    stop
+}
+
+fn with_samples(mut settings: Settings, samples: u32) -> Settings {
+    settings.samples = samples;
+    settings
+}
+
+fn run(settings: &Settings, stop: Stop, monitor: &impl Monitor) -> Picture {
+    let (scene, camera) = lamp_over_floor();
+    Render::new(&scene, &camera, settings).until(stop).run(monitor).expect("the scene is good")
+}
+
+#[test]
+fn a_goal_ends_the_render_once_it_is_met() {
+    let settings = Settings::new(32, 32, 1 << 14);
+    for goal in [0.02, 0.01] {
+        let picture = run(&settings, stop(|s| s.relative_rmse = Some(goal)), &());
+        assert_eq!(picture.ending, Ending::Goals);
+        let error = picture.film.error();
+        assert!(error.interval_95[1] <= goal && error.relative_rmse > 0.8 * goal, "{goal}: {error:?}");
+        let squares: f64 = picture.film.means().map(|mean| (mean.g / TRUTH - 1.0).powi(2)).sum();
+        // 1024 pixels: a standard deviation of 2.2 %.
+        assert!((squares / 1024.0).sqrt() < goal * 1.11, "{goal}");
+    }
+}
+
+#[test]
+fn a_share_of_the_pixels_can_be_the_goal() {
+    let settings = Settings::new(32, 32, 1 << 14);
+    let goal = PixelGoal { error: 0.006, share: 0.9 };
+    let picture = run(&settings, stop(|s| s.pixels = Some(goal)), &());
+    assert_eq!(picture.ending, Ending::Goals);
+    let limit = 0.006 * picture.film.image_mean().g;
+    let within = picture.film.variances_of_mean().filter(|v| v.max_component().sqrt() <= limit).count();
+    assert!((922..1000).contains(&within), "{within} of 1024");
+}
+
+#[test]
+fn the_first_limit_and_the_last_goal_count() {
+    let settings = Settings::new(32, 32, 64);
+    let both = stop(|s| {
+        s.relative_rmse = Some(0.05);
+        s.pixels = Some(PixelGoal { error: 1e-9, share: 1.0 });
+    });
+    let picture = run(&settings, both, &());
+    assert_eq!((picture.ending, picture.samples), (Ending::Samples, 64));
+    let quick = stop(|s| (s.relative_rmse, s.seconds) = (Some(1e-9), Some(1e-9)));
+    let picture = run(&settings, quick, &());
+    assert_eq!((picture.ending, picture.samples), (Ending::Seconds, 16), "there is a first pass");
+}
+
+#[test]
+fn time_ends_a_render_in_whole_passes() {
+    let settings = Settings::new(64, 64, u32::MAX);
+    let start = Instant::now();
+    let picture = run(&settings, stop(|s| s.seconds = Some(0.5)), &());
+    assert_eq!((picture.ending, picture.samples % 16), (Ending::Seconds, 0));
+    assert!(start.elapsed() < Duration::from_millis(1500), "{:?}", start.elapsed());
+    let whole = with_samples(settings, picture.samples);
+    assert_eq!(run(&whole, Stop::default(), &()).film, picture.film);
+}
+
+/// A pilot's passes are not part of the picture, and their error alone decides on its length.
+#[test]
+fn two_stages_render_what_the_pilot_asks_for() {
+    let settings = Settings::new(32, 32, 1 << 14);
+    let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(0.01), Some(4)));
+    let picture = run(&settings, plan, &());
+    assert_eq!(picture.ending, Ending::Goals);
+    assert_eq!(picture.film.passes()[0].start, 4);
+    let error = picture.film.error().relative_rmse;
+    assert!((error / 0.01 - 1.0).abs() < 0.15, "{error}");
+    let (scene, camera) = lamp_over_floor();
+    let passes = picture.film.passes()[0].clone();
+    let same = Render::new(&scene, &camera, &settings).passes(passes).run(&()).expect("the scene is good");
+    assert_eq!(same.film, picture.film);
+    // A goal out of reach takes all there is.
+    let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(1e-6), Some(2)));
+    let picture = run(&with_samples(settings, 64), plan, &());
+    assert_eq!((picture.ending, picture.samples), (Ending::Samples, 32));
+}
+
+/// The mean radiance over many seeds of a picture of one pixel that stops at an error, and its
+/// standard error.
+fn mean_of_stopped(pilot: Option<u32>) -> (f64, f64) {
+    let (scene, camera) = lamp_over_floor();
+    let mut settings = Settings::new(1, 1, 1 << 12);
+    (settings.pass_samples, settings.estimator, settings.threads) = (1, Estimator::Bsdf, 1);
+    let stop = stop(|s| (s.pixels, s.pilot) = (Some(PixelGoal { error: 0.2, share: 1.0 }), pilot));
+    let means = (0..20_000).map(|seed| {
+        settings.seed = seed;
+        let render = Render::new(&scene, &camera, &settings).until(stop);
+        render.run(&()).expect("the scene is good").film.mean(0, 0).g
+    });
+    let means: Vec<f64> = means.collect();
+    let n = means.len() as f64;
+    let mean = means.iter().sum::<f64>() / n;
+    (mean, (means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt())
+}
+
+/// A single pixel that looks at its error after each pass is biased plainly; one with a pilot is not.
+#[test]
+fn two_stages_have_no_stopping_bias() {
+    let (mean, std_err) = mean_of_stopped(None);
+    assert!((mean - TRUTH).abs() > 20.0 * std_err, "{mean} +- {std_err} is not biased: why two stages?");
+    let (mean, std_err) = mean_of_stopped(Some(8));
+    assert!((mean - TRUTH).abs() < 5.85 * std_err, "{mean} +- {std_err}");
+    assert!(5.85 * std_err < 0.01 * TRUTH, "{mean} +- {std_err}");
+}
+
+#[test]
+fn senseless_conditions_are_refused() {
+    let (scene, camera) = lamp_over_floor();
+    let settings = Settings::new(2, 2, 1);
+    let goal = |error, share| Some(PixelGoal { error, share });
+    for (bad, name) in [
+        (stop(|s| s.seconds = Some(0.0)), "seconds"),
+        (stop(|s| s.seconds = Some(f64::NAN)), "seconds"),
+        (stop(|s| s.relative_rmse = Some(-0.1)), "relative_rmse"),
+        (stop(|s| s.pixels = goal(f64::INFINITY, 0.5)), "pixel error"),
+        (stop(|s| s.pixels = goal(0.1, 1.5)), "share of pixels"),
+        (stop(|s| s.pilot = Some(1)), "pilot passes"),
+    ] {
+        match Render::new(&scene, &camera, &settings).until(bad).run(&()) {
+            Err(RenderError::Param { name: said, .. }) => assert_eq!(said, name),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}
+
+/// Remembers what it is told, and cancels at a moment.
+#[derive(Default)]
+struct Witness {
+    last: Mutex<Option<Progress>>,
+    passes: AtomicU32,
+    cancel_after: Option<Duration>,
+    start: Option<Instant>,
+}
+
+impl Monitor for Witness {
+    fn progress(&self, progress: Progress) {
+        *self.last.lock().expect("no one panics with it") = Some(progress);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.start.zip(self.cancel_after).is_some_and(|(start, after)| start.elapsed() > after)
+    }
+
+    fn pass_done(&self, _picture: &Picture) {
+        self.passes.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+#[test]
+fn progress_tells_rays_error_and_time_left() {
+    let witness = Witness::default();
+    let mut settings = Settings::new(32, 32, 64);
+    settings.threads = 1;
+    let picture = run(&settings, Stop::default(), &witness);
+    let last = witness.last.lock().unwrap().expect("there were tiles");
+    assert_eq!((last.samples_done, last.samples_total), (64 * 1024, 64 * 1024));
+    assert_eq!((last.rays, last.seconds_left), (picture.counters.rays(), 0.0));
+    // As of the pass before the last.
+    let three = run(&with_samples(settings, 48), Stop::default(), &());
+    assert_eq!(last.relative_rmse, three.film.error().relative_rmse);
+    assert_eq!(witness.passes.load(Ordering::Relaxed), 4);
+}
+
+#[test]
+fn cancelling_takes_less_than_a_tenth_of_a_second() {
+    let after = Duration::from_millis(150);
+    // So many pixels that one pass takes far longer.
+    let settings = Settings::new(4096, 4096, 1 << 20);
+    let witness = Witness { cancel_after: Some(after), start: Some(Instant::now()), ..Witness::default() };
+    let picture = run(&settings, Stop::default(), &witness);
+    let late = witness.start.expect("it was set").elapsed().saturating_sub(after);
+    assert_eq!(picture.ending, Ending::Cancelled);
+    assert!(late < Duration::from_millis(100), "{late:?}");
+}
+
+/// An accelerator that answers some rays, and then fails.
+#[derive(Debug)]
+struct Failing {
+    inner: Box<dyn Accel>,
+    left: AtomicU32,
+    how: Failure,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Failure {
+    Panic,
+    NotANumber,
+}
+
+impl Accel for Failing {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let hit = self.inner.intersect(ray);
+        let left = self.left.load(Ordering::Relaxed);
+        self.left.store(left.saturating_sub(1), Ordering::Relaxed);
+        match self.how {
+            _ if left != 1 => hit,
+            Failure::Panic => panic!("ray of doom"),
+            Failure::NotANumber => hit.map(|hit| Hit { u: f64::NAN, ..hit }),
+        }
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.inner.occluded(ray)
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.inner.bounds()
+    }
+
+    fn bytes(&self) -> usize {
+        self.inner.bytes()
+    }
+}
+
+fn failing(rays: u32, how: Failure) -> (Scene<Failing>, Camera) {
+    let model = scenes::lamp_over_floor();
+    let build = |triangles: &_| {
+        let inner: Box<dyn Accel> = STRUCTURES[0].1(triangles)?;
+        Ok(Failing { inner, left: AtomicU32::new(rays), how })
+    };
+    (Scene::build(&model, build).expect("the model is good"), lamp_over_floor().1)
+}
+
+/// L6.
+#[test]
+fn a_panic_is_an_error_and_the_next_render_works() {
+    let mut settings = Settings::new(64, 64, 64);
+    for threads in [1, 2, 7] {
+        settings.threads = threads;
+        // The first pass has 2^16 camera rays and more after them.
+        let (scene, camera) = failing(200_000, Failure::Panic);
+        let witness = Witness::default();
+        let error = render(&scene, &camera, &settings, &witness).expect_err("it panics");
+        assert!(
+            matches!(&error, RenderError::Worker { message, .. } if message == "ray of doom"),
+            "{error:?}"
+        );
+        assert!(error.to_string().contains("panic in the tile at pixel ("), "{error}");
+        assert!(witness.passes.load(Ordering::Relaxed) >= 1, "whole passes were handed over");
+        let again = render(&scene, &camera, &settings, &()).expect("it panics only once");
+        assert_eq!(again.film, run(&settings, Stop::default(), &()).film);
+    }
+}
+
+/// H67.
+#[test]
+fn h67_what_is_not_a_number_is_an_error_that_names_its_sample() {
+    let mut settings = Settings::new(64, 64, 64);
+    settings.threads = 1;
+    // A camera ray of the first tile: four samples of a pixel, pixel after pixel.
+    let (scene, camera) = failing(4 * 18 + 3, Failure::NotANumber);
+    let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
+    assert_eq!(error, RenderError::NonFinite { x: 2, y: 1, sample: 2 });
+}
