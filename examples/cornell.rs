@@ -76,7 +76,7 @@ impl Options {
 }
 
 fn mesh(path: &Path) -> Result<Vec<Triangle>> {
-    let mesh = common::load(path)?.model.triangles().to_vec();
+    let mesh = common::load_mesh(path)?;
     ensure!(cornell::has_extent(&mesh), "{}: all vertices are the same point", path.display());
     Ok(mesh)
 }

@@ -4,6 +4,8 @@
 mod checkpoint;
 mod flags;
 #[cfg(all(feature = "obj", feature = "images"))]
+mod load;
+#[cfg(all(feature = "obj", feature = "images"))]
 mod options;
 mod summary;
 pub(crate) mod view;
@@ -11,7 +13,9 @@ pub(crate) mod view;
 pub(crate) use checkpoint::{Saver, read_checkpoint, write_checkpoint};
 pub(crate) use flags::RenderFlags;
 #[cfg(all(feature = "obj", feature = "images"))]
-pub(crate) use options::{RenderOptions, load};
+pub(crate) use load::{load, load_mesh};
+#[cfg(all(feature = "obj", feature = "images"))]
+pub(crate) use options::RenderOptions;
 pub(crate) use summary::{Summary, print_error};
 
 use globillum::geom::{

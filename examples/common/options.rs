@@ -4,7 +4,7 @@ use clap::Args;
 use globillum::integrator::{Camera, Model, Scene, Settings};
 use globillum::io::{AtomicFile, PictureFile};
 use globillum::material::Rgb;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// How a picture is made, whatever it shows.
@@ -88,11 +88,4 @@ impl Job<'_> {
         }
         summary.print(&written)
     }
-}
-
-/// Loads a scene, and says what was passed over.
-pub(crate) fn load(path: &Path) -> Result<globillum::io::Loaded> {
-    let loaded = globillum::io::load(path)?;
-    loaded.report.warnings.iter().for_each(super::warn);
-    Ok(loaded)
 }

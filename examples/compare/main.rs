@@ -20,9 +20,8 @@ mod tables;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use common::report_and_exit;
+use common::{load_mesh, report_and_exit};
 use globillum::geom::{Accel, KdOptions, KdTree};
-use globillum::io::load_obj;
 use globillum_testkit::lab::measure;
 use globillum_testkit::meshes::{Subject, procedural};
 use globillum_testkit::rays::Rays;
@@ -112,11 +111,10 @@ impl Options {
 }
 
 fn subject_from(path: &Path) -> Result<Subject> {
-    let loaded = load_obj(path)?;
-    loaded.report.warnings.iter().for_each(common::warn);
+    let mesh = load_mesh(path)?;
     let name =
         path.file_stem().map_or_else(|| path.display().to_string(), |s| s.to_string_lossy().into_owned());
-    let subject = Subject::new(name, loaded.model.triangles().to_vec())?;
+    let subject = Subject::new(name, mesh)?;
     ensure!(!subject.triangles.live().is_empty(), "{}: no triangle can be hit", path.display());
     Ok(subject)
 }

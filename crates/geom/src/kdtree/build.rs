@@ -13,7 +13,7 @@ const MAX_REFERENCES: usize = 1 << 31;
 
 /// The room that the leaves of a tree over `count` triangles may take; see [`Cell::room`].
 fn room_for(count: usize) -> usize {
-    (8 * count + 1024).min(MAX_REFERENCES)
+    (8 * count).clamp(1, MAX_REFERENCES)
 }
 
 /// Far below what an `f32` coordinate can tell, far above what rounding does in `f64`.
@@ -31,10 +31,10 @@ impl KdTree {
     /// Large cells are built side by side on the threads of the current rayon pool; the tree is the
     /// same for any number of them.
     ///
-    /// Memory is bounded beforehand. Over `n` live triangles the leaves hold at most
-    /// `b = 8 n + 1024` references (never more than `2^31`), there are fewer than `2 b` nodes, and
-    /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `200 n + 190 b` bytes
-    /// beside the triangles: for each triangle in the cell that is being halved, and for each of
+    /// Memory is bounded beforehand. Over `n` live triangles the leaves hold at most `b = 8 n`
+    /// references (never more than `2^31`), there are fewer than `2 b` nodes (one over nothing), and
+    /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `200 n + 190 b + 1024`
+    /// bytes beside the triangles: for each triangle in the cell that is being halved, and for each of
     /// `b`, a box and its six events, 76 bytes; and for each of `b` a reference and two nodes, in
     /// vectors that hold up to three times their content while they grow. A closed mesh takes
     /// about `600 n`.

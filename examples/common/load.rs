@@ -1,0 +1,20 @@
+use super::warn;
+use anyhow::Result;
+use globillum::geom::Triangle;
+use globillum::io::{Loaded, WarningKind};
+use std::path::Path;
+
+/// Loads a scene, and says what was passed over.
+pub(crate) fn load(path: &Path) -> Result<Loaded> {
+    let loaded = globillum::io::load(path)?;
+    loaded.report.warnings.iter().for_each(warn);
+    Ok(loaded)
+}
+
+/// Loads the triangles of a file whose materials do not matter, and says what was passed over.
+pub(crate) fn load_mesh(path: &Path) -> Result<Vec<Triangle>> {
+    let loaded = globillum::io::load(path)?;
+    let matters = |kind: &WarningKind| !matches!(kind, WarningKind::NoEmitter);
+    loaded.report.warnings.iter().filter(|warning| matters(&warning.kind)).for_each(warn);
+    Ok(loaded.model.triangles().to_vec())
+}
