@@ -98,7 +98,7 @@ fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
     let b = (8 * n).max(1);
     let KdStats { references, nodes, depth, .. } = tree.stats();
     assert!((n..=b).contains(&references), "{references} references to {n} triangles");
-    assert!(nodes <= 2 * b - 1, "{nodes} nodes over {n} triangles");
+    assert!(nodes < 2 * b, "{nodes} nodes over {n} triangles");
     assert!(depth <= KdTree::MAX_DEPTH, "depth {depth}");
     assert!(
         allocated.bytes_max as usize <= 200 * n + 190 * b + 1024,
