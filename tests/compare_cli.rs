@@ -45,6 +45,7 @@ fn bad_input_is_one_line_that_names_it() {
     on_quad("--resolution", "4096,4096,1", &["grid references", "1056"]);
     on_quad("--resolution", "4,4", &["resolution", "three numbers"]);
     on_quad("--side", "0", &["--side", "0"]);
+    on_quad("--mesh", "quad.obj", &["--mesh", "quad"]);
     assert_refused(&["--mesh", "none.obj"], &["none.obj"]);
     assert_refused(&["--mesh", "bad.obj"], &["bad.obj:2"]);
     assert_refused(&["--mesh", "point.obj"], &["point.obj", "no triangle"]);
@@ -69,4 +70,14 @@ fn everything_is_written_and_all_rows_have_one_hash() {
         let bytes = std::fs::read(folder.path().join("compare").join(name)).expect(name);
         assert!(bytes.starts_with(b"<svg") || bytes.starts_with(b"\x89PNG"), "{name}");
     }
+}
+
+/// Between the two middle columns of pixels: no ray meets it, and every picture is of one colour.
+#[test]
+fn a_mesh_that_no_ray_meets_is_no_reason_to_stop() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("blade.obj"), "v 0 0 0\nv 0 1 0\nv 0.0001 0.5 0\nf 1 2 3\n")
+        .expect("a file");
+    let output = run(folder.path(), &["--mesh", "blade.obj", "--side", "8", "--repeats", "1"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }

@@ -1,10 +1,10 @@
 //! The cost of each pixel's camera ray, as a picture and as a histogram.
 #![allow(clippy::print_stdout, reason = "examples talk to people")]
 
+use crate::structures::Structures;
 use anyhow::Result;
-use globillum::geom::{Counts, GridOptions, KdOptions, KdTree, Ray, SplitRule, Traverse, UniformGrid};
+use globillum::geom::{Counts, KdTree, Ray, SplitRule, Traverse, UniformGrid};
 use globillum::io::AtomicFile;
-use globillum_testkit::accelerators::rule_options;
 use globillum_testkit::meshes::Subject;
 use globillum_testkit::rays::Rays;
 use image::{ImageFormat, Rgb, RgbImage};
@@ -28,19 +28,19 @@ fn costs(structure: &'static str, accel: &impl Traverse, rays: &[Ray]) -> Costs 
 }
 
 /// Of the best tree, the best of the other rules, and the grid.
-fn all_costs(subject: &Subject, side: u32) -> Result<[Costs; 3]> {
+fn all_costs(subject: &Subject, side: u32, structures: &Structures) -> Result<[Costs; 3]> {
     let triangles = &subject.triangles;
-    let kd = KdTree::build(triangles, &KdOptions::default())?;
-    let sliding = KdTree::build(triangles, &rule_options(SplitRule::SlidingMidpoint))?;
-    let grid = UniformGrid::build(triangles, &GridOptions::default())?;
+    let kd = KdTree::build(triangles, &structures.usual_kd())?;
+    let sliding = KdTree::build(triangles, &structures.kd(SplitRule::SlidingMidpoint))?;
+    let grid = UniformGrid::build(triangles, &structures.grid())?;
     let rays = Rays::new(subject, &kd, side).camera;
     Ok([costs("kd", &kd, &rays), costs("sliding", &sliding, &rays), costs("grid", &grid, &rays)])
 }
 
 /// Prints how many pixels cost how much, in classes that double.
-pub(crate) fn print_histogram(subject: &Subject, side: u32) -> Result<()> {
+pub(crate) fn print_histogram(subject: &Subject, side: u32, structures: &Structures) -> Result<()> {
     println!("pixels by visits and tests of their camera ray:");
-    for Costs { structure, of_pixels } in all_costs(subject, side)? {
+    for Costs { structure, of_pixels } in all_costs(subject, side, structures)? {
         println!("  {structure}");
         let class = |cost: &u64| cost.checked_ilog2().map_or(0, |log| log as usize + 1);
         let mut classes = vec![0_usize; of_pixels.iter().map(class).max().unwrap_or(0) + 1];
@@ -57,9 +57,14 @@ pub(crate) fn print_histogram(subject: &Subject, side: u32) -> Result<()> {
 }
 
 /// Writes one heat map for each structure, all of a mesh on one logarithmic scale.
-pub(crate) fn write_maps(folder: &Path, subject: &Subject, side: u32) -> Result<Vec<PathBuf>> {
-    let all = all_costs(subject, side)?;
-    let most = all.iter().flat_map(|costs| &costs.of_pixels).max().copied().unwrap_or(0);
+pub(crate) fn write_maps(
+    folder: &Path,
+    subject: &Subject,
+    side: u32,
+    structures: &Structures,
+) -> Result<Vec<PathBuf>> {
+    let all = all_costs(subject, side, structures)?;
+    let most = all.iter().flat_map(|costs| &costs.of_pixels).max().copied().unwrap_or(0).max(1);
     let write = |costs: &Costs| {
         let path = folder.join(format!("heat-{}-{}.png", subject.name, costs.structure));
         let color = |x, y| {

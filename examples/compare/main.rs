@@ -73,14 +73,14 @@ fn run(options: &Options) -> Result<()> {
     for (subject, rows) in subjects.iter().zip(&rows) {
         tables::print(rows);
         shape::print(&subject.triangles, &options.structures)?;
-        heat::print_histogram(subject, options.side)?;
+        heat::print_histogram(subject, options.side, &options.structures)?;
     }
     tables::print_totals(&rows);
     println!("{}: `{}`", cpu_model().unwrap_or_else(|| "unknown".to_owned()), command("compare"));
 
     let mut written = vec![row::write_csv(folder, &rows)?, chart::write(folder, &rows)?];
     for subject in &subjects {
-        written.extend(heat::write_maps(folder, subject, options.side)?);
+        written.extend(heat::write_maps(folder, subject, options.side, &options.structures)?);
     }
     written.iter().for_each(|path| println!("{}", path.display()));
     assert_one_hash(&rows)
@@ -106,7 +106,12 @@ impl Options {
         if self.mesh.is_empty() {
             return Ok(procedural()?);
         }
-        self.mesh.iter().map(|path| subject_from(path)).collect()
+        let subjects = self.mesh.iter().map(|path| subject_from(path)).collect::<Result<Vec<_>>>()?;
+        for (i, subject) in subjects.iter().enumerate() {
+            let twice = subjects[..i].iter().any(|other| other.name == subject.name);
+            ensure!(!twice, "--mesh: two are called {}, and so would be their pictures", subject.name);
+        }
+        Ok(subjects)
     }
 }
 

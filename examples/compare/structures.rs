@@ -42,15 +42,18 @@ impl Structures {
         }
         let grid = self.grid();
         all.push(("uniform grid".to_owned(), Box::new(move |t| Ok(Box::new(UniformGrid::build(t, &grid)?)))));
-        let usual = {
-            let mut options = self.kd(SplitRule::default());
-            options.lookahead = 0;
-            options
-        };
+        let usual = self.usual_kd();
         all.push(("k-d tree".to_owned(), kd(usual)));
         all.push(("wide k-d tree".to_owned(), Box::new(|t| Ok(Box::new(WideKdTree::build(t)?)))));
         all.extend(SplitRule::ALL.map(|rule| (format!("k-d tree, {}", name(rule)), kd(self.kd(rule)))));
         all
+    }
+
+    /// The options of a tree as it is by default.
+    pub(crate) fn usual_kd(self) -> KdOptions {
+        let mut options = self.kd(SplitRule::default());
+        options.lookahead = KdOptions::default().lookahead;
+        options
     }
 
     /// The options under which rules are compared.
@@ -63,7 +66,7 @@ impl Structures {
         options
     }
 
-    fn grid(self) -> GridOptions {
+    pub(crate) fn grid(self) -> GridOptions {
         let mut options = GridOptions::default();
         options.density = self.density;
         options.resolution = self.resolution;

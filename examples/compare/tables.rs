@@ -35,7 +35,8 @@ pub(crate) fn print(rows: &[Row]) {
         "repeated",
         "catches up after",
     ]);
-    for row in rows {
+    for (i, row) in rows.iter().enumerate() {
+        let never = if i + 1 < rows.len() { "never" } else { "" };
         let one = |x: f64| format!("{x:.1}");
         let whole = |x: f64| format!("{x:.0}");
         table.add_row([
@@ -49,7 +50,7 @@ pub(crate) fn print(rows: &[Row]) {
             one(row.visits_bounce),
             one(row.tests_bounce),
             one(row.repeats_bounce),
-            row.break_even_rays.map_or("never".to_owned(), |rays| format!("{:.2} M", rays / 1e6)),
+            row.break_even_rays.map_or(never.to_owned(), |rays| format!("{:.2} M", rays / 1e6)),
         ]);
     }
     println!("{table}");

@@ -19,7 +19,8 @@ pub trait Probe {
 
 impl Probe for () {}
 
-/// An accelerator whose searches can be watched. The same traversal answers [`Accel`]'s queries.
+/// An accelerator whose searches can be watched. The same traversal answers [`Accel`]'s queries for
+/// single rays.
 pub trait Traverse: Accel {
     /// [`Accel::intersect`], telling `probe` what is done for it.
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit>;

@@ -158,8 +158,10 @@ impl<'a> Run<'a> {
 
     fn turn(&mut self, subject: &Subject, rays: &Rays) -> Result<(), GeomError> {
         let start = Instant::now();
-        self.accel = self.contender.1(&subject.triangles)?;
+        let built = self.contender.1(&subject.triangles)?;
         self.builds.push(start.elapsed().as_secs_f64());
+        // The one before is freed outside the time that is taken.
+        self.accel = built;
         for query in Query::ALL {
             self.queries[query as usize].push(query.time(&self.accel, rays, &mut self.buffers));
         }

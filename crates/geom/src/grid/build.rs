@@ -58,12 +58,16 @@ impl UniformGrid {
 }
 
 fn choose_lattice(triangles: &Triangles, options: &GridOptions) -> Result<Lattice, GeomError> {
+    let density = options.density;
+    if !(density.is_finite() && density > 0.0) {
+        return Err(GeomError::Param { name: "density", value: density, range: "(0, inf)" });
+    }
     let bounds = triangles.bounds();
     let count = triangles.live().len();
     let reference_budget = (16 * count as u64 + 1024).min(u64::from(u32::MAX));
     let mut resolution = match options.resolution {
         Some(given) => check_resolution(given, &bounds)?,
-        None => resolution_for(&bounds, count, options.density)?,
+        None => resolution_for(&bounds, count, options.density),
     };
     loop {
         let lattice = Lattice::new(&bounds, resolution);
@@ -95,13 +99,10 @@ fn check_resolution(given: [u32; 3], bounds: &Aabb) -> Result<[u32; 3], GeomErro
 }
 
 /// Nearly cubic cells, `density` of them for each of `count` triangles.
-fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> Result<[u32; 3], GeomError> {
-    if !(density.is_finite() && density > 0.0) {
-        return Err(GeomError::Param { name: "density", value: density, range: "(0, inf)" });
-    }
+fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> [u32; 3] {
     let most = (8 * count as u64 + 64).min(MAX_CELLS) as f64;
     let wanted = (density * count as f64).clamp(1.0, most);
-    // Longest axes first: an axis too short for a second cell leaves its share to the others.
+    // Shortest axes first: an axis too short for a second cell leaves its share to the others.
     let extent = bounds.extent();
     let mut axes = [0, 1, 2];
     axes.sort_by(|&a, &b| extent[a].total_cmp(&extent[b]));
@@ -120,7 +121,7 @@ fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> Result<[u32; 3],
         resolution[axis] = if cells.is_finite() { cells as u32 } else { 1 };
         left /= f64::from(resolution[axis]);
     }
-    Ok(resolution)
+    resolution
 }
 
 fn cell_count(resolution: [u32; 3]) -> u64 {

@@ -53,6 +53,10 @@ impl<'a> Walk<'a> {
                     break;
                 }
                 for column in self.indices(columns, span) {
+                    // Of a range that holds many columns, those beyond a hit.
+                    if span.start > t_end {
+                        break;
+                    }
                     cell[columns] = column;
                     t_end = open(cell);
                 }
