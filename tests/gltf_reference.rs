@@ -3,7 +3,7 @@
 
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
-use globillum::geom::{KdOptions, KdTree};
+use globillum::geom::WideKdTree;
 use globillum::integrator::{Scene, Settings, render};
 use globillum::io::{Loaded, load};
 use globillum_testkit::cornell;
@@ -33,7 +33,7 @@ fn reference(name: &str) -> Option<(Loaded, Reference)> {
 fn check(name: &str, samples: [u32; 2]) {
     let Some((loaded, reference)) = reference(name) else { return };
     assert_eq!(loaded.report.warnings, []);
-    let scene = Scene::build(&loaded.model, |t| KdTree::build(t, &KdOptions::default())).expect("it is good");
+    let scene = Scene::build(&loaded.model, WideKdTree::build).expect("it is good");
     for (max_bounces, samples) in [None, Some(1)].into_iter().zip(samples) {
         let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
         settings.max_bounces = max_bounces;
@@ -52,7 +52,7 @@ fn the_box() {
 #[test]
 fn the_box_with_a_mirror() {
     // Light that a mirror throws is found rarely: few samples would not be nearly normal.
-    check("box_mirror", [2048, 2048]);
+    check("box_mirror", [4096, 1024]);
 }
 
 #[test]

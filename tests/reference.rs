@@ -1,6 +1,6 @@
 //! The Cornell box beside pictures by an independent renderer (Mitsuba 3.9.1).
 
-use globillum::geom::{KdOptions, KdTree};
+use globillum::geom::WideKdTree;
 use globillum::integrator::{Scene, Settings, render};
 use globillum_testkit::cornell;
 use globillum_testkit::reference::Reference;
@@ -16,7 +16,7 @@ fn check(reference: &str, specular: bool, max_bounces: Option<u32>, samples: u32
     let reference = Reference::parse(reference);
     let blocks = if max_bounces.is_some() { &reference.direct } else { &reference.path };
     let model = cornell::with_blocks(specular).expect("the box is good");
-    let scene = Scene::build(&model, |t| KdTree::build(t, &KdOptions::default())).expect("the box is good");
+    let scene = Scene::build(&model, WideKdTree::build).expect("the box is good");
     let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
     settings.max_bounces = max_bounces;
     let camera = cornell::camera().expect("the camera is good");
