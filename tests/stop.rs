@@ -221,8 +221,9 @@ enum Failure {
 impl Accel for Failing {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let hit = self.inner.intersect(ray);
-        let left = self.left.load(Ordering::Relaxed);
-        self.left.store(left.saturating_sub(1), Ordering::Relaxed);
+        // Counted down in one step, so that exactly one ray is the one that fails.
+        let one_less = |left: u32| Some(left.saturating_sub(1));
+        let left = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_less).unwrap_or(0);
         match self.how {
             _ if left != 1 => hit,
             Failure::Panic => panic!("ray of doom"),
