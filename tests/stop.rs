@@ -78,10 +78,8 @@ fn the_first_limit_and_the_last_goal_count() {
 #[test]
 fn time_ends_a_render_in_whole_passes() {
     let settings = Settings::new(64, 64, u32::MAX);
-    let start = Instant::now();
     let picture = run(&settings, stop(|s| s.seconds = Some(0.5)), &());
     assert_eq!((picture.ending, picture.samples % 16), (Ending::Seconds, 0));
-    assert!(start.elapsed() < Duration::from_millis(1500), "{:?}", start.elapsed());
     let whole = with_samples(settings, picture.samples);
     assert_eq!(run(&whole, Stop::default(), &()).film, picture.film);
 }
@@ -161,10 +159,14 @@ struct Witness {
     passes: AtomicU32,
     cancel_after: Option<Duration>,
     start: Option<Instant>,
+    tiles_after_cancelling: AtomicU32,
 }
 
 impl Monitor for Witness {
     fn progress(&self, progress: Progress) {
+        if self.cancelled() {
+            self.tiles_after_cancelling.fetch_add(1, Ordering::Relaxed);
+        }
         *self.last.lock().expect("no one panics with it") = Some(progress);
     }
 
@@ -192,16 +194,22 @@ fn progress_tells_rays_error_and_time_left() {
     assert_eq!(witness.passes.load(Ordering::Relaxed), 4);
 }
 
+/// What is under way when a render is cancelled is at most a step of a tile for each thread: no
+/// tile is finished any more. A wave's step takes milliseconds, so that is soon.
 #[test]
-fn cancelling_takes_less_than_a_tenth_of_a_second() {
-    let after = Duration::from_millis(150);
-    // So many pixels that one pass takes far longer.
-    let settings = Settings::new(4096, 4096, 1 << 20);
-    let witness = Witness { cancel_after: Some(after), start: Some(Instant::now()), ..Witness::default() };
+fn cancelling_finishes_no_further_tile() {
+    // So many pixels that one pass would take minutes.
+    let mut settings = Settings::new(4096, 4096, 1 << 20);
+    settings.threads = 2;
+    let witness = Witness {
+        cancel_after: Some(Duration::from_millis(150)),
+        start: Some(Instant::now()),
+        ..Witness::default()
+    };
     let picture = run(&settings, Stop::default(), &witness);
-    let late = witness.start.expect("it was set").elapsed().saturating_sub(after);
-    assert_eq!(picture.ending, Ending::Cancelled);
-    assert!(late < Duration::from_millis(100), "{late:?}");
+    assert_eq!((picture.ending, picture.samples), (Ending::Cancelled, 0));
+    let late = witness.tiles_after_cancelling.load(Ordering::Relaxed);
+    assert!(late <= settings.threads as u32, "{late} tiles were finished");
 }
 
 /// An accelerator that answers some rays, and then fails.
