@@ -13,7 +13,6 @@ use tobj::LoadOptions;
 const LIMIT: f64 = 1.2;
 
 #[test]
-#[ignore = "measures: cargo test -p globillum-io --test loading_time -- --ignored"]
 #[ignore = "a measurement, which wants an idle machine and a release build"]
 fn a_scanned_mesh_loads_about_as_fast_as_by_tobj_alone() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/meshes/bunny.obj");
