@@ -1,12 +1,13 @@
 //! A picture's bits depend on scene, camera and settings, and on nothing else.
 #![allow(clippy::print_stderr, reason = "a skipped test says so")]
 
+mod scans;
+
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{Camera, Film, Model, Scene, Settings, render};
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::{cornell, scenes, shapes};
-use std::path::Path;
 
 fn settings(samples: u32) -> Settings {
     let mut settings = Settings::new(50, 40, samples);
@@ -48,15 +49,9 @@ fn every_accelerator_and_thread_count_makes_the_same_statue() {
 
 #[test]
 fn every_accelerator_and_thread_count_makes_the_same_scanned_mesh() {
-    for name in ["bunny.obj", "dragon.obj"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes").join(name);
-        if !path.exists() {
-            eprintln!("SKIPPED: {name} is not there; the statue stands in for it");
-            continue;
-        }
-        let mesh = globillum::io::load_obj(&path).expect("the mesh is good").model;
+    for (_, mesh) in scans::scans() {
         for specular in [false, true] {
-            let model = cornell::with_mesh(mesh.triangles(), specular).expect("the box is good");
+            let model = cornell::with_mesh(&mesh, specular).expect("the box is good");
             assert_one_picture(&model, false);
         }
     }

@@ -1,10 +1,11 @@
 //! The splitting rules beside each other: what the surface area heuristic promises.
 #![allow(clippy::print_stderr, reason = "a skipped test says so")]
 
+mod scans;
+
 use globillum::geom::{KdOptions, KdStats, KdTree, SplitRule, Triangle, Triangles};
 use globillum_testkit::accelerators::rule_options;
 use globillum_testkit::shapes;
-use std::path::Path;
 
 fn stats(triangles: &Triangles, options: &KdOptions) -> KdStats {
     KdTree::build(triangles, options).expect("options in range").stats()
@@ -32,13 +33,7 @@ fn the_surface_area_heuristic_is_best_on_a_statue() {
 
 #[test]
 fn the_surface_area_heuristic_is_best_on_scanned_meshes() {
-    for name in ["bunny.obj", "dragon.obj"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes").join(name);
-        if !path.exists() {
-            eprintln!("SKIPPED: {name} is not there; the statue stands in for it");
-            continue;
-        }
-        let mesh = globillum::io::load_obj(&path).expect("the mesh is good").model;
-        assert_surface_area_is_best(name, mesh.triangles());
+    for (name, mesh) in scans::scans() {
+        assert_surface_area_is_best(name, &mesh);
     }
 }
