@@ -26,13 +26,14 @@ pub(super) fn search_alone<S: Simd, Q: Goal, P: Probe>(
             let [trace, ..] = &mut *scratch.traces;
             trace.begin(course, 0);
             loop {
-                let child = trace.top();
+                let child = trace.child;
                 if Child::is_end(child) == 1 {
                     break;
                 }
                 if Child::is_block(child) == 0 {
                     probe.visit();
-                    step(simd, &tree.nodes, std::slice::from_mut(trace), [0]);
+                    step(simd, &tree.nodes, trace);
+                    trace.advance();
                     continue;
                 }
                 probe.open();
@@ -41,6 +42,7 @@ pub(super) fn search_alone<S: Simd, Q: Goal, P: Probe>(
                 if found.is_any() {
                     note(simd, tree, ray, &found, trace, &mut search);
                 }
+                trace.advance();
             }
             trace.candidates.decide(trace.t_end, ray, &tree.triangles, &mut search);
         },

@@ -29,9 +29,11 @@ const LARGEST_INVERSE: f64 = (1_u64 << 60) as f64;
 pub(super) struct Course {
     /// A plane `x` of axis `a` is crossed between `x * inverse[a] + near[a]` and
     /// `x * inverse[a] + far[a]`.
-    pub(super) inverse: [f32; 4],
-    pub(super) near: [f32; 4],
-    pub(super) far: [f32; 4],
+    pub(super) inverse: [f32; 3],
+    pub(super) near: [f32; 3],
+    pub(super) far: [f32; 3],
+    /// The axes along which the ray descends, a bit each.
+    pub(super) octant: u8,
     /// The axes x, y and z of Woop's shear; z is the main axis.
     pub(super) axes: [u8; 4],
     /// A vertex is sheared to `(x + slope[0] * z - offset[0], y + slope[1] * z - offset[1])`.
@@ -85,11 +87,11 @@ impl Course {
         let offset = [origin[x] - slope[0] * origin[z], origin[y] - slope[1] * origin[z]];
         let vertex_err = VERTEX_ERR * U + slack;
         let after = |t: f64| (t - entry.start) * gain;
-        let four = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32, 1.0];
         let course = Self {
-            inverse: four(inverse),
-            near: four(at - thick),
-            far: four(at + thick),
+            inverse: inverse.as_vec3().to_array(),
+            near: (at - thick).as_vec3().to_array(),
+            far: (at + thick).as_vec3().to_array(),
+            octant: inverse.is_negative_bitmask() as u8,
             axes: [x as u8, y as u8, z as u8, 0],
             slope: slope.map(|s| -s as f32),
             offset: offset.map(|o| o as f32),

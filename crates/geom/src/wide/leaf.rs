@@ -32,8 +32,7 @@ impl<S: Simd> Found<S> {
 /// Takes the nearest block and filters it.
 #[inline(always)]
 pub(super) fn open<S: Simd>(simd: S, tree: &WideKdTree, trace: &mut Trace) -> Found<S> {
-    let (child, _, _) = trace.pop();
-    let (first, count) = Child::block(child);
+    let (first, count) = Child::block(trace.child);
     let rows = tree.blocks.rows(first, count);
     let vertices = Vertices::load(simd, rows, trace.course.axes.map(usize::from));
     let rays = Rays::same(simd, &trace.course, trace.t_end);
@@ -55,7 +54,7 @@ pub(super) fn note<S: Simd, Q: Goal>(
 ) {
     if Q::ANY && filtered.certain != 0 {
         *search = search.sure();
-        trace.finish();
+        trace.clear();
         return;
     }
     let mut starts = [0.0; LANES];

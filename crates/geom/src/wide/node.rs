@@ -1,49 +1,44 @@
-//! The tree's nodes: three levels of planes in one cache line.
+//! The tree's nodes: up to eight cells, each in the box of what it holds.
 
 use super::simd::LANES;
+use crate::Aabb;
 
-/// Seven planes and the eight cells between them.
-///
-/// The planes are those of a complete binary tree in heap order: below plane `i` lie planes
-/// `2 i + 1` and `2 i + 2`, and cell `c` takes the place of plane `7 + c`.
+/// Up to eight cells that do not overlap, lane by lane, in four cache lines.
 #[repr(C, align(64))]
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// Positions, and in the last lane the axes, so that one load fetches both. NaN separates
-    /// nothing: both sides are the whole cell.
-    pub(super) planes: [f32; LANES],
+    /// The boxes' faces: lower and upper along x, along y, along z. A lane without a cell has its
+    /// box inside out, so that no ray meets it.
+    pub(super) faces: [[f32; LANES]; 6],
     /// What is in each cell.
     pub(super) children: [u32; LANES],
+    /// For each octant that a direction may lie in, the lanes from near to far, three bits each.
+    pub(super) orders: [u32; 8],
 }
 
-/// The first place in heap order that is a cell and not a plane.
-pub(super) const FIRST_CELL: usize = 7;
-
-/// Makes the axes a normal number when read as `f32`: denormal operands are slow.
-const NORMAL: u32 = 0x3f80_0000;
-
 impl Node {
-    /// A node that separates and holds nothing.
+    /// A node without cells.
     pub(super) fn empty() -> Self {
-        let mut planes = [f32::NAN; LANES];
-        planes[7] = f32::from_bits(NORMAL);
-        Self { planes, children: [Child::EMPTY; LANES] }
+        let (lower, upper) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+        let faces = [lower, upper, lower, upper, lower, upper];
+        Self { faces, children: [Child::ROOT; LANES], orders: [0; 8] }
     }
 
-    pub(super) fn set_plane(&mut self, index: usize, axis: u8, position: f32) {
-        self.planes[index] = position;
-        self.planes[7] = f32::from_bits(self.axes() | u32::from(axis) << (2 * index));
+    /// Puts a cell with the box `bounds` in a lane.
+    pub(super) fn set(&mut self, lane: usize, bounds: &Aabb, child: Child) {
+        for axis in 0..3 {
+            self.faces[2 * axis][lane] = bounds.min[axis];
+            self.faces[2 * axis + 1][lane] = bounds.max[axis];
+        }
+        self.children[lane] = child.pack();
     }
 
+    /// The faces through which rays that go toward `octant` enter boxes along `axis`, and those
+    /// through which they leave.
     #[inline(always)]
-    pub(super) fn axis(&self, plane: usize) -> usize {
-        (self.axes() >> (2 * plane) & 3) as usize % 3
-    }
-
-    /// Two bits a plane, the first plane lowest.
-    #[inline]
-    pub(super) fn axes(&self) -> u32 {
-        self.planes[7].to_bits()
+    pub(super) fn slabs(&self, axis: usize, octant: u8) -> [&[f32; LANES]; 2] {
+        let down = usize::from(octant >> axis & 1);
+        [&self.faces[2 * axis + down], &self.faces[2 * axis + 1 - down]]
     }
 }
 
@@ -57,8 +52,6 @@ pub(super) enum Child {
 }
 
 impl Child {
-    /// Nothing.
-    pub(super) const EMPTY: u32 = u32::MAX;
     pub(super) const ROOT: u32 = 0;
     /// Lies at the bottom of every stack.
     pub(super) const END: u32 = 1 << 30;

@@ -5,7 +5,7 @@ use super::candidates::Candidates;
 use super::course::Course;
 use super::filter::{Filtered, Rays, Vertices, filter};
 use super::goal::Goal;
-use super::node::{Child, FIRST_CELL};
+use super::node::{Child, Node};
 use super::simd::{LANES, Rows, Simd};
 use crate::Ray;
 use crate::decide::main_axis;
@@ -13,8 +13,8 @@ use crate::prune::PARALLEL;
 use crate::search::Closest;
 use glam::DVec3;
 
-/// Most entries of the stack: one that each plane above a leaf leaves behind.
-const STACK: usize = 104;
+/// Most entries of the stack: 7 that each of 70 levels leaves behind, and one more.
+const STACK: usize = 492;
 
 /// One number a ray.
 type Lanes = [f32; LANES];
@@ -32,16 +32,15 @@ pub(super) struct Packet {
     edge_err: [Lanes; 2],
     t_err: Lanes,
     certain_end: Lanes,
+    start: Lanes,
     t_end: Lanes,
     /// The axes x, y and z of all rays.
     axes: [usize; 3],
-    /// For each axis, whether the rays descend along it.
-    down: [bool; 3],
+    /// The axes along which the rays descend, a bit each.
+    octant: u8,
     candidates: [Candidates; LANES],
-    /// Node, and place in it in heap order.
-    places: [(u32, usize); STACK],
+    children: [u32; STACK],
     starts: [Lanes; STACK],
-    ends: [Lanes; STACK],
 }
 
 /// The axes along which a ray descends, a bit each, and its main axis: rays of which these are the
@@ -72,13 +71,13 @@ impl Packet {
             edge_err: [zero; 2],
             t_err: zero,
             certain_end: zero,
+            start: zero,
             t_end: zero,
             axes: [0; 3],
-            down: [false; 3],
+            octant: 0,
             candidates: [Candidates::default(); LANES],
-            places: [(0, 0); STACK],
+            children: [Child::ROOT; STACK],
             starts: [zero; STACK],
-            ends: [zero; STACK],
         }
     }
 
@@ -131,7 +130,8 @@ impl Packet {
         self.t_err[lane] = course.t_err;
         self.certain_end[lane] = course.certain_end;
         self.t_end[lane] = end;
-        (self.starts[0][lane], self.ends[0][lane]) = (start, end);
+        self.start[lane] = start;
+        self.starts[0][lane] = start;
         self.candidates[lane].clear();
     }
 
@@ -139,11 +139,11 @@ impl Packet {
     fn begin(&mut self, any: &Ray) {
         let (down, z) = way(any);
         self.axes = [(z + 1) % 3, (z + 2) % 3, z];
-        self.down = [0, 1, 2].map(|axis| down >> axis & 1 == 1);
-        self.places[0] = (Child::ROOT, 0);
+        self.octant = down as u8;
+        self.children[0] = Child::ROOT;
     }
 
-    /// Front to back, a binary tree again: a plane either parts the rays' cells or does not.
+    /// Visits cells front to back, as long as any ray meets them.
     #[inline(always)]
     fn traverse<S: Simd>(
         &mut self,
@@ -155,51 +155,42 @@ impl Packet {
         let mut depth = 1;
         while depth > 0 {
             depth -= 1;
-            let (mut node, mut place) = self.places[depth];
-            let mut start = simd.load(&self.starts[depth]);
-            let mut end = simd.min(simd.load(&self.ends[depth]), simd.load(&self.t_end));
-            if simd.le(start, end) == 0 {
+            let start = simd.load(&self.starts[depth]);
+            if simd.le(start, simd.load(&self.t_end)) == 0 {
                 continue;
             }
-            loop {
-                let at = &tree.nodes[node as usize];
-                if place >= FIRST_CELL {
-                    let child = at.children[(place - FIRST_CELL) % LANES];
-                    if child == Child::EMPTY {
-                        break;
-                    }
-                    if Child::is_block(child) == 1 {
-                        self.open(simd, tree, child, rays, searches);
-                        break;
-                    }
-                    (node, place) = (child, 0);
-                    continue;
-                }
-                let axis = at.axis(place);
-                let plane = simd.splat(at.planes[place]);
-                let inverse = simd.load(&self.inverse[axis]);
-                let early = simd.mul_add(plane, inverse, simd.load(&self.near[axis]));
-                let late = simd.mul_add(plane, inverse, simd.load(&self.far[axis]));
-                let far_start = simd.max(early, start);
-                let near_end = simd.min(late, end);
-                let (meets_near, meets_far) = (simd.le(start, near_end) != 0, simd.le(far_start, end) != 0);
-                let down = usize::from(self.down[axis]);
-                let (near, far) = (2 * place + 1 + down, 2 * place + 2 - down);
-                if meets_near && meets_far {
-                    self.places[depth] = (node, far);
-                    simd.store(&mut self.starts[depth], far_start);
-                    simd.store(&mut self.ends[depth], end);
+            let child = self.children[depth];
+            if Child::is_block(child) == 1 {
+                self.open(simd, tree, child, rays, searches);
+                continue;
+            }
+            let node = &tree.nodes[child as usize];
+            let order = node.orders[usize::from(self.octant & 7)];
+            for i in (0..LANES).rev() {
+                let lane = (order >> (3 * i)) as usize % LANES;
+                let (start, met) = self.meet(simd, node, lane);
+                if met {
+                    simd.store(&mut self.starts[depth], start);
+                    self.children[depth] = node.children[lane];
                     depth += 1;
-                }
-                if meets_near {
-                    (place, end) = (near, near_end);
-                } else if meets_far {
-                    (place, start) = (far, far_start);
-                } else {
-                    break;
                 }
             }
         }
+    }
+
+    /// Where the rays enter one of a node's boxes, and whether any does.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, node: &Node, lane: usize) -> (S::F, bool) {
+        let mut start = simd.load(&self.start);
+        let mut end = simd.load(&self.t_end);
+        for axis in 0..3 {
+            let [enter, leave] = node.slabs(axis, self.octant);
+            let inverse = simd.load(&self.inverse[axis]);
+            start =
+                simd.max(simd.mul_add(simd.splat(enter[lane]), inverse, simd.load(&self.near[axis])), start);
+            end = simd.min(simd.mul_add(simd.splat(leave[lane]), inverse, simd.load(&self.far[axis])), end);
+        }
+        (start, simd.le(start, end) != 0)
     }
 
     /// All triangles of a block.

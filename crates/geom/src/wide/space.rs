@@ -1,7 +1,7 @@
 //! The space that a wide tree works in: the scene moved to the origin and scaled to unit size.
 
 use crate::Aabb;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// A map from the scene to `[-1, 1]^3`. Scaling is by a power of two, so it rounds nothing.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,12 @@ impl Space {
     pub(super) fn coordinate(&self, axis: usize, x: f32) -> f32 {
         let x = (f64::from(x) - self.center[axis]) * self.scale;
         if x.abs() < 2.0_f64.powi(-60) { 0.0 } else { x as f32 }
+    }
+
+    /// A box, off by as much.
+    pub(super) fn map(&self, bounds: &Aabb) -> Aabb {
+        let map = |v: Vec3| Vec3::from([0, 1, 2].map(|axis| self.coordinate(axis, v[axis])));
+        Aabb { min: map(bounds.min), max: map(bounds.max) }
     }
 }
 

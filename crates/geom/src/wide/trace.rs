@@ -5,102 +5,106 @@ use super::course::Course;
 use super::node::Child;
 use super::simd::{LANES, Simd};
 
-/// Most entries of a stack: 7 that each of 31 levels leaves behind, and 8 that are written at once.
-/// (A binary tree has 60 levels at most, a third of which are the wide one's; a leaf with too many
-/// triangles for a block has 10 more at most.)
-const STACK: usize = 248;
+/// Most nodes with cells still to be visited, and one that is never left: 60 levels that a binary
+/// tree has at most, and 10 of a leaf with too many triangles for a block.
+const DEPTH: usize = 128;
 
-/// The stack's entries are cells, the nearest on top, with the part of the ray that lies in them.
+/// The cells of a node, from near to far, and where the ray enters them.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+struct Cells {
+    starts: [f32; LANES],
+    children: [u32; LANES],
+}
+
+impl Cells {
+    /// Ends every search.
+    const END: Self = Self { starts: [0.0; LANES], children: [Child::END; LANES] };
+}
+
+/// The search for a ray: the cell at hand, and a stack of those still to be visited.
 #[repr(C, align(64))]
 #[derive(Debug)]
 pub(super) struct Trace {
-    // A cache line holds what steps need: these three and the first of the course.
+    // A cache line holds what steps need: these and the first of the course.
+    /// The nearest cell.
+    pub(super) child: u32,
     /// What begins beyond this can not matter.
     pub(super) t_end: f32,
+    pub(super) course: Course,
+    pub(super) candidates: Candidates,
     /// Which of the rays it is.
     pub(super) ray: u32,
     depth: usize,
-    pub(super) course: Course,
-    pub(super) candidates: Candidates,
-    starts: [f32; STACK],
-    ends: [f32; STACK],
-    children: [u32; STACK],
+    /// The cells of each node that are still to be visited, a bit each.
+    left: [u8; DEPTH],
+    cells: [Cells; DEPTH],
 }
 
 impl Trace {
     pub(super) fn idle() -> Self {
         Self {
-            course: Course::default(),
+            child: Child::END,
             t_end: 0.0,
+            course: Course::default(),
+            candidates: Candidates::default(),
             ray: 0,
             depth: 0,
-            candidates: Candidates::default(),
-            starts: [0.0; STACK],
-            ends: [0.0; STACK],
-            children: [0; STACK],
+            left: [0; DEPTH],
+            cells: [Cells::END; DEPTH],
         }
     }
 
     /// Starts at the root.
     #[inline(always)]
     pub(super) fn begin(&mut self, course: Course, ray: u32) {
-        (self.course, self.ray, self.t_end) = (course, ray, course.end);
-        (self.starts[0], self.ends[0], self.children[0]) = (f32::NEG_INFINITY, 0.0, Child::END);
-        (self.starts[1], self.ends[1], self.children[1]) = (course.start, course.end, Child::ROOT);
-        self.depth = 2;
-        self.candidates.clear();
+        (self.child, self.course, self.ray, self.t_end) = (Child::ROOT, course, ray, course.end);
+        self.clear();
     }
 
-    /// Leaves nothing to be visited.
+    /// Leaves nothing to be visited but what is at hand.
     #[inline(always)]
-    pub(super) fn finish(&mut self) {
+    pub(super) fn clear(&mut self) {
+        self.left[0] = 1;
         self.depth = 1;
         self.candidates.clear();
     }
 
-    /// Pushes the children in the lanes of `mask`, the first deepest.
+    /// Puts a node's cells in the lanes of `mask` before all others.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, simd: S, start: S::F, end: S::F, child: S::I, mask: u8) {
-        let depth = self.depth;
-        simd.compress(chunk(&mut self.starts, depth), start, mask);
-        simd.compress(chunk(&mut self.ends, depth), end, mask);
-        simd.compress_i(chunk(&mut self.children, depth), child, mask);
-        self.depth = depth + mask.count_ones() as usize;
+    pub(super) fn push<S: Simd>(&mut self, simd: S, starts: S::F, children: S::I, mask: u8) {
+        let top = self.depth % DEPTH;
+        simd.store(&mut self.cells[top].starts, starts);
+        simd.store_i(&mut self.cells[top].children, children);
+        self.left[top] = mask;
+        self.depth = top + usize::from(mask != 0);
     }
 
-    /// The nearest child.
+    /// Takes the nearest cell in hand.
     #[inline(always)]
-    pub(super) fn top(&self) -> u32 {
-        self.children[(self.depth - 1).min(STACK - 1)]
-    }
-
-    /// Takes the nearest child, with where it starts and ends.
-    #[inline(always)]
-    pub(super) fn pop(&mut self) -> (u32, f32, f32) {
-        self.depth -= 1;
-        let top = self.depth.min(STACK - 1);
-        (self.children[top], self.starts[top], self.ends[top])
+    pub(super) fn advance(&mut self) {
+        let top = self.depth.wrapping_sub(1) % DEPTH;
+        let left = self.left[top];
+        self.child = self.cells[top].children[left.trailing_zeros() as usize % LANES];
+        let left = left & left.wrapping_sub(1);
+        self.left[top] = left;
+        self.depth = top + usize::from(left != 0);
     }
 
     /// Drops what begins beyond `t_end`.
     #[inline(always)]
     pub(super) fn drop_beyond<S: Simd>(&mut self, simd: S) {
         let limit = simd.splat(self.t_end);
-        let (depth, mut at) = (self.depth, 0);
-        self.depth = 0;
-        while at < depth {
-            let start = simd.load(chunk(&mut self.starts, at));
-            let end = simd.load(chunk(&mut self.ends, at));
-            let child = simd.load_i(chunk(&mut self.children, at));
-            let filled = 0xff_u32 >> (LANES - (depth - at).min(LANES));
-            let mask = simd.le(start, limit) & filled as u8;
-            self.push(simd, start, end, child, mask);
-            at += LANES;
+        let depth = self.depth.min(DEPTH);
+        self.depth = 1;
+        for at in 1..depth {
+            let left = self.left[at] & simd.le(simd.load(&self.cells[at].starts), limit);
+            if left != 0 {
+                let to = self.depth % DEPTH;
+                self.left[to] = left;
+                self.cells[to] = self.cells[at];
+                self.depth += 1;
+            }
         }
     }
-}
-
-#[inline(always)]
-fn chunk<T>(array: &mut [T; STACK], at: usize) -> &mut [T; LANES] {
-    array[at..].first_chunk_mut().expect("the stack is deep enough")
 }

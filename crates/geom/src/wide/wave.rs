@@ -17,9 +17,6 @@ use super::trace::Trace;
 use crate::Ray;
 use crate::search::Closest;
 
-/// How many make a step side by side.
-const SIDE: usize = 4;
-
 /// A set of rays in hand, a bit each. It is kept in a register: were it a list in memory, the place
 /// of an entry would depend on a step's outcome, and later loads would wait to know it.
 type Slots = u64;
@@ -113,16 +110,15 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let mut found = [Found::nothing(simd); WIDTH];
-        let mut waiting = Waiting { ended: Slots::MAX, ..Waiting::default() };
+        let mut waiting = Waiting { ended: Slots::MAX >> (64 - WIDTH), ..Waiting::default() };
         loop {
             waiting.nodes |= self.turn_over(waiting.ended);
             if waiting.nodes | waiting.blocks == 0 {
                 break;
             }
-            let Waiting { nodes, blocks, .. } = std::mem::take(&mut waiting);
-            self.step(simd, nodes, &mut waiting);
-            self.open(simd, blocks, &mut found, &mut waiting);
-            waiting.nodes = (nodes | blocks) & !(waiting.blocks | waiting.ended);
+            self.step(simd, waiting.nodes);
+            self.open(simd, waiting.blocks, &mut found);
+            waiting = self.advance(simd, waiting.nodes | waiting.blocks);
         }
     }
 
@@ -177,25 +173,9 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
 
     /// One step through a node for each of the rays that wait for one.
     #[inline(always)]
-    fn step<S: Simd>(&mut self, simd: S, nodes: Slots, waiting: &mut Waiting) {
-        let mut list = [0; WIDTH];
-        let mut count = 0;
+    fn step<S: Simd>(&mut self, simd: S, nodes: Slots) {
         for slot in Each(nodes) {
-            list[count] = slot as u8;
-            count += 1;
-        }
-        let (groups, rest) = list[..count].as_chunks::<SIDE>();
-        for group in groups {
-            let slots = group.map(usize::from);
-            step(simd, &self.tree.nodes, self.traces, slots);
-            for slot in slots {
-                self.advance(simd, slot, waiting);
-            }
-        }
-        for &slot in rest {
-            let slot = usize::from(slot);
-            step(simd, &self.tree.nodes, self.traces, [slot]);
-            self.advance(simd, slot, waiting);
+            step(simd, &self.tree.nodes, &mut self.traces[slot]);
         }
     }
 
@@ -204,13 +184,7 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
     /// All are filtered before the first hit is looked at: whether there is one can not be
     /// predicted, and a wrong guess costs all that was begun after it.
     #[inline(always)]
-    fn open<S: Simd>(
-        &mut self,
-        simd: S,
-        blocks: Slots,
-        found: &mut [Found<S>; WIDTH],
-        waiting: &mut Waiting,
-    ) {
+    fn open<S: Simd>(&mut self, simd: S, blocks: Slots, found: &mut [Found<S>; WIDTH]) {
         let mut hits: Slots = 0;
         for slot in Each(blocks) {
             found[slot] = open(simd, self.tree, &mut self.traces[slot]);
@@ -222,17 +196,26 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
                 note(simd, self.tree, &self.rays[trace.ray as usize], &found[slot], trace, search);
             }
         }
-        for slot in Each(blocks) {
-            self.advance(simd, slot, waiting);
-        }
     }
 
-    /// Finds out what the ray waits for now, and asks for its memory.
+    /// Takes each ray's nearest cell in hand, and asks for its memory.
+    ///
+    /// Not at the end of a step or a block: by now its outcome is known, and nothing waits.
     #[inline(always)]
-    fn advance<S: Simd>(&mut self, simd: S, slot: usize, waiting: &mut Waiting) {
-        let child = self.traces[slot].top();
-        waiting.blocks |= Slots::from(Child::is_block(child)) << slot;
-        waiting.ended |= Slots::from(Child::is_end(child)) << slot;
-        simd.prefetch(self.tree.address(child));
+    fn advance<S: Simd>(&mut self, simd: S, slots: Slots) -> Waiting {
+        let mut waiting = Waiting::default();
+        for slot in Each(slots) {
+            let trace = &mut self.traces[slot];
+            trace.advance();
+            let child = trace.child;
+            waiting.blocks |= Slots::from(Child::is_block(child)) << slot;
+            waiting.ended |= Slots::from(Child::is_end(child)) << slot;
+            let address = self.tree.address(child);
+            for line in 0..4 {
+                simd.prefetch(address.wrapping_add(64 * line));
+            }
+        }
+        waiting.nodes = slots & !(waiting.blocks | waiting.ended);
+        waiting
     }
 }

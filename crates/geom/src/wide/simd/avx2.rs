@@ -19,26 +19,6 @@ impl Avx2 {
     }
 }
 
-/// For each mask its lanes, in order.
-static PACKED: [[u8; LANES]; 256] = packed();
-
-const fn packed() -> [[u8; LANES]; 256] {
-    let mut table = [[0; LANES]; 256];
-    let mut mask = 0;
-    while mask < 256 {
-        let (mut lane, mut next) = (0, 0);
-        while lane < LANES {
-            if mask >> lane & 1 == 1 {
-                table[mask][next] = lane as u8;
-                next += 1;
-            }
-            lane += 1;
-        }
-        mask += 1;
-    }
-    table
-}
-
 /// All bits of the lanes in `mask`.
 #[inline]
 #[target_feature(enable = "avx2")]
@@ -77,10 +57,6 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> __m256 {
         call!(_mm256_loadu_ps(x.as_ptr()))
-    }
-    #[inline(always)]
-    fn load_twice(self, x: &[f32; 4]) -> __m256 {
-        call!(_mm256_broadcast_ps(&_mm_loadu_ps(x.as_ptr())))
     }
     #[inline(always)]
     fn store(self, to: &mut [f32; LANES], x: __m256) {
@@ -139,23 +115,12 @@ impl Simd for Avx2 {
         call!(_mm256_movemask_ps(a)) as u8
     }
     #[inline(always)]
-    fn choose<const MASK: u8>(self, a: __m256, b: __m256) -> __m256 {
-        call!(_mm256_blendv_ps(b, a, lanes(MASK)))
-    }
-    #[inline(always)]
     fn choose_by(self, mask: u8, a: __m256, b: __m256) -> __m256 {
         call!(_mm256_blendv_ps(b, a, lanes(mask)))
     }
     #[inline(always)]
-    fn permute_four(self, table: __m256, index: __m256i) -> __m256 {
-        call!(_mm256_permutevar_ps(table, index))
-    }
-    #[inline(always)]
-    fn permute_mixed<const HIGH: u8>(self, low: __m256, high: __m256, index: __m256i) -> __m256 {
-        call!({
-            let (low, high) = (_mm256_permutevar8x32_ps(low, index), _mm256_permutevar8x32_ps(high, index));
-            _mm256_blendv_ps(low, high, lanes(HIGH))
-        })
+    fn permute(self, table: __m256, index: __m256i) -> __m256 {
+        call!(_mm256_permutevar8x32_ps(table, index))
     }
     #[inline(always)]
     fn min_of(self, a: __m256, mask: u8) -> f32 {
@@ -166,48 +131,25 @@ impl Simd for Avx2 {
             _mm_cvtss_f32(_mm_min_ss(a, _mm_movehdup_ps(a)))
         })
     }
-    #[inline(always)]
-    fn compress(self, to: &mut [f32; LANES], a: __m256, mask: u8) {
-        let order = self.widen(&PACKED[usize::from(mask)]);
-        self.store(to, call!(_mm256_permutevar8x32_ps(a, order)));
-    }
 
     #[inline(always)]
     fn load_i(self, x: &[u32; LANES]) -> __m256i {
         call!(_mm256_loadu_si256(x.as_ptr().cast()))
     }
     #[inline(always)]
-    fn widen(self, x: &[u8; LANES]) -> __m256i {
-        call!(_mm256_cvtepu8_epi32(_mm_loadl_epi64(x.as_ptr().cast())))
+    fn store_i(self, to: &mut [u32; LANES], x: __m256i) {
+        call!(_mm256_storeu_si256(to.as_mut_ptr().cast(), x));
     }
     #[inline(always)]
-    fn splat_i(self, x: u32) -> __m256i {
-        call!(_mm256_set1_epi32(x as i32))
-    }
-    #[inline(always)]
-    fn add_i(self, a: __m256i, b: __m256i) -> __m256i {
-        call!(_mm256_add_epi32(a, b))
-    }
-    #[inline(always)]
-    fn shift<const N: u32>(self, a: __m256i) -> __m256i {
-        call!(_mm256_srl_epi32(a, _mm_cvtsi32_si128(N as i32)))
-    }
-    #[inline(always)]
-    fn shift_by_lane(self, a: __m256i) -> __m256i {
-        call!(_mm256_srlv_epi32(a, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14)))
+    fn lane_indices(self, packed: u32) -> __m256i {
+        call!(_mm256_srlv_epi32(
+            _mm256_set1_epi32(packed as i32),
+            _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21)
+        ))
     }
     #[inline(always)]
     fn permute_i(self, table: __m256i, index: __m256i) -> __m256i {
         call!(_mm256_permutevar8x32_epi32(table, index))
-    }
-    #[inline(always)]
-    fn ne_i(self, a: __m256i, b: __m256i) -> u8 {
-        !(call!(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b)))) as u8)
-    }
-    #[inline(always)]
-    fn compress_i(self, to: &mut [u32; LANES], a: __m256i, mask: u8) {
-        let order = self.widen(&PACKED[usize::from(mask)]);
-        call!(_mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, order)));
     }
 
     #[inline(always)]

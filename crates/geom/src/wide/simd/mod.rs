@@ -70,8 +70,6 @@ pub(super) trait Simd: Copy {
 
     fn splat(self, x: f32) -> Self::F;
     fn load(self, x: &[f32; LANES]) -> Self::F;
-    /// The four numbers twice.
-    fn load_twice(self, x: &[f32; 4]) -> Self::F;
     fn store(self, to: &mut [f32; LANES], x: Self::F);
     fn add(self, a: Self::F, b: Self::F) -> Self::F;
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
@@ -92,32 +90,19 @@ pub(super) trait Simd: Copy {
     fn le(self, a: Self::F, b: Self::F) -> u8;
     /// The sign bits.
     fn signs(self, a: Self::F) -> u8;
-    /// `a` in the lanes of `MASK`, `b` elsewhere.
-    fn choose<const MASK: u8>(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a` in the lanes of `mask`, `b` elsewhere.
     fn choose_by(self, mask: u8, a: Self::F, b: Self::F) -> Self::F;
-    /// Lane `i` is lane `index[i] % 4` of `table`, which holds four numbers twice.
-    fn permute_four(self, table: Self::F, index: Self::I) -> Self::F;
-    /// Lane `i` is lane `index[i] % 8` of `low`, or of `high` in the lanes of `HIGH`, whose `index`
-    /// is to be 8 or more; elsewhere it is to be less.
-    fn permute_mixed<const HIGH: u8>(self, low: Self::F, high: Self::F, index: Self::I) -> Self::F;
+    /// Lane `i` is lane `index[i] % 8` of `table`.
+    fn permute(self, table: Self::F, index: Self::I) -> Self::F;
     /// The smallest of the lanes in `mask`, or infinity.
     fn min_of(self, a: Self::F, mask: u8) -> f32;
-    /// Writes the lanes of `mask`, packed, to the front of `to`; the rest of `to` is lost.
-    fn compress(self, to: &mut [f32; LANES], a: Self::F, mask: u8);
 
     fn load_i(self, x: &[u32; LANES]) -> Self::I;
-    fn widen(self, x: &[u8; LANES]) -> Self::I;
-    fn splat_i(self, x: u32) -> Self::I;
-    fn add_i(self, a: Self::I, b: Self::I) -> Self::I;
-    /// `a >> N`, each lane.
-    fn shift<const N: u32>(self, a: Self::I) -> Self::I;
-    /// `a >> 2 i` in lane `i`.
-    fn shift_by_lane(self, a: Self::I) -> Self::I;
+    fn store_i(self, to: &mut [u32; LANES], x: Self::I);
+    /// The indices of eight lanes, three bits each.
+    fn lane_indices(self, packed: u32) -> Self::I;
+    /// [`Simd::permute`] for integers.
     fn permute_i(self, table: Self::I, index: Self::I) -> Self::I;
-    fn ne_i(self, a: Self::I, b: Self::I) -> u8;
-    /// [`Simd::compress`] for integers.
-    fn compress_i(self, to: &mut [u32; LANES], a: Self::I, mask: u8);
 
     /// Asks for the cache line at `x`, whatever is there.
     fn prefetch<T>(self, x: *const T);

@@ -15,17 +15,6 @@ fn mask_of(bit: impl Fn(usize) -> bool) -> u8 {
     (0..LANES).fold(0, |mask, i| mask | u8::from(bit(i)) << i)
 }
 
-fn compress<T: Copy>(to: &mut [T; LANES], a: [T; LANES], mask: u8) {
-    let mut next = 0;
-    for (i, x) in a.into_iter().enumerate() {
-        to[next] = x;
-        next += usize::from(mask >> i & 1);
-        if next == LANES {
-            break;
-        }
-    }
-}
-
 impl Simd for Portable {
     type F = F;
     type I = I;
@@ -42,10 +31,6 @@ impl Simd for Portable {
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> F {
         *x
-    }
-    #[inline(always)]
-    fn load_twice(self, x: &[f32; 4]) -> F {
-        from_fn(|i| x[i % 4])
     }
     #[inline(always)]
     fn store(self, to: &mut [f32; LANES], x: F) {
@@ -104,28 +89,16 @@ impl Simd for Portable {
         mask_of(|i| a[i].is_sign_negative())
     }
     #[inline(always)]
-    fn choose<const MASK: u8>(self, a: F, b: F) -> F {
-        from_fn(|i| if MASK >> i & 1 == 1 { a[i] } else { b[i] })
-    }
-    #[inline(always)]
     fn choose_by(self, mask: u8, a: F, b: F) -> F {
         from_fn(|i| if mask >> i & 1 == 1 { a[i] } else { b[i] })
     }
     #[inline(always)]
-    fn permute_four(self, table: F, index: I) -> F {
-        index.map(|i| table[i as usize % 4])
-    }
-    #[inline(always)]
-    fn permute_mixed<const HIGH: u8>(self, low: F, high: F, index: I) -> F {
-        from_fn(|i| (if HIGH >> i & 1 == 1 { high } else { low })[index[i] as usize % LANES])
+    fn permute(self, table: F, index: I) -> F {
+        index.map(|i| table[i as usize % LANES])
     }
     #[inline(always)]
     fn min_of(self, a: F, mask: u8) -> f32 {
         (0..LANES).fold(f32::INFINITY, |m, i| if mask >> i & 1 == 1 && a[i] < m { a[i] } else { m })
-    }
-    #[inline(always)]
-    fn compress(self, to: &mut [f32; LANES], a: F, mask: u8) {
-        compress(to, a, mask);
     }
 
     #[inline(always)]
@@ -133,36 +106,16 @@ impl Simd for Portable {
         *x
     }
     #[inline(always)]
-    fn widen(self, x: &[u8; LANES]) -> I {
-        x.map(u32::from)
+    fn store_i(self, to: &mut [u32; LANES], x: I) {
+        *to = x;
     }
     #[inline(always)]
-    fn splat_i(self, x: u32) -> I {
-        [x; LANES]
-    }
-    #[inline(always)]
-    fn add_i(self, a: I, b: I) -> I {
-        from_fn(|i| a[i].wrapping_add(b[i]))
-    }
-    #[inline(always)]
-    fn shift<const N: u32>(self, a: I) -> I {
-        a.map(|x| x >> N)
-    }
-    #[inline(always)]
-    fn shift_by_lane(self, a: I) -> I {
-        from_fn(|i| a[i] >> (2 * i))
+    fn lane_indices(self, packed: u32) -> I {
+        from_fn(|i| packed >> (3 * i))
     }
     #[inline(always)]
     fn permute_i(self, table: I, index: I) -> I {
         index.map(|i| table[i as usize % LANES])
-    }
-    #[inline(always)]
-    fn ne_i(self, a: I, b: I) -> u8 {
-        mask_of(|i| a[i] != b[i])
-    }
-    #[inline(always)]
-    fn compress_i(self, to: &mut [u32; LANES], a: I, mask: u8) {
-        compress(to, a, mask);
     }
 
     #[inline(always)]
