@@ -51,6 +51,7 @@ const NEGLIGIBLE: f64 = f64::from_bits((1023 - 200) << 52);
 
 impl Shear {
     /// Prepares `ray`; `None` if it is not [traceable](Ray::is_traceable).
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
         if !ray.is_traceable() {
             return None;
@@ -75,7 +76,7 @@ impl Shear {
     /// answer is that of a parallel ray displaced by at most `6 u P` along each of the two axes
     /// across the main axis, up to `12 u` of the largest depth in `t` and `7 u` in the
     /// barycentrics. Seen edge-on, a small displacement can be a large difference in `t`.
-    #[inline]
+    #[inline(always)]
     pub fn decide(&self, triangle: &Triangle) -> Option<Intersection> {
         let [v0, v1, v2] = triangle.vertices;
         let (a, b, c) = (self.project(v0), self.project(v1), self.project(v2));
@@ -99,7 +100,7 @@ impl Shear {
         Some(Intersection { t: depth / self.direction_z + 0.0, u: e1 / det + 0.0, v: e2 / det + 0.0 })
     }
 
-    #[inline]
+    #[inline(always)]
     fn project(&self, vertex: Vec3) -> Sheared {
         let DVec3 { x, y, z } = permute(vertex.as_dvec3(), self.main_axis) - self.origin;
         Sheared { x: x - self.slope_x * z, y: y - self.slope_y * z, z }
@@ -107,7 +108,7 @@ impl Shear {
 }
 
 /// The components in cyclic order, so that the one along `main_axis` comes last.
-#[inline]
+#[inline(always)]
 fn permute(v: DVec3, main_axis: usize) -> DVec3 {
     match main_axis {
         0 => v.yzx(),
@@ -116,12 +117,13 @@ fn permute(v: DVec3, main_axis: usize) -> DVec3 {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn differ_in_sign(a: f64, b: f64, c: f64) -> bool {
     (a < 0.0 || b < 0.0 || c < 0.0) && (a > 0.0 || b > 0.0 || c > 0.0)
 }
 
 /// The axis of the largest component in magnitude, the first of equals.
+#[inline(always)]
 pub(crate) fn main_axis(d: DVec3) -> usize {
     let d = d.abs();
     if d.x >= d.y && d.x >= d.z {
@@ -133,6 +135,7 @@ pub(crate) fn main_axis(d: DVec3) -> usize {
     }
 }
 
+#[inline(always)]
 fn flush(x: f64) -> f64 {
     // The sum turns a negative zero positive.
     if x.abs() < NEGLIGIBLE { 0.0 } else { x + 0.0 }

@@ -49,6 +49,7 @@ impl Ray {
     /// `false` for a NaN or infinite origin or direction, a zero direction, an origin beyond
     /// [`Ray::MAX_ORIGIN`], a direction outside [`Ray::DIRECTION_DOMAIN`], and a range that is
     /// empty or has a NaN end. Accelerators report no hit for such a ray.
+    #[inline]
     pub fn is_traceable(&self) -> bool {
         let reach = self.origin.abs().max_element();
         let speed = self.direction.abs().max_element();

@@ -63,7 +63,9 @@ pub(super) fn note<S: Simd, Q: Goal>(
     while rest != 0 {
         let lane = rest.trailing_zeros() as usize % LANES;
         rest &= rest - 1;
-        trace.candidates.add(starts[lane], tree.blocks.index(*first, lane));
+        let index = tree.blocks.index(*first, lane);
+        simd.prefetch(tree.triangles.get(index));
+        trace.candidates.add(starts[lane], index);
         if trace.candidates.is_full() {
             trace.candidates.decide(trace.t_end, ray, &tree.triangles, search);
         }
