@@ -6,7 +6,6 @@
 //! every plane by [`Pruner::slack`], which covers that and the rounding of the plane's own
 //! parameter, and visit what the widened planes admit.
 
-use crate::decide::main_axis;
 use crate::{Aabb, Ray};
 use glam::DVec3;
 
@@ -37,17 +36,17 @@ pub(crate) const PARALLEL: f64 = f64::from_bits((1023 - 200) << 52);
 
 impl Pruner {
     /// Prepares a [traceable](Ray::is_traceable) ray for a scene within `bounds`.
+    #[inline(always)]
     pub(crate) fn new(ray: &Ray, bounds: &Aabb) -> Self {
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let reach = (min - ray.origin).abs().max((max - ray.origin).abs()).max_element();
-        let smallest = PARALLEL * ray.direction[main_axis(ray.direction)].abs();
-        let direction = ray.direction.map(|d| if d.abs() < smallest { smallest } else { d });
-        Self {
-            origin: ray.origin,
-            direction,
-            inverse: direction.recip(),
-            slack: SLACK_ULPS * (f64::EPSILON / 2.0) * reach,
-        }
+        let smallest = PARALLEL * largest(ray.direction);
+        let lifted = |d: f64| if d.abs() < smallest { smallest } else { d };
+        let DVec3 { x, y, z } = ray.direction;
+        let direction = DVec3::new(lifted(x), lifted(y), lifted(z));
+        let (below, above) = (largest(min - ray.origin), largest(max - ray.origin));
+        let reach = if below > above { below } else { above };
+        let slack = SLACK_ULPS * (f64::EPSILON / 2.0) * reach;
+        Self { origin: ray.origin, direction, inverse: 1.0 / direction, slack }
     }
 
     /// The parameter at which the ray has gone `distance` along `axis`, the slack added if
@@ -55,22 +54,34 @@ impl Pruner {
     ///
     /// `distance` is to carry a relative error of a few `u`, or an absolute one of a few
     /// `u * reach`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn crossing(&self, axis: usize, distance: f64, later: bool) -> f64 {
         let slack = self.slack.copysign(self.inverse[axis]);
         (if later { distance + slack } else { distance - slack }) * self.inverse[axis]
     }
 
     /// The part of the ray's range that lies within the widened `bounds`.
+    #[inline(always)]
     pub(crate) fn clip(&self, ray: &Ray, bounds: &Aabb) -> Span {
         let (min, max) = (bounds.min.as_dvec3() - self.origin, bounds.max.as_dvec3() - self.origin);
-        let mut span = Span { start: ray.t_min, end: ray.t_max };
-        for axis in 0..3 {
+        let slab = |axis: usize, span: Span| {
             let forward = self.direction[axis] > 0.0;
-            let (enter, leave) = if forward { (min, max) } else { (max, min) };
-            span.start = span.start.max(self.crossing(axis, enter[axis], false));
-            span.end = span.end.min(self.crossing(axis, leave[axis], true));
-        }
-        span
+            let start = self.crossing(axis, if forward { min[axis] } else { max[axis] }, false);
+            let end = self.crossing(axis, if forward { max[axis] } else { min[axis] }, true);
+            Span {
+                start: if start > span.start { start } else { span.start },
+                end: if end < span.end { end } else { span.end },
+            }
+        };
+        slab(2, slab(1, slab(0, Span { start: ray.t_min, end: ray.t_max })))
     }
+}
+
+/// The largest component in magnitude, of three numbers. (Without the care for NaN that
+/// `max_element` takes, this is three instructions.)
+#[inline(always)]
+fn largest(v: DVec3) -> f64 {
+    let DVec3 { x, y, z } = v.abs();
+    let most = if x > y { x } else { y };
+    if most > z { most } else { z }
 }

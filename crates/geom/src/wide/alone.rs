@@ -1,7 +1,7 @@
 //! One ray on its own.
 
 use super::WideKdTree;
-use super::course::Course;
+use super::course::Courses;
 use super::goal::Goal;
 use super::leaf::{note, open};
 use super::node::Child;
@@ -19,7 +19,8 @@ pub(super) fn search_alone<S: Simd, Q: Goal, P: Probe>(
     probe: &mut P,
 ) -> Q {
     let mut search = Q::begin(ray);
-    let Some(course) = Course::new(ray, &tree.triangles.bounds(), &tree.space) else { return search };
+    let courses = Courses::new(std::array::from_ref(ray), &tree.triangles.bounds(), &tree.space);
+    let Some(course) = courses.get(0) else { return search };
     Scratch::lend(
         #[inline(always)]
         |scratch| {

@@ -54,61 +54,159 @@ pub(super) struct Course {
     pub(super) certain_end: f32,
 }
 
-impl Course {
-    /// `None` if the ray certainly meets nothing within `bounds`.
+/// The courses of `N` rays, number by number, so that they are found side by side.
+pub(super) struct Courses<const N: usize> {
+    pub(super) inverse: [[f32; N]; 3],
+    pub(super) near: [[f32; N]; 3],
+    pub(super) far: [[f32; N]; 3],
+    pub(super) octant: [u32; N],
+    pub(super) main_axis: [u32; N],
+    pub(super) slope: [[f32; N]; 2],
+    pub(super) offset: [[f32; N]; 2],
+    pub(super) depth_scale: [f32; N],
+    pub(super) depth_offset: [f32; N],
+    pub(super) edge_err: [[f32; N]; 2],
+    pub(super) t_err: [f32; N],
+    pub(super) start: [f32; N],
+    pub(super) end: [f32; N],
+    pub(super) certain_end: [f32; N],
+    /// Whether the ray can be traced at all, and may meet anything.
+    pub(super) is_any: [bool; N],
+}
+
+impl<const N: usize> Courses<N> {
+    /// The courses of `rays` through a scene within `bounds`.
     #[inline(always)]
-    pub(super) fn new(ray: &Ray, bounds: &Aabb, space: &Space) -> Option<Self> {
-        if !ray.is_traceable() || bounds.is_empty() {
-            return None;
+    pub(super) fn new(rays: &[Ray; N], bounds: &Aabb, space: &Space) -> Self {
+        let mut all = Self::idle();
+        let scene_is_empty = bounds.is_empty();
+        let mut columns = [[0.0; N]; 8];
+        for (i, ray) in rays.iter().enumerate() {
+            let Ray { origin: o, direction: d, t_min, t_max } = *ray;
+            for (column, x) in columns.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max]) {
+                column[i] = x;
+            }
+            all.is_any[i] = ray.is_traceable() & !scene_is_empty;
         }
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = columns;
+        // No branch in here: the compiler finds several courses at once.
+        for i in 0..N {
+            let (origin, direction) = (DVec3::new(ox[i], oy[i], oz[i]), DVec3::new(dx[i], dy[i], dz[i]));
+            all.find(i, &Ray { origin, direction, t_min: t_min[i], t_max: t_max[i] }, bounds, space);
+        }
+        for i in 0..N {
+            all.is_any[i] &= all.start[i] <= all.end[i];
+        }
+        all
+    }
+
+    #[inline(always)]
+    fn find(&mut self, i: usize, ray: &Ray, bounds: &Aabb, space: &Space) {
         let pruner = Pruner::new(ray, bounds);
-        let entry = pruner.clip(ray, bounds);
         // No hit lies outside the clipped range; the slack includes all that happens in `f64`.
-        if entry.start > entry.end {
-            return None;
-        }
+        let entry = pruner.clip(ray, bounds);
         let z = main_axis(ray.direction);
-        let unit = power_of_two_below(ray.direction[z].abs());
+        let unit = power_of_two_below(along(z, ray.direction)[2].abs());
         let gain = unit * space.scale;
         let slack = pruner.slack * space.scale;
         let lost = slack > LOST;
         let slack = if lost { 8.0 } else { slack };
-        let direction = ray.direction * power_of_two_inverse(unit);
-        let largest = DVec3::splat(LARGEST_INVERSE);
-        let inverse = (pruner.inverse * unit).clamp(-largest, largest);
+        let direction = along(z, ray.direction * power_of_two_inverse(unit));
+        let bounded = |x: f64| if x.abs() > LARGEST_INVERSE { LARGEST_INVERSE.copysign(x) } else { x };
+        let DVec3 { x, y, z: w } = pruner.inverse * unit;
+        let inverse = DVec3::new(bounded(x), bounded(y), bounded(w));
         let origin = (ray.origin + entry.start * ray.direction - space.center) * space.scale;
         // Of a lost ray only the direction is known.
-        let origin = if lost { origin.clamp(-DVec3::ONE, DVec3::ONE) } else { origin };
+        let inside = |x: f64| if lost && x.abs() > 1.0 { 1.0_f64.copysign(x) } else { x };
+        let origin = DVec3::new(inside(origin.x), inside(origin.y), inside(origin.z));
 
         let thick = (PLANE_ERR * U + slack) * inverse.abs();
         let at = -origin * inverse;
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        let slope = [direction[x] * inverse[z], direction[y] * inverse[z]];
-        let offset = [origin[x] - slope[0] * origin[z], origin[y] - slope[1] * origin[z]];
+        let (near, far) = (at - thick, at + thick);
+        for axis in 0..3 {
+            self.inverse[axis][i] = inverse[axis] as f32;
+            self.near[axis][i] = near[axis] as f32;
+            self.far[axis][i] = far[axis] as f32;
+        }
+        let negative = |x: f64| (x.to_bits() >> 63) as u32;
+        self.octant[i] = negative(inverse.x) | negative(inverse.y) << 1 | negative(inverse.z) << 2;
+        self.main_axis[i] = z as u32;
+        let (origin, inverse_z) = (along(z, origin), along(z, inverse)[2]);
+        for axis in 0..2 {
+            let slope = direction[axis] * inverse_z;
+            self.slope[axis][i] = -slope as f32;
+            self.offset[axis][i] = (origin[axis] - slope * origin[2]) as f32;
+        }
+        self.depth_scale[i] = inverse_z as f32;
+        self.depth_offset[i] = (-origin[2] * inverse_z) as f32;
         let vertex_err = VERTEX_ERR * U + slack;
+        self.edge_err[0][i] = (4.0 * vertex_err + 12.0 * U) as f32;
+        self.edge_err[1][i] = (2.1 * vertex_err * vertex_err) as f32;
+
+        // Nothing is certain about a lost ray's parameters.
+        let unless_lost = |x: f64, otherwise: f32| if lost { otherwise } else { x as f32 };
         let after = |t: f64| (t - entry.start) * gain;
-        let course = Self {
-            inverse: inverse.as_vec3().to_array(),
-            near: (at - thick).as_vec3().to_array(),
-            far: (at + thick).as_vec3().to_array(),
-            octant: inverse.is_negative_bitmask() as u8,
-            axes: [x as u8, y as u8, z as u8, 0],
-            slope: slope.map(|s| -s as f32),
-            offset: offset.map(|o| o as f32),
-            depth_scale: inverse[z] as f32,
-            depth_offset: (-origin[z] * inverse[z]) as f32,
-            edge_err: [(4.0 * vertex_err + 12.0 * U) as f32, (2.1 * vertex_err * vertex_err) as f32],
-            t_err: (DEPTH_ERR * U + slack) as f32,
-            start: 0.0,
-            end: (after(entry.end) * (1.0 + 4.0 * U)) as f32,
-            certain_end: (after(ray.t_max) * (1.0 - 4.0 * U)) as f32,
-        };
-        Some(if lost { course.lost() } else { course })
+        self.t_err[i] = unless_lost(DEPTH_ERR * U + slack, f32::INFINITY);
+        let missed = entry.start > entry.end;
+        let (start, end) = (unless_lost(0.0, f32::NEG_INFINITY), after(entry.end) * (1.0 + 4.0 * U));
+        self.start[i] = if missed { f32::INFINITY } else { start };
+        self.end[i] = if missed { f32::NEG_INFINITY } else { unless_lost(end, f32::INFINITY) };
+        self.certain_end[i] = unless_lost(after(ray.t_max) * (1.0 - 4.0 * U), f32::NEG_INFINITY);
     }
 
-    /// Nothing is certain about a lost ray's parameters.
-    fn lost(self) -> Self {
-        let (start, end) = (f32::NEG_INFINITY, f32::INFINITY);
-        Self { t_err: f32::INFINITY, start, end, certain_end: f32::NEG_INFINITY, ..self }
+    pub(super) fn idle() -> Self {
+        let zero = [0.0; N];
+        Self {
+            inverse: [zero; 3],
+            near: [zero; 3],
+            far: [zero; 3],
+            octant: [0; N],
+            main_axis: [0; N],
+            slope: [zero; 2],
+            offset: [zero; 2],
+            depth_scale: zero,
+            depth_offset: zero,
+            edge_err: [zero; 2],
+            t_err: zero,
+            start: zero,
+            end: zero,
+            certain_end: zero,
+            is_any: [false; N],
+        }
     }
+
+    /// The course of ray `i`; `None` if it certainly meets nothing.
+    #[inline(always)]
+    pub(super) fn get(&self, i: usize) -> Option<Course> {
+        if !self.is_any[i] {
+            return None;
+        }
+        let z = self.main_axis[i] as u8 % 3;
+        Some(Course {
+            inverse: [self.inverse[0][i], self.inverse[1][i], self.inverse[2][i]],
+            near: [self.near[0][i], self.near[1][i], self.near[2][i]],
+            far: [self.far[0][i], self.far[1][i], self.far[2][i]],
+            octant: self.octant[i] as u8,
+            axes: [[1, 2, 0, 0], [2, 0, 1, 0], [0, 1, 2, 0]][usize::from(z)],
+            slope: [self.slope[0][i], self.slope[1][i]],
+            offset: [self.offset[0][i], self.offset[1][i]],
+            depth_scale: self.depth_scale[i],
+            depth_offset: self.depth_offset[i],
+            edge_err: [self.edge_err[0][i], self.edge_err[1][i]],
+            t_err: self.t_err[i],
+            start: self.start[i],
+            end: self.end[i],
+            certain_end: self.certain_end[i],
+        })
+    }
+}
+
+/// The components along the axes x, y and z of the shear with main axis `z`.
+#[inline(always)]
+fn along(z: usize, v: DVec3) -> [f64; 3] {
+    let pick = |if_0: f64, if_1: f64, if_2: f64| {
+        let otherwise = if z == 1 { if_1 } else { if_2 };
+        if z == 0 { if_0 } else { otherwise }
+    };
+    [pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z)]
 }

@@ -2,7 +2,7 @@
 
 use super::WideKdTree;
 use super::candidates::Candidates;
-use super::course::Course;
+use super::course::{Course, Courses};
 use super::filter::{Filtered, Rays, Vertices, filter};
 use super::goal::Goal;
 use super::node::{Child, Node};
@@ -53,7 +53,7 @@ fn way(ray: &Ray) -> (u32, usize) {
 }
 
 /// Whether the rays go the same way.
-pub(super) fn is_coherent(rays: &[Ray]) -> bool {
+pub(super) fn is_coherent(rays: &[Ray; LANES]) -> bool {
     rays.windows(2).all(|pair| way(&pair[0]) == way(&pair[1]))
 }
 
@@ -91,9 +91,10 @@ impl Packet {
     ) -> [Closest; LANES] {
         let mut searches = [Closest::begin(&rays[0]); LANES];
         let mut any = false;
+        let courses = Courses::new(rays, &tree.triangles.bounds(), &tree.space);
         for (lane, ray) in rays.iter().enumerate() {
             searches[lane] = Closest::begin(ray);
-            match Course::new(ray, &tree.triangles.bounds(), &tree.space) {
+            match courses.get(lane) {
                 Some(course) => {
                     self.set(lane, &course, course.start, course.end);
                     any = true;

@@ -5,7 +5,7 @@
 //! waited for or branched upon: it decides in which round's set of rays a ray is.
 
 use super::WideKdTree;
-use super::course::Course;
+use super::course::Courses;
 use super::goal::Goal;
 use super::leaf::{Found, note, open};
 use super::node::Child;
@@ -34,6 +34,8 @@ struct Wave<'a, Q, R> {
     rays: &'a [Ray],
     /// The next ray to be taken in hand.
     next: usize,
+    /// Of the group of rays that it belongs to.
+    courses: Courses<LANES>,
     /// Whether rays that go the same way are left out.
     apart: bool,
     traces: &'a mut [Trace; WIDTH],
@@ -55,7 +57,7 @@ pub(super) fn search_in_turn<S: Simd, Q: Goal>(
         #[inline(always)]
         |Scratch { traces, .. }| {
             let searches = [None; WIDTH];
-            Wave { tree, rays, next: 0, apart, traces, searches, report }.run(simd);
+            Wave { tree, rays, next: 0, courses: Courses::idle(), apart, traces, searches, report }.run(simd);
         },
     );
 }
@@ -125,11 +127,16 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
     /// The next ray to be taken in hand.
     #[inline(always)]
     fn next_ray(&mut self) -> Option<usize> {
-        while self.apart && self.next.is_multiple_of(LANES) {
-            match self.rays[self.next..].first_chunk::<LANES>() {
-                Some(group) if is_coherent(group) => self.next += LANES,
-                _ => break,
+        while self.next < self.rays.len() && self.next.is_multiple_of(LANES) {
+            let group = self.rays[self.next..].first_chunk::<LANES>();
+            if self.apart && group.is_some_and(is_coherent) {
+                self.next += LANES;
+                continue;
             }
+            let WideKdTree { triangles, space, .. } = self.tree;
+            let group = group.copied().unwrap_or_else(|| self.last_group());
+            self.courses = Courses::new(&group, &triangles.bounds(), space);
+            break;
         }
         let next = self.next;
         if next == self.rays.len() {
@@ -137,6 +144,12 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
         }
         self.next += 1;
         Some(next)
+    }
+
+    /// The rays that are too few for a group, and the last of them again.
+    #[cold]
+    fn last_group(&self) -> [Ray; LANES] {
+        std::array::from_fn(|i| self.rays[(self.next + i).min(self.rays.len() - 1)])
     }
 
     /// Ends the searches of the slots `ended`, and begins others there; returns where it did.
@@ -161,7 +174,7 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
         while let Some(id) = self.next_ray() {
             let ray = &self.rays[id];
             let search = Q::begin(ray);
-            if let Some(course) = Course::new(ray, &self.tree.triangles.bounds(), &self.tree.space) {
+            if let Some(course) = self.courses.get(id % LANES) {
                 self.traces[slot].begin(course, id as u32);
                 self.searches[slot] = Some(search);
                 return true;
