@@ -1,4 +1,4 @@
-//! From a binary tree to a wide one: the largest cells are opened until a node has eight.
+//! From a binary tree to a wide one: which of its cells become the up to eight cells of a node.
 
 use super::blocks::Blocks;
 use super::node::{Child, Node};
@@ -7,21 +7,36 @@ use super::space::Space;
 use crate::kdtree::{KdTree, Node as Binary};
 use crate::{Aabb, Triangles};
 
+/// Cost of a node and of a block to a ray that meets its box; measured (docs/performance.md).
+const NODE_COST: f32 = 1.0;
+const BLOCK_COST: f32 = 1.5;
+
+/// A subtree of the binary tree.
+#[derive(Clone, Copy, Debug)]
+struct Subtree {
+    /// The box of what it holds.
+    bounds: Aabb,
+    /// The least expected cost of a ray, times the scene's surface, if it is given 1, 2, .. 8 lanes
+    /// of a node (Ylitie, Karras and Laine, 2017, section 3).
+    costs: [f32; LANES],
+}
+
 pub(super) struct Collapse<'a> {
     tree: &'a KdTree,
     space: Space,
-    /// The boxes of what the binary tree's cells hold.
-    boxes: Vec<Aabb>,
+    subtrees: Vec<Subtree>,
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Blocks,
 }
 
-/// A cell that is to find its place in a node.
+/// A cell while a node is laid out.
 #[derive(Clone, Copy)]
 enum Cell<'a> {
+    /// Holds nothing.
+    Empty,
     /// A subtree, by its root.
     Tree(u32),
-    /// Triangles of a leaf, and the box of it all.
+    /// Triangles of a leaf, and their box.
     List(&'a [u32], Aabb),
     /// Two cells in its place; the first is the lower one along the axis, if one parts them.
     Opened { axis: Option<u8>, parts: [usize; 2] },
@@ -29,28 +44,59 @@ enum Cell<'a> {
 
 impl<'a> Collapse<'a> {
     pub(super) fn run(tree: &'a KdTree, space: Space) -> Self {
-        let boxes = vec![Aabb::EMPTY; tree.nodes.len()];
-        let mut this = Self { tree, space, boxes, nodes: Vec::new(), blocks: Blocks::default() };
-        this.fit(0, tree.triangles().bounds());
+        let unknown = Subtree { bounds: Aabb::EMPTY, costs: [0.0; LANES] };
+        let subtrees = vec![unknown; tree.nodes.len()];
+        let mut this = Self { tree, space, subtrees, nodes: Vec::new(), blocks: Blocks::default() };
+        this.assess(0, tree.triangles().bounds());
         this.add_node(Cell::Tree(0));
         this.blocks.finish();
         this.nodes.shrink_to_fit();
         this
     }
 
-    /// Finds the boxes of a cell and those below it.
-    fn fit(&mut self, binary: u32, cell: Aabb) -> Aabb {
-        let bounds = match self.tree.nodes[binary as usize] {
-            Binary::Leaf { .. } => bounds_within(self.tree.triangles(), self.listed(binary), &cell),
+    /// Finds boxes and costs of a subtree, whose cell is `cell`, and of all below it.
+    fn assess(&mut self, binary: u32, cell: Aabb) {
+        self.subtrees[binary as usize] = match self.tree.nodes[binary as usize] {
+            Binary::Leaf { .. } => {
+                let listed = self.listed(binary);
+                let bounds = bounds_within(self.tree.triangles(), listed, &cell);
+                let blocks = listed.len().div_ceil(LANES);
+                let area = if blocks == 0 { 0.0 } else { bounds.half_area() as f32 };
+                let all = area * BLOCK_COST * blocks as f32;
+                let costs = std::array::from_fn(|i| if blocks <= i + 1 { all } else { all + area * NODE_COST });
+                Subtree { bounds, costs }
+            }
             Binary::Split { axis, position, upper } => {
                 let (mut low, mut high) = (cell, cell);
                 low.max[usize::from(axis)] = position;
                 high.min[usize::from(axis)] = position;
-                self.fit(binary + 1, low).union(&self.fit(upper, high))
+                self.assess(binary + 1, low);
+                self.assess(upper, high);
+                let [lower, upper] = [binary + 1, upper].map(|part| self.subtrees[part as usize].bounds);
+                let bounds = lower.union(&upper);
+                let mut costs = [0.0; LANES];
+                costs[0] = bounds.half_area() as f32 * NODE_COST + self.share(binary, LANES).1;
+                for lanes in 2..=LANES {
+                    costs[lanes - 1] = self.share(binary, lanes).1.min(costs[lanes - 2]);
+                }
+                Subtree { bounds, costs }
             }
-        };
-        self.boxes[binary as usize] = bounds;
-        bounds
+        }
+    }
+
+    /// How many lanes the lower part of a subtree gets, if it is opened into `lanes` of them, at
+    /// least 2, and what that costs.
+    fn share(&self, binary: u32, lanes: usize) -> (usize, f32) {
+        let Binary::Split { upper, .. } = self.tree.nodes[binary as usize] else { return (0, 0.0) };
+        let [low, high] = [binary + 1, upper].map(|part| &self.subtrees[part as usize]);
+        if low.bounds.is_empty() {
+            return (0, high.costs[lanes - 1]);
+        }
+        if high.bounds.is_empty() {
+            return (lanes, low.costs[lanes - 1]);
+        }
+        let cost = |first: usize| (first, low.costs[first - 1] + high.costs[lanes - first - 1]);
+        (2..lanes).map(cost).fold(cost(1), |best, next| if next.1 < best.1 { next } else { best })
     }
 
     /// The triangles of a leaf.
@@ -61,47 +107,17 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    fn bounds(&self, cell: &Cell<'_>) -> Aabb {
-        match *cell {
-            Cell::Tree(binary) => self.boxes[binary as usize],
-            Cell::List(_, bounds) => bounds,
-            Cell::Opened { .. } => Aabb::EMPTY,
-        }
-    }
-
-    /// The two parts of a cell that can be opened.
-    fn parts(&self, cell: &Cell<'a>) -> Option<(Option<u8>, [Cell<'a>; 2])> {
-        match *cell {
-            Cell::Tree(binary) => match self.tree.nodes[binary as usize] {
-                Binary::Split { axis, upper, .. } => {
-                    Some((Some(axis), [Cell::Tree(binary + 1), Cell::Tree(upper)]))
-                }
-                Binary::Leaf { .. } => {
-                    self.parts(&Cell::List(self.listed(binary), self.boxes[binary as usize]))
-                }
-            },
-            Cell::List(triangles, bounds) if triangles.len() > LANES => {
-                let half = triangles.len().div_ceil(2).next_multiple_of(LANES);
-                let (first, second) = triangles.split_at(half);
-                let part = |part| Cell::List(part, bounds_within(self.tree.triangles(), part, &bounds));
-                Some((None, [part(first), part(second)]))
-            }
-            _ => None,
-        }
-    }
-
-    /// Adds a node with the cells that `root` is opened into, and returns its index.
+    /// Adds a node that `root` is opened into, and returns its index.
     fn add_node(&mut self, root: Cell<'a>) -> u32 {
         let index = self.nodes.len();
         self.nodes.push(Node::empty());
-        let cells = self.open(root);
+        let mut cells = Vec::with_capacity(2 * LANES);
+        self.lay_out(root, LANES, true, &mut cells);
         let mut node = Node::empty();
         let mut lanes = vec![None; cells.len()];
         let mut used = 0;
         for (cell, lane) in cells.iter().zip(&mut lanes) {
-            let bounds = self.bounds(cell);
-            if !bounds.is_empty() {
-                let child = self.child(cell);
+            if let Some((bounds, child)) = self.child(cell) {
                 node.set(used, &self.space.map(&bounds), child);
                 *lane = Some(used);
                 used += 1;
@@ -110,45 +126,78 @@ impl<'a> Collapse<'a> {
         for (octant, order) in node.orders.iter_mut().enumerate() {
             let mut met = Vec::with_capacity(LANES);
             list_met(&cells, &lanes, 0, octant, &mut met);
-            *order =
-                (0..).zip(met.into_iter().chain(used..LANES)).map(|(i, lane)| (lane as u32) << (3 * i)).sum();
+            let all = met.into_iter().chain(used..LANES);
+            *order = all.zip(0..).map(|(lane, i)| (lane as u32) << (3 * i)).sum();
         }
         self.nodes[index] = node;
         index as u32
     }
 
-    /// Opens the largest of the cells until there are eight.
-    fn open(&self, root: Cell<'a>) -> Vec<Cell<'a>> {
-        let mut cells = vec![root];
-        let mut count = 1;
-        while count < LANES {
-            let openable = cells.iter().enumerate().filter_map(|(i, cell)| {
-                if self.bounds(cell).is_empty() {
-                    return None;
-                }
-                let (axis, parts) = self.parts(cell)?;
-                Some((self.bounds(cell).half_area(), i, axis, parts))
-            });
-            let Some((_, i, axis, parts)) = openable.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            let next = cells.len();
-            cells[i] = Cell::Opened { axis, parts: [next, next + 1] };
-            cells.extend(parts);
-            count = count - 1 + parts.iter().filter(|part| !self.bounds(part).is_empty()).count();
+    /// Gives a cell up to `lanes` lanes: itself, or all that it is opened into. Appends them to
+    /// `cells`, and returns where the cell is.
+    fn lay_out(&self, cell: Cell<'a>, lanes: usize, must_open: bool, cells: &mut Vec<Cell<'a>>) -> usize {
+        let at = cells.len();
+        cells.push(cell);
+        if let Some((axis, parts, shares)) = self.opened(cell, lanes, must_open) {
+            let first = self.lay_out(parts[0], shares[0], false, cells);
+            let second = self.lay_out(parts[1], shares[1], false, cells);
+            cells[at] = Cell::Opened { axis, parts: [first, second] };
         }
-        cells
+        at
     }
 
-    fn child(&mut self, cell: &Cell<'a>) -> Child {
-        let triangles = match *cell {
-            Cell::Tree(binary) => self.listed(binary),
-            Cell::List(triangles, _) => triangles,
-            Cell::Opened { .. } => &[],
+    /// The parts of a cell and their lanes, if it is to be opened.
+    #[allow(clippy::type_complexity)]
+    fn opened(
+        &self,
+        cell: Cell<'a>,
+        lanes: usize,
+        must_open: bool,
+    ) -> Option<(Option<u8>, [Cell<'a>; 2], [usize; 2])> {
+        match cell {
+            Cell::Tree(binary) => {
+                let Binary::Split { axis, upper, .. } = self.tree.nodes[binary as usize] else {
+                    let list = Cell::List(self.listed(binary), self.subtrees[binary as usize].bounds);
+                    return self.opened(list, lanes, must_open);
+                };
+                if lanes < 2 {
+                    return None;
+                }
+                let (first, cost) = self.share(binary, lanes);
+                let whole = self.subtrees[binary as usize].costs[0];
+                let part = |index: u32, lanes: usize| if lanes == 0 { Cell::Empty } else { Cell::Tree(index) };
+                let parts = [part(binary + 1, first), part(upper, lanes - first)];
+                (must_open || cost < whole).then_some((Some(axis), parts, [first, lanes - first]))
+            }
+            Cell::List(triangles, bounds) if triangles.len() > LANES && lanes > 1 => {
+                if !must_open && triangles.len().div_ceil(LANES) > lanes {
+                    return None;
+                }
+                let half = triangles.len().div_ceil(2).next_multiple_of(LANES);
+                let (first, second) = triangles.split_at(half);
+                let part = |part| Cell::List(part, bounds_within(self.tree.triangles(), part, &bounds));
+                let share = lanes.div_ceil(2);
+                Some((None, [part(first), part(second)], [share, lanes - share]))
+            }
+            _ => None,
+        }
+    }
+
+    /// What a cell's lane holds, and the box of that.
+    fn child(&mut self, cell: &Cell<'a>) -> Option<(Aabb, Child)> {
+        let (triangles, bounds) = match *cell {
+            Cell::Tree(binary) => (self.listed(binary), self.subtrees[binary as usize].bounds),
+            Cell::List(triangles, bounds) => (triangles, bounds),
+            Cell::Empty | Cell::Opened { .. } => return None,
         };
+        if bounds.is_empty() {
+            return None;
+        }
         if triangles.is_empty() || triangles.len() > LANES {
-            return Child::Node(self.add_node(*cell));
+            return Some((bounds, Child::Node(self.add_node(*cell))));
         }
         let first = self.blocks.push(self.tree.triangles(), &self.space, triangles);
-        Child::Block { first, count: triangles.len() as u32 }
+        Some((bounds, Child::Block { first, count: triangles.len() as u32 }))
     }
 }
 

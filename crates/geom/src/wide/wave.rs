@@ -224,7 +224,7 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
             waiting.blocks |= Slots::from(Child::is_block(child)) << slot;
             waiting.ended |= Slots::from(Child::is_end(child)) << slot;
             let address = self.tree.address(child);
-            for line in 0..4 {
+            for line in 0..5 {
                 simd.prefetch(address.wrapping_add(64 * line));
             }
         }
