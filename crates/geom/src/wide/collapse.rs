@@ -63,7 +63,8 @@ impl<'a> Collapse<'a> {
                 let blocks = listed.len().div_ceil(LANES);
                 let area = if blocks == 0 { 0.0 } else { bounds.half_area() as f32 };
                 let all = area * BLOCK_COST * blocks as f32;
-                let costs = std::array::from_fn(|i| if blocks <= i + 1 { all } else { all + area * NODE_COST });
+                let costs =
+                    std::array::from_fn(|i| if blocks <= i + 1 { all } else { all + area * NODE_COST });
                 Subtree { bounds, costs }
             }
             Binary::Split { axis, position, upper } => {
@@ -165,7 +166,8 @@ impl<'a> Collapse<'a> {
                 }
                 let (first, cost) = self.share(binary, lanes);
                 let whole = self.subtrees[binary as usize].costs[0];
-                let part = |index: u32, lanes: usize| if lanes == 0 { Cell::Empty } else { Cell::Tree(index) };
+                let part =
+                    |index: u32, lanes: usize| if lanes == 0 { Cell::Empty } else { Cell::Tree(index) };
                 let parts = [part(binary + 1, first), part(upper, lanes - first)];
                 (must_open || cost < whole).then_some((Some(axis), parts, [first, lanes - first]))
             }

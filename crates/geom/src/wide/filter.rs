@@ -69,9 +69,9 @@ pub(super) struct Filtered<S: Simd> {
     pub(super) end: S::F,
 }
 
-/// With `EARLY`, returns as soon as no hit is possible: worth a branch where that is likely.
+/// What of eight triangles a ray may hit.
 #[inline(always)]
-pub(super) fn filter<S: Simd, const EARLY: bool>(simd: S, rays: &Rays<S>, v: &Vertices<S>) -> Filtered<S> {
+pub(super) fn filter<S: Simd>(simd: S, rays: &Rays<S>, v: &Vertices<S>) -> Filtered<S> {
     let zero = simd.splat(0.0);
     let (x0, x1, x2) = (shear(simd, rays, v, 0, 0), shear(simd, rays, v, 0, 1), shear(simd, rays, v, 0, 2));
     let (y0, y1, y2) = (shear(simd, rays, v, 1, 0), shear(simd, rays, v, 1, 1), shear(simd, rays, v, 1, 2));
@@ -84,9 +84,6 @@ pub(super) fn filter<S: Simd, const EARLY: bool>(simd: S, rays: &Rays<S>, v: &Ve
     let low = simd.min(simd.min(e0, e1), e2);
     let high = simd.max(simd.max(e0, e1), e2);
     let outside = simd.lt(low, minus_err) & simd.lt(err, high);
-    if EARLY && outside == u8::MAX {
-        return Filtered { possible: 0, certain: 0, start: zero, end: zero };
-    }
     let inside = simd.lt(err, low) | simd.lt(high, minus_err);
 
     // The depth is that of vertex 0 and the weighted differences of the others'.

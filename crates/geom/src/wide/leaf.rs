@@ -36,7 +36,7 @@ pub(super) fn open<S: Simd>(simd: S, tree: &WideKdTree, trace: &mut Trace) -> Fo
     let rows = tree.blocks.rows(first, count);
     let vertices = Vertices::load(simd, rows, trace.course.axes.map(usize::from));
     let rays = Rays::same(simd, &trace.course, trace.t_end);
-    let mut filtered = filter::<S, false>(simd, &rays, &vertices);
+    let mut filtered = filter(simd, &rays, &vertices);
     filtered.possible &= rows.lanes();
     filtered.certain &= rows.lanes();
     Found { first, filtered }

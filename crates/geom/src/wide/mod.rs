@@ -5,8 +5,7 @@
 //!   in the scene's own [`space`];
 //! - [`course`]: a ray in that space, with a bound for every error;
 //! - [`step`] finds the cells of a node that a ray meets, [`filter`] the triangles of a block;
-//! - a ray is searched for [`alone`], in a [`wave`] of many that take their steps in turn, or in a
-//!   [`packet`] of eight that go the same way;
+//! - a ray is searched for [`alone`], or in a [`wave`] of many that take their steps in turn;
 //! - [`candidates`]: what is left, a triangle a hit and mostly none otherwise, is decided.
 //!
 //! All of it is written once, over the vectors of [`simd`], for the [`level`] that the machine has.
@@ -21,7 +20,6 @@ mod goal;
 mod leaf;
 mod level;
 mod node;
-mod packet;
 mod scratch;
 #[allow(unsafe_code)]
 mod simd;
@@ -41,7 +39,7 @@ use level::Token;
 use node::{Child, Node};
 use simd::Simd;
 use space::Space;
-use wave::{search_in_turn, search_together};
+use wave::search_in_turn;
 
 /// A [`KdTree`] whose nodes hold three levels each, and whose leaves are tested eight triangles at
 /// a time.
@@ -114,9 +112,6 @@ impl WideKdTree {
     }
 }
 
-/// How many rays stay in the cache.
-const CACHED: usize = 4096;
-
 /// Runs an expression compiled for the tree's level, with the vectors of that level at hand.
 macro_rules! vectorized {
     ($tree:expr, |$simd:ident| $search:expr) => {
@@ -137,24 +132,6 @@ macro_rules! vectorized {
             ),
         }
     };
-}
-
-impl WideKdTree {
-    fn closest_of_all(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        // Rays are looked at twice: those that go together first, then the others.
-        for (rays, hits) in rays.chunks(CACHED).zip(hits.chunks_mut(CACHED)) {
-            vectorized!(self, |simd| {
-                let together = search_together(simd, self, rays, |i, search| hits[i] = search.hit());
-                search_in_turn(simd, self, rays, together, |i, search: Closest| hits[i] = search.hit());
-            });
-        }
-    }
-
-    fn any_of_all(&self, rays: &[Ray], occluded: &mut [bool]) {
-        vectorized!(self, |simd| {
-            search_in_turn(simd, self, rays, false, |i, search: Any| occluded[i] = search.found());
-        });
-    }
 }
 
 impl Traverse for WideKdTree {
@@ -179,13 +156,17 @@ impl Accel for WideKdTree {
     fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         hits.resize(rays.len(), None);
-        self.closest_of_all(rays, hits);
+        vectorized!(self, |simd| {
+            search_in_turn(simd, self, rays, |i, search: Closest| hits[i] = search.hit());
+        });
     }
 
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
         occluded.clear();
         occluded.resize(rays.len(), false);
-        self.any_of_all(rays, occluded);
+        vectorized!(self, |simd| {
+            search_in_turn(simd, self, rays, |i, search: Any| occluded[i] = search.found());
+        });
     }
 
     fn bounds(&self) -> Aabb {

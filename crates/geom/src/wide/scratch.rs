@@ -1,6 +1,5 @@
 //! The memory that searches work in, kept from one to the next so that queries do not allocate.
 
-use super::packet::Packet;
 use super::trace::Trace;
 use std::cell::Cell;
 
@@ -11,7 +10,6 @@ pub(super) const WIDTH: usize = 64;
 pub(super) struct Scratch {
     /// One for each of [`WIDTH`] rays; on the heap, since they are large.
     pub(super) traces: Box<[Trace; WIDTH]>,
-    pub(super) packet: Packet,
 }
 
 thread_local! {
@@ -32,6 +30,6 @@ impl Scratch {
     fn idle() -> Box<Self> {
         let traces: Vec<Trace> = (0..WIDTH).map(|_| Trace::idle()).collect();
         let traces = traces.into_boxed_slice().try_into().expect("as many as were made");
-        Box::new(Self { traces, packet: Packet::idle() })
+        Box::new(Self { traces })
     }
 }

@@ -9,13 +9,11 @@ use super::course::Courses;
 use super::goal::Goal;
 use super::leaf::{Found, note, open};
 use super::node::Child;
-use super::packet::is_coherent;
 use super::scratch::{Scratch, WIDTH};
 use super::simd::{LANES, Simd};
 use super::step::step;
 use super::trace::Trace;
 use crate::Ray;
-use crate::search::Closest;
 
 /// A set of rays in hand, a bit each. It is kept in a register: were it a list in memory, the place
 /// of an entry would depend on a step's outcome, and later loads would wait to know it.
@@ -36,58 +34,26 @@ struct Wave<'a, Q, R> {
     next: usize,
     /// Of the group of rays that it belongs to.
     courses: Courses<LANES>,
-    /// Whether rays that go the same way are left out.
-    apart: bool,
     traces: &'a mut [Trace; WIDTH],
     searches: [Option<Q>; WIDTH],
     report: R,
 }
 
-/// Searches for every ray, and hands each finished search to `report`. Rays that go the same way
-/// are left to [`search_together`], if `apart`.
+/// Searches for every ray, and hands each finished search to `report`.
 #[inline(always)]
 pub(super) fn search_in_turn<S: Simd, Q: Goal>(
     simd: S,
     tree: &WideKdTree,
     rays: &[Ray],
-    apart: bool,
     report: impl FnMut(usize, Q),
 ) {
     Scratch::lend(
         #[inline(always)]
-        |Scratch { traces, .. }| {
+        |Scratch { traces }| {
             let searches = [None; WIDTH];
-            Wave { tree, rays, next: 0, courses: Courses::idle(), apart, traces, searches, report }.run(simd);
+            Wave { tree, rays, next: 0, courses: Courses::idle(), traces, searches, report }.run(simd);
         },
     );
-}
-
-/// Searches for those rays that go the same way as their neighbours, and hands each finished
-/// search to `report`. Returns whether there are any.
-#[inline(always)]
-pub(super) fn search_together<S: Simd>(
-    simd: S,
-    tree: &WideKdTree,
-    rays: &[Ray],
-    mut report: impl FnMut(usize, Closest),
-) -> bool {
-    Scratch::lend(
-        #[inline(always)]
-        |Scratch { packet, .. }| {
-            let (groups, _) = rays.as_chunks::<LANES>();
-            let mut any = false;
-            for (i, group) in groups.iter().enumerate() {
-                if is_coherent(group) {
-                    any = true;
-                    let searches = packet.search(simd, tree, group);
-                    for (lane, search) in searches.into_iter().enumerate() {
-                        report(LANES * i + lane, search);
-                    }
-                }
-            }
-            any
-        },
-    )
 }
 
 /// The slots in a set, ascending. An iterator and no closure: what is not inlined is not compiled
@@ -127,16 +93,11 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
     /// The next ray to be taken in hand.
     #[inline(always)]
     fn next_ray(&mut self) -> Option<usize> {
-        while self.next < self.rays.len() && self.next.is_multiple_of(LANES) {
-            let group = self.rays[self.next..].first_chunk::<LANES>();
-            if self.apart && group.is_some_and(is_coherent) {
-                self.next += LANES;
-                continue;
-            }
+        if self.next < self.rays.len() && self.next.is_multiple_of(LANES) {
             let WideKdTree { triangles, space, .. } = self.tree;
+            let group = self.rays[self.next..].first_chunk::<LANES>();
             let group = group.copied().unwrap_or_else(|| self.last_group());
             self.courses = Courses::new(&group, &triangles.bounds(), space);
-            break;
         }
         let next = self.next;
         if next == self.rays.len() {

@@ -111,10 +111,6 @@ impl Simd for Avx512 {
         call!(_mm256_movemask_ps(a)) as u8
     }
     #[inline(always)]
-    fn choose_by(self, mask: u8, a: __m256, b: __m256) -> __m256 {
-        call!(_mm256_mask_blend_ps(mask, b, a))
-    }
-    #[inline(always)]
     fn permute(self, table: __m256, index: __m256i) -> __m256 {
         call!(_mm256_permutevar8x32_ps(table, index))
     }

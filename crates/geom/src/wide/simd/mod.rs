@@ -90,8 +90,6 @@ pub(super) trait Simd: Copy {
     fn le(self, a: Self::F, b: Self::F) -> u8;
     /// The sign bits.
     fn signs(self, a: Self::F) -> u8;
-    /// `a` in the lanes of `mask`, `b` elsewhere.
-    fn choose_by(self, mask: u8, a: Self::F, b: Self::F) -> Self::F;
     /// Lane `i` is lane `index[i] % 8` of `table`.
     fn permute(self, table: Self::F, index: Self::I) -> Self::F;
     /// The smallest of the lanes in `mask`, or infinity.

@@ -89,10 +89,6 @@ impl Simd for Portable {
         mask_of(|i| a[i].is_sign_negative())
     }
     #[inline(always)]
-    fn choose_by(self, mask: u8, a: F, b: F) -> F {
-        from_fn(|i| if mask >> i & 1 == 1 { a[i] } else { b[i] })
-    }
-    #[inline(always)]
     fn permute(self, table: F, index: I) -> F {
         index.map(|i| table[i as usize % LANES])
     }
