@@ -42,8 +42,8 @@ pub(super) fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }
 
-/// `1 / x` for a power of two within `2^-1022..=2^1022`.
+/// `1 / x` for a power of two within `2^-1022..=2^1022`; anything for other numbers.
 #[inline]
 pub(super) fn power_of_two_inverse(x: f64) -> f64 {
-    f64::from_bits((2046 << 52) - x.to_bits())
+    f64::from_bits((2046_u64 << 52).wrapping_sub(x.to_bits()))
 }
