@@ -14,6 +14,7 @@ pub(crate) struct NestedPermutation {
 
 impl NestedPermutation {
     /// One of the permutations of `key`, told apart by `purpose`.
+    #[inline]
     pub(super) fn new(key: u64, purpose: u64) -> Self {
         Self { key, purpose: purpose << 40 }
     }
@@ -21,14 +22,17 @@ impl NestedPermutation {
     /// The number that `x`, of so many `digits` (at most 31), becomes.
     #[inline]
     pub(super) fn apply(&self, x: u32, digits: u32) -> u32 {
+        // The node of a digit is a one and the digits before it.
+        let path = (1 << digits) | x;
         let mut flips = 0;
-        let (mut held, mut coins) = (0, self.coins(0));
-        for level in 0..digits {
-            let node = (1 << level) | (x >> (digits - level));
-            if node / 64 != held {
-                (held, coins) = (node / 64, self.coins(node / 64));
-            }
-            flips |= ((coins >> (node % 64)) as u32 & 1) << (digits - 1 - level);
+        let coins = self.coins(0);
+        for level in 0..digits.min(6) {
+            let node = path >> (digits - level);
+            flips = flips << 1 | (coins >> (node % 64)) as u32 & 1;
+        }
+        for level in 6..digits {
+            let node = path >> (digits - level);
+            flips = flips << 1 | (self.coins(node / 64) >> (node % 64)) as u32 & 1;
         }
         x ^ flips
     }
@@ -39,6 +43,7 @@ impl NestedPermutation {
         nth(self.key, self.purpose + (1 << 32) + u64::from(x))
     }
 
+    #[inline]
     fn coins(&self, word: u32) -> u64 {
         nth(self.key, self.purpose + u64::from(word))
     }
