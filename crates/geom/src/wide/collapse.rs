@@ -124,11 +124,13 @@ impl<'a> Collapse<'a> {
                 used += 1;
             }
         }
-        for (octant, order) in node.orders.iter_mut().enumerate() {
-            let mut met = Vec::with_capacity(LANES);
-            list_met(&cells, &lanes, 0, octant, &mut met);
-            let all = met.into_iter().chain(used..LANES);
-            *order = all.zip(0..).map(|(lane, i)| (lane as u32) << (3 * i)).sum();
+        for octant in 0..4 {
+            let mut order = Order { lanes: std::array::from_fn(|i| i), met: 0 };
+            order.meet(&cells, &lanes, 0, octant);
+            node.orders[octant] = order.pack();
+            // The other way, all is met in reverse.
+            order.lanes[..used].reverse();
+            node.orders[7 - octant] = order.pack();
         }
         self.nodes[index] = node;
         index as u32
@@ -212,15 +214,33 @@ fn bounds_within(triangles: &Triangles, listed: &[u32], cell: &Aabb) -> Aabb {
     })
 }
 
-/// Lists the lanes of the cells below `at` in the order in which rays toward `octant` meet them.
-fn list_met(cells: &[Cell<'_>], lanes: &[Option<usize>], at: usize, octant: usize, met: &mut Vec<usize>) {
-    match cells[at] {
-        Cell::Opened { axis, parts: [lower, upper] } => {
-            let down = axis.is_some_and(|axis| octant >> axis & 1 == 1);
-            let (near, far) = if down { (upper, lower) } else { (lower, upper) };
-            list_met(cells, lanes, near, octant, met);
-            list_met(cells, lanes, far, octant, met);
+/// The lanes of a node as rays toward some octant meet them, first those that hold a cell.
+struct Order {
+    lanes: [usize; LANES],
+    met: usize,
+}
+
+impl Order {
+    /// Appends the lanes of the cells below `at`.
+    fn meet(&mut self, cells: &[Cell<'_>], lanes: &[Option<usize>], at: usize, octant: usize) {
+        match cells[at] {
+            Cell::Opened { axis, parts: [lower, upper] } => {
+                let down = axis.is_some_and(|axis| octant >> axis & 1 == 1);
+                let (near, far) = if down { (upper, lower) } else { (lower, upper) };
+                self.meet(cells, lanes, near, octant);
+                self.meet(cells, lanes, far, octant);
+            }
+            _ => {
+                if let Some(lane) = lanes[at] {
+                    self.lanes[self.met] = lane;
+                    self.met += 1;
+                }
+            }
         }
-        _ => met.extend(lanes[at]),
+    }
+
+    /// Three bits a lane.
+    fn pack(&self) -> u32 {
+        self.lanes.iter().rev().fold(0, |order, &lane| order << 3 | lane as u32)
     }
 }

@@ -31,7 +31,7 @@ mod wave;
 pub use level::SimdLevel;
 
 use crate::search::{Any, Closest};
-use crate::{Aabb, Accel, GeomError, Hit, KdOptions, KdTree, Probe, Ray, Traverse, Triangles};
+use crate::{Aabb, Accel, GeomError, Hit, KdOptions, KdTree, Probe, Ray, SplitRule, Traverse, Triangles};
 use alone::search_alone;
 use blocks::Blocks;
 use collapse::Collapse;
@@ -64,6 +64,17 @@ impl WideKdTree {
     /// As [`WideKdTree::from_tree`].
     pub fn build(triangles: &Triangles) -> Result<Self, GeomError> {
         let options = KdOptions { leaf_size: 8, traversal_cost: 3.0, ..KdOptions::default() };
+        Self::from_tree(&KdTree::build(triangles, &options)?)
+    }
+
+    /// Builds a tree for previews, by sliding midpoint: sooner, for searches that take longer
+    /// (docs/performance.md says by how much).
+    ///
+    /// # Errors
+    /// As [`WideKdTree::from_tree`].
+    pub fn build_quickly(triangles: &Triangles) -> Result<Self, GeomError> {
+        let rule = SplitRule::SlidingMidpoint;
+        let options = KdOptions { leaf_size: 8, traversal_cost: 6.0, ..KdOptions::by_rule(rule) };
         Self::from_tree(&KdTree::build(triangles, &options)?)
     }
 
