@@ -136,6 +136,19 @@ fn an_error_can_be_asked_for() {
     assert!(said.contains("ended by      the time given"), "{said}");
 }
 
+/// A run that finds nothing left to do traces nothing, however much its picture holds.
+#[test]
+fn rates_are_those_of_the_run() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let render = |flags: &[&str]| {
+        succeed("cornell", folder.path(), &[&SMALL, &["--spp", "8", "--checkpoint", "all"], flags])
+    };
+    let idle = "0.00 million samples and 0.00 million rays a second";
+    assert!(!render(&[]).contains(idle));
+    let said = render(&["--resume"]);
+    assert!(said.contains(idle) && said.contains("samples       8 a pixel, 0.01 million in all"), "{said}");
+}
+
 /// L4: a render killed a hundred times, and resumed each time, is the one that nobody disturbed.
 #[test]
 fn a_render_survives_being_killed() {

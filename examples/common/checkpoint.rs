@@ -4,6 +4,7 @@ use globillum::integrator::{Monitor, Picture, Progress};
 use globillum::io::{AtomicFile, IoError};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// A first checkpoint is written after this time at the latest.
@@ -15,6 +16,15 @@ pub(crate) struct Saver {
     path: Option<PathBuf>,
     every: Duration,
     state: Mutex<State>,
+    rays: AtomicU64,
+    samples: AtomicU64,
+}
+
+/// What a run traced itself: not what its picture held before, but with a pilot's passes.
+#[derive(Clone, Copy)]
+pub(crate) struct Traced {
+    pub(crate) rays: u64,
+    pub(crate) samples: u64,
 }
 
 struct State {
@@ -30,7 +40,20 @@ impl Saver {
     pub(crate) fn new(path: Option<&Path>, every: Duration) -> Result<Self> {
         path.map(AtomicFile::create).transpose()?;
         let state = State { next: Instant::now() + FIRST.min(every), failed: None };
-        Ok(Self { bar: ProgressBar::new(), path: path.map(Into::into), every, state: Mutex::new(state) })
+        Ok(Self {
+            bar: ProgressBar::new(),
+            path: path.map(Into::into),
+            every,
+            state: Mutex::new(state),
+            rays: AtomicU64::new(0),
+            samples: AtomicU64::new(0),
+        })
+    }
+
+    /// What was traced so far.
+    pub(crate) fn traced(&self) -> Traced {
+        let [rays, samples] = [&self.rays, &self.samples].map(|count| count.load(Ordering::Relaxed));
+        Traced { rays, samples }
     }
 
     /// Saves the whole picture, and takes the bar off the terminal.
@@ -54,6 +77,8 @@ impl Saver {
 
 impl Monitor for Saver {
     fn progress(&self, progress: Progress) {
+        self.rays.fetch_max(progress.rays, Ordering::Relaxed);
+        self.samples.fetch_max(progress.samples_done, Ordering::Relaxed);
         self.bar.show(&progress);
     }
 

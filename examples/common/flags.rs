@@ -1,8 +1,8 @@
-use super::Saver;
+use super::{Saver, Traced};
 use anyhow::{Context, Result, anyhow, ensure};
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, Estimator, Picture, PixelFilter, Render, Sampler, Scene, Settings, Stop,
+    Camera, Estimator, LightSampling, Picture, PixelFilter, Render, Sampler, Scene, Settings, Stop,
 };
 use std::ops::Range;
 use std::path::PathBuf;
@@ -29,6 +29,9 @@ pub(crate) struct RenderFlags {
     /// How light is found
     #[arg(long, value_enum, default_value_t = EstimatorKind::Mis)]
     estimator: EstimatorKind,
+    /// How points on lights are chosen
+    #[arg(long, value_enum, default_value_t = LightSamplingKind::SolidAngle)]
+    light_sampling: LightSamplingKind,
     /// Most bounces of a path: 0 is emitted light only, 1 adds direct light; unlimited by default
     #[arg(long)]
     max_bounces: Option<u32>,
@@ -84,6 +87,14 @@ enum EstimatorKind {
     Mis,
 }
 
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum LightSamplingKind {
+    /// Uniformly by area
+    Area,
+    /// Uniformly by solid angle
+    SolidAngle,
+}
+
 fn parse_passes(text: &str) -> Result<Range<u32>> {
     let (start, end) = text.split_once("..").context("expected A..B, such as 0..8")?;
     let number = |text: &str| text.parse().map_err(|error| anyhow!("`{text}`: {error}"));
@@ -114,6 +125,10 @@ impl RenderFlags {
             EstimatorKind::Light => Estimator::Light,
             EstimatorKind::Mis => Estimator::Mis,
         };
+        settings.light_sampling = match self.light_sampling {
+            LightSamplingKind::Area => LightSampling::Area,
+            LightSamplingKind::SolidAngle => LightSampling::SolidAngle,
+        };
         settings.validate()?;
         self.stop().validate()?;
         Ok(settings)
@@ -135,7 +150,7 @@ impl RenderFlags {
         stop
     }
 
-    /// Renders, showing progress and saving checkpoints.
+    /// Renders, showing progress and saving checkpoints: the picture, and what this run did for it.
     ///
     /// # Errors
     /// Those of [`Render::run`], and for a checkpoint that can not be read, used or written.
@@ -144,7 +159,7 @@ impl RenderFlags {
         scene: &Scene<A>,
         camera: &Camera,
         settings: &Settings,
-    ) -> Result<Picture> {
+    ) -> Result<(Picture, Traced)> {
         let every = Duration::try_from_secs_f64(self.save_every);
         let every = every.map_err(|error| anyhow!("--save-every {}: {error}", self.save_every))?;
         let saver = Saver::new(self.checkpoint.as_deref(), every)?;
@@ -157,7 +172,8 @@ impl RenderFlags {
             render = render.resume(super::read_checkpoint(path)?);
         }
         let picture = render.run(&saver)?;
+        let traced = saver.traced();
         saver.finish(&picture)?;
-        Ok(picture)
+        Ok((picture, traced))
     }
 }

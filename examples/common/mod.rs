@@ -10,7 +10,7 @@ mod options;
 mod summary;
 pub(crate) mod view;
 
-pub(crate) use checkpoint::{Saver, read_checkpoint, write_checkpoint};
+pub(crate) use checkpoint::{Saver, Traced, read_checkpoint, write_checkpoint};
 pub(crate) use flags::RenderFlags;
 #[cfg(all(feature = "obj", feature = "images"))]
 pub(crate) use load::{load, load_mesh};

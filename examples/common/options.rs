@@ -73,7 +73,7 @@ impl Job<'_> {
         let build_seconds = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
-        let picture = self.render.render(&scene, camera, &self.settings)?;
+        let (picture, traced) = self.render.render(&scene, camera, &self.settings)?;
         let render_seconds = start.elapsed().as_secs_f64();
 
         let mut written = Vec::new();
@@ -81,7 +81,7 @@ impl Job<'_> {
             file.write(&picture.film)?;
             written.push(path);
         }
-        let summary = Summary::new(&scene, &picture, build_seconds, render_seconds);
+        let summary = Summary::new(&scene, &picture, traced, build_seconds, render_seconds);
         if let Some(file) = self.stats {
             let json = summary.to_json()?;
             file.commit(|writer| writer.write_all(json.as_bytes()))?;

@@ -1,3 +1,4 @@
+use super::Traced;
 use anyhow::Result;
 use globillum::geom::Accel;
 use globillum::integrator::{Ending, Picture, Scene};
@@ -31,10 +32,11 @@ pub(crate) struct Summary {
 }
 
 impl Summary {
-    /// Gathers the figures.
+    /// Gathers the figures; the counts are the whole picture's, the rates those of this run.
     pub(crate) fn new<A: Accel>(
         scene: &Scene<A>,
         picture: &Picture,
+        traced: Traced,
         build_seconds: f64,
         render_seconds: f64,
     ) -> Self {
@@ -47,10 +49,10 @@ impl Summary {
             camera_rays: counters.camera_rays,
             bounce_rays: counters.bounce_rays,
             shadow_rays: counters.shadow_rays,
-            rays_per_second: counters.rays() as f64 / render_seconds,
+            rays_per_second: traced.rays as f64 / render_seconds,
             samples_per_pixel: picture.samples,
             samples: counters.camera_rays,
-            samples_per_second: counters.camera_rays as f64 / render_seconds,
+            samples_per_second: traced.samples as f64 / render_seconds,
             roulette_ends: counters.roulette_ends,
             limit_ends: counters.limit_ends,
             triangles: scene.triangles().len(),

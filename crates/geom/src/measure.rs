@@ -11,7 +11,7 @@ pub struct PdfSolidAngle(pub f64);
 impl PdfArea {
     /// The same density per steradian, seen from a point at squared distance `distance_sq` whose
     /// connecting line makes an angle of cosine `cos_light` with the surface's normal:
-    /// `p_omega = p_area * r^2 / |cos theta_light|` (Veach 1997, equation 8.2).
+    /// `p_omega = p_area * r^2 / |cos theta_light|` (Veach 1997, section 8.2).
     ///
     /// `None` where the surface is seen edge-on (`cos_light == 0`): no direction leads there.
     pub fn to_solid_angle(self, distance_sq: f64, cos_light: f64) -> Option<PdfSolidAngle> {
@@ -19,6 +19,14 @@ impl PdfArea {
         pdf.is_finite().then_some(PdfSolidAngle(pdf))
     }
 
+    /// The density of a choice made with probability `choice_prob` beforehand.
+    #[must_use]
+    pub fn chosen_with(self, choice_prob: f64) -> Self {
+        Self(self.0 * choice_prob)
+    }
+}
+
+impl PdfSolidAngle {
     /// The density of a choice made with probability `choice_prob` beforehand.
     #[must_use]
     pub fn chosen_with(self, choice_prob: f64) -> Self {

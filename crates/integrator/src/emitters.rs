@@ -1,7 +1,7 @@
 use crate::Model;
 use crate::alias::AliasTable;
-use globillum_geom::{PdfArea, SurfacePoint, Triangle, Triangles};
-use globillum_material::{Emission, Material};
+use globillum_geom::{PdfArea, Triangle, Triangles};
+use globillum_material::Emission;
 
 /// The triangles that emit light, chosen with probability proportional to their power.
 #[derive(Clone, Debug)]
@@ -10,17 +10,6 @@ pub struct Emitters {
     emitting: Vec<(u32, Emission)>,
     table: AliasTable,
     total_power: f64,
-}
-
-/// A point on an emitter, chosen by [`Emitters::sample`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct EmitterSample {
-    /// The point.
-    pub(crate) point: SurfacePoint,
-    /// What is emitted there.
-    pub(crate) emission: Emission,
-    /// Density of the point over all emitters together, the choice of the triangle included.
-    pub(crate) pdf: PdfArea,
 }
 
 impl Emitters {
@@ -45,23 +34,19 @@ impl Emitters {
         self.emitting.is_empty()
     }
 
-    /// Chooses a triangle by `choice` in `[0, 1)` and a point of it, uniform by area, by `u` in
-    /// `[0, 1)^2`. `None` if nothing emits.
-    pub(crate) fn sample(&self, triangles: &Triangles, choice: f64, u: [f64; 2]) -> Option<EmitterSample> {
-        let (index, emission) = self.emitting[self.table.sample(choice)?];
-        let (u, v) = Triangle::sample_uniform(u);
-        let point = triangles.surface_point(index, u, v);
-        Some(EmitterSample { point, emission, pdf: self.density(&emission) })
+    /// Chooses a triangle by `u` in `[0, 1)`: its index and what it emits. `None` if nothing emits.
+    pub(crate) fn choose(&self, u: f64) -> Option<&(u32, Emission)> {
+        Some(&self.emitting[self.table.sample(u)?])
     }
 
-    /// The density with which a point of `material` is chosen.
-    pub(crate) fn pdf(&self, material: &Material) -> PdfArea {
-        if material.emission.is_none() { PdfArea(0.0) } else { self.density(&material.emission) }
+    /// The probability with which `triangle`, which emits `emission`, is chosen.
+    pub(crate) fn choice_prob(&self, triangle: &Triangle, emission: &Emission) -> f64 {
+        power(triangle, emission) / self.total_power
     }
 
-    /// A triangle is chosen with probability (area x exitance) / total power, a point of it with
-    /// density 1 / area: the area cancels.
-    fn density(&self, emission: &Emission) -> PdfArea {
+    /// The density of a point that is chosen uniformly by area on the triangle chosen, which emits
+    /// `emission`, over all emitters together. The area cancels.
+    pub(crate) fn area_density(&self, emission: &Emission) -> PdfArea {
         PdfArea(emission.exitance().luminance() / self.total_power)
     }
 }
@@ -76,7 +61,7 @@ mod tests {
     use super::*;
     use crate::Stream;
     use glam::Vec3;
-    use globillum_material::{Rgb, Sides};
+    use globillum_material::{Material, Rgb, Sides};
 
     /// Triangles of area 1/2 and of these radiances.
     fn emitters(radiances: &[f64]) -> (Triangles, Emitters) {
@@ -94,12 +79,11 @@ mod tests {
 
     #[test]
     fn what_does_not_emit_is_never_chosen() {
-        let (triangles, emitters) = emitters(&[0.0, 1.0, 0.0, 3.0, 0.0]);
+        let (_, emitters) = emitters(&[0.0, 1.0, 0.0, 3.0, 0.0]);
         assert_eq!(emitters.len(), 2);
         for i in 0..10_000 {
-            let numbers = Stream::new(1, 0, i);
-            let sample = emitters.sample(&triangles, numbers.uniform(0), numbers.uniform_pair(1)).unwrap();
-            assert!(sample.emission.toward(1.0).g > 0.0);
+            let (_, emission) = emitters.choose(Stream::new(1, 0, i).uniform(0)).unwrap();
+            assert!(emission.toward(1.0).g > 0.0);
         }
         assert!(self::emitters(&[0.0]).1.is_empty());
     }
@@ -113,13 +97,12 @@ mod tests {
         // One cell for each radiance: counts of the rarest are pooled.
         let (mut counts, draws) = ([0_u32; 13], 2_000_000);
         for i in 0..draws {
-            let numbers = Stream::new(2, 0, i);
-            let sample = emitters.sample(&triangles, numbers.uniform(0), [0.3, 0.3]).unwrap();
-            let radiance = sample.emission.toward(1.0).g;
+            let (index, emission) = emitters.choose(Stream::new(2, 0, i).uniform(0)).unwrap();
+            let radiance = emission.toward(1.0).g;
             counts[(radiance.log10().round() + 6.0) as usize] += 1;
-            // The density of the choice times that of the point.
-            let expected = radiance / total * 2.0;
-            assert!((sample.pdf.0 / expected - 1.0).abs() < 1e-9);
+            let prob = emitters.choice_prob(triangles.get(*index), emission);
+            assert!((prob / (radiance / total) - 1.0).abs() < 1e-9);
+            assert!((emitters.area_density(emission).0 / (2.0 * prob) - 1.0).abs() < 1e-12);
         }
         let (mut chi_sq, mut pool, mut cells) = (0.0, (0.0, 0.0), 0.0);
         for (i, &count) in (0..).zip(&counts) {

@@ -1,5 +1,5 @@
 use crate::hash::fold;
-use crate::{Camera, Estimator, PixelFilter, Sampler, Scene, Settings};
+use crate::{Camera, Estimator, LightSampling, PixelFilter, Sampler, Scene, Settings};
 use glam::DVec3;
 use globillum_material::{Bsdf, Material, Rgb};
 
@@ -67,9 +67,14 @@ impl Key {
             Estimator::Light => 1,
             Estimator::Mis => 2,
         };
-        for part in [width, height, pass_samples, sampler, filter, estimator, settings.roulette.start] {
+        let light_sampling = match settings.light_sampling {
+            LightSampling::Area => 0,
+            LightSampling::SolidAngle => 1,
+        };
+        for part in [width, height, pass_samples, sampler, filter, estimator, light_sampling] {
             self.add(part.into());
         }
+        self.add(settings.roulette.start.into());
         self.add(settings.seed);
         self.add(settings.max_bounces.map_or(u64::MAX, u64::from));
     }

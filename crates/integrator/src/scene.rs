@@ -1,4 +1,5 @@
-use crate::{Emitters, Model, RenderError};
+use crate::lamp::LampSampler;
+use crate::{Emitters, LightSampling, Model, RenderError};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, SurfacePoint, Triangles};
 use globillum_material::{Emission, Material, Rgb, Sides};
@@ -41,6 +42,11 @@ impl<A> Scene<A> {
     /// The triangles that emit light.
     pub fn emitters(&self) -> &Emitters {
         &self.emitters
+    }
+
+    /// How points on the lights are chosen where `from` is shaded.
+    pub(crate) fn lamp_sampler(&self, sampling: LightSampling, from: DVec3) -> LampSampler<'_> {
+        LampSampler { emitters: &self.emitters, triangles: &self.triangles, sampling, from }
     }
 
     /// The radiance that arrives from outside.

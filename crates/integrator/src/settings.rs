@@ -1,4 +1,4 @@
-use crate::{Estimator, PixelFilter, RenderError, Sampler};
+use crate::{Estimator, LightSampling, PixelFilter, RenderError, Sampler};
 use std::ops::Range;
 
 /// How a picture is rendered. Together with scene and camera it decides the picture's bits,
@@ -32,6 +32,8 @@ pub struct Settings {
     pub max_bounces: Option<u32>,
     /// How light is found.
     pub estimator: Estimator,
+    /// How points on lights are chosen.
+    pub light_sampling: LightSampling,
     /// When paths may be ended at random.
     pub roulette: Roulette,
 }
@@ -78,6 +80,7 @@ impl Settings {
             threads: 0,
             max_bounces: None,
             estimator: Estimator::Mis,
+            light_sampling: LightSampling::default(),
             roulette: Roulette { start: 3 },
         }
     }

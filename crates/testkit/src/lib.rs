@@ -7,6 +7,7 @@ pub mod aimed;
 pub mod chi_square;
 pub mod cornell;
 pub mod exact;
+pub mod form_factor;
 pub mod intersectors;
 pub mod lab;
 pub mod meshes;

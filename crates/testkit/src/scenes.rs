@@ -1,9 +1,9 @@
 //! Scenes whose light is known in closed form, and cameras that look at one point of them.
 
 use crate::accelerators::{Builder, Measurable};
-use crate::shapes::{cuboid, inside_out, quad};
+use crate::shapes::{cuboid, icosphere, inside_out, quad};
 use glam::DVec3;
-use globillum_geom::Accel;
+use globillum_geom::{Accel, Triangle};
 use globillum_integrator::{Camera, Model, Scene};
 use globillum_material::{Emission, Material, Rgb, Sides};
 
@@ -139,6 +139,40 @@ pub fn lamp_on_floor() -> Model {
     model.add(lambert(0.5), quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0)));
     let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
     model.add(lamp, quad(p(0.0, 0.0, 0.5), p(0.0, 0.0, -0.5), p(0.0, 1.0, -0.5), p(0.0, 1.0, 0.5)));
+    model
+}
+
+/// C7 and C14: a regular polygon of that many sides in the unit circle around the y axis, at `height`,
+/// its front down or up.
+pub fn disc(height: f64, sides: u32, down: bool) -> Vec<Triangle> {
+    let corner = |i: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(sides)).sin_cos();
+        DVec3::new(cos, height, sin).as_vec3()
+    };
+    let centre = DVec3::new(0.0, height, 0.0).as_vec3();
+    let part = |i: u32| Triangle::new(centre, corner(i), corner(i + 1));
+    let fan = (0..sides).map(part);
+    if down { fan.collect() } else { inside_out(fan) }
+}
+
+/// `lamp`, of radiance 1, above a floor of albedo 0.5 at height 0, `half` its half side.
+pub fn lamp_above_floor(lamp: impl IntoIterator<Item = Triangle>, half: f64) -> Model {
+    let mut model = Model::default();
+    let (lo, hi) = (-half, half);
+    let p = DVec3::new;
+    model.add(lambert(0.5), quad(p(lo, 0.0, hi), p(hi, 0.0, hi), p(hi, 0.0, lo), p(lo, 0.0, lo)));
+    model.add(Material::lamp(Rgb::WHITE).expect("a finite radiance"), lamp);
+    model
+}
+
+/// C19: a sphere of `20 * 4^levels` triangles and albedo 0.6, seen from within, of which a quarter, one
+/// connected part, emits radiance 4. Light that was reflected has radiance 1.5 in all of a true sphere.
+pub fn integrating_sphere(levels: u32) -> Model {
+    let mut walls = inside_out(icosphere(levels).triangles());
+    let lamp = walls.split_off(walls.len() / 4 * 3);
+    let mut model = Model::default();
+    model.add(lambert(0.6), walls);
+    model.add(lambert(0.6).emitting(glow(4.0)), lamp);
     model
 }
 

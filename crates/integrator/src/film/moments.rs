@@ -4,7 +4,7 @@ use globillum_material::Rgb;
 ///
 /// Deviations are kept instead of squares, so that nothing cancels where the spread is small beside
 /// the mean; two sets are joined by the pairwise formula of Chan, Golub and LeVeque ("Algorithms
-/// for Computing the Sample Variance", 1983, equation 2.1), here with weights.
+/// for Computing the Sample Variance", 1983), here with weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     /// Sum of all samples.

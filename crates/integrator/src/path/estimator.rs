@@ -24,12 +24,12 @@ impl Estimator {
     }
 
     /// The share of emission met by a direction of density `scattered`, where choosing a point
-    /// on a light would have found it with density `light`.
-    pub(crate) fn weight_of_emission(self, scattered: Density, light: PdfSolidAngle) -> f64 {
+    /// on a light would have found it with the density that `light` tells.
+    pub(crate) fn weight_of_emission(self, scattered: Density, light: impl FnOnce() -> PdfSolidAngle) -> f64 {
         match (self, scattered) {
             (Self::Bsdf, _) | (_, Density::Delta) => 1.0,
             (Self::Light, _) => 0.0,
-            (Self::Mis, Density::SolidAngle(scattered)) => balance(scattered, light),
+            (Self::Mis, Density::SolidAngle(scattered)) => balance(scattered, light()),
         }
     }
 
@@ -43,7 +43,7 @@ impl Estimator {
     }
 }
 
-/// The balance heuristic for one sample of each of two techniques (Veach 1997, equation 9.8).
+/// The balance heuristic for one sample of each of two techniques (Veach 1997, section 9.2.2).
 fn balance(own: PdfSolidAngle, other: PdfSolidAngle) -> f64 {
     own.0 / (own.0 + other.0)
 }
@@ -56,10 +56,10 @@ mod tests {
     fn the_shares_of_the_two_techniques_add_up_to_one() {
         let (scattered, light) = (PdfSolidAngle(0.3), PdfSolidAngle(7.0));
         for estimator in [Estimator::Light, Estimator::Mis] {
-            let shares = estimator.weight_of_emission(Density::SolidAngle(scattered), light)
+            let shares = estimator.weight_of_emission(Density::SolidAngle(scattered), || light)
                 + estimator.weight_of_light(light, scattered);
             assert!((shares - 1.0).abs() < 1e-15, "{estimator:?}");
         }
-        assert_eq!(Estimator::Bsdf.weight_of_emission(Density::SolidAngle(scattered), light), 1.0);
+        assert_eq!(Estimator::Bsdf.weight_of_emission(Density::SolidAngle(scattered), || light), 1.0);
     }
 }

@@ -1,10 +1,11 @@
 use super::Counters;
 use crate::film::Moments;
+use crate::lamp::LampSampler;
 use crate::sampler::Numbers;
 use crate::tile::Tile;
 use crate::{Camera, Interaction, RenderError, Roulette, Scene, Settings};
 use glam::DVec3;
-use globillum_geom::{Accel, Frame, Hit, PdfSolidAngle, Ray};
+use globillum_geom::{Accel, Frame, Hit, Ray};
 use globillum_material::{Density, Rgb};
 
 /// The samples of each pixel that one wave takes.
@@ -40,30 +41,14 @@ pub(super) struct Path {
     /// How the direction of its ray was chosen; the camera's counts as a delta, since no light
     /// sample could have found it.
     density: Density,
+    /// The surface position from which its ray was chosen: where a light sample would have been taken.
+    from: DVec3,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arriving {
     sample: u32,
     pub(super) radiance: Rgb,
-}
-
-/// Which random number serves which purpose. Fixed, so that a path's numbers depend on nothing
-/// but its own bounces.
-struct Dimensions {
-    /// The choice of a light, and a point on it.
-    light: u32,
-    scatter: u32,
-    roulette: u32,
-}
-
-impl Dimensions {
-    const FILM: u32 = 0;
-
-    fn of_bounce(bounce: u32) -> Self {
-        let base = 2 + 6 * bounce;
-        Self { light: base, scatter: base + 3, roulette: base + 5 }
-    }
 }
 
 /// What is rendered: all that the steps of a wave share.
@@ -132,12 +117,14 @@ impl Wave {
             let pixel = u64::from(y) * u64::from(settings.width) + u64::from(x);
             for sample in samples.first..samples.first + samples.count {
                 let numbers = settings.sampler.numbers(settings.seed, pixel, sample, &pass);
-                let [dx, dy] = settings.filter.place(numbers.uniform_pair(Dimensions::FILM));
+                let [dx, dy] = settings.filter.place(numbers.film());
                 let film_x = 2.0 * (f64::from(x) + dx) / width - 1.0;
                 let film_y = 1.0 - 2.0 * (f64::from(y) + dy) / height;
-                self.rays.push(camera.ray(film_x, film_y, width / height));
+                let ray = camera.ray(film_x, film_y, width / height);
+                let (throughput, density) = (Rgb::WHITE, Density::Delta);
                 let sample = self.paths.len() as u32;
-                self.paths.push(Path { sample, numbers, throughput: Rgb::WHITE, density: Density::Delta });
+                self.paths.push(Path { sample, numbers, throughput, density, from: ray.origin });
+                self.rays.push(ray);
             }
         }
         self.radiance.clear();
@@ -162,20 +149,19 @@ impl Wave {
                 self.radiance[path.sample as usize] = Rgb::splat(f64::NAN);
                 continue;
             }
-            self.radiance[path.sample as usize] += path.throughput * view.emitted(&path, &ray, &hit, &at);
+            self.radiance[path.sample as usize] += path.throughput * view.emitted(&path, &hit, &at);
             if view.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
             }
-            let dimensions = Dimensions::of_bounce(bounce);
             let frame = Frame::around(at.point.normal);
             let wo = frame.to_local(at.wo);
-            if let Some((shadow_ray, light)) = view.next_event(&path, &at, &frame, wo, &dimensions) {
+            if let Some((shadow_ray, light)) = view.next_event(&path, &at, &frame, wo, bounce) {
                 self.shadow_rays.push(shadow_ray);
                 self.arriving.push(Arriving { sample: path.sample, radiance: light });
             }
-            let Some(next) = path.scatter(&at, &frame, wo, &dimensions) else { continue };
-            if !path.survives(view.settings.roulette, bounce, &dimensions) {
+            let Some(next) = path.scatter(&at, &frame, wo, bounce) else { continue };
+            if !path.survives(view.settings.roulette, bounce) {
                 counters.roulette_ends += 1;
                 continue;
             }
@@ -210,16 +196,19 @@ impl Wave {
 
 impl<A: Accel> View<'_, A> {
     /// What the surface emits along the path, by the share that scattering has in finding it.
-    fn emitted(&self, path: &Path, ray: &Ray, hit: &Hit, at: &Interaction<'_>) -> Rgb {
-        let cos_light = at.point.normal.dot(at.wo);
-        let emitted = at.material.emission.toward(cos_light);
+    fn emitted(&self, path: &Path, hit: &Hit, at: &Interaction<'_>) -> Rgb {
+        let emission = &at.material.emission;
+        let emitted = emission.toward(at.point.normal.dot(at.wo));
         if emitted.is_black() {
             return emitted;
         }
-        let distance_sq = (hit.t * ray.direction).length_squared();
-        let pdf = self.scene.emitters().pdf(at.material).to_solid_angle(distance_sq, cos_light);
-        let pdf = pdf.unwrap_or(PdfSolidAngle(0.0));
-        emitted * self.settings.estimator.weight_of_emission(path.density, pdf)
+        let by_light_sample = || self.lamps_from(path.from).pdf(hit.triangle, &at.point, emission);
+        emitted * self.settings.estimator.weight_of_emission(path.density, by_light_sample)
+    }
+
+    /// How points on lights are chosen where `from` is shaded.
+    fn lamps_from(&self, from: DVec3) -> LampSampler<'_> {
+        self.scene.lamp_sampler(self.settings.light_sampling, from)
     }
 
     /// A point on a light, as the ray that must be free and the light that then arrives at the
@@ -230,23 +219,18 @@ impl<A: Accel> View<'_, A> {
         at: &Interaction<'_>,
         frame: &Frame,
         wo: DVec3,
-        dimensions: &Dimensions,
+        bounce: u32,
     ) -> Option<(Ray, Rgb)> {
         if !self.settings.estimator.samples_lights() || at.material.bsdf.is_delta() {
             return None;
         }
-        let (choice, u) = path.numbers.uniform_triple(dimensions.light);
-        let light = self.scene.emitters().sample(self.scene.triangles(), choice, u)?;
-        let between = light.point.position - at.point.position;
-        let distance_sq = between.length_squared();
-        let to_light = between / distance_sq.sqrt();
-        let cos_light = -light.point.normal.dot(to_light);
-        let wi = frame.to_local(to_light);
-        let pdf = light.pdf.to_solid_angle(distance_sq, cos_light)?;
+        let (choice, u) = path.numbers.light(bounce);
+        let light = self.lamps_from(at.point.position).sample(choice, u)?;
+        let wi = frame.to_local(light.direction);
         let scattered = at.material.bsdf.pdf(wo, wi);
-        let share = self.settings.estimator.weight_of_light(pdf, scattered);
-        let value = at.material.bsdf.eval(wo, wi) * light.emission.toward(cos_light);
-        let radiance = path.throughput * value * (wi.z.abs() * share / pdf.0);
+        let share = self.settings.estimator.weight_of_light(light.pdf, scattered);
+        let value = at.material.bsdf.eval(wo, wi) * light.radiance;
+        let radiance = path.throughput * value * (wi.z.abs() * share / light.pdf.0);
         if radiance.is_black() {
             return None;
         }
@@ -256,19 +240,20 @@ impl<A: Accel> View<'_, A> {
 
 impl Path {
     /// Chooses where the path goes on; `None` if nothing is reflected.
-    fn scatter(&mut self, at: &Interaction<'_>, frame: &Frame, wo: DVec3, dims: &Dimensions) -> Option<Ray> {
-        let sample = at.material.bsdf.sample(wo, self.numbers.uniform_pair(dims.scatter))?;
+    fn scatter(&mut self, at: &Interaction<'_>, frame: &Frame, wo: DVec3, bounce: u32) -> Option<Ray> {
+        let sample = at.material.bsdf.sample(wo, self.numbers.scatter(bounce))?;
         self.throughput *= sample.weight;
         self.density = sample.density;
+        self.from = at.point.position;
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
 
-    fn survives(&mut self, roulette: Roulette, bounce: u32, dimensions: &Dimensions) -> bool {
+    fn survives(&mut self, roulette: Roulette, bounce: u32) -> bool {
         if bounce < roulette.start {
             return true;
         }
         let survive_prob = self.throughput.max_component().min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;
-        self.numbers.uniform(dimensions.roulette) < survive_prob
+        self.numbers.roulette(bounce) < survive_prob
     }
 }

@@ -1,11 +1,13 @@
 //! Random numbers, addressed by (seed, pixel, sample, dimension).
 
+mod decision;
 mod nested;
 mod sobol;
 mod stream;
 
 pub use stream::Stream;
 
+use decision::Decision;
 use sobol::SobolPoint;
 use std::ops::Range;
 
@@ -24,7 +26,8 @@ pub enum Sampler {
 
 /// The random numbers of one sample of one pixel.
 ///
-/// One address always gives the same number, so any sample can be computed alone.
+/// One address always gives the same number, so any sample can be computed alone. Numbers are handed
+/// out by what they decide, so no two decisions of a path get the same ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Numbers {
     Independent(Stream),
@@ -50,31 +53,51 @@ impl Sampler {
 }
 
 impl Numbers {
-    /// A number uniform in `[0, 1)`, a multiple of `2^-53`.
+    /// For the place in the pixel: uniform in the unit square.
     #[inline]
-    pub(crate) fn uniform(&self, dimension: u32) -> f64 {
+    pub(crate) fn film(&self) -> [f64; 2] {
+        self.pair(Decision::FILM)
+    }
+
+    /// For the choice of a light, and of a point on it: together uniform in the unit cube.
+    #[inline]
+    pub(crate) fn light(&self, bounce: u32) -> (f64, [f64; 2]) {
+        self.triple(Decision::light(bounce))
+    }
+
+    /// For the direction in which a path goes on: uniform in the unit square.
+    #[inline]
+    pub(crate) fn scatter(&self, bounce: u32) -> [f64; 2] {
+        self.pair(Decision::scatter(bounce))
+    }
+
+    /// For whether a path goes on: uniform in `[0, 1)`.
+    #[inline]
+    pub(crate) fn roulette(&self, bounce: u32) -> f64 {
+        self.single(Decision::roulette(bounce))
+    }
+
+    fn single(&self, decision: Decision) -> f64 {
         match self {
-            Self::Independent(stream) => stream.uniform(dimension),
-            Self::Sobol(point) => point.uniform(dimension),
+            Self::Independent(stream) => stream.uniform(decision.dimension()),
+            Self::Sobol(point) => point.uniform(decision.0),
         }
     }
 
-    /// A point uniform in the unit square, which takes up `dimension` and the one after it.
-    #[inline]
-    pub(crate) fn uniform_pair(&self, dimension: u32) -> [f64; 2] {
+    fn pair(&self, decision: Decision) -> [f64; 2] {
         match self {
-            Self::Independent(stream) => stream.uniform_pair(dimension),
-            Self::Sobol(point) => point.uniform_pair(dimension),
+            Self::Independent(stream) => stream.uniform_pair(decision.dimension()),
+            Self::Sobol(point) => point.uniform_pair(decision.0),
         }
     }
 
-    /// A number and a point of one decision, uniform in the unit cube, which take up `dimension` and
-    /// the two after it.
-    #[inline]
-    pub(crate) fn uniform_triple(&self, dimension: u32) -> (f64, [f64; 2]) {
+    fn triple(&self, decision: Decision) -> (f64, [f64; 2]) {
         match self {
-            Self::Independent(stream) => (stream.uniform(dimension), stream.uniform_pair(dimension + 1)),
-            Self::Sobol(point) => point.uniform_triple(dimension),
+            Self::Independent(stream) => {
+                let first = decision.dimension();
+                (stream.uniform(first), stream.uniform_pair(first + 1))
+            }
+            Self::Sobol(point) => point.uniform_triple(decision.0),
         }
     }
 }
@@ -116,20 +139,37 @@ mod tests {
     fn one_sample_of_every_pixel_or_pass_fills_the_square_evenly() {
         let draws = 1_u32 << 18;
         for sampler in BOTH {
-            for (dimension, index) in [(0, 0), (3, 5), (700, 15)] {
+            for (decision, index) in [(0, 0), (2, 5), (350, 15)] {
                 let over_pixels = (0..draws).map(|i| numbers(sampler, u64::from(i), index));
                 let over_passes = (0..draws).map(|i| numbers(sampler, 9, PASS * i + index));
                 for z in [
-                    evenness(over_pixels.map(|n| n.uniform_pair(dimension))),
-                    evenness(over_passes.map(|n| n.uniform_pair(dimension))),
+                    evenness(over_pixels.map(|n| n.pair(Decision(decision)))),
+                    evenness(over_passes.map(|n| n.pair(Decision(decision)))),
                 ] {
-                    assert!(z.abs() < 5.85, "{sampler:?}, dimension {dimension}: z = {z}");
+                    assert!(z.abs() < 5.85, "{sampler:?}, decision {decision}: z = {z}");
                 }
             }
         }
     }
 
-    /// Different dimensions of one sample, and one dimension of neighbouring samples of different
+    /// Two decisions that took one number would depend on each other, and bias what follows from both.
+    #[test]
+    fn no_two_decisions_of_a_path_take_the_same_number() {
+        for sampler in BOTH {
+            let numbers = numbers(sampler, 7, 5);
+            let of_bounce = |bounce| {
+                let (choice, [x, y]) = numbers.light(bounce);
+                let [u, v] = numbers.scatter(bounce);
+                [choice, x, y, u, v, numbers.roulette(bounce)]
+            };
+            let mut all: Vec<f64> = (0..1000).flat_map(of_bounce).chain(numbers.film()).collect();
+            all.sort_by(f64::total_cmp);
+            // Numbers of 53 random bits coincide by chance with a probability of 2e-9.
+            assert!(all.windows(2).all(|pair| pair[0] != pair[1]), "{sampler:?}");
+        }
+    }
+
+    /// Different decisions of one sample, and one decision of neighbouring samples of different
     /// pixels, must not depend on each other: their pairs fill the square too.
     #[test]
     fn different_addresses_are_independent() {
@@ -137,12 +177,13 @@ mod tests {
         for sampler in BOTH {
             // One sample in each pass: those of one pass are dependent on purpose.
             let numbers = |pixel: u64, i: u32| numbers(sampler, pixel, PASS * i + i % PASS);
-            let dimensions = (0..draws).map(|i| [numbers(3, i).uniform(0), numbers(3, i).uniform(2)]);
+            let decisions =
+                (0..draws).map(|i| [numbers(3, i).single(Decision(0)), numbers(3, i).single(Decision(1))]);
             let coordinates =
-                (0..draws).map(|i| [numbers(3, i).uniform_pair(0)[1], numbers(3, i).uniform_pair(5)[1]]);
-            let pixels = (0..draws).map(|i| [numbers(3, i).uniform(4), numbers(4, i).uniform(4)]);
-            let passes = (0..draws).map(|i| [numbers(3, i).uniform(4), numbers(3, i + 1).uniform(4)]);
-            for z in [evenness(dimensions), evenness(coordinates), evenness(pixels), evenness(passes)] {
+                (0..draws).map(|i| [numbers(3, i).pair(Decision(0))[1], numbers(3, i).pair(Decision(2))[1]]);
+            let pixels = (0..draws).map(|i| [numbers(3, i).roulette(0), numbers(4, i).roulette(0)]);
+            let passes = (0..draws).map(|i| [numbers(3, i).roulette(0), numbers(3, i + 1).roulette(0)]);
+            for z in [evenness(decisions), evenness(coordinates), evenness(pixels), evenness(passes)] {
                 assert!(z.abs() < 5.85, "{sampler:?}: z = {z}");
             }
         }
@@ -160,7 +201,7 @@ mod tests {
             let mut products = [0.0; 4];
             for sample in first..first + PASS {
                 let numbers = numbers(Sampler::Sobol, 9, sample);
-                let ([a, b], [c, d]) = (numbers.uniform_pair(0), numbers.uniform_pair(2));
+                let ([a, b], [c, d]) = (numbers.film(), numbers.scatter(0));
                 for (product, [x, y]) in products.iter_mut().zip([[a, c], [a, d], [b, c], [b, d]]) {
                     *product += (x - 0.5) * (y - 0.5) / n;
                 }
@@ -186,7 +227,7 @@ mod tests {
             for first in [0, u32::MAX - length] {
                 for sample in [first, first + length - 1] {
                     let numbers = sampler.numbers(u64::MAX, u64::MAX, sample, &(first..first + length));
-                    let [x, y] = numbers.uniform_pair(u32::MAX - 1);
+                    let [x, y] = numbers.scatter(1 << 28);
                     assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y));
                 }
             }

@@ -1,0 +1,195 @@
+use crate::Emitters;
+use glam::DVec3;
+use globillum_geom::{PdfSolidAngle, SphericalTriangle, SurfacePoint, Triangle, Triangles};
+use globillum_material::{Emission, Rgb};
+
+/// How a point is chosen on a light's triangle. The mean is right with either; the variance differs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LightSampling {
+    /// Uniformly by area: cheap, and as good as the other for small or distant triangles.
+    Area,
+    /// Uniformly by solid angle, as seen from the shaded point, wherever
+    /// [`SphericalTriangle::new`] allows it, and by area elsewhere.
+    #[default]
+    SolidAngle,
+}
+
+/// Chooses points on the lights for one shaded point, and knows the density of every choice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LampSampler<'a> {
+    pub(crate) emitters: &'a Emitters,
+    pub(crate) triangles: &'a Triangles,
+    pub(crate) sampling: LightSampling,
+    /// The shaded point.
+    pub(crate) from: DVec3,
+}
+
+/// A point on a light, chosen by [`LampSampler::sample`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LampSample {
+    /// The point.
+    pub(crate) point: SurfacePoint,
+    /// Unit direction from the shaded point.
+    pub(crate) direction: DVec3,
+    /// What is emitted toward the shaded point; not black.
+    pub(crate) radiance: Rgb,
+    /// Density of the direction, the choice of the triangle included.
+    pub(crate) pdf: PdfSolidAngle,
+}
+
+impl LampSampler<'_> {
+    /// Chooses a triangle by `choice` in `[0, 1)` and a point of it by `u` in `[0, 1)^2`. `None` if
+    /// nothing emits, or the point chosen does not emit toward the shaded one.
+    pub(crate) fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LampSample> {
+        let &(index, ref emission) = self.emitters.choose(choice)?;
+        let triangle = self.triangles.get(index);
+        let spherical = self.by_solid_angle(triangle);
+        let (u, v) = match &spherical {
+            Some(spherical) => spherical.sample(u),
+            None => Triangle::sample_uniform(u),
+        };
+        let point = self.triangles.surface_point(index, u, v);
+        let Line { direction, cos_light, .. } = self.line_to(&point);
+        let radiance = emission.toward(cos_light);
+        if radiance.is_black() {
+            return None;
+        }
+        let pdf = self.density(triangle, spherical.as_ref(), &point, emission)?;
+        Some(LampSample { point, direction, radiance, pdf })
+    }
+
+    /// The density with which [`LampSampler::sample`] chooses the direction to `point`, which lies on
+    /// triangle `index` that emits `emission`; 0 for a point seen edge-on.
+    pub(crate) fn pdf(&self, index: u32, point: &SurfacePoint, emission: &Emission) -> PdfSolidAngle {
+        let triangle = self.triangles.get(index);
+        let spherical = self.by_solid_angle(triangle);
+        self.density(triangle, spherical.as_ref(), point, emission).unwrap_or(PdfSolidAngle(0.0))
+    }
+
+    /// The triangle as it is seen, if that is how points of it are chosen: decided by nothing but the
+    /// triangle and the shaded point, so that sampling and density agree.
+    fn by_solid_angle(&self, triangle: &Triangle) -> Option<SphericalTriangle> {
+        match self.sampling {
+            LightSampling::Area => None,
+            LightSampling::SolidAngle => SphericalTriangle::new(triangle, self.from),
+        }
+    }
+
+    /// Density of the direction to `point` over all lights together; `None` for a point seen edge-on.
+    fn density(
+        &self,
+        triangle: &Triangle,
+        spherical: Option<&SphericalTriangle>,
+        point: &SurfacePoint,
+        emission: &Emission,
+    ) -> Option<PdfSolidAngle> {
+        match spherical {
+            Some(spherical) => {
+                Some(spherical.pdf().chosen_with(self.emitters.choice_prob(triangle, emission)))
+            }
+            None => {
+                let Line { distance_sq, cos_light, .. } = self.line_to(point);
+                self.emitters.area_density(emission).to_solid_angle(distance_sq, cos_light)
+            }
+        }
+    }
+
+    fn line_to(&self, point: &SurfacePoint) -> Line {
+        let between = point.position - self.from;
+        let distance_sq = between.length_squared();
+        let direction = between / distance_sq.sqrt();
+        Line { direction, distance_sq, cos_light: -point.normal.dot(direction) }
+    }
+}
+
+/// The line from the shaded point to one on a light.
+struct Line {
+    /// Unit vector toward the light.
+    direction: DVec3,
+    distance_sq: f64,
+    /// Cosine between the light's normal and the direction back.
+    cos_light: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Model, Stream};
+    use glam::Vec3;
+    use globillum_material::{Material, Sides};
+
+    /// Lamps of several sizes, radiances and sides around the origin, and what does not emit.
+    fn lamps() -> (Triangles, Vec<Emission>, Emitters) {
+        let mut model = Model::default();
+        let mut add = |[a, b, c]: [[f32; 3]; 3], radiance: f64, sides: Sides| {
+            let emission = Emission::new(Rgb::splat(radiance), sides).unwrap();
+            let material = Material::lambert(Rgb::BLACK).unwrap().emitting(emission);
+            model.add(material, [Triangle::new(Vec3::from(a), Vec3::from(b), Vec3::from(c))]);
+        };
+        add([[-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [0.0, 1.0, 1.0]], 10.0, Sides::Front);
+        add([[-2.0, -3.0, 0.0], [-2.0, 3.0, 1.0], [-2.0, 0.0, 4.0]], 0.0, Sides::Both);
+        add([[2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 3.0]], 5.0, Sides::Both);
+        add([[30.0, 0.0, 1.0], [30.0, 1.0, 0.0], [30.0, 0.0, 0.0]], 20.0, Sides::Both);
+        let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
+        let emissions = (0..4).map(|i| model.material(i).emission).collect();
+        let emitters = Emitters::of(&model, &triangles);
+        (triangles, emissions, emitters)
+    }
+
+    /// In front of all, beside an edge, in a lamp's plane, on a lamp, behind one, and far away.
+    const PLACES: [DVec3; 6] = [
+        DVec3::ZERO,
+        DVec3::new(1.999, 0.5, -1e-5),
+        DVec3::new(3.0, 1.0, 0.5),
+        DVec3::new(0.0, 1.0, 0.0),
+        DVec3::new(0.1, 2.0, 0.2),
+        DVec3::new(500.0, -700.0, 300.0),
+    ];
+
+    /// What scattering is told of a point that it meets is what sampling would have made of it.
+    #[test]
+    fn the_density_asked_for_is_that_of_the_sample() {
+        let (triangles, emissions, emitters) = lamps();
+        for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
+            for from in PLACES {
+                let lamps = LampSampler { emitters: &emitters, triangles: &triangles, sampling, from };
+                for i in 0..1000 {
+                    let numbers = Stream::new(3, 0, i);
+                    let (choice, u) = (numbers.uniform(0), numbers.uniform_pair(1));
+                    let Some(sample) = lamps.sample(choice, u) else { continue };
+                    let index = emitters.choose(choice).unwrap().0;
+                    let asked = lamps.pdf(index, &sample.point, &emissions[index as usize]);
+                    assert_eq!(asked, sample.pdf, "{sampling:?} {from}");
+                    assert!(sample.pdf.0 > 0.0 && (sample.direction.length() - 1.0).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    /// The mean of one over the density is the solid angle of what emits toward the shaded point.
+    #[test]
+    fn densities_cover_what_is_seen_of_the_lamps() {
+        let (triangles, _, emitters) = lamps();
+        let from = DVec3::ZERO;
+        // The third and the fourth emit on both sides; the first faces the origin.
+        let seen = [0, 2].map(|i| SphericalTriangle::new(triangles.get(i), from).unwrap().solid_angle());
+        // Far away: its area by the cosine over the squared distance, at its centre.
+        let centre = DVec3::new(30.0, 1.0 / 3.0, 1.0 / 3.0);
+        let truth = seen.iter().sum::<f64>() + 0.5 * 30.0 / centre.length().powi(3);
+        for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
+            let lamps = LampSampler { emitters: &emitters, triangles: &triangles, sampling, from };
+            let (mut sum, mut sum_sq, n) = (0.0, 0.0, 2_000_000);
+            for i in 0..n {
+                let numbers = Stream::new(4, 0, i);
+                let sample = lamps.sample(numbers.uniform(0), numbers.uniform_pair(1));
+                let inverse = sample.map_or(0.0, |sample| 1.0 / sample.pdf.0);
+                (sum, sum_sq) = (sum + inverse, sum_sq + inverse * inverse);
+            }
+            let n = f64::from(n);
+            let (mean, std_err) = (sum / n, ((sum_sq / n - (sum / n).powi(2)) / n).sqrt());
+            assert!((mean - truth).abs() < 5.85 * std_err, "{sampling:?}: {mean} +- {std_err}, not {truth}");
+            assert!(5.85 * std_err < 0.01 * truth, "{sampling:?}: {std_err}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! The estimators beside each other, without a reference: light is the same however it is found, in
+//! any structure.
+
+use glam::DVec3;
+use globillum::integrator::{Camera, Estimator, Model, Settings, render};
+use globillum_testkit::accelerators::ACCELERATORS;
+use globillum_testkit::scenes::{self, stare};
+use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT};
+
+const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
+
+/// Every estimator with random numbers of its own and in a structure of its own, which `turn` changes.
+fn assert_agreement(what: &str, turn: usize, model: &Model, camera: &Camera, settings: &Settings) {
+    let structures = &ACCELERATORS[1..];
+    assert_eq!(structures.len(), 3);
+    let mut found = Vec::new();
+    for (i, estimator) in ESTIMATORS.into_iter().enumerate() {
+        let (name, build) = structures[(i + turn) % 3];
+        let mut settings = *settings;
+        (settings.estimator, settings.seed) = (estimator, i as u64);
+        let scene = scenes::scene(model, build);
+        let film = render(&scene, camera, &settings, &()).expect("the scene is good").film;
+        found.push((format!("{estimator:?} in the {name}"), Estimate::of_film(&film, |c| c.g)));
+    }
+    for (i, (name, a)) in found.iter().enumerate() {
+        for (other_name, b) in &found[..i] {
+            let margin = Z_LIMIT * a.std_err.hypot(b.std_err);
+            let pair = format!("{what}, {name} and {other_name}: {a:?}, {b:?}");
+            // As if each were as precise as a test of a mean must be.
+            assert!(margin <= 2.0_f64.sqrt() * PRECISION * a.mean, "too wide: {pair}");
+            assert!((a.mean - b.mean).abs() <= margin + 1e-12 * a.mean, "{pair}");
+        }
+    }
+}
+
+#[test]
+fn estimators_agree_in_pairs() {
+    let from = |target: DVec3| stare(target + DVec3::new(0.1, 0.5, 0.2), target);
+    let floor = from(DVec3::ZERO);
+    let furnace = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
+    let box_floor = stare(DVec3::new(0.4, 0.45, 0.4), DVec3::new(0.3, 0.0, 0.6));
+    let mut settings = Settings::new(64, 64, 64);
+    let cases = [
+        ("C1", scenes::furnace(0.5, 1.0, DVec3::ZERO), furnace, Some(5), 3, 64),
+        ("C2", scenes::furnace(0.5, 1.0, DVec3::ZERO), furnace, None, 0, 64),
+        ("C3", scenes::lamp_over_floor(), floor, Some(1), 3, 64),
+        ("C5", scenes::rectangle_over_floor([0.0, 1.0], [0.0, 1.0], 1.0), floor, Some(1), 3, 192),
+        ("C8", scenes::kaleidoscope(0.5, 0.8), box_floor, None, 64, 64),
+        ("C9", scenes::lamp_beside_mirror(), floor, Some(2), 3, 64),
+        ("C10", scenes::lamp_half_hidden(), floor, Some(1), 3, 128),
+    ];
+    for (turn, (what, model, camera, max_bounces, roulette, samples)) in cases.into_iter().enumerate() {
+        (settings.max_bounces, settings.roulette.start, settings.samples) = (max_bounces, roulette, samples);
+        assert_agreement(what, turn, &model, &camera, &settings);
+    }
+}
