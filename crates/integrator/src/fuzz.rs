@@ -1,5 +1,5 @@
+use crate::Picture;
 use crate::checkpoint::resealed;
-use crate::{CheckpointError, Picture};
 
 /// Reads `bytes` as a checkpoint, as they are and with their checksum made right, which nobody
 /// guesses; returns whether the latter is one.
@@ -18,9 +18,7 @@ fn check_picture(picture: &Picture) -> bool {
     if film.samples() > 0 {
         assert!(film.means().all(|mean| mean.is_finite()));
         assert!(film.variances_of_mean().all(|variance| variance.to_array().iter().all(|&x| x >= 0.0)));
-        let twice = picture.clone().merge(picture.clone());
-        let refused = matches!(twice, Err(CheckpointError::Overlap { .. } | CheckpointError::Mismatch(_)));
-        assert!(refused, "{twice:?}");
+        assert!(picture.clone().merge(picture.clone()).is_err(), "passes count once");
     }
     true
 }
@@ -28,7 +26,7 @@ fn check_picture(picture: &Picture) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Film, Settings};
+    use crate::{CheckpointError, Film, Settings};
 
     #[test]
     fn the_fuzzers_corpus() {
