@@ -5,9 +5,10 @@
 
 mod files;
 
-use files::{Files, glb};
+use files::Files;
 use globillum_geom::Triangle;
 use globillum_io::{LoadMonitor, LoadProgress, Loader};
+use globillum_testkit::bad_input::glb;
 use std::cell::Cell;
 use std::fmt::Write;
 
