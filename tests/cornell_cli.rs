@@ -158,4 +158,8 @@ fn a_render_survives_being_killed() {
     assert!(folder.join("parts").exists(), "none came as far as a first checkpoint");
     succeed("cornell", folder, &[&resume]);
     assert_eq!(read(folder, "parts"), read(folder, "whole"));
+    let names = std::fs::read_dir(folder).expect("it is there").map(|e| e.expect("an entry").file_name());
+    let mut names: Vec<_> = names.collect();
+    names.sort();
+    assert_eq!(names, ["a.exr", "parts", "whole"], "what the killed ones left is gone");
 }
