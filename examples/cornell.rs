@@ -20,8 +20,8 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(version, about)]
 struct Options {
-    /// Which scene: 0 is the box with two blocks, 1 with a statue, 2 with a diffuse and a mirror
-    /// statue under two lamps, 3 with a statue of a million triangles; 4 is a hall of statues
+    /// Which scene: 0 is the box with two blocks, 1 with a knot, 2 with a diffuse and a mirror knot
+    /// under two lamps, 3 with a pine cone of a million triangles; 4 is a hall of statues
     #[arg(long, default_value_t = 0)]
     scene: u32,
     /// Stand this mesh in the box instead of the blocks or the statue; twice for two statues
@@ -36,6 +36,21 @@ struct Options {
     #[command(flatten)]
     render: RenderOptions,
 }
+
+/// Makes a mesh of about so many triangles.
+type Sculpture = fn(usize) -> Vec<Triangle>;
+
+/// What stands in the hall, row by row.
+const HALL: [Sculpture; 8] = [
+    cornell::knot,
+    cornell::pine_cone,
+    cornell::pine_cone,
+    cornell::knot,
+    cornell::knot,
+    cornell::pine_cone,
+    cornell::pine_cone,
+    cornell::knot,
+];
 
 fn main() -> ExitCode {
     report_and_exit(Options::try_parse(), run)
@@ -53,14 +68,17 @@ impl Options {
         let meshes = self.mesh.iter().map(|path| mesh(path)).collect::<Result<Vec<_>>>()?;
         let model = match self.scene {
             0 if meshes.is_empty() => cornell::with_blocks(self.specular)?,
-            0 | 1 => cornell::with_mesh(&self.statues(meshes, 100_000, 1)[0], self.specular)?,
+            0 | 1 => cornell::with_mesh(&self.statues(meshes, [cornell::knot], 100_000)[0], self.specular)?,
             2 => {
-                let statues = self.statues(meshes, 200_000, 2);
+                let statues = self.statues(meshes, [cornell::knot; 2], 200_000);
                 cornell::with_two(&statues[0], statues.last().unwrap_or(&statues[0]))?
             }
-            3 => cornell::with_mesh(&self.statues(meshes, 1_000_000, 1)[0], self.specular)?,
+            3 => {
+                let statues = self.statues(meshes, [cornell::pine_cone], 1_000_000);
+                cornell::with_mesh(&statues[0], self.specular)?
+            }
             4 => {
-                let statues = self.statues(meshes, 1_000_000, 8);
+                let statues = self.statues(meshes, HALL, 1_000_000);
                 return Ok((cornell::hall_with_statues(&statues)?, cornell::hall_camera()?));
             }
             scene => anyhow::bail!("--scene {scene}: there are only scenes 0 to 4"),
@@ -68,10 +86,16 @@ impl Options {
         Ok((model, cornell::camera()?))
     }
 
-    /// The meshes from files, or a statue to be placed `copies` times.
-    fn statues(&self, meshes: Vec<Vec<Triangle>>, triangles: u32, copies: u32) -> Vec<Vec<Triangle>> {
-        let of_each = self.triangles.unwrap_or(triangles) / copies;
-        if meshes.is_empty() { vec![cornell::statue(of_each as usize)] } else { meshes }
+    /// The meshes from files; else sculptures of so many triangles together, if no other number is
+    /// asked for.
+    fn statues<const N: usize>(
+        &self,
+        meshes: Vec<Vec<Triangle>>,
+        sculptures: [Sculpture; N],
+        triangles: u32,
+    ) -> Vec<Vec<Triangle>> {
+        let of_each = self.triangles.unwrap_or(triangles) as usize / N;
+        if meshes.is_empty() { sculptures.map(|sculpture| sculpture(of_each)).into() } else { meshes }
     }
 }
 

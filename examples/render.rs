@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use common::{RenderOptions, report_and_exit, view};
 use globillum::integrator::Camera;
+use globillum::io::Limits;
 use globillum::material::Rgb;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -25,6 +26,10 @@ struct Options {
     /// Radiance that arrives from all around: one number, or one for each of red, green and blue
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, default_value = "0", value_parser = view::parse_colour)]
     environment: Rgb,
+    /// Refuse a scene of more triangles, a mesh counted as often as it is placed; by default more
+    /// than 2^29, or than 2^25 and one for each byte of its files
+    #[arg(long, value_name = "N")]
+    max_triangles: Option<u64>,
     #[command(flatten)]
     render: RenderOptions,
 }
@@ -35,7 +40,11 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<()> {
     let job = options.render.prepare("render.png")?;
-    let loaded = common::load(&options.scene)?;
+    let mut limits = Limits::default();
+    if let Some(triangles) = options.max_triangles {
+        (limits.triangles, limits.instanced) = (triangles, triangles);
+    }
+    let loaded = common::load(&options.scene, limits)?;
     let camera = match options.camera.or(loaded.cameras.first().copied()) {
         Some(camera) => camera,
         None => view::of_all(&loaded.model, options.render.aspect())

@@ -2,7 +2,7 @@
 
 use globillum::geom::Triangle;
 use globillum::glam::{DVec3, Vec3};
-use globillum::integrator::{Model, Monitor, Progress, RenderError, Settings, render};
+use globillum::integrator::{Camera, Model, Monitor, Progress, RenderError, Settings, render};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::{cornell, scenes, shapes};
@@ -76,11 +76,12 @@ fn senseless_settings_are_refused() {
     let camera = cornell::camera().expect("the camera is good");
     let good = Settings::new(2, 2, 1);
     type Spoil = fn(&mut Settings);
-    let spoil: [(&str, Spoil); 7] = [
+    let spoil: [(&str, Spoil); 8] = [
         ("width", |s| s.width = 0),
         ("height", |s| s.height = 0),
         ("samples", |s| s.samples = 0),
         ("width x height", |s| (s.width, s.height) = (1 << 20, 1 << 20)),
+        ("pass_samples", |s| s.pass_samples = 0),
         ("threads", |s| s.threads = 1 << 20),
         ("bounces", |s| s.max_bounces = Some(u32::MAX)),
         ("bounces", |s| s.roulette.start = u32::MAX),
@@ -97,5 +98,26 @@ fn senseless_settings_are_refused() {
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         let scene = scenes::scene(&model, STRUCTURES[0].1);
         assert!(scene.with_environment(Rgb::splat(bad)).is_err());
+    }
+}
+
+/// Rows 86 to 88 of bad input.
+#[test]
+fn cameras_that_see_nothing_are_refused() {
+    let (eye, up) = (DVec3::new(1.0, 2.0, 3.0), DVec3::Y);
+    for fov in [0.0, -1.0, std::f64::consts::PI, f64::NAN, f64::INFINITY] {
+        let error = Camera::look_at(eye, DVec3::ZERO, up, fov).expect_err("it sees nothing, or all");
+        assert!(matches!(error, RenderError::Param { name: "fov_y", .. }), "{error}");
+    }
+    for (target, up) in [
+        (eye, up),
+        (DVec3::splat(f64::NAN), up),
+        (DVec3::splat(f64::INFINITY), up),
+        (DVec3::ZERO, eye),
+        (DVec3::ZERO, DVec3::ZERO),
+        (DVec3::ZERO, DVec3::splat(f64::NAN)),
+    ] {
+        let error = Camera::look_at(eye, target, up, 0.7).expect_err("there is no such view");
+        assert!(matches!(error, RenderError::Camera(_)), "{error}");
     }
 }

@@ -1,12 +1,12 @@
 use super::warn;
 use anyhow::Result;
 use globillum::geom::Triangle;
-use globillum::io::{Loaded, WarningKind};
+use globillum::io::{Limits, Loaded, Loader, WarningKind};
 use std::path::Path;
 
-/// Loads a scene, and says what was passed over.
-pub(crate) fn load(path: &Path) -> Result<Loaded> {
-    let loaded = globillum::io::load(path)?;
+/// Loads a scene within `limits`, and says what was passed over.
+pub(crate) fn load(path: &Path, limits: Limits) -> Result<Loaded> {
+    let loaded = Loader::new().limits(limits).load(path)?;
     loaded.report.warnings.iter().for_each(warn);
     Ok(loaded)
 }

@@ -35,6 +35,8 @@ impl Program {
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
         assert_eq!(message.lines().count(), 1, "{arguments:?}: {message}");
+        let parts: Vec<_> = message.trim_end().split(": ").collect();
+        assert!(parts.windows(2).all(|pair| pair[0] != pair[1]), "said twice: {message}");
         for word in words {
             assert!(message.contains(word), "{arguments:?}: {message}");
         }

@@ -31,6 +31,8 @@ mod emitters;
 mod error;
 mod film;
 mod filter;
+#[cfg(any(test, feature = "fuzz"))]
+mod fuzz;
 mod hash;
 mod key;
 mod lamp;
@@ -54,6 +56,8 @@ pub use emitters::Emitters;
 pub use error::RenderError;
 pub use film::{Film, ImageError};
 pub use filter::PixelFilter;
+#[cfg(any(test, feature = "fuzz"))]
+pub use fuzz::check_checkpoint;
 pub use lamp::LightSampling;
 pub use model::{MaterialId, Model};
 pub use monitor::{Monitor, Progress};

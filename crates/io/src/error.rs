@@ -1,4 +1,5 @@
 use crate::Location;
+use crate::plain::plain;
 use globillum_integrator::RenderError;
 use globillum_material::MaterialError;
 use std::error::Error as StdError;
@@ -9,12 +10,13 @@ use thiserror::Error;
 /// Why a file could not be loaded or written.
 ///
 /// Messages are one line that starts with the file and the place in it, the way compilers write
-/// it: a command-line program can print them as they are.
+/// it: a command-line program can print them as they are. Whatever names a file holds, control
+/// characters in them are escaped.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum IoError {
     /// The file could not be read.
-    #[error("{}: can not be read: {source}", path.display())]
+    #[error("{}: can not be read: {source}", plain(path.display()))]
     Read {
         /// The file.
         path: PathBuf,
@@ -22,13 +24,13 @@ pub enum IoError {
         source: io::Error,
     },
     /// Not a file but a folder, a pipe or a device.
-    #[error("{}: is not a regular file", path.display())]
+    #[error("{}: is not a regular file", plain(path.display()))]
     NotRegularFile {
         /// What is not a file.
         path: PathBuf,
     },
     /// The extension names no scene format that can be read.
-    #[error("{}: unknown scene format; supported are {supported}", path.display())]
+    #[error("{}: unknown scene format; supported are {supported}", plain(path.display()))]
     UnknownScene {
         /// The file.
         path: PathBuf,
@@ -46,7 +48,7 @@ pub enum IoError {
         limit: u64,
     },
     /// A statement or a structure is malformed.
-    #[error("{at}: {message}")]
+    #[error("{at}: {}", plain(message))]
     Parse {
         /// Where.
         at: Location,
@@ -60,7 +62,7 @@ pub enum IoError {
         at: Location,
     },
     /// A number outside the range in which a scene can be traced.
-    #[error("{at}: {message}")]
+    #[error("{at}: {}", plain(message))]
     Domain {
         /// Where.
         at: Location,
@@ -81,7 +83,7 @@ pub enum IoError {
     },
     /// A glTF accessor, its view or its buffer contradicts the data, or is of a type that its use
     /// does not allow.
-    #[error("{at}: {message}")]
+    #[error("{at}: {}", plain(message))]
     Accessor {
         /// Which.
         at: Location,
@@ -89,7 +91,7 @@ pub enum IoError {
         message: String,
     },
     /// A file asks for another one outside its own folder.
-    #[error("{at}: `{name}` is not within the file's own folder")]
+    #[error("{at}: `{}` is not within the file's own folder", plain(name))]
     PathEscape {
         /// Where it asks.
         at: Location,
@@ -113,7 +115,7 @@ pub enum IoError {
         scheme: String,
     },
     /// A glTF of a version that is not read.
-    #[error("{at}: glTF version {version} is not supported, only 2.0")]
+    #[error("{at}: glTF version {} is not supported, only 2.0", plain(version))]
     Version {
         /// The file.
         at: Location,
@@ -121,7 +123,7 @@ pub enum IoError {
         version: String,
     },
     /// An extension without which the file can not be read, and which is not known.
-    #[error("{at}: extension `{extension}` is required and not supported")]
+    #[error("{at}: extension `{}` is required and not supported", plain(extension))]
     Unsupported {
         /// The file.
         at: Location,
@@ -141,7 +143,7 @@ pub enum IoError {
         at: Location,
     },
     /// A material reflects or emits what no surface can.
-    #[error("{at}: material `{name}`: {source}")]
+    #[error("{at}: material `{}`: {source}", plain(name))]
     Material {
         /// Where the material begins.
         at: Location,
@@ -159,26 +161,26 @@ pub enum IoError {
         source: RenderError,
     },
     /// A scene without a single triangle that could be hit.
-    #[error("{}: has no triangles", path.display())]
+    #[error("{}: has no triangles", plain(path.display()))]
     Empty {
         /// The file.
         path: PathBuf,
     },
     /// The monitor asked to stop.
-    #[error("{}: loading was cancelled", path.display())]
+    #[error("{}: loading was cancelled", plain(path.display()))]
     Cancelled {
         /// The file.
         path: PathBuf,
     },
     /// The extension names no picture format that can be written.
-    #[error("{}: unknown picture format; supported are .png and .exr", path.display())]
+    #[error("{}: unknown picture format; supported are .png and .exr", plain(path.display()))]
     UnknownFormat {
         /// The file.
         path: PathBuf,
     },
     /// The file could not be written. What was there before is still there, unless all that failed
     /// was to force the folder's names to disk at the very end.
-    #[error("{}: can not be written: {source}", path.display())]
+    #[error("{}: can not be written: {source}", plain(path.display()))]
     Write {
         /// The file.
         path: PathBuf,
@@ -186,7 +188,7 @@ pub enum IoError {
         source: io::Error,
     },
     /// The picture could not be encoded; what was there before is still there.
-    #[error("{}: can not be encoded: {source}", path.display())]
+    #[error("{}: can not be encoded: {source}", plain(path.display()))]
     Encode {
         /// The file.
         path: PathBuf,

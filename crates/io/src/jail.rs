@@ -23,6 +23,12 @@ impl<'a> Jail<'a> {
         self.read(self.scene)
     }
 
+    /// Bytes of all files that were read.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn bytes_read(&self) -> u64 {
+        self.limit - self.bytes_left
+    }
+
     /// Where the file `name` lies, which is asked for `at` a place of the scene.
     pub(crate) fn resolve(&self, name: &str, at: &Location) -> Result<PathBuf, IoError> {
         let escape = || IoError::PathEscape { at: at.clone(), name: name.into() };

@@ -43,6 +43,7 @@ mod location;
 mod obj;
 #[cfg(feature = "images")]
 mod picture;
+mod plain;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod report;
 #[cfg(feature = "images")]

@@ -10,8 +10,12 @@
 pub struct Limits {
     /// Bytes of all files that a scene consists of, together: 2 GiB.
     pub bytes: u64,
-    /// Triangles, a mesh counted as often as it is placed: 2^29.
+    /// Triangles, a mesh counted as often as it is placed: 2^29. In memory, a triangle with its
+    /// material takes 40 bytes.
     pub triangles: u64,
+    /// Triangles beyond one for each byte of the files, so many of which only placing the same
+    /// mesh again can make: 2^25. This bounds what a small file can ask for, at 1.3 GB.
+    pub instanced: u64,
     /// Materials: 65,536.
     pub materials: u64,
     /// Bytes in a line of OBJ or MTL: 16 MiB.
@@ -29,6 +33,7 @@ impl Default for Limits {
         Self {
             bytes: 2 << 30,
             triangles: 1 << 29,
+            instanced: 1 << 25,
             materials: 65_536,
             line_bytes: 16 << 20,
             polygon_corners: 65_536,

@@ -57,16 +57,18 @@ impl<'a> Loading<'a> {
         self.model.set_material(id, material);
     }
 
-    /// Makes room for `count` triangles in all, if so many are allowed.
+    /// Refuses to go on if there are to be more triangles than are allowed.
     #[cfg(feature = "gltf")]
-    pub(crate) fn reserve(&mut self, count: u64) -> Result<(), IoError> {
-        let limit = self.limits.triangles;
-        if count > limit {
-            let at = self.at(Place::File);
-            return Err(IoError::TooLarge { at, what: "triangles", limit });
+    pub(crate) fn check_triangles(&self, count: u64) -> Result<(), IoError> {
+        let too_large = |what, limit| Err(IoError::TooLarge { at: self.at(Place::File), what, limit });
+        let Limits { triangles, instanced, .. } = *self.limits;
+        if count > triangles {
+            return too_large("triangles", triangles);
         }
-        let more = (count as usize).saturating_sub(self.model.triangles().len());
-        self.try_grow(more)
+        if count.saturating_sub(self.jail.bytes_read()) > instanced {
+            return too_large("triangles made by placing meshes again", instanced);
+        }
+        Ok(())
     }
 
     /// Makes room for so many triangles more.

@@ -1,3 +1,4 @@
+use crate::plain::plain;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -44,7 +45,7 @@ impl Place {
 
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let path = self.path.display();
+        let path = plain(self.path.display());
         let (array, index) = match self.place {
             Place::File => return write!(f, "{path}"),
             Place::Line(line) => return write!(f, "{path}:{line}"),

@@ -1,3 +1,4 @@
+use crate::plain::plain;
 use crate::{Location, Place};
 use std::fmt;
 use std::path::Path;
@@ -80,7 +81,7 @@ pub enum WarningKind {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.at, self.kind)
+        write!(f, "{}: {}", self.at, plain(&self.kind))
     }
 }
 

@@ -5,12 +5,13 @@
 
 mod files;
 
-use files::{Files, floats, glb};
+use files::{Files, floats};
 use glam::{DVec3, Vec3};
 use globillum_geom::Triangle;
 use globillum_integrator::Camera;
 use globillum_io::{LoadMonitor, LoadProgress, Loaded, Loader, Place, WarningKind};
 use globillum_material::{Emission, Material, Rgb, Sides};
+use globillum_testkit::bad_input::glb;
 use serde_json::{Value, json};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};

@@ -2,14 +2,17 @@
 //! since it counts what is allocated.
 #![cfg(all(feature = "obj", feature = "gltf"))]
 #![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::print_stderr, reason = "figures are printed for those who ask")]
 
 mod files;
 
-use files::{Files, glb};
+use files::Files;
 use globillum_geom::Triangle;
 use globillum_io::{LoadMonitor, LoadProgress, Loader};
+use globillum_testkit::bad_input::glb;
 use std::cell::Cell;
 use std::fmt::Write;
+use std::time::Instant;
 
 /// Bytes that a triangle takes in a model, with its material's number.
 const TRIANGLE_BYTES: usize = size_of::<Triangle>() + size_of::<u32>();
@@ -29,11 +32,11 @@ impl LoadMonitor for Reports {
 }
 
 /// Loads `content` as `name` and returns the most bytes that were allocated at once, beyond those
-/// of the triangles, as a multiple of the file's.
+/// of the triangles, as a multiple of the file's. Also prints it.
 fn overhead(name: &str, content: &[u8], triangles: usize) -> f64 {
     let files = Files::new(&[(name, content)]);
     let reports = Reports::default();
-    let mut loaded = None;
+    let (mut loaded, start) = (None, Instant::now());
     let allocated = allocation_counter::measure(|| {
         loaded = Some(Loader::new().monitor(&reports).load(&files.path(name)).unwrap());
     });
@@ -41,7 +44,14 @@ fn overhead(name: &str, content: &[u8], triangles: usize) -> f64 {
     assert!(reports.count.get() > 2, "{name}: hardly a report");
     let last = reports.last.get().unwrap();
     assert_eq!(last.done, last.total);
-    (allocated.bytes_max as f64 - (triangles * TRIANGLE_BYTES) as f64) / content.len() as f64
+    let times = (allocated.bytes_max as f64 - (triangles * TRIANGLE_BYTES) as f64) / content.len() as f64;
+    eprintln!(
+        "{name}: {triangles} triangles, {:.1} MB, {:.2} s, {} reports, {times:.2} times the file",
+        content.len() as f64 / 1e6,
+        start.elapsed().as_secs_f64(),
+        reports.count.get(),
+    );
+    times
 }
 
 /// A sheet of `side` times `side` squares, two triangles each.

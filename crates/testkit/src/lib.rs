@@ -4,6 +4,7 @@
 pub mod accelerators;
 pub mod accuracy;
 pub mod aimed;
+pub mod bad_input;
 pub mod chi_square;
 pub mod cornell;
 pub mod exact;

@@ -45,6 +45,12 @@ impl Moments {
         *self = if before == 0 { one } else { self.joined(before, &one, 1) };
     }
 
+    /// Whether samples can add up to this: finite numbers, and no spread below zero.
+    pub(crate) fn are_possible(&self) -> bool {
+        let spread = self.spread.to_array();
+        self.sum.is_finite() && self.spread.is_finite() && spread.into_iter().all(|x| x >= 0.0)
+    }
+
     pub(crate) fn mean(&self, tally: Tally) -> Rgb {
         if tally.samples == 0 { Rgb::BLACK } else { self.sum / tally.samples as f64 }
     }

@@ -23,16 +23,16 @@ pub(super) fn add_all(
     let mut total = 0_u64;
     for Placed { node, .. } in placed {
         let Some(mesh) = document.nodes[*node].mesh else { continue };
-        let primitives = meshes.open(mesh, *node, &reader, loading)?;
-        total = primitives.iter().map(Primitive::triangle_count).fold(total, u64::saturating_add);
+        total = total.saturating_add(meshes.open(mesh, *node, &reader, loading)?.triangles);
         // Many nodes may place one mesh: the sum is watched, not only its parts.
-        loading.reserve(total)?;
+        loading.check_triangles(total)?;
     }
+    loading.try_grow(total as usize)?;
     meshes.warn(loading);
     let mut done = 0;
     for Placed { node, world } in placed {
         let mesh = document.nodes[*node].mesh.and_then(|mesh| meshes.opened.get(&mesh));
-        for primitive in mesh.into_iter().flatten() {
+        for primitive in mesh.into_iter().flat_map(|mesh| &mesh.primitives) {
             let material = materials.get(primitive.material, primitive.place, loading)?;
             for index in 0..primitive.triangle_count() {
                 let triangle = place(primitive.triangle(index, loading)?, world, *node, loading)?;
@@ -62,10 +62,17 @@ fn place(
     Ok(if mirrored { Triangle::new(a, c, b) } else { Triangle::new(a, b, c) })
 }
 
+/// The primitives that have triangles, and how many together.
+#[derive(Default)]
+struct Mesh<'a> {
+    primitives: Vec<Primitive<'a>>,
+    triangles: u64,
+}
+
 /// Meshes that nodes place, each opened once.
 #[derive(Default)]
 struct Meshes<'a> {
-    opened: HashMap<u32, Vec<Primitive<'a>>>,
+    opened: HashMap<u32, Mesh<'a>>,
     /// Where first, and how many: primitives of points or lines, vertices left over, normals.
     skipped: Option<(Place, usize)>,
     left_over: Option<(Place, usize)>,
@@ -80,7 +87,7 @@ impl<'a> Meshes<'a> {
         node: usize,
         reader: &Reader<'a>,
         loading: &mut Loading<'_>,
-    ) -> Result<&[Primitive<'a>], IoError> {
+    ) -> Result<&Mesh<'a>, IoError> {
         if reader.document.nodes[node].skin.is_some() {
             self.posed.get_or_insert(Place::Node(node));
         }
@@ -92,7 +99,7 @@ impl<'a> Meshes<'a> {
                 count: all.len(),
                 what: "meshes",
             })?;
-            let mut primitives = Vec::new();
+            let mut opened = Mesh::default();
             for (index, json) in json.primitives.iter().enumerate() {
                 let place = Place::Primitive { mesh: mesh as usize, primitive: index };
                 match primitive::open(json, place, reader, loading)? {
@@ -100,11 +107,15 @@ impl<'a> Meshes<'a> {
                     Opened::NoPositions => loading.warn(place, WarningKind::NoPositions),
                     Opened::Triangles(primitive) => {
                         self.note(json, &primitive, place);
-                        primitives.push(*primitive);
+                        let triangles = primitive.triangle_count();
+                        opened.triangles = opened.triangles.saturating_add(triangles);
+                        if triangles > 0 {
+                            opened.primitives.push(*primitive);
+                        }
                     }
                 }
             }
-            self.opened.insert(mesh, primitives);
+            self.opened.insert(mesh, opened);
         }
         Ok(&self.opened[&mesh])
     }

@@ -5,7 +5,7 @@ use globillum_geom::Triangle;
 const TOLERANCE: f64 = 1e-6;
 
 /// Whether the polygon that was cut into `fan` is convex. A bent one counts as convex if its
-/// shadow on its mean plane is.
+/// shadow on its mean plane is; one without area, since nothing of it is left, too.
 pub(super) fn is_convex(fan: &[Triangle]) -> bool {
     if fan.len() < 2 {
         return true;
@@ -15,6 +15,11 @@ pub(super) fn is_convex(fan: &[Triangle]) -> bool {
         (b - a).cross(c - a)
     });
     let whole: DVec3 = areas.clone().sum();
+    let covered: f64 = areas.clone().map(DVec3::length).sum();
+    // What crosses itself may have as much area one way round as the other.
+    if whole.length() <= TOLERANCE * covered {
+        return covered == 0.0;
+    }
     let turns_back = |area: DVec3| area.dot(whole) < -TOLERANCE * whole.length_squared();
     // A star turns alike at all corners, but its fan folds over; a dart has it the other way round.
     !areas.chain(turns(fan)).any(turns_back)
@@ -44,7 +49,8 @@ mod tests {
     #[test]
     fn darts_bow_ties_and_stars_are_not_convex() {
         let star = [0.0, 144.0, 288.0, 72.0, 216.0_f32].map(|a| a.to_radians().sin_cos().into());
-        let odd: [&[[f32; 2]]; 4] = [
+        let odd: [&[[f32; 2]]; 5] = [
+            &[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]],
             &[[0.0, 0.0], [2.0, 2.0], [0.0, 1.0], [-2.0, 2.0]],
             &[[2.0, 2.0], [0.0, 1.0], [-2.0, 2.0], [0.0, 0.0]],
             &[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 1.0]],
@@ -58,7 +64,8 @@ mod tests {
     #[test]
     fn squares_regular_polygons_and_straight_corners_are_convex() {
         let decagon = std::array::from_fn::<_, 10, _>(|i| (36.0 * i as f32).to_radians().sin_cos().into());
-        let even: [&[[f32; 2]]; 4] = [
+        let even: [&[[f32; 2]]; 5] = [
+            &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]],
             &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]],
             &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
             &[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],

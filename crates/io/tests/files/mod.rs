@@ -32,25 +32,6 @@ impl Files {
     }
 }
 
-/// A .glb of that JSON and that binary chunk.
-pub(crate) fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
-    let mut chunks = Vec::new();
-    for (kind, content, padding) in [(b"JSON", json.as_bytes(), b' '), (b"BIN\0", binary, 0)] {
-        if !content.is_empty() {
-            let length = content.len().next_multiple_of(4);
-            chunks.extend((length as u32).to_le_bytes());
-            chunks.extend(kind);
-            chunks.extend(content);
-            chunks.resize(chunks.len() + length - content.len(), padding);
-        }
-    }
-    let mut file = b"glTF".to_vec();
-    file.extend(2_u32.to_le_bytes());
-    file.extend((chunks.len() as u32 + 12).to_le_bytes());
-    file.extend(chunks);
-    file
-}
-
 /// Little-endian bytes.
 pub(crate) fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()

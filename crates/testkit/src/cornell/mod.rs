@@ -3,6 +3,7 @@
 //! Two units wide, high and deep around the origin, open toward +z, whence the camera looks.
 
 mod hall;
+mod sculptures;
 mod statues;
 
 use crate::shapes::{cuboid, quad};
@@ -12,7 +13,8 @@ use globillum_integrator::{Camera, Model, RenderError};
 use globillum_material::{Material, MaterialError, Rgb};
 
 pub use hall::{camera as hall_camera, with_statues as hall_with_statues};
-pub use statues::{statue, with_two};
+pub use sculptures::{knot, pine_cone};
+pub use statues::with_two;
 
 const WHITE: Rgb = Rgb::splat(0.73);
 const RED: Rgb = Rgb::new(0.63, 0.065, 0.05);

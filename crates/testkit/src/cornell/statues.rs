@@ -1,5 +1,4 @@
 use super::{CLAY, SILVER, lamp, stand, walls};
-use crate::shapes;
 use glam::DVec3;
 use globillum_geom::Triangle;
 use globillum_integrator::Model;
@@ -7,11 +6,6 @@ use globillum_material::{Material, MaterialError, Rgb};
 
 const WARM: Rgb = Rgb::new(24.0, 13.0, 4.0);
 const COOL: Rgb = Rgb::new(5.0, 11.0, 22.0);
-
-/// A closed mesh that is pleasant to look at, of about so many triangles.
-pub fn statue(triangles: usize) -> Vec<Triangle> {
-    shapes::statue(triangles).triangles()
-}
 
 /// The box with two meshes, the left one diffuse, the right one a mirror, under a warm and a cool
 /// lamp.

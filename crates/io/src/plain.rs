@@ -1,0 +1,38 @@
+use std::fmt::{self, Display, Write};
+
+/// Text that a file or a person chose, as it goes into a message: control characters are escaped,
+/// so that it can neither break a line nor steer a terminal.
+pub(crate) fn plain<T: Display>(text: T) -> impl Display {
+    Plain(text)
+}
+
+struct Plain<T>(T);
+
+impl<T: Display> Display for Plain<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(Escaping(f), "{}", self.0)
+    }
+}
+
+struct Escaping<'a, 'b>(&'a mut fmt::Formatter<'b>);
+
+impl Write for Escaping<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        text.chars().try_for_each(|c| self.write_char(c))
+    }
+
+    fn write_char(&mut self, c: char) -> fmt::Result {
+        if c.is_control() { write!(self.0, "{}", c.escape_default()) } else { self.0.write_char(c) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_control_characters_are_escaped() {
+        assert_eq!(plain("a \\ `b` é ü.obj").to_string(), "a \\ `b` é ü.obj");
+        assert_eq!(plain("a\nb\r\t\u{1b}[2J\0\u{85}").to_string(), r"a\nb\r\t\u{1b}[2J\u{0}\u{85}");
+    }
+}

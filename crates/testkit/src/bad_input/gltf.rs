@@ -1,0 +1,258 @@
+//! Rows 42 to 74: glTF.
+
+use super::{Case, Content, Outcome, loaded, refused};
+use std::fmt::Write;
+
+/// A triangle; each row replaces some of its text.
+pub(super) const TRIANGLE: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"mode":4}]}],
+"accessors":[{"bufferView":0,"byteOffset":0,"componentType":5126,"count":3,"type":"VEC3"},
+{"bufferView":1,"componentType":5121,"count":3,"type":"SCALAR"}],
+"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":3}],
+"buffers":[{"byteLength":39}]}"#;
+
+/// The binary chunk of [`TRIANGLE`].
+pub(super) fn binary() -> Vec<u8> {
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    corners.into_iter().flat_map(f32::to_le_bytes).chain([0, 1, 2]).collect()
+}
+
+/// A .glb of that JSON and that binary chunk.
+pub fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
+    let mut chunks = Vec::new();
+    for (kind, content, padding) in [(b"JSON", json.as_bytes(), b' '), (b"BIN\0", binary, 0)] {
+        if !content.is_empty() {
+            let length = content.len().next_multiple_of(4);
+            chunks.extend((length as u32).to_le_bytes());
+            chunks.extend(kind);
+            chunks.extend(content);
+            chunks.resize(chunks.len() + length - content.len(), padding);
+        }
+    }
+    let mut file = b"glTF".to_vec();
+    file.extend(2_u32.to_le_bytes());
+    file.extend((chunks.len() as u32 + 12).to_le_bytes());
+    file.extend(chunks);
+    file
+}
+
+/// The triangle with `from` replaced once by `to`.
+pub(super) fn but(row: u32, from: &str, to: &str, outcome: Outcome) -> Case {
+    let json = TRIANGLE.replacen(from, to, 1);
+    assert_ne!(json, TRIANGLE, "{from} is not there");
+    Case::new(row, "a.glb", glb(&json, &binary()), outcome)
+}
+
+fn bad(row: u32, from: &str, to: &str, kind: &'static str, message: &str) -> Case {
+    but(row, from, to, refused(kind, format!("a.glb: {message}")))
+}
+
+pub(super) fn cases() -> Vec<Case> {
+    let good = Case::new(42, "a.glb", glb(TRIANGLE, &binary()), loaded(&[]));
+    [vec![good], headers(), accessors(), primitives(), uris(), nodes(), extensions(), sparse(), containers()]
+        .concat()
+}
+
+fn headers() -> Vec<Case> {
+    let text = |row, json: &str, message: &str| {
+        Case::new(row, "a.gltf", json, refused("Parse", format!("a.gltf:{message}")))
+    };
+    let version = |row, asset: &str, version: &str| {
+        let message = format!("glTF version {version} is not supported, only 2.0");
+        bad(row, r#""version":"2.0""#, asset, "Version", &message)
+    };
+    vec![
+        text(42, "", "1: column 0: EOF while parsing a value"),
+        text(43, &TRIANGLE[..200], "3: column 36: EOF while parsing a string"),
+        text(44, "# not JSON", "1: column 1: expected value"),
+        text(44, "{}", "1: column 2: missing field `asset`"),
+        version(45, r#""version":"1.0""#, "1.0"),
+        version(45, r#""version":"1.0\n\u001b[2J""#, r"1.0\n\u{1b}[2J"),
+        version(46, r#""version":"2.0","minVersion":"3.1""#, "3.1"),
+        but(46, r#""2.0""#, r#""2.1","minVersion":"2.0""#, loaded(&[])),
+    ]
+}
+
+fn accessors() -> Vec<Case> {
+    let accessor = |row, from: &str, to: &str, message: &str| bad(row, from, to, "Accessor", message);
+    let (count, offset) = (r#"5126,"count":3"#, r#""byteOffset":0,"componentType""#);
+    let (length, bytes) = (r#""byteLength":36"#, r#"[{"byteLength":39"#);
+    let beyond = "elements reach beyond the buffer view";
+    let (huge, last) = ("9223372036854775808", "18446744073709551615");
+    let nowhere = r#""bufferView":0,"byteOffset":0,"#;
+    let endless = format!(r#""componentType":5126,"count":{huge}"#);
+    vec![
+        accessor(47, r#""POSITION":0"#, r#""POSITION":9"#, "accessors[9]: does not exist, there are 2"),
+        accessor(48, count, &format!(r#"5126,"count":{huge}"#), &format!("accessors[0]: {huge} {beyond}")),
+        bad(
+            48,
+            &format!(r#"{nowhere}"componentType":{count}"#),
+            &endless,
+            "TooLarge",
+            "accessors[0]: more than 8388608 elements without a buffer view",
+        ),
+        bad(48, nowhere, "", "Empty", "has no triangles"),
+        accessor(
+            49,
+            offset,
+            &format!(r#""byteOffset":{last},"componentType""#),
+            &format!("accessors[0]: 3 {beyond}"),
+        ),
+        accessor(50, length, r#""byteLength":40"#, "bufferViews[0]: reaches beyond its buffer"),
+        accessor(
+            50,
+            r#""byteOffset":36"#,
+            &format!(r#""byteOffset":{last}"#),
+            "bufferViews[1]: reaches beyond its buffer",
+        ),
+        accessor(
+            50,
+            length,
+            r#""byteLength":36,"byteStride":8"#,
+            "accessors[0]: a stride of 8 is less than an element of 12 bytes",
+        ),
+        accessor(51, bytes, r#"[{"byteLength":41"#, "buffers[0]: has 40 bytes instead of 41"),
+        accessor(52, "VEC3", "SCALAR", "accessors[0]: positions must be VEC3 of floats"),
+        accessor(53, "5126", "5123", "accessors[0]: positions must be VEC3 of floats"),
+        accessor(54, "5121", "5126", "accessors[1]: indices must be SCALAR of unsigned integers"),
+    ]
+}
+
+fn primitives() -> Vec<Case> {
+    let index = |message: &str| format!("{message} refers to none of the");
+    let mode = r#""mode":4"#;
+    let points = "a.glb: meshes[0].primitives[1]: primitives of points or lines skipped: 1";
+    vec![
+        bad(
+            55,
+            r#"5126,"count":3"#,
+            r#"5126,"count":2"#,
+            "Index",
+            &format!("{} 2 vertices", index("accessors[1]: index 2")),
+        ),
+        bad(
+            55,
+            mode,
+            r#""material":3"#,
+            "Index",
+            &format!("{} 0 materials", index("meshes[0].primitives[0]: index 3")),
+        ),
+        bad(56, mode, r#""mode":7"#, "Parse", "meshes[0].primitives[0]: mode 7 is not known"),
+        but(56, r#""mode":4}"#, r#""mode":4},{"attributes":{"POSITION":0},"mode":0}"#, loaded(&[points])),
+        but(56, mode, r#""mode":5"#, loaded(&[])),
+        but(56, mode, r#""mode":6"#, loaded(&[])),
+    ]
+}
+
+fn uris() -> Vec<Case> {
+    let uri = |row, uri: &str, kind, message: &str| {
+        let buffer = format!(r#"[{{"uri":"{uri}","byteLength":39"#);
+        bad(row, r#"[{"byteLength":39"#, &buffer, kind, &format!("buffers[0]: {message}"))
+    };
+    let outside = |name: &str| format!("`{name}` is not within the file's own folder");
+    vec![
+        uri(57, "%FF.bin", "Uri", "malformed URI: is not UTF-8"),
+        uri(58, "../x.bin", "PathEscape", &outside("../x.bin")),
+        uri(58, "%2e%2e/x.bin", "PathEscape", &outside("../x.bin")),
+        uri(59, "/etc/passwd", "PathEscape", &outside("/etc/passwd")),
+        uri(60, "file:///etc/hosts", "Scheme", "URIs of scheme `file:` are not followed"),
+        uri(61, "http://a/b.bin", "Scheme", "URIs of scheme `http:` are not followed"),
+    ]
+}
+
+fn nodes() -> Vec<Case> {
+    let nodes = |row, graph: &str, kind, message: &str| bad(row, r#"[{"mesh":0}]"#, graph, kind, message);
+    let scaled = |x: &str| format!(r#"[{{"mesh":0,"matrix":[{x},0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}}]"#);
+    let (own, two) = ("is its own ancestor", "has more than one parent");
+    let limit = "1.152921504606847e18";
+    let mut chain = String::from("[");
+    for child in 1..1_000_000 {
+        write!(chain, r#"{{"children":[{child}]}},"#).expect("memory can be written to");
+    }
+    chain.push_str(r#"{"mesh":0}]"#);
+    vec![
+        nodes(62, r#"[{"mesh":0,"children":[0]}]"#, "Cycle", &format!("nodes[0]: {own}")),
+        nodes(62, r#"[{"mesh":0},{"children":[2]},{"children":[1]}]"#, "Cycle", &format!("nodes[1]: {own}")),
+        nodes(62, r#"[{"mesh":7}]"#, "Index", "nodes[0]: index 7 refers to none of the 1 meshes"),
+        nodes(62, r#"[{"children":[7]}]"#, "Index", "nodes[0]: index 7 refers to none of the 1 nodes"),
+        nodes(63, r#"[{"children":[1,1]},{"mesh":0}]"#, "NotATree", &format!("nodes[1]: {two}")),
+        nodes(63, r#"[{"mesh":0},{"children":[0]}]"#, "NotATree", &format!("nodes[0]: {two}")),
+        but(64, r#"[{"mesh":0}]"#, &chain, loaded(&[])),
+        nodes(65, &scaled("0"), "Domain", "nodes[0]: the matrix can not be inverted"),
+        nodes(
+            66,
+            &scaled("1e300"),
+            "Domain",
+            &format!("nodes[0]: transform has 1e300, which is beyond {limit}"),
+        ),
+        nodes(
+            66,
+            r#"[{"mesh":0,"scale":[1e18,1,1],"translation":[1e18,0,0]}]"#,
+            "Domain",
+            "nodes[0]: coordinate 2e18 is beyond 1.1529215e18",
+        ),
+        nodes(
+            66,
+            r#"[{"scale":[1e18,1,1],"children":[1]},{"mesh":0,"scale":[2,1,1]}]"#,
+            "Domain",
+            &format!("nodes[1]: transform has 2e18, which is beyond {limit}"),
+        ),
+    ]
+}
+
+fn extensions() -> Vec<Case> {
+    let required = |row, extension: &str| {
+        let required = format!(r#","extensionsRequired":["{extension}"],"scene""#);
+        let message = format!("extension `{extension}` is required and not supported");
+        bad(row, r#","scene""#, &required, "Unsupported", &message)
+    };
+    let used = r#","extensionsUsed":["KHR_lights_punctual"],"scene""#;
+    vec![
+        required(67, "VENDOR_magic"),
+        required(68, "KHR_draco_mesh_compression"),
+        required(68, "EXT_meshopt_compression"),
+        but(67, r#","scene""#, used, loaded(&["a.glb: extension `KHR_lights_punctual` ignored"])),
+    ]
+}
+
+fn sparse() -> Vec<Case> {
+    let sparse = |row, all: u32, count: u32, outcome| {
+        let to = format!(
+            r#""count":{all},"type":"VEC3","sparse":{{"count":{count},"indices":{{"bufferView":1,
+            "componentType":5121}},"values":{{"bufferView":0}}}}"#
+        );
+        but(row, r#""count":3,"type":"VEC3""#, &to, outcome)
+    };
+    let accessor = |message: &str| refused("Accessor", format!("a.glb: accessors[0]: {message}"));
+    vec![
+        sparse(69, 2, 3, accessor("sparse index 2 is beyond its 2 elements")),
+        sparse(70, 3, 4, accessor("4 elements reach beyond the buffer view")),
+        sparse(70, 3, 3, loaded(&[])),
+    ]
+}
+
+fn containers() -> Vec<Case> {
+    let image = |row, image: &str, message: &str| {
+        let images = format!(r#","images":[{image}],"scene""#);
+        bad(row, r#","scene""#, &images, "Parse", &format!("images[0]: {message}"))
+    };
+    let good = glb(TRIANGLE, &binary());
+    let changed = |row, at: usize, value: u32, kind, message: &str| {
+        let mut bytes = good.clone();
+        bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+        Case::new(row, "a.glb", bytes, refused(kind, format!("a.glb: {message}")))
+    };
+    let length = good.len() as u32;
+    let wrong_length = format!("has {length} bytes, but its header says {}", length + 1);
+    let cut_off = refused("Parse", "a.glb: the header is cut off");
+    vec![
+        image(71, "{}", "has neither a URI nor a buffer view"),
+        image(72, r#"{"bufferView":0}"#, "lies in a buffer view and has no MIME type"),
+        changed(73, 12, 0, "Parse", "a chunk is empty"),
+        changed(74, 8, length + 1, "Parse", &wrong_length),
+        changed(74, 12, length, "Parse", "a chunk is cut off"),
+        changed(74, 16, 0, "Parse", "the first chunk is not JSON"),
+        changed(74, 4, 1, "Version", "glTF version 1 is not supported, only 2.0"),
+        Case::new(74, "a.glb", b"glTF\x02\0", cut_off).beside("b.bin", Content::Bytes(Vec::new())),
+    ]
+}
