@@ -9,18 +9,38 @@ pub struct Truth {
     means: Vec<Rgb>,
     /// Of each mean; zero where it is exact.
     variances: Vec<Rgb>,
+    /// Which pixels count.
+    counted: Vec<bool>,
 }
 
 impl Truth {
     /// Known in closed form, pixel by pixel.
     pub fn exact(means: Vec<Rgb>) -> Self {
-        let variances = vec![Rgb::BLACK; means.len()];
-        Self { means, variances }
+        let (variances, counted) = (vec![Rgb::BLACK; means.len()], vec![true; means.len()]);
+        Self { means, variances, counted }
     }
 
     /// Known by a long run: the film's means, and their variances as the film tells them.
     pub fn of_film(film: &Film) -> Self {
-        Self { means: film.means().collect(), variances: film.variances_of_mean().collect() }
+        let means: Vec<Rgb> = film.means().collect();
+        let counted = vec![true; means.len()];
+        Self { means, variances: film.variances_of_mean().collect(), counted }
+    }
+
+    /// Lets only those pixels count for which `counted` says so.
+    ///
+    /// # Panics
+    /// Unless there is an entry for every pixel, and one of them counts.
+    #[must_use]
+    pub fn counting(self, counted: Vec<bool>) -> Self {
+        assert_eq!(counted.len(), self.means.len(), "an entry for every pixel");
+        assert!(counted.contains(&true), "a pixel counts");
+        Self { counted, ..self }
+    }
+
+    /// Those of some numbers, one for each pixel, that count.
+    fn of_counted<'a, T: 'a>(&'a self, all: impl Iterator<Item = T> + 'a) -> impl Iterator<Item = T> + 'a {
+        all.zip(&self.counted).filter_map(|(x, counted)| counted.then_some(x))
     }
 
     /// The radiance of every pixel, row by row from the top.
@@ -28,14 +48,26 @@ impl Truth {
         &self.means
     }
 
-    /// The mean over all pixels and components.
+    /// The mean over all pixels that count and all components.
     pub fn mean(&self) -> f64 {
-        mean(self.means.iter().map(|mean| mean.mean())).0
+        mean(self.of_counted(self.means.iter().map(|mean| mean.mean()))).0
     }
 
     /// Root of the mean squared standard error, over [`Truth::mean`]: 0 for what is exact.
     pub fn relative_std_err(&self) -> f64 {
-        mean(self.variances.iter().map(|variance| variance.mean())).0.sqrt() / self.mean()
+        self.relative_rmse(self.variances.iter().copied())
+    }
+
+    /// The error that a film tells of itself, over all that counts and relative to
+    /// [`Truth::mean`]; infinite before it has two observations.
+    pub fn error_told_by(&self, film: &Film) -> f64 {
+        self.relative_rmse(film.variances_of_mean())
+    }
+
+    fn relative_rmse(&self, variances: impl Iterator<Item = Rgb>) -> f64 {
+        let (sum, count) =
+            self.of_counted(variances).fold((0.0, 0.0), |(sum, n), v| (sum + v.mean(), n + 1.0));
+        f64::sqrt(sum / count) / self.mean()
     }
 }
 
@@ -51,15 +83,15 @@ fn mean(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     (mean, (squares / (count * (count - 1.0))).sqrt())
 }
 
-/// A film's errors, relative to the truth's mean.
+/// A film's errors over the pixels that count, relative to their true mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Mean squared error over all pixels and components, less what of it is the truth's own; may be
+    /// Mean squared error over pixels and components, less what of it is the truth's own; may be
     /// below zero where that is all there is.
     pub mse: f64,
     /// Standard error of `mse`, from the spread over the pixels, whose errors are independent.
     pub mse_std_err: f64,
-    /// Mean error over its standard error, both over all pixels: that of the film and that of the
+    /// Mean error over its standard error, both over pixels: that of the film and that of the
     /// truth are in it alike. Normal for an unbiased film of many pixels.
     pub z: f64,
     /// The share that the pixel with the largest error has of all squared errors: near 1, one pixel
@@ -78,10 +110,11 @@ impl Errors {
         let pixels: Vec<Rgb> = film.means().collect();
         assert_eq!(pixels.len(), truth.means.len(), "the film has the truth's size");
         let scale = truth.mean();
-        let apart = || pixels.iter().zip(&truth.means).map(|(&x, &r)| (x + r * -1.0) / scale);
+        let apart =
+            || truth.of_counted(pixels.iter().zip(&truth.means)).map(|(&x, &r)| (x + r * -1.0) / scale);
         let square = |x: f64| x * x;
         let squares = || apart().map(|e| e.map(square).mean());
-        let own = || truth.variances.iter().map(|v| v.mean() / square(scale));
+        let own = || truth.of_counted(truth.variances.iter()).map(|v| v.mean() / square(scale));
         let (mse, mse_std_err) = mean(squares().zip(own()).map(|(square, own)| square - own));
         let (error, std_err) = mean(apart().map(|e| e.mean()));
         let (sum, largest) = squares().fold((0.0, 0.0_f64), |(sum, max), e| (sum + e, max.max(e)));
@@ -192,6 +225,18 @@ mod tests {
             assert!(apart < 5.85 * by_long.mse_std_err, "{by_long:?} {by_exact:?}");
             assert!((by_long.truth_share - 1.0 / (1.0 + 300.0 / f64::from(samples))).abs() < 0.05);
         }
+    }
+
+    /// Half of the pixels should show 2 and do, the others should show 9 and do not count.
+    #[test]
+    fn only_what_counts_is_judged() {
+        let counted: Vec<bool> = (0..64 * 64).map(|i| i % 2 == 0).collect();
+        let means = counted.iter().map(|&counted| Rgb::splat(if counted { 2.0 } else { 9.0 })).collect();
+        let (truth, film) = (Truth::exact(means).counting(counted), film(256, None));
+        let errors = Errors::of(&film, &truth);
+        assert!(truth.mean() == 2.0 && errors.z.abs() < Z_LIMIT, "{errors:?}");
+        let told = truth.error_told_by(&film);
+        assert!((told / errors.rmse() - 1.0).abs() < 0.08, "{told} {errors:?}");
     }
 
     #[test]

@@ -19,5 +19,6 @@ pub mod rays;
 pub mod reference;
 pub mod scenes;
 pub mod stats;
+pub mod verdict;
 
 pub use globillum_geom::conformance::shapes;
