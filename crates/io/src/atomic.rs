@@ -8,6 +8,13 @@ use tempfile::{Builder, NamedTempFile};
 ///
 /// Until then it is a temporary file in the same folder, which vanishes when this is dropped. So
 /// a reader never sees half a file, and a failure leaves the old one as it was.
+///
+/// ```no_run
+/// # fn save(picture: &globillum_integrator::Picture) -> Result<(), globillum_io::IoError> {
+/// let file = globillum_io::AtomicFile::create("picture.checkpoint".as_ref())?;
+/// file.commit(|writer| writer.write_all(&picture.to_bytes()))
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct AtomicFile {
     temporary: NamedTempFile,
