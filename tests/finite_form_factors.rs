@@ -6,7 +6,7 @@ use globillum::geom::Triangle;
 use globillum::integrator::{Camera, Estimator, Model, Settings, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
-use globillum_testkit::form_factor;
+use globillum_testkit::polygon;
 use globillum_testkit::scenes::{self, disc, stare};
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
 use globillum_testkit::stats::Estimate;
@@ -41,7 +41,7 @@ fn c7_discs_and_spheres_of_triangles() {
     ];
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     for (what, lamp, limit) in cases {
-        let truth = form_factor::of_triangles(DVec3::ZERO, DVec3::Y, &lamp);
+        let truth = polygon::form_factor(DVec3::ZERO, DVec3::Y, &lamp);
         assert!((truth / limit - 1.0).abs() < 0.01, "{what}: {truth}");
         let model = scenes::lamp_above_floor(lamp, 0.5);
         for estimator in [Bsdf, Light, Mis] {

@@ -5,10 +5,10 @@ use glam::DVec3;
 use globillum::integrator::{Camera, Estimator, Film, LightSampling, Model, Settings, render};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::form_factor::corner;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{cuboid, inside_out, quad};
 use globillum_testkit::stats::Estimate;
-use std::f64::consts::TAU;
 
 use Estimator::{Bsdf, Light, Mis};
 use LightSampling::{Area, SolidAngle};
@@ -46,12 +46,6 @@ fn assert_floor(
         let film = film(model, &camera, &settings);
         Estimate::of_film(&film, |c| c.g).assert_is(truth, &format!("{what}, {estimator:?}"));
     }
-}
-
-/// The form factor of a parallel rectangle with a corner above the point.
-fn corner(a: f64, b: f64) -> f64 {
-    let part = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
-    (part(a, b) + part(b, a)) / TAU
 }
 
 #[test]

@@ -10,6 +10,7 @@ use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{Camera, Estimator, Film, Model, Scene, Settings, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::ACCELERATORS;
+use globillum_testkit::furnace::truncated_series;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{self, Mesh, cuboid, inside_out, quad};
 use globillum_testkit::stats::Estimate;
@@ -71,16 +72,6 @@ fn assert_black(film: &Film, what: &str) {
     assert_eq!(lit, 0, "{what}: pixels with light; the mean is {}", film.image_mean());
 }
 
-/// What a path of a furnace gathers, added up as a path does it.
-fn truncated_series(bounces: u32) -> f64 {
-    let (mut radiance, mut throughput) = (0.0, 1.0);
-    for _ in 0..=bounces {
-        radiance += throughput;
-        throughput *= RHO;
-    }
-    radiance
-}
-
 /// A furnace of any closed triangles that face outward.
 fn furnace(walls: Vec<Triangle>) -> Model {
     let mut model = Model::default();
@@ -95,7 +86,7 @@ fn assert_no_escape(model: &Model, camera: &Camera, what: &str) {
     let mut settings = Settings::new(32, 32, 1);
     (settings.estimator, settings.max_bounces) = (Estimator::Bsdf, Some(64));
     settings.roulette.start = u32::MAX;
-    let (truth, scenes) = (Rgb::splat(truncated_series(64)), scenes_of(model));
+    let (truth, scenes) = (Rgb::splat(truncated_series(RHO, 64)), scenes_of(model));
     for seed in 0..effort() {
         settings.seed = seed;
         let film = one_film(&scenes, camera, &settings, what);

@@ -13,3 +13,20 @@ pub(crate) fn command(example: &str) -> String {
     let separator = if options.is_empty() { "" } else { " -- " };
     format!("cargo run --release --example {example}{separator}{}", options.join(" "))
 }
+
+/// Today in Greenwich, as year, month and day (Hinnant, "chrono-compatible low-level date algorithms",
+/// 2013).
+#[allow(dead_code, reason = "not every example says when it ran")]
+pub(crate) fn date() -> String {
+    let since_1970 = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    // Days since 1 March of the year 0: leap days come last in a year, and 400 years are 146097 days.
+    let days = since_1970.as_secs() / 86_400 + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = (month_from_march + 2) % 12 + 1;
+    let year = 400 * era + year_of_era + u64::from(month <= 2);
+    format!("{year}-{month:02}-{day:02}")
+}

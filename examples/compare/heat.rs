@@ -1,16 +1,15 @@
 //! The cost of each pixel's camera ray, as a picture and as a histogram.
 #![allow(clippy::print_stdout, reason = "examples talk to people")]
 
+use crate::plot::write_png;
 use crate::structures::Structures;
 use anyhow::Result;
 use globillum::geom::{Counts, KdTree, Ray, SplitRule, Traverse, UniformGrid};
-use globillum::io::AtomicFile;
 use globillum_testkit::meshes::Subject;
 use globillum_testkit::rays::Rays;
-use image::{ImageFormat, Rgb, RgbImage};
+use image::{Rgb, RgbImage};
 use plotters::style::Color;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// Visits and tests that a pixel's camera ray takes.
@@ -72,9 +71,7 @@ pub(crate) fn write_maps(
             let (r, g, b) = ViridisRGB.get_color((1.0 + cost as f32).ln() / (1.0 + most as f32).ln()).rgb();
             Rgb([r, g, b])
         };
-        let mut bytes = Cursor::new(Vec::new());
-        RgbImage::from_fn(side, side, color).write_to(&mut bytes, ImageFormat::Png)?;
-        AtomicFile::create(&path)?.commit(|file| file.write_all(bytes.get_ref()))?;
+        write_png(&path, &RgbImage::from_fn(side, side, color))?;
         Ok(path)
     };
     all.iter().map(write).collect()

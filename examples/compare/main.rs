@@ -10,6 +10,11 @@
 mod common;
 #[path = "../common/machine.rs"]
 mod machine;
+#[path = "../common/plot.rs"]
+#[allow(dead_code, reason = "this example needs only a part")]
+mod plot;
+#[path = "../common/table.rs"]
+mod table;
 
 mod chart;
 mod heat;

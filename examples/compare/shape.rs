@@ -2,7 +2,7 @@
 #![allow(clippy::print_stdout, reason = "examples talk to people")]
 
 use crate::structures::{Structures, name};
-use crate::tables::table;
+use crate::table::table;
 use anyhow::Result;
 use globillum::geom::{KdTree, SplitRule, Triangles};
 

@@ -2,18 +2,7 @@
 #![allow(clippy::print_stdout, reason = "examples talk to people")]
 
 use crate::row::Row;
-use comfy_table::presets::ASCII_MARKDOWN;
-use comfy_table::{CellAlignment, Table};
-
-/// A table of that many columns, all but the first to the right.
-pub(crate) fn table(head: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(ASCII_MARKDOWN).set_header(head.iter().copied());
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
+use crate::table::table;
 
 /// One mesh: a line for each accelerator.
 pub(crate) fn print(rows: &[Row]) {

@@ -16,6 +16,22 @@ use std::fmt::Debug;
 ///    [`Ray::DIRECTION_DOMAIN`] and no component or `t` leaves the normal range of `f64`.
 /// 5. Degenerate triangles are never hit; a structure over no triangles hits nothing.
 /// 6. Queries neither panic nor allocate more than their output.
+///
+/// Many rays at a time are faster than one after the other, above all in a
+/// [`WideKdTree`](crate::WideKdTree):
+///
+/// ```
+/// use glam::{DVec3, Vec3};
+/// use globillum_geom::{Accel, Ray, Triangle, Triangles, WideKdTree};
+///
+/// let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
+/// let tree = WideKdTree::build(&triangles)?;
+/// let down = |x, y| Ray::new(DVec3::new(x, y, 2.0), -DVec3::Z);
+/// let mut hits = Vec::new(); // can be used again and again
+/// tree.intersect_batch(&[down(0.2, 0.2), down(0.9, 0.9)], &mut hits);
+/// assert_eq!((hits[0].map(|hit| hit.t), hits[1]), (Some(2.0), None));
+/// # Ok::<(), globillum_geom::GeomError>(())
+/// ```
 pub trait Accel: Debug + Send + Sync {
     /// The closest hit in the ray's range; `None` if there is none.
     fn intersect(&self, ray: &Ray) -> Option<Hit>;

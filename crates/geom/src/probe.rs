@@ -30,6 +30,17 @@ pub trait Traverse: Accel {
 }
 
 /// What searches cost, in all.
+///
+/// ```
+/// use glam::{DVec3, Vec3};
+/// use globillum_geom::{BruteForce, Counts, Ray, Triangle, Triangles};
+///
+/// let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y); 3])?;
+/// let ray = Ray::new(DVec3::new(0.2, 0.2, 1.0), -DVec3::Z);
+/// let (hit, counts) = Counts::closest(&BruteForce::build(&triangles), &ray);
+/// assert_eq!((hit.map(|hit| hit.triangle), counts.tests), (Some(0), 3));
+/// # Ok::<(), globillum_geom::GeomError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counts {

@@ -16,6 +16,17 @@ const HIT_ERR: f64 = 26.0;
 /// where a ray seems to meet it. `plane_err` covers both: a ray that leaves starts that far off the
 /// plane, on the side to which it goes. No length has to be guessed, since it scales with the
 /// scene.
+///
+/// ```
+/// use glam::{DVec3, Vec3};
+/// use globillum_geom::{Accel, BruteForce, Triangle, Triangles};
+///
+/// let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
+/// let point = triangles.surface_point(0, 0.25, 0.25);
+/// let accel = BruteForce::build(&triangles);
+/// assert!(!accel.occluded(&point.spawn(DVec3::Z)) && !accel.occluded(&point.spawn(-DVec3::Z)));
+/// # Ok::<(), globillum_geom::GeomError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SurfacePoint {

@@ -3,6 +3,16 @@ use glam::DVec3;
 use globillum_geom::Ray;
 
 /// A pinhole camera.
+///
+/// ```
+/// use glam::DVec3;
+/// use globillum_integrator::Camera;
+///
+/// let (eye, target) = (DVec3::new(0.0, 1.0, 5.0), DVec3::ZERO);
+/// let camera = Camera::look_at(eye, target, DVec3::Y, 40.0_f64.to_radians())?;
+/// assert_eq!(camera.ray(0.0, 0.0, 1.0).origin, eye); // the middle of the picture
+/// # Ok::<(), globillum_integrator::RenderError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,

@@ -3,6 +3,22 @@ use globillum_material::Material;
 use std::collections::TryReserveError;
 
 /// What a scene is made of, before anything is checked or built: triangles, each with a material.
+///
+/// ```
+/// use glam::Vec3;
+/// use globillum_geom::Triangle;
+/// use globillum_integrator::Model;
+/// use globillum_material::{Material, Rgb};
+///
+/// let mut model = Model::default(); // or the one that a file was loaded as
+/// let floor = [Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)];
+/// model.add(Material::lambert(Rgb::splat(0.5))?, floor);
+/// // Seen from below its vertices run counter-clockwise: it shines downward.
+/// let lamp = [Triangle::new(Vec3::Y, Vec3::Y + Vec3::X, Vec3::Y + Vec3::Z)];
+/// model.add(Material::lamp(Rgb::splat(10.0))?, lamp);
+/// assert!(model.triangles()[0].normal().y > 0.0 && model.triangles()[1].normal().y < 0.0);
+/// # Ok::<(), globillum_material::MaterialError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
     triangles: Vec<Triangle>,

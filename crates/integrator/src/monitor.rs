@@ -22,6 +22,24 @@ pub struct Progress {
 
 /// Watches a render, and may stop it. Methods but for [`Monitor::pass_done`] are called from worker
 /// threads, often: they should return at once.
+///
+/// ```
+/// use globillum_integrator::{Monitor, Progress};
+/// use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+///
+/// /// Stops when its button is pressed.
+/// struct Button(AtomicBool);
+///
+/// impl Monitor for Button {
+///     fn progress(&self, progress: Progress) {
+///         eprintln!("{} of {} samples", progress.samples_done, progress.samples_total);
+///     }
+///
+///     fn cancelled(&self) -> bool {
+///         self.0.load(Relaxed)
+///     }
+/// }
+/// ```
 pub trait Monitor: Sync {
     /// Called after each tile.
     fn progress(&self, _progress: Progress) {}

@@ -5,6 +5,25 @@ use crate::{CheckpointError, Counters, Film};
 /// It can be [saved](Picture::to_bytes) and continued later or elsewhere
 /// ([`Render::resume`](crate::Render::resume)), and [merged](Picture::merge) with other passes of
 /// the same picture; the bits are those of one run.
+///
+/// ```
+/// use globillum_integrator::{Picture, Render, Settings, render};
+/// # use globillum_integrator::{Camera, Model, Scene};
+/// # use glam::{DVec3, Vec3};
+/// # use globillum_geom::{KdOptions, KdTree, Triangle};
+/// # use globillum_material::{Material, Rgb};
+/// # let mut model = Model::default();
+/// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
+/// # model.add(Material::lamp(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
+/// # let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+/// let settings = Settings::new(8, 8, 64); // four passes of 16 samples
+/// let mut here = Render::new(&scene, &camera, &settings).passes(0..2).run(&())?;
+/// let elsewhere = Render::new(&scene, &camera, &settings).passes(2..4).run(&())?.to_bytes();
+/// here.merge(Picture::from_bytes(&elsewhere)?)?;
+/// assert_eq!(here.film, render(&scene, &camera, &settings, &())?.film);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Picture {

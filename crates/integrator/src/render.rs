@@ -26,6 +26,28 @@ pub fn render<A: Accel>(
 /// Each tile is one task and each pixel belongs to one tile, so sums are made in one fixed order,
 /// whatever the number of threads; passes are joined in one fixed order too, wherever and whenever
 /// they are rendered.
+///
+/// To an error of two percent, however many samples that takes:
+///
+/// ```
+/// use globillum_integrator::{Ending, Render, Settings, Stop};
+/// # use globillum_integrator::{Camera, Model, Scene};
+/// # use glam::{DVec3, Vec3};
+/// # use globillum_geom::{KdOptions, KdTree, Triangle};
+/// # use globillum_material::{Material, Rgb};
+/// # let mut model = Model::default();
+/// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
+/// # model.add(Material::lamp(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
+/// # let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+/// let settings = Settings::new(32, 32, u32::MAX);
+/// let mut stop = Stop::default();
+/// stop.relative_rmse = Some(0.02);
+/// let picture = Render::new(&scene, &camera, &settings).until(stop).run(&())?;
+/// assert_eq!(picture.ending, Ending::Goals);
+/// assert!(picture.film.error().relative_rmse <= 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Render<'a, A> {
     scene: &'a Scene<A>,

@@ -3,6 +3,18 @@ use std::ops::Range;
 
 /// How a picture is rendered. Together with scene and camera it decides the picture's bits,
 /// `threads` excepted.
+///
+/// New settings may come, so they are made by [`Settings::new`] and then changed:
+///
+/// ```
+/// use globillum_integrator::{Sampler, Settings};
+///
+/// let mut settings = Settings::new(640, 480, 256);
+/// settings.sampler = Sampler::Independent;
+/// settings.max_bounces = Some(1); // direct light only
+/// settings.validate()?;
+/// # Ok::<(), globillum_integrator::RenderError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {

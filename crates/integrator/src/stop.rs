@@ -10,6 +10,16 @@ use crate::{Film, RenderError};
 /// the number of observations and of pixels that are judged together, so it matters for
 /// [`PixelGoal`] more than for [`Stop::relative_rmse`]; docs/estimators.md has figures.
 /// [`Stop::pilot`] avoids it.
+///
+/// ```
+/// use globillum_integrator::Stop;
+///
+/// let mut stop = Stop::default(); // not before all samples are taken
+/// stop.relative_rmse = Some(0.01); // at an error of one percent,
+/// stop.seconds = Some(60.0); // but after a minute at the latest
+/// stop.validate()?;
+/// # Ok::<(), globillum_integrator::RenderError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Stop {

@@ -13,6 +13,13 @@ use tempfile::{Builder, NamedTempFile};
 /// The temporary file of `picture.png` is called `.picture.png.`, six random characters, `.tmp`. A
 /// process that is killed leaves it behind; whoever next writes a file of that name removes it. It is
 /// locked as long as its process lives, so nobody removes one that is still being written.
+///
+/// ```no_run
+/// # fn save(picture: &globillum_integrator::Picture) -> Result<(), globillum_io::IoError> {
+/// let file = globillum_io::AtomicFile::create("picture.checkpoint".as_ref())?;
+/// file.commit(|writer| writer.write_all(&picture.to_bytes()))
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct AtomicFile {
     temporary: NamedTempFile,

@@ -63,6 +63,15 @@ fn to_byte(linear: f64) -> u8 {
 ///
 /// Made before rendering, so that a mistyped path costs no hours; until [`PictureFile::write`] is
 /// done, a file already there stays as it is.
+///
+/// ```no_run
+/// use globillum_io::{IoError, PictureFile};
+///
+/// fn save(film: &globillum_integrator::Film) -> Result<(), IoError> {
+///     PictureFile::create("picture.png".as_ref())?.exposed(1.0).write(film)?; // twice as bright
+///     PictureFile::create("picture.exr".as_ref())?.write(film)
+/// }
+/// ```
 #[derive(Debug)]
 pub struct PictureFile {
     format: PictureFormat,

@@ -1,68 +1,91 @@
-//! What part of a point's light comes from polygons, in closed form.
+//! C5, the form factor of a rectangle, and C3 as a picture of which every pixel is known.
 
+use crate::convergence::Truth;
 use glam::DVec3;
-use globillum_geom::Triangle;
+use globillum_integrator::Camera;
+use globillum_material::Rgb;
 use std::f64::consts::TAU;
 
-/// The form factor from `point`, on a surface of unit normal `normal`, to those of `triangles` that show
-/// it their front: the irradiance that they cause at radiance 1, over pi. All of them must lie above the
-/// point's horizon, and none hide another.
-///
-/// Lambert's formula (1760): half the sum over the sides of the angle that each subtends, times the
-/// cosine between the normal of its plane with the point and the receiver's.
-pub fn of_triangles(point: DVec3, normal: DVec3, triangles: &[Triangle]) -> f64 {
-    let facing = |t: &&Triangle| t.normal().dot(t.vertices[0].as_dvec3() - point) < 0.0;
-    triangles.iter().filter(facing).map(|t| of_triangle(point, normal, t)).sum()
+/// The form factor of a rectangle of sides `a` and `b` parallel to the receiver, a corner of which
+/// lies above it at height 1: C5. Odd in either side, so that any rectangle is a sum of four.
+pub fn corner(a: f64, b: f64) -> f64 {
+    let part = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
+    (part(a, b) + part(b, a)) / TAU
 }
 
-fn of_triangle(point: DVec3, normal: DVec3, triangle: &Triangle) -> f64 {
-    let corners = triangle.vertices.map(|v| v.as_dvec3() - point);
-    let side = |i: usize| {
-        let (a, b) = (corners[i], corners[(i + 1) % 3]);
-        let across = a.cross(b);
-        if across == DVec3::ZERO {
-            return 0.0;
+/// C3: the radiance of the floor of [`lamp_over_floor`](crate::scenes::lamp_over_floor) at `(x, z)`.
+pub fn floor_under_lamp(x: f64, z: f64) -> f64 {
+    let factor = corner(1.0 - x, 1.0 - z)
+        + corner(1.0 + x, 1.0 - z)
+        + corner(1.0 - x, 1.0 + z)
+        + corner(1.0 + x, 1.0 + z);
+    0.5 * factor
+}
+
+/// A camera under C3's lamp that sees nothing but floor, from its middle nearly to its edge, in a
+/// picture no wider than high.
+///
+/// # Panics
+/// Never: eye and target are apart.
+pub fn floor_camera() -> Camera {
+    let (eye, target) = (DVec3::new(0.2, 0.9, 0.45), DVec3::new(0.15, 0.0, 0.2));
+    Camera::look_at(eye, target, DVec3::Y, 0.7).expect("eye and target are apart")
+}
+
+/// C3 as [`floor_camera`] sees it, by a square picture with `side` pixels on each side: the mean
+/// over each pixel, by quadrature, whose error is below 1e-9 from eight pixels a side on.
+pub fn floor_picture(side: u32) -> Truth {
+    let camera = floor_camera();
+    let pixels = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
+    Truth::exact(pixels.map(|(x, y)| Rgb::splat(pixel(&camera, side, x, y))).collect())
+}
+
+/// The mean over a pixel, by the tensor product of Gauss' quadrature with four nodes.
+fn pixel(camera: &Camera, side: u32, x: u32, y: u32) -> f64 {
+    const NODES: [(f64, f64); 4] = [
+        (-0.861_136_311_594_052_6, 0.347_854_845_137_453_86),
+        (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+        (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+        (0.861_136_311_594_052_6, 0.347_854_845_137_453_86),
+    ];
+    let on_film = |pixel: u32, node: f64| 2.0 * (f64::from(pixel) + 0.5 + 0.5 * node) / f64::from(side) - 1.0;
+    let mut mean = 0.0;
+    for (v, weight_v) in NODES {
+        for (u, weight_u) in NODES {
+            let ray = camera.ray(on_film(x, u), -on_film(y, v), 1.0);
+            let point = ray.origin + ray.direction * (-ray.origin.y / ray.direction.y);
+            mean += 0.25 * weight_u * weight_v * floor_under_lamp(point.x, point.z);
         }
-        across.length().atan2(a.dot(b)) * across.normalize().dot(normal)
-    };
-    (0..3).map(side).sum::<f64>().abs() / TAU
+    }
+    mean
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::disc;
-    use crate::shapes::icosphere;
 
-    /// C5.
     #[test]
-    fn a_rectangle_is_two_triangles() {
-        let p = DVec3::new;
-        let [a, b] =
-            crate::shapes::quad(p(-1.0, 1.0, -1.0), p(1.0, 1.0, -1.0), p(1.0, 1.0, 1.0), p(-1.0, 1.0, 1.0));
-        assert!((of_triangles(DVec3::ZERO, DVec3::Y, &[a, b]) - 0.554_126_424).abs() < 1e-9);
+    fn the_middle_of_the_floor_is_the_number_in_the_books() {
+        assert!((floor_under_lamp(0.0, 0.0) - 0.277_063_212).abs() < 1e-9);
     }
 
-    /// C7: the error falls by four as often as the number of sides doubles.
     #[test]
-    fn c7_polygons_converge_to_discs_and_spheres() {
-        // On the axis at heights 1 and 2, and at height 1 beside it, by Howell's catalogue.
-        let beside: f64 = 0.5 * (1.0 - (1.0 + 4.0 - 1.0) / ((1.0_f64 + 4.0 + 1.0).powi(2) - 16.0).sqrt());
-        for (height, offset, truth) in [(1.0, 0.0, 0.5), (2.0, 0.0, 0.2), (1.0, 2.0, beside)] {
-            let error = |sides| {
-                let point = DVec3::new(offset, 0.0, 0.0);
-                of_triangles(point, DVec3::Y, &disc(height, sides, true)) - truth
-            };
-            let ratio = error(64) / error(128);
-            assert!(error(128).abs() < 1e-3 && (ratio - 4.0).abs() < 0.05, "{height} {offset}: {ratio}");
+    fn the_camera_sees_nothing_but_floor() {
+        for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+            let ray = floor_camera().ray(x, y, 1.0);
+            let point = ray.origin + ray.direction * (-ray.origin.y / ray.direction.y);
+            assert!(ray.direction.y < 0.0 && point.abs().max_element() < 0.95, "{point}");
         }
-        for normal in [DVec3::Y, DVec3::new(0.75_f64.sqrt(), 0.5, 0.0)] {
-            let error = |levels| {
-                let sphere = icosphere(levels).placed(1.0, DVec3::new(0.0, 3.0, 0.0)).triangles();
-                of_triangles(DVec3::ZERO, normal, &sphere) - normal.y / 9.0
-            };
-            let ratio = error(3) / error(4);
-            assert!(error(4).abs() < 1e-3 && (ratio - 4.0).abs() < 0.3, "{normal}: {ratio}");
+    }
+
+    /// Sixteen small pixels make a large one.
+    #[test]
+    fn quadrature_over_pixels_agrees_with_finer_pixels() {
+        let (coarse, fine) = (floor_picture(8), floor_picture(32));
+        for (i, &mean) in coarse.means().iter().enumerate() {
+            let (x, y) = (i % 8, i / 8);
+            let parts = (0..16).map(|j| fine.means()[(4 * y + j / 4) * 32 + 4 * x + j % 4].g);
+            assert!((parts.sum::<f64>() / 16.0 - mean.g).abs() < 1e-9, "pixel ({x}, {y})");
         }
     }
 }

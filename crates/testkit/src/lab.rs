@@ -1,6 +1,7 @@
 //! Measuring an accelerator: what it costs, and that it answers like the others.
 
 use crate::accelerators::{Built, Measurable};
+use crate::hash::Fnv;
 use crate::meshes::Subject;
 use crate::rays::Rays;
 use globillum_geom::{Accel, Counts, GeomError, Hit, Ray, Triangles};
@@ -57,7 +58,7 @@ impl Query {
 
     /// Answers it once for all rays, and returns a hash of the answers.
     pub fn answer(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) -> u64 {
-        let mut hash = Fnv::new();
+        let mut hash = Fnv::default();
         self.run(accel, rays, buffers);
         if self.asks_for_any() {
             buffers.occluded.iter().for_each(|&occluded| hash.add(u64::from(occluded)));
@@ -169,7 +170,7 @@ impl<'a> Run<'a> {
     }
 
     fn finish(mut self, rays: &Rays) -> Measurement {
-        let mut hash = Fnv::new();
+        let mut hash = Fnv::default();
         Query::ALL.iter().for_each(|query| hash.add(query.answer(&self.accel, rays, &mut self.buffers)));
         let nanoseconds = |query: Query| {
             let count = query.rays(rays).len().max(1) as f64;
@@ -190,31 +191,6 @@ impl<'a> Run<'a> {
 pub fn median(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     numbers.get(numbers.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-/// The hash FNV-1a of 64-bit words (Fowler, Noll and Vo).
-struct Fnv(u64);
-
-impl Fnv {
-    fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn add(&mut self, word: u64) {
-        for byte in word.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-
-    fn add_hit(&mut self, hit: &Option<Hit>) {
-        match hit {
-            None => self.add(u64::MAX),
-            Some(Hit { t, u, v, triangle }) => {
-                [t, u, v].into_iter().for_each(|x| self.add(x.to_bits()));
-                self.add(u64::from(*triangle));
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,19 @@ use lattice::Lattice;
 
 use crate::{Aabb, Accel, Hit, Ray, Traverse, Triangles};
 
-/// A uniform grid.
+/// A uniform grid: quick to build, and good where triangles are of one size and evenly spread.
+///
+/// ```
+/// use glam::{DVec3, Vec3};
+/// use globillum_geom::{Accel, GridOptions, Ray, Triangle, Triangles, UniformGrid};
+///
+/// let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
+/// let mut options = GridOptions::default();
+/// options.resolution = Some([4, 4, 1]); // instead of one that follows from the number of triangles
+/// let grid = UniformGrid::build(&triangles, &options)?;
+/// assert!(grid.occluded(&Ray::new(DVec3::new(0.2, 0.2, 2.0), -DVec3::Z)));
+/// # Ok::<(), globillum_geom::GeomError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct UniformGrid {
     triangles: Triangles,

@@ -21,6 +21,16 @@ use std::ops::Range;
 /// The standard error comes from the spread of independent observations: of samples where those
 /// are independent, of the means of passes where the samples of a pass are stratified. Errors of
 /// different pixels are independent.
+///
+/// ```
+/// use globillum_integrator::Film;
+///
+/// /// The middle of the picture, red, with its margin: the truth is within it 19 times of 20.
+/// fn middle(film: &Film) -> String {
+///     let (x, y) = (film.width() / 2, film.height() / 2);
+///     format!("{} +- {}", film.mean(x, y).r, film.margin_95(x, y).r)
+/// }
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: u32,

@@ -1,0 +1,54 @@
+//! Whole pictures: `cargo bench --bench render`.
+//!
+//! Before anything is timed, the picture's bits are checked; beside the time, the picture's mean
+//! squared error times that of one more run is printed: the inverse of the efficiency.
+#![allow(clippy::print_stdout, reason = "benches talk to people")]
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use globillum::geom::Accel;
+use globillum::integrator::{Camera, Estimator, Film, Sampler, Scene, Settings, render};
+use globillum_testkit::accelerators::ACCELERATORS;
+use globillum_testkit::scenes::scene;
+use globillum_testkit::{cornell, hash};
+use std::time::Instant;
+
+const SIDE: u32 = 64;
+const SAMPLES: u32 = 32;
+
+/// The hash of each picture of the Cornell box with two blocks, whatever renders it. A change that
+/// is meant to change pictures changes these too.
+const PICTURES: [(&str, Estimator, Sampler, u64); 3] = [
+    ("Mis, Sobol'", Estimator::Mis, Sampler::Sobol, 0xb811_c794_5fb1_8cc8),
+    ("Mis, independent", Estimator::Mis, Sampler::Independent, 0xd79f_c9fb_861a_1f27),
+    ("Light, Sobol'", Estimator::Light, Sampler::Sobol, 0x94e5_b97d_4deb_0948),
+];
+
+fn film(scene: &Scene<Box<dyn Accel>>, camera: &Camera, settings: &Settings) -> Film {
+    render(scene, camera, settings, &()).expect("the box is good").film
+}
+
+fn pictures(criterion: &mut Criterion) {
+    let model = cornell::with_blocks(false).expect("the box is good");
+    let camera = cornell::camera().expect("the camera is good");
+    for (name, estimator, sampler, expected) in PICTURES {
+        let mut settings = Settings::new(SIDE, SIDE, SAMPLES);
+        (settings.estimator, settings.sampler) = (estimator, sampler);
+        let mut group = criterion.benchmark_group(format!("render/{name}"));
+        group.sample_size(10).throughput(Throughput::Elements(u64::from(SIDE * SIDE * SAMPLES)));
+        // Brute force comes first among them, and is slow.
+        for (accel, build) in &ACCELERATORS[1..] {
+            let scene = scene(&model, *build);
+            let start = Instant::now();
+            let first = film(&scene, &camera, &settings);
+            let seconds = start.elapsed().as_secs_f64();
+            let found = hash::of_film(&first);
+            assert_eq!(found, expected, "{name} in the {accel}: {found:#018x} is another picture");
+            let error = first.error().relative_rmse;
+            println!("{name} in the {accel}: MSE x seconds {:.2e}", error * error * seconds);
+            group.bench_function(*accel, |b| b.iter(|| film(&scene, &camera, &settings)));
+        }
+    }
+}
+
+criterion_group!(benches, pictures);
+criterion_main!(benches);
