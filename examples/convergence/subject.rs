@@ -57,7 +57,8 @@ impl Subject {
             }
             "cornell-million" => in_box(cornell::with_mesh(&cornell::pine_cone(1_000_000), false)?)?,
             "cornell-hall" => {
-                let model = cornell::hall_with_statues(&[cornell::knot(125_000), cornell::pine_cone(125_000)])?;
+                let model =
+                    cornell::hall_with_statues(&[cornell::knot(125_000), cornell::pine_cone(125_000)])?;
                 (model, cornell::hall_camera()?, Known::Nothing)
             }
             _ => return Ok(None),

@@ -10,6 +10,9 @@ pub struct Reference {
     pub resolution: u32,
     /// Pixels along each side of a block.
     pub block: u32,
+    /// Samples of each pixel, which were independent.
+    #[serde(rename = "spp")]
+    pub samples: u32,
     /// All light.
     pub path: Blocks,
     /// Emitted light and light after one bounce.
@@ -46,6 +49,10 @@ impl Reference {
     }
 
     /// Compares `film`, of the reference's resolution, with `blocks`.
+    ///
+    /// The film's standard error of a block is the one it tells, but no less than that of as many
+    /// independent samples by the reference's error: where light is found once in ten thousand samples, a
+    /// film that has missed it believes its error to be small, too.
     pub fn deviation(&self, film: &Film, blocks: &Blocks) -> Deviation {
         let mut deviation = Deviation::default();
         let side = (self.resolution / self.block) as usize;
@@ -55,7 +62,10 @@ impl Reference {
             for (column, expected) in columns.iter().enumerate() {
                 let (mean, variance) = self.block_of(film, column as u32, row as u32);
                 for c in 0..3 {
-                    let std_err = blocks.standard_error[row][column][c].hypot(variance[c].sqrt());
+                    let reference_err = blocks.standard_error[row][column][c];
+                    let independent =
+                        reference_err * reference_err * f64::from(self.samples) / film.samples() as f64;
+                    let std_err = reference_err.hypot(variance[c].max(independent).sqrt());
                     let error = (mean[c] - expected[c]).abs();
                     // Both may know a block exactly, such as one that is black.
                     let z = if error == 0.0 { 0.0 } else { error / std_err };

@@ -244,3 +244,87 @@ impl Order {
         self.lanes.iter().rev().fold(0, |order, &lane| order << 3 | lane as u32)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{KdOptions, Triangle};
+    use glam::{DVec3, Vec3};
+
+    /// A cloud of small triangles, some of them long enough to straddle many cells.
+    fn collapsed(options: &KdOptions) -> (Vec<Node>, usize) {
+        let mut drawn = 0.0;
+        let mut point = |size: f64| {
+            drawn += 1.0;
+            // Evenly spread (Roberts' sequence).
+            let unit = (drawn * DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478)).fract();
+            (size * (2.0 * unit - 1.0)).as_vec3()
+        };
+        let triangles = (0..3000).map(|i| {
+            let (corner, size) = (point(1.0), if i % 50 == 0 { 0.8 } else { 0.02 });
+            let edge = |v: Vec3| corner + v;
+            Triangle::new(corner, edge(point(size)), edge(point(size)))
+        });
+        let triangles = Triangles::new(triangles.collect()).unwrap();
+        let tree = KdTree::build(&triangles, options).unwrap();
+        let Collapse { nodes, .. } = Collapse::run(&tree, Space::new(&triangles.bounds()));
+        (nodes, tree.references.len())
+    }
+
+    fn cells(node: &Node) -> Vec<usize> {
+        (0..LANES).filter(|&lane| node.faces[0][lane] <= node.faces[1][lane]).collect()
+    }
+
+    fn order(node: &Node, octant: usize) -> Vec<usize> {
+        (0..LANES).map(|i| (node.orders[octant] >> (3 * i)) as usize % LANES).collect()
+    }
+
+    /// If one cell comes before another, some plane across an axis has it on the nearer side.
+    #[test]
+    fn every_octant_meets_cells_from_near_to_far() {
+        let (nodes, _) = collapsed(&KdOptions { leaf_size: 8, ..KdOptions::default() });
+        let mut pairs = 0;
+        for (node, octant) in nodes.iter().flat_map(|node| (0..8).map(move |octant| (node, octant))) {
+            let order = order(node, octant);
+            let count = cells(node).len();
+            for (i, j) in (0..count).flat_map(|j| (0..j).map(move |i| (i, j))) {
+                let (near, far) = (order[i], order[j]);
+                let apart = (0..3).any(|axis| {
+                    let [lower, upper] = [&node.faces[2 * axis], &node.faces[2 * axis + 1]];
+                    if octant >> axis & 1 == 1 {
+                        lower[near] >= upper[far]
+                    } else {
+                        upper[near] <= lower[far]
+                    }
+                });
+                assert!(apart, "octant {octant}: cell {near} before {far}");
+                pairs += 1;
+            }
+        }
+        assert!(pairs > 10_000, "{pairs}");
+    }
+
+    #[test]
+    fn orders_are_permutations_and_blocks_hold_every_reference() {
+        for leaf_size in [1, 8, 40] {
+            let (nodes, references) =
+                collapsed(&KdOptions { leaf_size, max_depth: 9, ..KdOptions::default() });
+            let mut listed = 0;
+            for node in &nodes {
+                let cells = cells(node);
+                assert!(!cells.is_empty());
+                for octant in 0..8 {
+                    let order = order(node, octant);
+                    let mut sorted = order.clone();
+                    sorted.sort_unstable();
+                    assert!(sorted.iter().copied().eq(0..LANES));
+                    assert!(order[..cells.len()].iter().all(|lane| cells.contains(lane)), "{order:?}");
+                }
+                let blocks =
+                    cells.iter().map(|&lane| node.children[lane]).filter(|&c| Child::is_block(c) == 1);
+                listed += blocks.map(|child| Child::block(child).1).sum::<usize>();
+            }
+            assert_eq!(listed, references);
+        }
+    }
+}

@@ -39,14 +39,12 @@ impl<'a> Rows<'a> {
     #[inline(always)]
     pub(super) fn along(self, axis: usize) -> [&'a [f32; LANES]; 3] {
         assert!(axis < 3);
-        [0, 1, 2].map(
-            #[inline(always)]
-            |vertex| {
-                let start = (3 * axis + vertex) * self.count;
-                // SAFETY: `start` is at most `8 * LANES`, and there are `10 * LANES` words.
-                unsafe { &*self.words.as_ptr().add(start).cast() }
-            },
-        )
+        let start = 3 * axis * self.count;
+        // SAFETY: these rows start at or before `8 * LANES`, and there are `10 * LANES` words.
+        unsafe {
+            let row = self.words.as_ptr().add(start);
+            [&*row.cast(), &*row.add(self.count).cast(), &*row.add(2 * self.count).cast()]
+        }
     }
 
     /// The lanes that hold a triangle.
