@@ -39,7 +39,7 @@ fn run(settings: &Settings, stop: Stop, monitor: &impl Monitor) -> Picture {
 #[test]
 fn a_goal_ends_the_render_once_it_is_met() {
     let settings = Settings::new(32, 32, 1 << 14);
-    for goal in [0.02, 0.01] {
+    for goal in [0.01, 0.005] {
         let picture = run(&settings, stop(|s| s.relative_rmse = Some(goal)), &());
         assert_eq!(picture.ending, Ending::Goals);
         let error = picture.film.error();

@@ -251,8 +251,8 @@ mod tests {
     use crate::{KdOptions, Triangle};
     use glam::{DVec3, Vec3};
 
-    /// A cloud of small triangles, some of them long enough to straddle many cells.
-    fn collapsed(options: &KdOptions) -> (Vec<Node>, usize) {
+    /// A cloud of small triangles, some of them `long`, so that they straddle many cells.
+    fn collapsed(options: &KdOptions, long: f64) -> (Vec<Node>, usize) {
         let mut drawn = 0.0;
         let mut point = |size: f64| {
             drawn += 1.0;
@@ -261,7 +261,7 @@ mod tests {
             (size * (2.0 * unit - 1.0)).as_vec3()
         };
         let triangles = (0..3000).map(|i| {
-            let (corner, size) = (point(1.0), if i % 50 == 0 { 0.8 } else { 0.02 });
+            let (corner, size) = (point(1.0), if i % 50 == 0 { long } else { 0.02 });
             let edge = |v: Vec3| corner + v;
             Triangle::new(corner, edge(point(size)), edge(point(size)))
         });
@@ -282,7 +282,9 @@ mod tests {
     /// If one cell comes before another, some plane across an axis has it on the nearer side.
     #[test]
     fn every_octant_meets_cells_from_near_to_far() {
-        let (nodes, _) = collapsed(&KdOptions { leaf_size: 8, ..KdOptions::default() });
+        // Planes cost nothing, so that no leaf is too large for a block: nothing parts its blocks.
+        let options = KdOptions { leaf_size: 8, traversal_cost: 0.0, ..KdOptions::default() };
+        let (nodes, _) = collapsed(&options, 0.02);
         let mut pairs = 0;
         for (node, octant) in nodes.iter().flat_map(|node| (0..8).map(move |octant| (node, octant))) {
             let order = order(node, octant);
@@ -307,8 +309,8 @@ mod tests {
     #[test]
     fn orders_are_permutations_and_blocks_hold_every_reference() {
         for leaf_size in [1, 8, 40] {
-            let (nodes, references) =
-                collapsed(&KdOptions { leaf_size, max_depth: 9, ..KdOptions::default() });
+            let options = KdOptions { leaf_size, max_depth: 9, ..KdOptions::default() };
+            let (nodes, references) = collapsed(&options, 0.8);
             let mut listed = 0;
             for node in &nodes {
                 let cells = cells(node);
