@@ -42,6 +42,13 @@ enum Cell<'a> {
     Opened { axis: Option<u8>, parts: [usize; 2] },
 }
 
+/// Two cells in the place of one, each with the lanes it gets.
+struct Opening<'a> {
+    /// The axis of the plane that parts them, the lower one first.
+    axis: Option<u8>,
+    parts: [(Cell<'a>, usize); 2],
+}
+
 impl<'a> Collapse<'a> {
     pub(super) fn run(tree: &'a KdTree, space: Space) -> Self {
         let unknown = Subtree { bounds: Aabb::EMPTY, costs: [0.0; LANES] };
@@ -141,50 +148,54 @@ impl<'a> Collapse<'a> {
     fn lay_out(&self, cell: Cell<'a>, lanes: usize, must_open: bool, cells: &mut Vec<Cell<'a>>) -> usize {
         let at = cells.len();
         cells.push(cell);
-        if let Some((axis, parts, shares)) = self.opened(cell, lanes, must_open) {
-            let first = self.lay_out(parts[0], shares[0], false, cells);
-            let second = self.lay_out(parts[1], shares[1], false, cells);
+        if let Some(Opening { axis, parts: [first, second] }) = self.opening(cell, lanes, must_open) {
+            let first = self.lay_out(first.0, first.1, false, cells);
+            let second = self.lay_out(second.0, second.1, false, cells);
             cells[at] = Cell::Opened { axis, parts: [first, second] };
         }
         at
     }
 
-    /// The parts of a cell and their lanes, if it is to be opened.
-    #[allow(clippy::type_complexity)]
-    fn opened(
+    /// How a cell that gets `lanes` lanes is opened, if it is.
+    fn opening(&self, cell: Cell<'a>, lanes: usize, must_open: bool) -> Option<Opening<'a>> {
+        match cell {
+            Cell::Tree(binary) => match self.tree.nodes[binary as usize] {
+                Binary::Leaf { .. } => {
+                    let bounds = self.subtrees[binary as usize].bounds;
+                    self.opening_of_list(self.listed(binary), &bounds, lanes, must_open)
+                }
+                Binary::Split { axis, upper, .. } if lanes > 1 => {
+                    let (first, cost) = self.share(binary, lanes);
+                    let part =
+                        |root, lanes| if lanes == 0 { (Cell::Empty, 0) } else { (Cell::Tree(root), lanes) };
+                    let parts = [part(binary + 1, first), part(upper, lanes - first)];
+                    let pays = cost < self.subtrees[binary as usize].costs[0];
+                    (must_open || pays).then_some(Opening { axis: Some(axis), parts })
+                }
+                Binary::Split { .. } => None,
+            },
+            Cell::List(triangles, bounds) => self.opening_of_list(triangles, &bounds, lanes, must_open),
+            Cell::Empty | Cell::Opened { .. } => None,
+        }
+    }
+
+    /// Halves what is too much for a block, if there are lanes for all of its blocks.
+    fn opening_of_list(
         &self,
-        cell: Cell<'a>,
+        triangles: &'a [u32],
+        bounds: &Aabb,
         lanes: usize,
         must_open: bool,
-    ) -> Option<(Option<u8>, [Cell<'a>; 2], [usize; 2])> {
-        match cell {
-            Cell::Tree(binary) => {
-                let Binary::Split { axis, upper, .. } = self.tree.nodes[binary as usize] else {
-                    let list = Cell::List(self.listed(binary), self.subtrees[binary as usize].bounds);
-                    return self.opened(list, lanes, must_open);
-                };
-                if lanes < 2 {
-                    return None;
-                }
-                let (first, cost) = self.share(binary, lanes);
-                let whole = self.subtrees[binary as usize].costs[0];
-                let part =
-                    |index: u32, lanes: usize| if lanes == 0 { Cell::Empty } else { Cell::Tree(index) };
-                let parts = [part(binary + 1, first), part(upper, lanes - first)];
-                (must_open || cost < whole).then_some((Some(axis), parts, [first, lanes - first]))
-            }
-            Cell::List(triangles, bounds) if triangles.len() > LANES && lanes > 1 => {
-                if !must_open && triangles.len().div_ceil(LANES) > lanes {
-                    return None;
-                }
-                let half = triangles.len().div_ceil(2).next_multiple_of(LANES);
-                let (first, second) = triangles.split_at(half);
-                let part = |part| Cell::List(part, bounds_within(self.tree.triangles(), part, &bounds));
-                let share = lanes.div_ceil(2);
-                Some((None, [part(first), part(second)], [share, lanes - share]))
-            }
-            _ => None,
+    ) -> Option<Opening<'a>> {
+        let fits = triangles.len().div_ceil(LANES) <= lanes;
+        if triangles.len() <= LANES || lanes < 2 || !(fits || must_open) {
+            return None;
         }
+        let half = triangles.len().div_ceil(2).next_multiple_of(LANES);
+        let (first, second) = triangles.split_at(half);
+        let part = |part| Cell::List(part, bounds_within(self.tree.triangles(), part, bounds));
+        let share = lanes.div_ceil(2);
+        Some(Opening { axis: None, parts: [(part(first), share), (part(second), lanes - share)] })
     }
 
     /// What a cell's lane holds, and the box of that.
