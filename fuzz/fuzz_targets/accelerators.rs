@@ -2,13 +2,14 @@
 #![no_main]
 
 use globillum_geom::conformance::check_bytes;
-use globillum_geom::{GridOptions, KdOptions, KdTree, UniformGrid};
+use globillum_geom::{GridOptions, KdOptions, KdTree, UniformGrid, WideKdTree};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let kd = check_bytes(bytes, |triangles| KdTree::build(triangles, &KdOptions::default()));
     let grid = check_bytes(bytes, |triangles| UniformGrid::build(triangles, &GridOptions::default()));
-    for result in [kd, grid] {
+    let wide = check_bytes(bytes, WideKdTree::build);
+    for result in [kd, grid, wide] {
         if let Err(violation) = result {
             panic!("{violation}");
         }
