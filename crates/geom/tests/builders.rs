@@ -26,6 +26,7 @@ struct Scene {
     kd: KdTree,
     by_rule: Vec<(String, KdTree)>,
     wide: WideKdTree,
+    quick: WideKdTree,
     grid: UniformGrid,
 }
 
@@ -36,6 +37,7 @@ impl Scene {
             brute: BruteForce::build(&triangles),
             kd: kd_within_bounds(&triangles, &KdOptions::default()),
             wide: WideKdTree::build(&triangles).expect("not too many references"),
+            quick: WideKdTree::build_quickly(&triangles).expect("not too many references"),
             by_rule: every_rule().map(|options| kd_by_rule(&triangles, &options)).collect(),
             grid: grid_within_bounds(&triangles, &GridOptions::default()),
             triangles,
@@ -51,9 +53,12 @@ impl Scene {
     /// What all structures answer.
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         let expected = self.brute.intersect(ray);
-        for (name, accel) in
-            [("k-d tree", &self.kd as &dyn Accel), ("grid", &self.grid), ("wide k-d tree", &self.wide)]
-        {
+        for (name, accel) in [
+            ("k-d tree", &self.kd as &dyn Accel),
+            ("grid", &self.grid),
+            ("wide k-d tree", &self.wide),
+            ("wide k-d tree, built quickly", &self.quick),
+        ] {
             assert_same(name, accel, ray, expected);
         }
         for (name, tree) in &self.by_rule {

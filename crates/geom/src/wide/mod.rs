@@ -1,8 +1,8 @@
 //! A k-d tree for many rays: eight cells a node, triangles by the block, searched in `f32` and
 //! decided in `f64`.
 //!
-//! - [`collapse`]: three levels of a binary tree become one [`node`], leaves become [`blocks`],
-//!   in the scene's own [`space`];
+//! - [`collapse`]: cells of a binary tree become the up to eight of a [`node`], leaves become
+//!   [`blocks`], in the scene's own [`space`];
 //! - [`course`]: a ray in that space, with a bound for every error;
 //! - [`step`] finds the cells of a node that a ray meets, [`filter`] the triangles of a block;
 //! - a ray is searched for [`alone`], or in a [`wave`] of many that take their steps in turn;
@@ -41,8 +41,8 @@ use simd::Simd;
 use space::Space;
 use wave::search_in_turn;
 
-/// A [`KdTree`] whose nodes hold three levels each, and whose leaves are tested eight triangles at
-/// a time.
+/// A [`KdTree`] whose nodes hold up to eight cells each, in the boxes of what these hold, and whose
+/// leaves are tested eight triangles at a time.
 ///
 /// Made for batches: many rays are searched for in turn, so that their waiting overlaps.
 ///
@@ -58,7 +58,7 @@ pub struct WideKdTree {
 }
 
 impl WideKdTree {
-    /// Builds the tree, with options that suit it: eight triangles cost as much as one.
+    /// Builds the tree by the surface area heuristic, with options that suit leaves of eight triangles.
     ///
     /// # Errors
     /// As [`WideKdTree::from_tree`].
