@@ -14,7 +14,7 @@
 
 use crate::exact::difference_of_products;
 use crate::{Ray, Triangle};
-use glam::{DVec3, Vec3, Vec3Swizzles};
+use glam::{DVec3, Vec3Swizzles};
 
 /// What a ray and a triangle have in common, before any range is considered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,14 +58,20 @@ impl Shear {
             return None;
         }
         let main_axis = main_axis(ray.direction);
-        let direction = permute(ray.direction, main_axis);
-        Some(Self {
+        Some(Self::of_permuted(main_axis, permute(ray.origin, main_axis), permute(ray.direction, main_axis)))
+    }
+
+    /// Prepares a traceable ray, given by components in such an order that the one along `main_axis`
+    /// comes last.
+    #[inline(always)]
+    pub(crate) fn of_permuted(main_axis: usize, origin: DVec3, direction: DVec3) -> Self {
+        Self {
             main_axis,
-            origin: permute(ray.origin, main_axis).map(flush),
+            origin: origin.map(flush),
             slope_x: flush(direction.x / direction.z),
             slope_y: flush(direction.y / direction.z),
             direction_z: direction.z,
-        })
+        }
     }
 
     /// Where the ray's line meets `triangle`, edges and vertices included.
@@ -79,38 +85,51 @@ impl Shear {
     /// barycentrics. Seen edge-on, a small displacement can be a large difference in `t`.
     #[inline(always)]
     pub fn decide(&self, triangle: &Triangle) -> Option<Intersection> {
-        let [v0, v1, v2] = triangle.vertices;
-        let (a, b, c) = (self.project(v0), self.project(v1), self.project(v2));
+        let [a, b, c] = self.project_all(triangle.vertices.map(|v| permute(v.as_dvec3(), self.main_axis)));
         // A plain difference of rounded products has the right sign or is zero: enough to turn
         // away nearly all triangles before the careful evaluation.
         if differ_in_sign(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x) {
             return None;
         }
-        let e0 = difference_of_products(c.x, b.y, c.y, b.x);
-        let e1 = difference_of_products(a.x, c.y, a.y, c.x);
-        let e2 = difference_of_products(b.x, a.y, b.y, a.x);
-        if differ_in_sign(e0, e1, e2) {
-            return None;
-        }
-        let det = e0 + e1 + e2;
-        if det == 0.0 {
-            return None;
-        }
-        let depth = (e0 * a.z + e1 * b.z + e2 * c.z) / det;
-        // Adding zero turns a negative zero positive, so that its sign carries no accident.
-        Some(Intersection { t: depth / self.direction_z + 0.0, u: e1 / det + 0.0, v: e2 / det + 0.0 })
+        let (intersection, is_met) = self.evaluate([a, b, c]);
+        is_met.then_some(intersection)
+    }
+
+    /// [`Shear::decide`] for vertices whose components are permuted as the ray's are: the intersection,
+    /// and whether there is one. Without a branch, so that the compiler decides several at once.
+    #[inline(always)]
+    pub(crate) fn decide_permuted(&self, vertices: [DVec3; 3]) -> (Intersection, bool) {
+        self.evaluate(self.project_all(vertices))
     }
 
     #[inline(always)]
-    fn project(&self, vertex: Vec3) -> Sheared {
-        let DVec3 { x, y, z } = permute(vertex.as_dvec3(), self.main_axis) - self.origin;
+    fn evaluate(&self, [a, b, c]: [Sheared; 3]) -> (Intersection, bool) {
+        let e0 = difference_of_products(c.x, b.y, c.y, b.x);
+        let e1 = difference_of_products(a.x, c.y, a.y, c.x);
+        let e2 = difference_of_products(b.x, a.y, b.y, a.x);
+        let det = e0 + e1 + e2;
+        let is_met = !differ_in_sign(e0, e1, e2) & (det != 0.0);
+        let depth = (e0 * a.z + e1 * b.z + e2 * c.z) / det;
+        // Adding zero turns a negative zero positive, so that its sign carries no accident.
+        let t = depth / self.direction_z + 0.0;
+        (Intersection { t, u: e1 / det + 0.0, v: e2 / det + 0.0 }, is_met)
+    }
+
+    #[inline(always)]
+    fn project_all(&self, [a, b, c]: [DVec3; 3]) -> [Sheared; 3] {
+        [self.project(a), self.project(b), self.project(c)]
+    }
+
+    #[inline(always)]
+    fn project(&self, vertex: DVec3) -> Sheared {
+        let DVec3 { x, y, z } = vertex - self.origin;
         Sheared { x: x - self.slope_x * z, y: y - self.slope_y * z, z }
     }
 }
 
 /// The components in cyclic order, so that the one along `main_axis` comes last.
 #[inline(always)]
-fn permute(v: DVec3, main_axis: usize) -> DVec3 {
+pub(crate) fn permute(v: DVec3, main_axis: usize) -> DVec3 {
     match main_axis {
         0 => v.yzx(),
         1 => v.zxy(),
@@ -120,7 +139,7 @@ fn permute(v: DVec3, main_axis: usize) -> DVec3 {
 
 #[inline(always)]
 fn differ_in_sign(a: f64, b: f64, c: f64) -> bool {
-    (a < 0.0 || b < 0.0 || c < 0.0) && (a > 0.0 || b > 0.0 || c > 0.0)
+    ((a < 0.0) | (b < 0.0) | (c < 0.0)) & ((a > 0.0) | (b > 0.0) | (c > 0.0))
 }
 
 /// The axis of the largest component in magnitude, the first of equals.
@@ -145,6 +164,7 @@ fn flush(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
     use proptest::prelude::*;
 
     fn decide(origin: DVec3, direction: DVec3, triangle: &Triangle) -> Option<Intersection> {

@@ -51,14 +51,13 @@ impl Ray {
     /// empty or has a NaN end. Accelerators report no hit for such a ray.
     #[inline]
     pub fn is_traceable(&self) -> bool {
-        let reach = self.origin.abs().max_element();
-        let speed = self.direction.abs().max_element();
-        // `max_element` may drop a NaN, so finiteness is asked for on its own.
-        self.origin.is_finite()
-            && self.direction.is_finite()
-            && reach <= Self::MAX_ORIGIN
-            && Self::DIRECTION_DOMAIN.contains(&speed)
-            && self.t_min < self.t_max
+        let (origin, direction) = (self.origin.abs(), self.direction.abs());
+        let domain = Self::DIRECTION_DOMAIN;
+        // Comparisons with NaN are false. None is skipped: many rays are asked side by side.
+        origin.cmple(DVec3::splat(Self::MAX_ORIGIN)).all()
+            & direction.cmple(DVec3::splat(*domain.end())).all()
+            & direction.cmpge(DVec3::splat(*domain.start())).any()
+            & (self.t_min < self.t_max)
     }
 }
 

@@ -20,6 +20,9 @@ pub enum Regime {
     RawBits,
 }
 
+/// Rays in a pencil: accelerators may treat as many alike.
+const PENCIL: usize = 64;
+
 impl Regime {
     /// All of them.
     pub const ALL: [Self; 6] =
@@ -69,7 +72,8 @@ impl Regime {
         }
     }
 
-    /// Checks the accelerator that `build` makes with one scene and `rays` rays.
+    /// Checks the accelerator that `build` makes with one scene, a pencil of rays that take nearly the same
+    /// way, and `rays` other rays.
     ///
     /// # Errors
     /// The first [`Violation`] found.
@@ -87,7 +91,9 @@ impl Regime {
             Err(error) => return Err(self.refused(&triangles, &error)),
         };
         let accel = build(&checked).map_err(|error| self.refused(&triangles, &error))?;
-        let rays: Vec<Ray> = (0..rays).map(|_| self.ray(&triangles, source)).collect();
+        let mut all = pencil(&triangles, self.ray(&triangles, source), source);
+        all.extend((0..rays).map(|_| self.ray(&triangles, source)));
+        let rays = all;
         compare(&format!("{self:?}"), &accel, &triangles, &rays)
     }
 
@@ -124,6 +130,28 @@ impl Regime {
             Self::RawBits => f64::from(in_domain(source.bits() as u32)),
         }
     }
+}
+
+/// As many rays as take the same way as `ray`, more or less, from one point or side by side.
+fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray> {
+    let spread = 10.0_f64.powf(-9.0 * source.unit());
+    let reach = triangles.iter().flat_map(|t| t.vertices).map(|v| v.abs().max_element()).fold(0.0, f32::max);
+    let speed = ray.direction.abs().max_element();
+    let kind = source.below(4);
+    let mut offset =
+        |scale: f64| DVec3::new(source.signed(), source.signed(), source.signed()) * (spread * scale);
+    let mut rays: Vec<Ray> = (0..PENCIL)
+        .map(|_| match kind {
+            0 => Ray { origin: ray.origin + offset(f64::from(reach)), ..ray },
+            _ => Ray { direction: ray.direction + offset(speed), ..ray },
+        })
+        .collect();
+    // From so far away that what they are aimed at lies close together.
+    if kind > 1 && !triangles.is_empty() {
+        let origin = ray.origin - ray.direction * (16.0 * f64::from(reach) / speed);
+        rays = rays.into_iter().map(|_| ray_at(triangles, origin, source)).collect();
+    }
+    rays
 }
 
 /// Sign and mantissa as they are, the exponent within 2^60 of one: far apart, and in the domain.

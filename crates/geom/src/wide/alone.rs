@@ -19,7 +19,8 @@ pub(super) fn search_alone<S: Simd, Q: Goal, P: Probe>(
     probe: &mut P,
 ) -> Q {
     let mut search = Q::begin(ray);
-    let courses = Courses::new(std::array::from_ref(ray), &tree.triangles.bounds(), &tree.space);
+    let mut courses = Courses::idle();
+    courses.set(std::array::from_ref(ray), &tree.triangles.bounds(), &tree.space);
     let Some(course) = courses.get(0) else { return search };
     Scratch::lend(
         #[inline(always)]

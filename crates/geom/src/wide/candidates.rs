@@ -39,6 +39,19 @@ impl Candidates {
         self.count = at + 1;
     }
 
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// One of them, unless it begins beyond `t_end`; `None` if there are not that many.
+    #[inline(always)]
+    pub(super) fn get(&self, at: usize, t_end: f32) -> Option<u32> {
+        // NaN bounds nothing.
+        let is_beyond = at >= self.count || self.starts[at % CAPACITY] > t_end;
+        (!is_beyond).then_some(self.indices[at % CAPACITY])
+    }
+
     /// Decides those that do not begin beyond `t_end`, and clears all.
     #[inline(always)]
     pub(super) fn decide<Q: Search>(&mut self, t_end: f32, ray: &Ray, triangles: &Triangles, search: &mut Q) {

@@ -55,6 +55,7 @@ pub(super) struct Course {
 }
 
 /// The courses of `N` rays, number by number, so that they are found side by side.
+#[derive(Clone, Debug)]
 pub(super) struct Courses<const N: usize> {
     pub(super) inverse: [[f32; N]; 3],
     pub(super) near: [[f32; N]; 3],
@@ -75,10 +76,9 @@ pub(super) struct Courses<const N: usize> {
 }
 
 impl<const N: usize> Courses<N> {
-    /// The courses of `rays` through a scene within `bounds`.
+    /// Finds the courses of `rays` through a scene within `bounds`.
     #[inline(always)]
-    pub(super) fn new(rays: &[Ray; N], bounds: &Aabb, space: &Space) -> Self {
-        let mut all = Self::idle();
+    pub(super) fn set(&mut self, rays: &[Ray; N], bounds: &Aabb, space: &Space) {
         let scene_is_empty = bounds.is_empty();
         let mut columns = [[0.0; N]; 8];
         for (i, ray) in rays.iter().enumerate() {
@@ -86,18 +86,16 @@ impl<const N: usize> Courses<N> {
             for (column, x) in columns.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max]) {
                 column[i] = x;
             }
-            all.is_any[i] = ray.is_traceable() & !scene_is_empty;
         }
         let [ox, oy, oz, dx, dy, dz, t_min, t_max] = columns;
         // No branch in here: the compiler finds several courses at once.
         for i in 0..N {
             let (origin, direction) = (DVec3::new(ox[i], oy[i], oz[i]), DVec3::new(dx[i], dy[i], dz[i]));
-            all.find(i, &Ray { origin, direction, t_min: t_min[i], t_max: t_max[i] }, bounds, space);
+            self.find(i, &Ray { origin, direction, t_min: t_min[i], t_max: t_max[i] }, bounds, space);
         }
-        for i in 0..N {
-            all.is_any[i] &= all.start[i] <= all.end[i];
+        for (i, ray) in rays.iter().enumerate() {
+            self.is_any[i] = ray.is_traceable() & !scene_is_empty & (self.start[i] <= self.end[i]);
         }
-        all
     }
 
     #[inline(always)]
@@ -154,7 +152,7 @@ impl<const N: usize> Courses<N> {
         self.certain_end[i] = unless_lost(after(ray.t_max) * (1.0 - 4.0 * U), f32::NEG_INFINITY);
     }
 
-    pub(super) fn idle() -> Self {
+    pub(super) const fn idle() -> Self {
         let zero = [0.0; N];
         Self {
             inverse: [zero; 3],

@@ -4,8 +4,8 @@
 //! error of each number (docs/numerics.md). Eight triangles meet one ray, or eight rays one
 //! triangle.
 
-use super::course::Course;
-use super::simd::{Rows, Simd};
+use super::course::{Course, Courses};
+use super::simd::{LANES, Rows, Simd};
 
 /// What [`Course`] says of a ray, in each lane.
 pub(super) struct Rays<S: Simd> {
@@ -35,6 +35,37 @@ impl<S: Simd> Rays<S> {
             t_end: simd.splat(t_end),
         }
     }
+
+    /// One of eight rays, in all lanes.
+    #[inline(always)]
+    pub(super) fn lane(simd: S, courses: &Courses<LANES>, lane: usize, t_end: f32) -> Self {
+        let i = lane % LANES;
+        Self {
+            slope: [simd.splat(courses.slope[0][i]), simd.splat(courses.slope[1][i])],
+            offset: [simd.splat(courses.offset[0][i]), simd.splat(courses.offset[1][i])],
+            depth_scale: simd.splat(courses.depth_scale[i]),
+            depth_offset: simd.splat(courses.depth_offset[i]),
+            edge_err: [simd.splat(courses.edge_err[0][i]), simd.splat(courses.edge_err[1][i])],
+            t_err: simd.splat(courses.t_err[i]),
+            certain_end: simd.splat(courses.certain_end[i]),
+            t_end: simd.splat(t_end),
+        }
+    }
+
+    /// Eight rays.
+    #[inline(always)]
+    pub(super) fn each(simd: S, courses: &Courses<LANES>, t_end: &[f32; LANES]) -> Self {
+        Self {
+            slope: [simd.load(&courses.slope[0]), simd.load(&courses.slope[1])],
+            offset: [simd.load(&courses.offset[0]), simd.load(&courses.offset[1])],
+            depth_scale: simd.load(&courses.depth_scale),
+            depth_offset: simd.load(&courses.depth_offset),
+            edge_err: [simd.load(&courses.edge_err[0]), simd.load(&courses.edge_err[1])],
+            t_err: simd.load(&courses.t_err),
+            certain_end: simd.load(&courses.certain_end),
+            t_end: simd.load(t_end),
+        }
+    }
 }
 
 /// Coordinates of three vertices along the ray's axes x, y and z.
@@ -47,13 +78,26 @@ pub(super) struct Vertices<S: Simd> {
 impl<S: Simd> Vertices<S> {
     /// Those of a block's triangles.
     #[inline(always)]
-    pub(super) fn load(simd: S, rows: Rows<'_>, [x, y, z, _]: [usize; 4]) -> Self {
+    pub(super) fn load(simd: S, rows: Rows<'_>, [x, y, z]: [usize; 3]) -> Self {
         let (x, y, z) = (rows.along(x), rows.along(y), rows.along(z));
         Self {
             x: [simd.load(x[0]), simd.load(x[1]), simd.load(x[2])],
             y: [simd.load(y[0]), simd.load(y[1]), simd.load(y[2])],
             z: [simd.load(z[0]), simd.load(z[1]), simd.load(z[2])],
         }
+    }
+
+    /// Those of one of a block's triangles, in all lanes.
+    #[inline(always)]
+    pub(super) fn one(simd: S, rows: Rows<'_>, axes: [usize; 3], lane: usize) -> Self {
+        let [x, y, z] = axes.map(
+            #[inline(always)]
+            |axis| {
+                let [a, b, c] = rows.along(axis);
+                [simd.splat(a[lane % LANES]), simd.splat(b[lane % LANES]), simd.splat(c[lane % LANES])]
+            },
+        );
+        Self { x, y, z }
     }
 }
 

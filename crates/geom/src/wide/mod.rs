@@ -5,27 +5,35 @@
 //!   [`blocks`], in the scene's own [`space`];
 //! - [`course`]: a ray in that space, with a bound for every error;
 //! - [`step`] finds the cells of a node that a ray meets, [`filter`] the triangles of a block;
-//! - a ray is searched for [`alone`], or in a [`wave`] of many that take their steps in turn;
-//! - [`candidates`]: what is left, a triangle a hit and mostly none otherwise, is decided.
+//! - a ray is searched for [`alone`]; of a [`batch`], coherent ones in a [`packet`], whose [`frustum`]
+//!   meets nodes for all of them on its [`descent`], and others in a [`wave`] of many that take their
+//!   steps in turn;
+//! - [`candidates`]: what is left, a triangle a hit and mostly none otherwise, is decided, for a
+//!   packet eight rays at a time ([`verdicts`]).
 //!
 //! All of it is written once, over the vectors of [`simd`], for the [`level`] that the machine has.
 
 mod alone;
+mod batch;
 mod blocks;
 mod candidates;
 mod collapse;
 mod course;
+mod descent;
 mod filter;
+mod frustum;
 mod goal;
 mod leaf;
 mod level;
 mod node;
+mod packet;
 mod scratch;
 #[allow(unsafe_code)]
 mod simd;
 mod space;
 mod step;
 mod trace;
+mod verdicts;
 mod wave;
 
 pub use level::SimdLevel;
@@ -33,18 +41,19 @@ pub use level::SimdLevel;
 use crate::search::{Any, Closest};
 use crate::{Aabb, Accel, GeomError, Hit, KdOptions, KdTree, Probe, Ray, SplitRule, Traverse, Triangles};
 use alone::search_alone;
+use batch::search_batch;
 use blocks::Blocks;
 use collapse::Collapse;
 use level::Token;
 use node::{Child, Node};
 use simd::Simd;
 use space::Space;
-use wave::search_in_turn;
 
 /// A [`KdTree`] whose nodes hold up to eight cells each, in the boxes of what these hold, and whose
 /// leaves are tested eight triangles at a time.
 ///
-/// Made for batches: many rays are searched for in turn, so that their waiting overlaps.
+/// Made for batches: many rays are searched for in turn, so that their waiting overlaps, and 64 in a row
+/// that take nearly the same way (counted from the batch's beginning) are searched for together.
 ///
 /// The search uses the best vector instructions of the machine it runs on; the answers are the same
 /// with any.
@@ -168,7 +177,7 @@ impl Accel for WideKdTree {
         hits.clear();
         hits.resize(rays.len(), None);
         vectorized!(self, |simd| {
-            search_in_turn(simd, self, rays, |i, search: Closest| hits[i] = search.hit());
+            search_batch(simd, self, rays, |i, search: Closest| hits[i] = search.hit());
         });
     }
 
@@ -176,7 +185,7 @@ impl Accel for WideKdTree {
         occluded.clear();
         occluded.resize(rays.len(), false);
         vectorized!(self, |simd| {
-            search_in_turn(simd, self, rays, |i, search: Any| occluded[i] = search.found());
+            search_batch(simd, self, rays, |i, search: Any| occluded[i] = search.found());
         });
     }
 

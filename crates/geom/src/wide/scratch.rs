@@ -1,5 +1,6 @@
 //! The memory that searches work in, kept from one to the next so that queries do not allocate.
 
+use super::packet::Packet;
 use super::trace::Trace;
 use std::cell::Cell;
 
@@ -10,6 +11,9 @@ pub(super) const WIDTH: usize = 64;
 pub(super) struct Scratch {
     /// One for each of [`WIDTH`] rays; on the heap, since they are large.
     pub(super) traces: Box<[Trace; WIDTH]>,
+    pub(super) packet: Packet,
+    /// Where in a batch the rays start that are searched for in turn, [`WIDTH`] from each.
+    pub(super) starts: Vec<u32>,
 }
 
 thread_local! {
@@ -30,6 +34,6 @@ impl Scratch {
     fn idle() -> Box<Self> {
         let traces: Vec<Trace> = (0..WIDTH).map(|_| Trace::idle()).collect();
         let traces = traces.into_boxed_slice().try_into().expect("as many as were made");
-        Box::new(Self { traces })
+        Box::new(Self { traces, packet: Packet::idle(), starts: Vec::new() })
     }
 }

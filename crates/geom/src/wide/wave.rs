@@ -9,7 +9,7 @@ use super::course::Courses;
 use super::goal::Goal;
 use super::leaf::{Found, note, open};
 use super::node::Child;
-use super::scratch::{Scratch, WIDTH};
+use super::scratch::WIDTH;
 use super::simd::{LANES, Simd};
 use super::step::step;
 use super::trace::Trace;
@@ -30,8 +30,12 @@ struct Waiting {
 struct Wave<'a, Q, R> {
     tree: &'a WideKdTree,
     rays: &'a [Ray],
+    /// Where the sets of [`WIDTH`] rays start that are not yet in hand.
+    starts: std::slice::Iter<'a, u32>,
     /// The next ray to be taken in hand.
     next: usize,
+    /// Where its set ends.
+    end: usize,
     /// Of the group of rays that it belongs to.
     courses: Courses<LANES>,
     traces: &'a mut [Trace; WIDTH],
@@ -39,21 +43,18 @@ struct Wave<'a, Q, R> {
     report: R,
 }
 
-/// Searches for every ray, and hands each finished search to `report`.
+/// Searches for the rays of the sets that start at `starts`, and hands each finished search to `report`.
 #[inline(always)]
 pub(super) fn search_in_turn<S: Simd, Q: Goal>(
     simd: S,
     tree: &WideKdTree,
     rays: &[Ray],
+    starts: &[u32],
+    traces: &mut [Trace; WIDTH],
     report: impl FnMut(usize, Q),
 ) {
-    Scratch::lend(
-        #[inline(always)]
-        |Scratch { traces }| {
-            let searches = [None; WIDTH];
-            Wave { tree, rays, next: 0, courses: Courses::idle(), traces, searches, report }.run(simd);
-        },
-    );
+    let (starts, courses, searches) = (starts.iter(), Courses::idle(), [None; WIDTH]);
+    Wave { tree, rays, starts, next: 0, end: 0, courses, traces, searches, report }.run(simd);
 }
 
 /// The slots in a set, ascending. An iterator and no closure: what is not inlined is not compiled
@@ -93,18 +94,18 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
     /// The next ray to be taken in hand.
     #[inline(always)]
     fn next_ray(&mut self) -> Option<usize> {
-        if self.next < self.rays.len() && self.next.is_multiple_of(LANES) {
+        if self.next == self.end {
+            self.next = *self.starts.next()? as usize;
+            self.end = self.rays.len().min(self.next + WIDTH);
+        }
+        if self.next.is_multiple_of(LANES) {
             let WideKdTree { triangles, space, .. } = self.tree;
             let group = self.rays[self.next..].first_chunk::<LANES>();
             let group = group.copied().unwrap_or_else(|| self.last_group());
-            self.courses = Courses::new(&group, &triangles.bounds(), space);
-        }
-        let next = self.next;
-        if next == self.rays.len() {
-            return None;
+            self.courses.set(&group, &triangles.bounds(), space);
         }
         self.next += 1;
-        Some(next)
+        Some(self.next - 1)
     }
 
     /// The rays that are too few for a group, and the last of them again.

@@ -119,9 +119,13 @@ impl Simd for Avx2 {
         call!(_mm256_permutevar8x32_ps(table, index))
     }
     #[inline(always)]
+    fn select(self, mask: u8, a: __m256, b: __m256) -> __m256 {
+        call!(_mm256_blendv_ps(b, a, lanes(mask)))
+    }
+    #[inline(always)]
     fn min_of(self, a: __m256, mask: u8) -> f32 {
         call!({
-            let a = _mm256_blendv_ps(_mm256_set1_ps(f32::INFINITY), a, lanes(mask));
+            let a = self.select(mask, a, _mm256_set1_ps(f32::INFINITY));
             let a = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
             let a = _mm_min_ps(a, _mm_movehl_ps(a, a));
             _mm_cvtss_f32(_mm_min_ss(a, _mm_movehdup_ps(a)))

@@ -90,6 +90,8 @@ pub(super) trait Simd: Copy {
     fn signs(self, a: Self::F) -> u8;
     /// Lane `i` is lane `index[i] % 8` of `table`.
     fn permute(self, table: Self::F, index: Self::I) -> Self::F;
+    /// Lane by lane, `a` where `mask` has a bit and `b` where not.
+    fn select(self, mask: u8, a: Self::F, b: Self::F) -> Self::F;
     /// The smallest of the lanes in `mask`, or infinity.
     fn min_of(self, a: Self::F, mask: u8) -> f32;
 

@@ -93,6 +93,10 @@ impl Simd for Portable {
         index.map(|i| table[i as usize % LANES])
     }
     #[inline(always)]
+    fn select(self, mask: u8, a: F, b: F) -> F {
+        from_fn(|i| if mask >> i & 1 == 1 { a[i] } else { b[i] })
+    }
+    #[inline(always)]
     fn min_of(self, a: F, mask: u8) -> f32 {
         (0..LANES).fold(f32::INFINITY, |m, i| if mask >> i & 1 == 1 && a[i] < m { a[i] } else { m })
     }

@@ -1,0 +1,133 @@
+//! 64 coherent rays, that is ones that take nearly the same way, searched for together.
+
+use super::WideKdTree;
+use super::candidates::Candidates;
+use super::course::Courses;
+use super::descent::Descent;
+use super::frustum::Frustum;
+use super::goal::Goal;
+use super::scratch::WIDTH;
+use super::simd::{LANES, Simd};
+use super::verdicts::decide_all;
+use crate::Ray;
+
+/// The rays of a packet come eight by eight.
+pub(super) const GROUPS: usize = WIDTH / LANES;
+
+/// A set of a packet's rays, a bit each.
+pub(super) type Slots = u64;
+
+/// What is known of the rays. Kept from packet to packet, so that its memory is.
+#[derive(Debug)]
+pub(super) struct Packet {
+    pub(super) courses: [Courses<LANES>; GROUPS],
+    /// What begins beyond this can not matter.
+    pub(super) t_end: [[f32; LANES]; GROUPS],
+    /// How far each ray goes along its main axis for each unit of its parameter.
+    pub(super) rates: [[f32; LANES]; GROUPS],
+    pub(super) candidates: [[Candidates; LANES]; GROUPS],
+    /// What is still to be visited, the nearest last.
+    pub(super) cells: Vec<Cell>,
+}
+
+/// A cell of a node, in sight of the packet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub(super) child: u32,
+    /// The node, and its lane, that has the cell's box.
+    pub(super) node: u32,
+    pub(super) lane: u32,
+    /// Where the box begins along the main axis.
+    pub(super) near: f32,
+}
+
+impl Packet {
+    pub(super) fn idle() -> Self {
+        Self {
+            courses: [const { Courses::idle() }; GROUPS],
+            t_end: [[0.0; LANES]; GROUPS],
+            rates: [[0.0; LANES]; GROUPS],
+            candidates: [[Candidates::default(); LANES]; GROUPS],
+            cells: Vec::new(),
+        }
+    }
+
+    /// Searches for all rays and reports every search. If they are not coherent it does nothing, and
+    /// returns false.
+    #[inline(always)]
+    pub(super) fn search<S: Simd, Q: Goal>(
+        &mut self,
+        simd: S,
+        tree: &WideKdTree,
+        rays: &[Ray; WIDTH],
+        mut report: impl FnMut(usize, Q),
+    ) -> bool {
+        if !seem_coherent(rays) {
+            return false;
+        }
+        let (groups, _) = rays.as_chunks::<LANES>();
+        let live = self.set(tree, groups);
+        let Some(frustum) = Frustum::around(simd, self, live) else { return false };
+        let main_axis = frustum.main_axis();
+        let mut searches = [[Q::begin(&rays[0]); LANES]; GROUPS];
+        for (searches, group) in searches.iter_mut().zip(groups) {
+            for (search, ray) in searches.iter_mut().zip(group) {
+                *search = Q::begin(ray);
+            }
+        }
+        let packet = &mut *self;
+        Descent { simd, tree, rays: groups, packet, frustum, live, searches: &mut searches }.run();
+        for (g, group) in groups.iter().enumerate() {
+            let (candidates, t_end) = (&self.candidates[g], &self.t_end[g]);
+            decide_all(main_axis, group, candidates, t_end, &tree.triangles, &mut searches[g]);
+            for (i, search) in searches[g].into_iter().enumerate() {
+                report(g * LANES + i, search);
+            }
+        }
+        true
+    }
+
+    /// Makes the rays ready; returns those that may meet anything.
+    #[inline(always)]
+    pub(super) fn set(&mut self, tree: &WideKdTree, groups: &[[Ray; LANES]]) -> Slots {
+        let mut live = 0;
+        for (g, group) in groups.iter().enumerate() {
+            let courses = &mut self.courses[g];
+            courses.set(group, &tree.triangles.bounds(), &tree.space);
+            self.t_end[g] = courses.end;
+            for i in 0..LANES {
+                self.rates[g][i] = 1.0 / courses.depth_scale[i];
+                self.candidates[g][i].clear();
+                live |= Slots::from(courses.is_any[i]) << (g * LANES + i);
+            }
+        }
+        live
+    }
+}
+
+/// Smallest and largest of the numbers of the rays in `slots`.
+#[inline(always)]
+pub(super) fn range<S: Simd>(simd: S, numbers: &[S::F; GROUPS], slots: Slots) -> [f32; 2] {
+    let (zero, nothing) = (simd.splat(0.0), simd.splat(f32::INFINITY));
+    let (mut low, mut minus_high) = (nothing, nothing);
+    for (g, &x) in numbers.iter().enumerate() {
+        let group = (slots >> (g * LANES)) as u8;
+        low = simd.min(low, simd.select(group, x, nothing));
+        minus_high = simd.min(minus_high, simd.select(group, simd.sub(zero, x), nothing));
+    }
+    [simd.min_of(low, 0xff), -simd.min_of(minus_high, 0xff)]
+}
+
+/// Whether a few of the rays say nothing to the contrary.
+#[inline(always)]
+fn seem_coherent(rays: &[Ray; WIDTH]) -> bool {
+    let first = rays[0].direction;
+    for i in [WIDTH / 3, 2 * WIDTH / 3, WIDTH - 1] {
+        let other = rays[i].direction;
+        let dot = first.dot(other);
+        if !(dot > 0.0 && dot * dot > 0.99 * (first.length_squared() * other.length_squared())) {
+            return false;
+        }
+    }
+    true
+}
