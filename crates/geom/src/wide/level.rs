@@ -1,8 +1,8 @@
 //! Which instructions a search uses.
 
-use super::simd::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::simd::{Avx2, Avx512};
+use super::simd::{Portable, Simd};
 
 /// Instruction sets that a [`WideKdTree`](super::WideKdTree) is searched with, from the slowest.
 /// All give the same answers.
@@ -24,6 +24,35 @@ impl SimdLevel {
     /// The best that this machine has.
     pub fn best() -> Self {
         Token::new(Self::Avx512).level()
+    }
+}
+
+impl SimdLevel {
+    /// Runs `work`, compiled for these instructions, or for the best below them that this machine has.
+    ///
+    /// For passes over arrays, of which the compiler makes vectors. Only what is inlined into `work` is
+    /// compiled so: mark the closure, and what it calls, `#[inline(always)]`. What it computes is
+    /// the same to the bit with any instructions.
+    ///
+    /// ```
+    /// use globillum_geom::SimdLevel;
+    ///
+    /// let mut roots = [1.0_f64, 4.0, 9.0, 16.0];
+    /// SimdLevel::best().run(
+    ///     #[inline(always)]
+    ///     || roots.iter_mut().for_each(|x| *x = x.sqrt()),
+    /// );
+    /// assert_eq!(roots, [1.0, 2.0, 3.0, 4.0]);
+    /// ```
+    #[inline(always)]
+    pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
+        match Token::new(self) {
+            Token::Portable(simd) => simd.vectorize(work),
+            #[cfg(target_arch = "x86_64")]
+            Token::Avx2(simd) => simd.vectorize(work),
+            #[cfg(target_arch = "x86_64")]
+            Token::Avx512(simd) => simd.vectorize(work),
+        }
     }
 }
 

@@ -1,11 +1,11 @@
 use super::Counters;
 use crate::film::Moments;
 use crate::lamp::LampSampler;
-use crate::sampler::Numbers;
+use crate::sampler::{BounceNumbers, Numbers};
 use crate::tile::Tile;
 use crate::{Camera, Interaction, RenderError, Roulette, Scene, Settings};
 use glam::DVec3;
-use globillum_geom::{Accel, Frame, Hit, Ray};
+use globillum_geom::{Accel, Frame, Hit, Ray, SimdLevel};
 use globillum_material::{Density, Rgb};
 
 /// The samples of each pixel that one wave takes.
@@ -22,6 +22,8 @@ pub(crate) struct Wave {
     /// Paths still under way, and beside each the ray it follows next.
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
+    /// What decides each path's next bounce.
+    drawn: Vec<BounceNumbers>,
     pub(super) hits: Vec<Option<Hit>>,
     /// Light that arrives unless its shadow ray is occluded.
     pub(super) arriving: Vec<Arriving>,
@@ -30,6 +32,9 @@ pub(crate) struct Wave {
     /// What each sample has gathered, in the order in which the samples are taken.
     pub(super) radiance: Vec<Rgb>,
 }
+
+/// How many paths' numbers are computed side by side.
+const SIDE_BY_SIDE: usize = 8;
 
 /// One path under way.
 #[derive(Clone, Copy, Debug)]
@@ -131,14 +136,33 @@ impl Wave {
         self.radiance.resize(self.paths.len(), Rgb::BLACK);
     }
 
+    /// The random numbers of all paths, for one bounce.
+    fn draw(&mut self, bounce: u32) {
+        let Self { paths, drawn, .. } = self;
+        drawn.clear();
+        SimdLevel::best().run(
+            #[inline(always)]
+            || {
+                for group in paths.chunks(SIDE_BY_SIDE) {
+                    let mut samples = [group[0].numbers; SIDE_BY_SIDE];
+                    for (sample, path) in samples.iter_mut().zip(group) {
+                        *sample = path.numbers;
+                    }
+                    drawn.extend_from_slice(&BounceNumbers::draw(&samples, bounce)[..group.len()]);
+                }
+            },
+        );
+    }
+
     /// Adds what the hits emit, chooses points on lights, and scatters; keeps the paths that go
     /// on, in their order.
     pub(super) fn shade<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
+        self.draw(bounce);
         self.arriving.clear();
         self.shadow_rays.clear();
         let mut kept = 0;
         for i in 0..self.paths.len() {
-            let (mut path, ray) = (self.paths[i], self.rays[i]);
+            let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.drawn[i]);
             let Some(hit) = self.hits[i] else {
                 self.radiance[path.sample as usize] += path.throughput * view.scene.environment();
                 continue;
@@ -156,12 +180,12 @@ impl Wave {
             }
             let frame = Frame::around(at.point.normal);
             let wo = frame.to_local(at.wo);
-            if let Some((shadow_ray, light)) = view.next_event(&path, &at, &frame, wo, bounce) {
+            if let Some((shadow_ray, light)) = view.next_event(&path, &at, &frame, wo, &numbers) {
                 self.shadow_rays.push(shadow_ray);
                 self.arriving.push(Arriving { sample: path.sample, radiance: light });
             }
-            let Some(next) = path.scatter(&at, &frame, wo, bounce) else { continue };
-            if !path.survives(view.settings.roulette, bounce) {
+            let Some(next) = path.scatter(&at, &frame, wo, &numbers) else { continue };
+            if bounce >= view.settings.roulette.start && !path.survives(&numbers) {
                 counters.roulette_ends += 1;
                 continue;
             }
@@ -219,13 +243,12 @@ impl<A: Accel> View<'_, A> {
         at: &Interaction<'_>,
         frame: &Frame,
         wo: DVec3,
-        bounce: u32,
+        numbers: &BounceNumbers,
     ) -> Option<(Ray, Rgb)> {
         if !self.settings.estimator.samples_lights() || at.material.bsdf.is_delta() {
             return None;
         }
-        let (choice, u) = path.numbers.light(bounce);
-        let light = self.lamps_from(at.point.position).sample(choice, u)?;
+        let light = self.lamps_from(at.point.position).sample(numbers.light, numbers.point)?;
         let wi = frame.to_local(light.direction);
         let scattered = at.material.bsdf.pdf(wo, wi);
         let share = self.settings.estimator.weight_of_light(light.pdf, scattered);
@@ -240,20 +263,23 @@ impl<A: Accel> View<'_, A> {
 
 impl Path {
     /// Chooses where the path goes on; `None` if nothing is reflected.
-    fn scatter(&mut self, at: &Interaction<'_>, frame: &Frame, wo: DVec3, bounce: u32) -> Option<Ray> {
-        let sample = at.material.bsdf.sample(wo, self.numbers.scatter(bounce))?;
+    fn scatter(
+        &mut self,
+        at: &Interaction<'_>,
+        frame: &Frame,
+        wo: DVec3,
+        numbers: &BounceNumbers,
+    ) -> Option<Ray> {
+        let sample = at.material.bsdf.sample(wo, numbers.scatter)?;
         self.throughput *= sample.weight;
         self.density = sample.density;
         self.from = at.point.position;
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
 
-    fn survives(&mut self, roulette: Roulette, bounce: u32) -> bool {
-        if bounce < roulette.start {
-            return true;
-        }
+    fn survives(&mut self, numbers: &BounceNumbers) -> bool {
         let survive_prob = self.throughput.max_component().min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;
-        self.numbers.roulette(bounce) < survive_prob
+        numbers.roulette < survive_prob
     }
 }

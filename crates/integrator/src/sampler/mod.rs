@@ -8,7 +8,7 @@ mod stream;
 pub use stream::Stream;
 
 use decision::Decision;
-use sobol::SobolPoint;
+use sobol::{SobolPoint, SobolPoints};
 use std::ops::Range;
 
 /// Where random numbers come from. A picture's mean is right with either; the error differs.
@@ -52,6 +52,52 @@ impl Sampler {
     }
 }
 
+/// What is decided at one bounce by random numbers, each uniform in `[0, 1)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct BounceNumbers {
+    /// A light.
+    pub(crate) light: f64,
+    /// A point on it.
+    pub(crate) point: [f64; 2],
+    /// The direction in which the path goes on.
+    pub(crate) scatter: [f64; 2],
+    /// Whether it goes on.
+    pub(crate) roulette: f64,
+}
+
+impl BounceNumbers {
+    /// Those of `N` samples at a bounce. Sobol' points of passes of one length are computed side by side.
+    #[inline(always)]
+    pub(crate) fn draw<const N: usize>(samples: &[Numbers; N], bounce: u32) -> [Self; N] {
+        match Numbers::as_points(samples) {
+            Some(points) => Self::side_by_side(&points, bounce),
+            None => Self::one_by_one(samples, bounce),
+        }
+    }
+
+    #[inline(always)]
+    fn side_by_side<const N: usize>(points: &SobolPoints<N>, bounce: u32) -> [Self; N] {
+        let [x, y, light] = points.uniform(Decision::light(bounce).0);
+        let [u, v] = points.uniform(Decision::scatter(bounce).0);
+        let [roulette] = points.uniform(Decision::roulette(bounce).0);
+        let mut all = [Self::default(); N];
+        for (i, numbers) in all.iter_mut().enumerate() {
+            let (point, scatter) = ([x[i], y[i]], [u[i], v[i]]);
+            *numbers = Self { light: light[i], point, scatter, roulette: roulette[i] };
+        }
+        all
+    }
+
+    /// Not inlined: it is the way of few, and would be compiled for each instruction set.
+    #[inline(never)]
+    fn one_by_one<const N: usize>(samples: &[Numbers; N], bounce: u32) -> [Self; N] {
+        samples.map(|numbers| {
+            let (light, point) = numbers.light(bounce);
+            Self { light, point, scatter: numbers.scatter(bounce), roulette: numbers.roulette(bounce) }
+        })
+    }
+}
+
 impl Numbers {
     /// For the place in the pixel: uniform in the unit square.
     #[inline]
@@ -75,6 +121,18 @@ impl Numbers {
     #[inline]
     pub(crate) fn roulette(&self, bounce: u32) -> f64 {
         self.single(Decision::roulette(bounce))
+    }
+
+    /// All as points of Sobol's sequence; `None` if one is not, or their passes differ in length.
+    #[inline(always)]
+    fn as_points<const N: usize>(samples: &[Self; N]) -> Option<SobolPoints<N>> {
+        let Self::Sobol(first) = samples[0] else { return None };
+        let mut points = [first; N];
+        for (point, numbers) in points.iter_mut().zip(samples) {
+            let Self::Sobol(this) = numbers else { return None };
+            *point = *this;
+        }
+        SobolPoints::new(&points)
     }
 
     fn single(&self, decision: Decision) -> f64 {
@@ -217,6 +275,23 @@ mod tests {
             // One product has variance 1/144; an estimate from so many passes a deviation of 1.2 %.
             let ratio = variance * 144.0 * (n - 1.0);
             assert!((ratio - 1.0).abs() < 5.85 * 0.012, "{i}: {ratio} times the variance expected");
+        }
+    }
+
+    /// Side by side and one by one give the same bits, for passes of any length.
+    #[test]
+    fn numbers_do_not_depend_on_their_neighbours() {
+        for (sampler, length) in BOTH.into_iter().flat_map(|s| [1, 3, 16, 100, 5000].map(|n| (s, n))) {
+            let pass = 7 * length..8 * length;
+            for bounce in [0, 1, 40] {
+                let samples: [Numbers; 8] = std::array::from_fn(|i| {
+                    sampler.numbers(3, 11 * i as u64, pass.start + i as u32 * 997 % length, &pass)
+                });
+                let together = BounceNumbers::draw(&samples, bounce);
+                assert_eq!(together, BounceNumbers::one_by_one(&samples, bounce), "{sampler:?}, {length}");
+                let alone = samples.map(|numbers| BounceNumbers::draw(&[numbers], bounce)[0]);
+                assert_eq!(together, alone, "{sampler:?}, {length}");
+            }
         }
     }
 

@@ -6,47 +6,66 @@ use crate::hash::nth;
 ///
 /// The coins are the nodes of a binary tree, numbered as in a heap and kept 64 to a hash, so that
 /// the scrambling is Owen's itself and not an approximation, at one hash for up to six digits.
+///
+/// There are `N` of them, applied side by side: the compiler makes vectors of it.
 #[derive(Clone, Copy)]
-pub(crate) struct NestedPermutation {
-    key: u64,
+pub(super) struct NestedPermutations<const N: usize> {
+    keys: [u64; N],
     purpose: u64,
 }
 
-impl NestedPermutation {
-    /// One of the permutations of `key`, told apart by `purpose`.
-    #[inline]
-    pub(super) fn new(key: u64, purpose: u64) -> Self {
-        Self { key, purpose: purpose << 40 }
+impl<const N: usize> NestedPermutations<N> {
+    /// For each key one of its permutations, told apart by `purpose`.
+    #[inline(always)]
+    pub(super) fn new(keys: [u64; N], purpose: u64) -> Self {
+        Self { keys, purpose: purpose << 40 }
     }
 
-    /// The number that `x`, of so many `digits` (at most 31), becomes.
-    #[inline]
-    pub(super) fn apply(&self, x: u32, digits: u32) -> u32 {
-        // The node of a digit is a one and the digits before it.
-        let path = (1 << digits) | x;
-        let mut flips = 0;
-        let coins = self.coins(0);
+    /// The numbers that `x`, of so many `digits` (at most 31), become.
+    #[inline(always)]
+    pub(super) fn apply(&self, x: [u64; N], digits: u32) -> [u64; N] {
+        let coins = self.hashes([0; N]);
+        let mut flips = [0; N];
         for level in 0..digits.min(6) {
-            let node = path >> (digits - level);
-            flips = flips << 1 | (coins >> (node % 64)) as u32 & 1;
+            for i in 0..N {
+                flips[i] = flips[i] << 1 | coins[i] >> node(x[i], digits, level) & 1;
+            }
         }
         for level in 6..digits {
-            let node = path >> (digits - level);
-            flips = flips << 1 | (self.coins(node / 64) >> (node % 64)) as u32 & 1;
+            let mut words = [0; N];
+            for i in 0..N {
+                words[i] = node(x[i], digits, level) / 64;
+            }
+            let coins = self.hashes(words);
+            for i in 0..N {
+                flips[i] = flips[i] << 1 | coins[i] >> (node(x[i], digits, level) % 64) & 1;
+            }
         }
-        x ^ flips
+        for i in 0..N {
+            flips[i] ^= x[i];
+        }
+        flips
     }
 
-    /// 64 random bits that belong to the number that `x` has become.
-    #[inline]
-    pub(super) fn below(&self, x: u32) -> u64 {
-        nth(self.key, self.purpose + (1 << 32) + u64::from(x))
+    /// 64 random bits each that belong to the numbers that `x` have become.
+    #[inline(always)]
+    pub(super) fn below(&self, x: [u64; N]) -> [u64; N] {
+        self.hashes(x.map(|x| x + (1 << 32)))
     }
 
-    #[inline]
-    fn coins(&self, word: u32) -> u64 {
-        nth(self.key, self.purpose + u64::from(word))
+    #[inline(always)]
+    fn hashes(&self, mut counters: [u64; N]) -> [u64; N] {
+        for (counter, key) in counters.iter_mut().zip(self.keys) {
+            *counter = nth(key, self.purpose + *counter);
+        }
+        counters
     }
+}
+
+/// The node of a digit of `x` is a one and the digits before it.
+#[inline(always)]
+fn node(x: u64, digits: u32, level: u32) -> u64 {
+    (1 << digits | x) >> (digits - level)
 }
 
 #[cfg(test)]
@@ -56,8 +75,8 @@ mod tests {
     #[test]
     fn it_permutes_and_keeps_leading_digits_together() {
         for digits in [1, 4, 6, 7, 9] {
-            let permutation = NestedPermutation::new(3, 1);
-            let images: Vec<_> = (0..1_u32 << digits).map(|x| permutation.apply(x, digits)).collect();
+            let permutation = NestedPermutations::new([3], 1);
+            let images: Vec<_> = (0..1_u64 << digits).map(|x| permutation.apply([x], digits)[0]).collect();
             let mut sorted = images.clone();
             sorted.sort_unstable();
             assert!((0..).zip(&sorted).all(|(i, &x)| i == x), "{digits}");
@@ -79,8 +98,8 @@ mod tests {
         let mut counts = std::collections::HashMap::new();
         let draws = 128 * 400;
         for key in 0..draws {
-            let permutation = NestedPermutation::new(crate::hash::mix(key), 0);
-            let images: Vec<_> = (0..8).map(|x| permutation.apply(x, 3)).collect();
+            let permutation = NestedPermutations::new([crate::hash::mix(key)], 0);
+            let images: Vec<_> = (0..8).map(|x| permutation.apply([x], 3)[0]).collect();
             *counts.entry(images).or_insert(0_u32) += 1;
         }
         assert_eq!(counts.len(), 128);

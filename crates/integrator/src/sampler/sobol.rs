@@ -1,4 +1,4 @@
-use super::nested::NestedPermutation;
+use super::nested::NestedPermutations;
 use crate::hash::{fold, nth, unit};
 
 /// One point of a replicate, which has `2^digits` points for each decision of a path, stratified
@@ -20,14 +20,31 @@ pub(crate) struct SobolPoint {
     digits: u32,
 }
 
-/// The randomisations of one dimension's points, each a sequence of hashes of its own.
-#[derive(Clone, Copy)]
-enum Purpose {
-    Mixing = 0,
-    Order = 1,
+/// The randomisations of one dimension's points, each a sequence of hashes of its own: two for their order,
+/// and one for each axis.
+const MIXING: u64 = 0;
+const ORDER: u64 = 1;
+
+/// A coordinate of Sobol's sequence.
+#[derive(Clone, Copy, Debug)]
+enum Axis {
     First = 2,
     Second = 3,
     Third = 4,
+}
+
+const AXES: [Axis; 3] = [Axis::First, Axis::Second, Axis::Third];
+
+impl Axis {
+    /// The first digits of point `index`.
+    #[inline(always)]
+    fn digits_of(self, index: u64, digits: u32) -> u64 {
+        match self {
+            Self::First => reversed(index, digits),
+            Self::Second => second_sobol(index, digits),
+            Self::Third => third_sobol(index, digits),
+        }
+    }
 }
 
 impl SobolPoint {
@@ -44,51 +61,94 @@ impl SobolPoint {
 
     #[inline]
     pub(crate) fn uniform(&self, dimension: u32) -> f64 {
-        let (key, place) = self.place(dimension);
-        self.scrambled(key, Purpose::First, reversed(place, self.digits))
+        let [[u]] = SobolPoints::from(&[*self]).uniform(dimension);
+        u
     }
 
     #[inline]
     pub(crate) fn uniform_pair(&self, dimension: u32) -> [f64; 2] {
-        let (key, place) = self.place(dimension);
-        self.pair(key, place)
+        let [[u], [v]] = SobolPoints::from(&[*self]).uniform(dimension);
+        [u, v]
     }
 
     #[inline]
     pub(crate) fn uniform_triple(&self, dimension: u32) -> (f64, [f64; 2]) {
-        let (key, place) = self.place(dimension);
-        let third = self.scrambled(key, Purpose::Third, third_sobol(place, self.digits));
-        (third, self.pair(key, place))
+        let [[u], [v], [w]] = SobolPoints::from(&[*self]).uniform(dimension);
+        (w, [u, v])
+    }
+}
+
+/// Points of as many digits, computed side by side: the compiler makes vectors of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SobolPoints<const N: usize> {
+    keys: [u64; N],
+    indices: [u64; N],
+    digits: u32,
+}
+
+impl<const N: usize> SobolPoints<N> {
+    /// `None` unless all have as many digits.
+    #[inline(always)]
+    pub(super) fn new(points: &[SobolPoint; N]) -> Option<Self> {
+        let this = Self::from(points);
+        points.iter().all(|point| point.digits == this.digits).then_some(this)
     }
 
-    fn pair(&self, key: u64, place: u32) -> [f64; 2] {
-        [
-            self.scrambled(key, Purpose::First, reversed(place, self.digits)),
-            self.scrambled(key, Purpose::Second, second_sobol(place, self.digits)),
-        ]
+    /// All as if they had as many digits as the first.
+    #[inline(always)]
+    fn from(points: &[SobolPoint; N]) -> Self {
+        let (keys, indices) = (points.map(|p| p.key), points.map(|p| u64::from(p.index)));
+        Self { keys, indices, digits: points[0].digits }
     }
 
-    /// The key of a dimension, and where in the sequence its point is: a random permutation of the replicate.
+    /// The first `D` coordinates, up to three, of the points of `dimension`.
+    #[inline(always)]
+    pub(super) fn uniform<const D: usize>(&self, dimension: u32) -> [[f64; N]; D] {
+        let (keys, places) = self.places(dimension);
+        let mut all = [[0.0; N]; D];
+        for (axis, coordinates) in AXES.into_iter().zip(&mut all) {
+            let mut digits = places;
+            for digit in &mut digits {
+                *digit = axis.digits_of(*digit, self.digits);
+            }
+            *coordinates = self.scrambled(keys, axis, digits);
+        }
+        all
+    }
+
+    /// The keys of a dimension, and where in the sequence the points are: a random permutation of the
+    /// replicate.
     ///
     /// A single nested permutation, as in Burley (2020), would not do: two samples whose indices
     /// differ in the last digit would fall into opposite halves in every dimension at once, so that
     /// the integral of a product of two dimensions had nearly twice the variance. One that keeps
     /// together what shares its last digits comes first.
-    fn place(&self, dimension: u32) -> (u64, u32) {
-        let key = nth(self.key, u64::from(dimension));
-        let mirrored = reversed(self.index, self.digits);
-        let mixed = NestedPermutation::new(key, Purpose::Mixing as u64).apply(mirrored, self.digits);
-        let index = reversed(mixed, self.digits);
-        (key, NestedPermutation::new(key, Purpose::Order as u64).apply(index, self.digits))
+    #[inline(always)]
+    fn places(&self, dimension: u32) -> ([u64; N], [u64; N]) {
+        let (mut keys, mut places) = (self.keys, self.indices);
+        for (key, place) in keys.iter_mut().zip(&mut places) {
+            *key = nth(*key, u64::from(dimension));
+            *place = reversed(*place, self.digits);
+        }
+        places = NestedPermutations::new(keys, MIXING).apply(places, self.digits);
+        for place in &mut places {
+            *place = reversed(*place, self.digits);
+        }
+        (keys, NestedPermutations::new(keys, ORDER).apply(places, self.digits))
     }
 
-    /// Owen's scrambling of a number given by its first digits. No other point of the replicate
+    /// Owen's scrambling of numbers given by their first digits. No other point of the replicate
     /// shares them all, so the digits after them are simply random.
-    fn scrambled(&self, key: u64, purpose: Purpose, prefix: u32) -> f64 {
-        let permutation = NestedPermutation::new(key, purpose as u64);
-        let prefix = permutation.apply(prefix, self.digits);
-        let random = permutation.below(prefix) >> self.digits;
-        unit((u64::from(prefix) << (63 - self.digits) << 1) | random)
+    #[inline(always)]
+    fn scrambled(&self, keys: [u64; N], axis: Axis, digits: [u64; N]) -> [f64; N] {
+        let permutations = NestedPermutations::new(keys, axis as u64);
+        let prefixes = permutations.apply(digits, self.digits);
+        let random = permutations.below(prefixes);
+        let mut uniform = [0.0; N];
+        for i in 0..N {
+            uniform[i] = unit((prefixes[i] << (63 - self.digits) << 1) | random[i] >> self.digits);
+        }
+        uniform
     }
 }
 
@@ -96,33 +156,33 @@ const SALT: u64 = 0x736f_626f_6c27;
 
 /// The last `digits` binary digits in reverse order: the first Sobol' dimension's first digits, the
 /// radical inverse of van der Corput.
-#[inline]
-fn reversed(index: u32, digits: u32) -> u32 {
-    (u64::from(index.reverse_bits()) << digits >> 32) as u32
+#[inline(always)]
+fn reversed(index: u64, digits: u32) -> u64 {
+    index.reverse_bits() >> (63 - digits) >> 1
 }
 
 /// The first `digits` binary digits of the second Sobol' dimension, whose matrix is Pascal's
 /// triangle modulo two: each direction number is the one before it, added to itself shifted.
-#[inline]
-fn second_sobol(index: u32, digits: u32) -> u32 {
-    let (mut sum, mut direction) = (0, 1_u32 << 31);
+#[inline(always)]
+fn second_sobol(index: u64, digits: u32) -> u64 {
+    let (mut sum, mut direction) = (0, 1 << 31);
     for digit in 0..digits {
-        sum ^= direction * ((index >> digit) & 1);
+        sum ^= direction * (index >> digit & 1);
         direction ^= direction >> 1;
     }
-    (u64::from(sum) << digits >> 32) as u32
+    sum << digits >> 32
 }
 
 /// The first `digits` binary digits of the third Sobol' dimension, of the polynomial x^2 + x + 1
 /// with initial numbers 1 and 3 (Joe and Kuo 2008).
-#[inline]
-fn third_sobol(index: u32, digits: u32) -> u32 {
-    let (mut sum, mut direction, mut next) = (0, 1_u32 << 31, 3_u32 << 30);
+#[inline(always)]
+fn third_sobol(index: u64, digits: u32) -> u64 {
+    let (mut sum, mut direction, mut next) = (0, 1_u64 << 31, 3_u64 << 30);
     for digit in 0..digits {
-        sum ^= direction * ((index >> digit) & 1);
+        sum ^= direction * (index >> digit & 1);
         (direction, next) = (next, next ^ direction ^ (direction >> 2));
     }
-    (u64::from(sum) << digits >> 32) as u32
+    sum << digits >> 32
 }
 
 #[cfg(test)]
