@@ -79,6 +79,19 @@ impl SphericalTriangle {
         })
     }
 
+    /// How far from the middle of `triangle` (the mean of its vertices) a point may at most be that has a
+    /// `Some` of it: known before, this spares most of the work for points further off.
+    ///
+    /// From a point at the distance `r` of the triangle or more, its area `A` covers at most `A / r^2`, and no
+    /// vertex is further from the middle than two thirds of a median, which is at most `sqrt(3) / 2` of the
+    /// longest side.
+    pub fn reach(triangle: &Triangle) -> f64 {
+        let [e1, e2] = triangle.edges();
+        let longest = e1.length().max(e2.length()).max(e1.distance(e2));
+        // One part in a thousand is more than all that is rounded, here and in `new`.
+        1.001 * ((triangle.area() / Self::MIN_SOLID_ANGLE).sqrt() + longest / 3.0_f64.sqrt())
+    }
+
     /// What the triangle covers of the sphere, in steradians.
     pub fn solid_angle(&self) -> f64 {
         self.solid_angle

@@ -40,7 +40,7 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// The point of `triangle` with barycentrics `u` (second vertex) and `v` (third vertex), in a
+    /// The point of `triangle`, which has that unit `normal`, with barycentrics `u` (second vertex) and `v` (third vertex), in a
     /// scene whose longest side is `scene_extent`.
     ///
     /// With `u = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the
@@ -48,11 +48,11 @@ impl SurfacePoint {
     /// for the position and its offset (NVIDIA, "Solving Self-Intersection Artifacts in DirectX
     /// Raytracing", 2023), the last for what a decision within the scene may be off
     /// (docs/numerics.md).
-    pub(crate) fn on(triangle: &Triangle, u: f64, v: f64, scene_extent: f64) -> Self {
+    #[inline(always)]
+    pub(crate) fn on(triangle: &Triangle, normal: DVec3, u: f64, v: f64, scene_extent: f64) -> Self {
         let [e1, e2] = triangle.edges();
         let v0 = triangle.vertices[0].as_dvec3();
         let position = v0 + (u * e1 + v * e2);
-        let normal = triangle.normal();
         let extent = (e1.abs() + e2.abs() + (e1 - e2).abs()).max_element();
         let evenly = DVec3::splat(3.0 * extent + HIT_ERR * scene_extent);
         let err = U * (v0.abs() + evenly + 2.0 * position.abs());

@@ -1,5 +1,5 @@
 use crate::{Aabb, GeomError, SurfacePoint, Triangle};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// Triangles that have been checked, the only thing an accelerator is built from.
@@ -62,7 +62,16 @@ impl Triangles {
     /// # Panics
     /// If `index` is not below [`Triangles::len`].
     pub fn surface_point(&self, index: u32, u: f64, v: f64) -> SurfacePoint {
-        SurfacePoint::on(self.get(index), u, v, self.extent)
+        self.surface_point_with_normal(index, self.get(index).normal(), u, v)
+    }
+
+    /// The same, for those who keep the [`normal`](Triangle::normal) of triangle `index`: finding it is most
+    /// of the work.
+    ///
+    /// # Panics
+    /// If `index` is not below [`Triangles::len`].
+    pub fn surface_point_with_normal(&self, index: u32, normal: DVec3, u: f64, v: f64) -> SurfacePoint {
+        SurfacePoint::on(self.get(index), normal, u, v, self.extent)
     }
 
     /// All triangles in input order, degenerate ones included.

@@ -1,15 +1,35 @@
 use crate::Model;
 use crate::alias::AliasTable;
-use globillum_geom::{PdfArea, Triangle, Triangles};
+use glam::DVec3;
+use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
 
 /// The triangles that emit light, chosen with probability proportional to their power.
 #[derive(Clone, Debug)]
 pub struct Emitters {
-    /// Triangle and its emission, in the order of the table.
-    emitting: Vec<(u32, Emission)>,
+    /// In the order of the table.
+    lamps: Vec<Lamp>,
     table: AliasTable,
     total_power: f64,
+}
+
+/// A triangle that emits, and what of it is the same for every shaded point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lamp {
+    pub(crate) triangle: u32,
+    pub(crate) emission: Emission,
+    pub(crate) normal: DVec3,
+    pub(crate) choice_prob: f64,
+    pub(crate) area_density: PdfArea,
+    middle: DVec3,
+    reach_sq: f64,
+}
+
+impl Lamp {
+    /// Whether it may be a [`SphericalTriangle`] seen from `point`.
+    pub(crate) fn may_look_large(&self, point: DVec3) -> bool {
+        self.middle.distance_squared(point) <= self.reach_sq
+    }
 }
 
 impl Emitters {
@@ -18,25 +38,42 @@ impl Emitters {
         let (emitting, powers): (Vec<_>, Vec<_>) = triangles
             .live()
             .iter()
-            .map(|&index| ((index, emission(index)), power(triangles.get(index), &emission(index))))
+            .map(|&index| (index, power(triangles.get(index), &emission(index))))
             .filter(|(_, power)| *power > 0.0)
             .unzip();
-        Self { emitting, table: AliasTable::new(&powers), total_power: powers.iter().sum() }
+        let total_power = powers.iter().sum();
+        let mut this = Self { lamps: Vec::new(), table: AliasTable::new(&powers), total_power };
+        let lamp = |index| this.lamp(index, triangles.get(index), emission(index));
+        this.lamps = emitting.into_iter().map(lamp).collect();
+        this
+    }
+
+    fn lamp(&self, index: u32, triangle: &Triangle, emission: Emission) -> Lamp {
+        let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
+        Lamp {
+            triangle: index,
+            emission,
+            normal: triangle.normal(),
+            choice_prob: self.choice_prob(triangle, &emission),
+            area_density: self.area_density(&emission),
+            middle: (a + b + c) / 3.0,
+            reach_sq: SphericalTriangle::reach(triangle).powi(2),
+        }
     }
 
     /// How many triangles emit.
     pub fn len(&self) -> usize {
-        self.emitting.len()
+        self.lamps.len()
     }
 
     /// Whether nothing emits.
     pub fn is_empty(&self) -> bool {
-        self.emitting.is_empty()
+        self.lamps.is_empty()
     }
 
-    /// Chooses a triangle by `u` in `[0, 1)`: its index and what it emits. `None` if nothing emits.
-    pub(crate) fn choose(&self, u: f64) -> Option<&(u32, Emission)> {
-        Some(&self.emitting[self.table.sample(u)?])
+    /// Chooses a triangle by `u` in `[0, 1)`. `None` if nothing emits.
+    pub(crate) fn choose(&self, u: f64) -> Option<&Lamp> {
+        Some(&self.lamps[self.table.sample(u)?])
     }
 
     /// The probability with which `triangle`, which emits `emission`, is chosen.
@@ -82,8 +119,8 @@ mod tests {
         let (_, emitters) = emitters(&[0.0, 1.0, 0.0, 3.0, 0.0]);
         assert_eq!(emitters.len(), 2);
         for i in 0..10_000 {
-            let (_, emission) = emitters.choose(Stream::new(1, 0, i).uniform(0)).unwrap();
-            assert!(emission.toward(1.0).g > 0.0);
+            let lamp = emitters.choose(Stream::new(1, 0, i).uniform(0)).unwrap();
+            assert!(lamp.emission.toward(1.0).g > 0.0);
         }
         assert!(self::emitters(&[0.0]).1.is_empty());
     }
@@ -97,12 +134,13 @@ mod tests {
         // One cell for each radiance: counts of the rarest are pooled.
         let (mut counts, draws) = ([0_u32; 13], 2_000_000);
         for i in 0..draws {
-            let (index, emission) = emitters.choose(Stream::new(2, 0, i).uniform(0)).unwrap();
-            let radiance = emission.toward(1.0).g;
+            let lamp = emitters.choose(Stream::new(2, 0, i).uniform(0)).unwrap();
+            let radiance = lamp.emission.toward(1.0).g;
             counts[(radiance.log10().round() + 6.0) as usize] += 1;
-            let prob = emitters.choice_prob(triangles.get(*index), emission);
+            let prob = emitters.choice_prob(triangles.get(lamp.triangle), &lamp.emission);
+            assert_eq!(prob, lamp.choice_prob);
             assert!((prob / (radiance / total) - 1.0).abs() < 1e-9);
-            assert!((emitters.area_density(emission).0 / (2.0 * prob) - 1.0).abs() < 1e-12);
+            assert!((lamp.area_density.0 / (2.0 * prob) - 1.0).abs() < 1e-12);
         }
         let (mut chi_sq, mut pool, mut cells) = (0.0, (0.0, 0.0), 0.0);
         for (i, &count) in (0..).zip(&counts) {

@@ -42,20 +42,23 @@ impl LampSampler<'_> {
     /// Chooses a triangle by `choice` in `[0, 1)` and a point of it by `u` in `[0, 1)^2`. `None` if
     /// nothing emits, or the point chosen does not emit toward the shaded one.
     pub(crate) fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LampSample> {
-        let &(index, ref emission) = self.emitters.choose(choice)?;
-        let triangle = self.triangles.get(index);
-        let spherical = self.by_solid_angle(triangle);
+        let lamp = self.emitters.choose(choice)?;
+        let triangle = self.triangles.get(lamp.triangle);
+        let spherical = if lamp.may_look_large(self.from) { self.by_solid_angle(triangle) } else { None };
         let (u, v) = match &spherical {
             Some(spherical) => spherical.sample(u),
             None => Triangle::sample_uniform(u),
         };
-        let point = self.triangles.surface_point(index, u, v);
-        let Line { direction, cos_light, .. } = self.line_to(&point);
-        let radiance = emission.toward(cos_light);
+        let point = self.triangles.surface_point_with_normal(lamp.triangle, lamp.normal, u, v);
+        let Line { direction, distance_sq, cos_light } = self.line_to(&point);
+        let radiance = lamp.emission.toward(cos_light);
         if radiance.is_black() {
             return None;
         }
-        let pdf = self.density(triangle, spherical.as_ref(), &point, emission)?;
+        let pdf = match spherical {
+            Some(spherical) => spherical.pdf().chosen_with(lamp.choice_prob),
+            None => lamp.area_density.to_solid_angle(distance_sq, cos_light)?,
+        };
         Some(LampSample { point, direction, radiance, pdf })
     }
 
@@ -63,8 +66,14 @@ impl LampSampler<'_> {
     /// triangle `index` that emits `emission`; 0 for a point seen edge-on.
     pub(crate) fn pdf(&self, index: u32, point: &SurfacePoint, emission: &Emission) -> PdfSolidAngle {
         let triangle = self.triangles.get(index);
-        let spherical = self.by_solid_angle(triangle);
-        self.density(triangle, spherical.as_ref(), point, emission).unwrap_or(PdfSolidAngle(0.0))
+        match self.by_solid_angle(triangle) {
+            Some(spherical) => spherical.pdf().chosen_with(self.emitters.choice_prob(triangle, emission)),
+            None => {
+                let Line { distance_sq, cos_light, .. } = self.line_to(point);
+                let density = self.emitters.area_density(emission);
+                density.to_solid_angle(distance_sq, cos_light).unwrap_or(PdfSolidAngle(0.0))
+            }
+        }
     }
 
     /// The triangle as it is seen, if that is how points of it are chosen: decided by nothing but the
@@ -73,25 +82,6 @@ impl LampSampler<'_> {
         match self.sampling {
             LightSampling::Area => None,
             LightSampling::SolidAngle => SphericalTriangle::new(triangle, self.from),
-        }
-    }
-
-    /// Density of the direction to `point` over all lights together; `None` for a point seen edge-on.
-    fn density(
-        &self,
-        triangle: &Triangle,
-        spherical: Option<&SphericalTriangle>,
-        point: &SurfacePoint,
-        emission: &Emission,
-    ) -> Option<PdfSolidAngle> {
-        match spherical {
-            Some(spherical) => {
-                Some(spherical.pdf().chosen_with(self.emitters.choice_prob(triangle, emission)))
-            }
-            None => {
-                let Line { distance_sq, cos_light, .. } = self.line_to(point);
-                self.emitters.area_density(emission).to_solid_angle(distance_sq, cos_light)
-            }
         }
     }
 
@@ -158,7 +148,7 @@ mod tests {
                     let numbers = Stream::new(3, 0, i);
                     let (choice, u) = (numbers.uniform(0), numbers.uniform_pair(1));
                     let Some(sample) = lamps.sample(choice, u) else { continue };
-                    let index = emitters.choose(choice).unwrap().0;
+                    let index = emitters.choose(choice).unwrap().triangle;
                     let asked = lamps.pdf(index, &sample.point, &emissions[index as usize]);
                     assert_eq!(asked, sample.pdf, "{sampling:?} {from}");
                     assert!(sample.pdf.0 > 0.0 && (sample.direction.length() - 1.0).abs() < 1e-14);
