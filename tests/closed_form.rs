@@ -4,7 +4,9 @@
 use approx::assert_relative_eq;
 use glam::DVec3;
 use globillum::geom::Accel;
-use globillum::integrator::{Camera, Estimator, Film, Model, Sampler, Scene, Settings, render};
+use globillum::integrator::{
+    Camera, Estimator, Film, LightSampling, Model, Sampler, Scene, Settings, render,
+};
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
@@ -95,6 +97,19 @@ fn c3_a_square_lamp_above_a_floor() {
         in_every_accelerator(&scenes::lamp_over_floor(), &camera, &s, |estimate, what| {
             estimate.assert_is(0.277_063_212, what);
         });
+    }
+}
+
+/// The lamp is so near that points on it are chosen by solid angle unless they must not be.
+#[test]
+fn c3_by_points_of_equal_area() {
+    let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
+    let scene = scenes::scene(&scenes::lamp_over_floor(), STRUCTURES[0].1);
+    for estimator in [Estimator::Light, Estimator::Mis] {
+        let mut s = settings(128);
+        (s.estimator, s.light_sampling) = (estimator, LightSampling::Area);
+        let film = film(&scene, &camera, &s);
+        Estimate::of_film(&film, |c| c.g).assert_is(0.277_063_212, &format!("{estimator:?}"));
     }
 }
 

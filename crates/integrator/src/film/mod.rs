@@ -253,6 +253,24 @@ mod tests {
         assert_relative_eq!(film.variance_of_mean(0, 0).g, spread / (36.0 * 37.0), max_relative = 1e-13);
     }
 
+    /// A last pass cut short is joined with the one before it, and weighs by its samples.
+    #[test]
+    fn a_short_last_pass_weighs_less() {
+        let block = |first, samples: u32, mean: f64| Block {
+            first,
+            passes: 1,
+            tally: Tally { samples: samples.into(), observations: 1 },
+            pixels: vec![Moments { sum: Rgb::splat(mean * f64::from(samples)), spread: Rgb::BLACK }],
+        };
+        let mut film = Film::new(1, 1);
+        film.insert(block(0, 16, 1.0));
+        film.insert(block(1, 4, 2.0));
+        assert_eq!((film.blocks.len(), film.samples()), (1, 20));
+        assert_relative_eq!(film.mean(0, 0).g, 1.2, max_relative = 1e-15);
+        // Squared deviations 16 x 0.2^2 and 4 x 0.8^2, over one degree of freedom and 20 samples.
+        assert_relative_eq!(film.variance_of_mean(0, 0).g, 0.16, max_relative = 1e-14);
+    }
+
     #[test]
     fn an_empty_film_is_black_and_knows_nothing() {
         let film = Film::new(2, 1);
