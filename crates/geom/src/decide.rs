@@ -14,7 +14,7 @@
 
 use crate::exact::difference_of_products;
 use crate::{Ray, Triangle};
-use glam::{DVec3, Vec3Swizzles};
+use glam::DVec3;
 
 /// What a ray and a triangle have in common, before any range is considered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,11 +130,11 @@ impl Shear {
 /// The components in cyclic order, so that the one along `main_axis` comes last.
 #[inline(always)]
 pub(crate) fn permute(v: DVec3, main_axis: usize) -> DVec3 {
-    match main_axis {
-        0 => v.yzx(),
-        1 => v.zxy(),
-        _ => v,
-    }
+    let pick = |if_0: f64, if_1: f64, if_2: f64| {
+        let otherwise = if main_axis == 1 { if_1 } else { if_2 };
+        if main_axis == 0 { if_0 } else { otherwise }
+    };
+    DVec3::new(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z))
 }
 
 #[inline(always)]

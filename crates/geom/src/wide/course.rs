@@ -3,7 +3,7 @@
 //! Everything a search compares with follows from here; docs/numerics.md derives the bounds.
 
 use super::space::{Space, power_of_two_below, power_of_two_inverse};
-use crate::decide::main_axis;
+use crate::decide::{main_axis, permute};
 use crate::prune::Pruner;
 use crate::{Aabb, Ray};
 use glam::DVec3;
@@ -104,12 +104,12 @@ impl<const N: usize> Courses<N> {
         // No hit lies outside the clipped range; the slack includes all that happens in `f64`.
         let entry = pruner.clip(ray, bounds);
         let z = main_axis(ray.direction);
-        let unit = power_of_two_below(along(z, ray.direction)[2].abs());
+        let unit = power_of_two_below(permute(ray.direction, z).z.abs());
         let gain = unit * space.scale;
         let slack = pruner.slack * space.scale;
         let lost = slack > LOST;
         let slack = if lost { 8.0 } else { slack };
-        let direction = along(z, ray.direction * power_of_two_inverse(unit));
+        let direction = permute(ray.direction * power_of_two_inverse(unit), z);
         let bounded = |x: f64| if x.abs() > LARGEST_INVERSE { LARGEST_INVERSE.copysign(x) } else { x };
         let DVec3 { x, y, z: w } = pruner.inverse * unit;
         let inverse = DVec3::new(bounded(x), bounded(y), bounded(w));
@@ -129,14 +129,14 @@ impl<const N: usize> Courses<N> {
         let negative = |x: f64| (x.to_bits() >> 63) as u32;
         self.octant[i] = negative(inverse.x) | negative(inverse.y) << 1 | negative(inverse.z) << 2;
         self.main_axis[i] = z as u32;
-        let (origin, inverse_z) = (along(z, origin), along(z, inverse)[2]);
+        let (origin, inverse_z) = (permute(origin, z), permute(inverse, z).z);
         for axis in 0..2 {
             let slope = direction[axis] * inverse_z;
             self.slope[axis][i] = -slope as f32;
-            self.offset[axis][i] = (origin[axis] - slope * origin[2]) as f32;
+            self.offset[axis][i] = (origin[axis] - slope * origin.z) as f32;
         }
         self.depth_scale[i] = inverse_z as f32;
-        self.depth_offset[i] = (-origin[2] * inverse_z) as f32;
+        self.depth_offset[i] = (-origin.z * inverse_z) as f32;
         let vertex_err = VERTEX_ERR * U + slack;
         self.edge_err[0][i] = (4.0 * vertex_err + 12.0 * U) as f32;
         self.edge_err[1][i] = (2.1 * vertex_err * vertex_err) as f32;
@@ -197,14 +197,4 @@ impl<const N: usize> Courses<N> {
             certain_end: self.certain_end[i],
         })
     }
-}
-
-/// The components along the axes x, y and z of the shear with main axis `z`.
-#[inline(always)]
-fn along(z: usize, v: DVec3) -> [f64; 3] {
-    let pick = |if_0: f64, if_1: f64, if_2: f64| {
-        let otherwise = if z == 1 { if_1 } else { if_2 };
-        if z == 0 { if_0 } else { otherwise }
-    };
-    [pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z)]
 }
