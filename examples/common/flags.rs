@@ -2,7 +2,8 @@ use super::{Saver, Traced};
 use anyhow::{Context, Result, anyhow, ensure};
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, Estimator, LightSampling, Picture, PixelFilter, Render, Sampler, Scene, Settings, Stop,
+    Camera, Estimator, LightSampling, MirrorSampling, Picture, PixelFilter, Render, Sampler, Scene, Settings,
+    Stop,
 };
 use std::ops::Range;
 use std::path::PathBuf;
@@ -32,6 +33,9 @@ pub(crate) struct RenderFlags {
     /// How points on lights are chosen
     #[arg(long, value_enum, default_value_t = LightSamplingKind::SolidAngle)]
     light_sampling: LightSamplingKind,
+    /// Whether lights are looked for in plane mirrors
+    #[arg(long, value_enum, default_value_t = MirrorSamplingKind::Planes)]
+    mirror_sampling: MirrorSamplingKind,
     /// Most bounces of a path: 0 is emitted light only, 1 adds direct light; unlimited by default
     #[arg(long)]
     max_bounces: Option<u32>,
@@ -95,6 +99,14 @@ enum LightSamplingKind {
     SolidAngle,
 }
 
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum MirrorSamplingKind {
+    /// No
+    Off,
+    /// In ideal mirrors of few planes
+    Planes,
+}
+
 fn parse_passes(text: &str) -> Result<Range<u32>> {
     let (start, end) = text.split_once("..").context("expected A..B, such as 0..8")?;
     let number = |text: &str| text.parse().map_err(|error| anyhow!("`{text}`: {error}"));
@@ -128,6 +140,10 @@ impl RenderFlags {
         settings.light_sampling = match self.light_sampling {
             LightSamplingKind::Area => LightSampling::Area,
             LightSamplingKind::SolidAngle => LightSampling::SolidAngle,
+        };
+        settings.mirror_sampling = match self.mirror_sampling {
+            MirrorSamplingKind::Off => MirrorSampling::Off,
+            MirrorSamplingKind::Planes => MirrorSampling::Planes,
         };
         settings.validate()?;
         self.stop().validate()?;

@@ -71,6 +71,11 @@ impl Emitters {
         self.lamps.is_empty()
     }
 
+    /// The indices of the triangles that emit.
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = u32> {
+        self.lamps.iter().map(|lamp| lamp.triangle)
+    }
+
     /// Chooses a triangle by `u` in `[0, 1)`. `None` if nothing emits.
     pub(crate) fn choose(&self, u: f64) -> Option<&Lamp> {
         Some(&self.lamps[self.table.sample(u)?])

@@ -1,5 +1,5 @@
 use crate::hash::fold;
-use crate::{Camera, Estimator, LightSampling, PixelFilter, Sampler, Scene, Settings};
+use crate::{Camera, Estimator, LightSampling, MirrorSampling, PixelFilter, Sampler, Scene, Settings};
 use glam::DVec3;
 use globillum_material::{Bsdf, Material, Rgb};
 
@@ -71,7 +71,12 @@ impl Key {
             LightSampling::Area => 0,
             LightSampling::SolidAngle => 1,
         };
-        for part in [width, height, pass_samples, sampler, filter, estimator, light_sampling] {
+        let mirror_sampling = match settings.mirror_sampling {
+            MirrorSampling::Off => 0,
+            MirrorSampling::Planes => 1,
+        };
+        let kinds = [sampler, filter, estimator, light_sampling, mirror_sampling];
+        for part in [width, height, pass_samples].into_iter().chain(kinds) {
             self.add(part.into());
         }
         self.add(settings.roulette.start.into());

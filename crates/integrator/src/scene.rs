@@ -1,4 +1,5 @@
 use crate::lamp::LampSampler;
+use crate::mirrors::PlaneMirrors;
 use crate::{Emitters, LightSampling, Model, RenderError};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, SurfacePoint, Triangles};
@@ -13,6 +14,7 @@ pub struct Scene<A> {
     material_ids: Vec<u32>,
     materials: Vec<Material>,
     emitters: Emitters,
+    mirrors: PlaneMirrors,
     environment: Rgb,
 }
 
@@ -49,6 +51,11 @@ impl<A> Scene<A> {
         LampSampler { emitters: &self.emitters, triangles: &self.triangles, sampling, from }
     }
 
+    /// The plane mirrors in which lamps are looked for.
+    pub(crate) fn mirrors(&self) -> &PlaneMirrors {
+        &self.mirrors
+    }
+
     /// The radiance that arrives from outside.
     pub fn environment(&self) -> Rgb {
         self.environment
@@ -65,9 +72,12 @@ impl<A: Accel> Scene<A> {
         build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
     ) -> Result<Self, RenderError> {
         let triangles = Triangles::new(model.triangles().to_vec())?;
+        let emitters = Emitters::of(model, &triangles);
+        let accel = build(&triangles)?;
         Ok(Self {
-            accel: build(&triangles)?,
-            emitters: Emitters::of(model, &triangles),
+            mirrors: PlaneMirrors::of(model, &triangles, &emitters, &accel),
+            accel,
+            emitters,
             triangles,
             material_ids: model.material_ids().to_vec(),
             materials: model.materials().to_vec(),

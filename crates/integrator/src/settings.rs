@@ -46,8 +46,26 @@ pub struct Settings {
     pub estimator: Estimator,
     /// How points on lights are chosen.
     pub light_sampling: LightSampling,
+    /// Whether lights are looked for in plane mirrors.
+    pub mirror_sampling: MirrorSampling,
     /// When paths may be ended at random.
     pub roulette: Roulette,
+}
+
+/// Whether next events look for lights in plane mirrors, which throw light on what they face (a
+/// caustic). The mean is right with either; the variance differs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MirrorSampling {
+    /// No: light by way of any mirror is found by scattering alone.
+    Off,
+    /// In ideal mirrors whose triangles lie in at most 64 planes; curved ones are left to scattering.
+    ///
+    /// A plane counts if it has at least a 64th of the area of all mirrors together, not counting
+    /// triangles of less than a 256th. Light that met two mirrors on its way from a lamp is found by
+    /// scattering alone. A scene without such mirrors costs nothing.
+    #[default]
+    Planes,
 }
 
 /// Russian roulette: ends a path at random, and scales up what survives so that nothing is lost
@@ -78,8 +96,8 @@ impl Settings {
     pub const MAX_BOUNCES: u32 = 1 << 20;
 
     /// `width` x `height` pixels of `samples` samples each, Sobol' points in passes of 16; box
-    /// filter, seed 0, all threads, no limit on bounces, multiple importance sampling, roulette
-    /// from the fourth bounce on.
+    /// filter, seed 0, all threads, no limit on bounces, multiple importance sampling, lights looked
+    /// for in plane mirrors, roulette from the fourth bounce on.
     pub fn new(width: u32, height: u32, samples: u32) -> Self {
         Self {
             width,
@@ -93,6 +111,7 @@ impl Settings {
             max_bounces: None,
             estimator: Estimator::Mis,
             light_sampling: LightSampling::default(),
+            mirror_sampling: MirrorSampling::default(),
             roulette: Roulette { start: 3 },
         }
     }

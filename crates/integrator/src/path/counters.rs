@@ -8,7 +8,7 @@ pub struct Counters {
     pub camera_rays: u64,
     /// Rays along scattered directions.
     pub bounce_rays: u64,
-    /// Segments between a surface and a light.
+    /// Segments between a surface and a light; by way of a mirror, both parts of it.
     pub shadow_rays: u64,
     /// Paths that roulette ended.
     pub roulette_ends: u64,

@@ -3,14 +3,16 @@ use globillum_material::Density;
 
 /// How light is found. All three are unbiased, so each checks the others.
 ///
-/// A constant environment and light seen in a mirror are found by scattering alone, in all three.
+/// A constant environment and what the camera sees in a mirror are found by scattering alone, in all
+/// three. So is light that a mirror throws on a diffuse surface, unless that mirror is plane
+/// ([`MirrorSampling`](crate::MirrorSampling)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Estimator {
     /// By scattering: paths that happen to meet a light. Good for large lights.
     Bsdf,
-    /// By next event: a point on a light is chosen at every diffuse surface. Good for small
-    /// lights, bad very near to large ones.
+    /// By next event: a point on a light is chosen at every diffuse surface, and another one as a plane
+    /// mirror shows it. Good for small lights, bad very near to large ones.
     Light,
     /// Both, weighted by the balance heuristic (Veach and Guibas 1995).
     #[default]

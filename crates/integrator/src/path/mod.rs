@@ -2,6 +2,7 @@
 
 mod counters;
 mod estimator;
+mod next_event;
 mod replay;
 mod wave;
 

@@ -5,6 +5,7 @@ use crate::{Camera, RenderError, Scene, Settings};
 use globillum_geom::{Accel, SurfacePoint};
 use globillum_material::{Material, Rgb};
 use std::fmt;
+use std::ops::Range;
 
 /// The path of one sample, traced once more.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +36,9 @@ pub struct Vertex {
     pub emitted: Rgb,
     /// What the light sample taken at the vertex adds to the sample; black if it was occluded.
     pub direct: Rgb,
+    /// What the light sample taken there in a plane mirror adds; black if either of its segments, to
+    /// the mirror and from it to the light, was occluded.
+    pub mirrored: Rgb,
 }
 
 /// Traces sample `sample` of pixel (`x`, `y`) of a picture alone, and tells what it met.
@@ -78,14 +82,13 @@ enum Step {
 }
 
 impl Replay {
-    /// Adds up as the wave does: first what is emitted, then what the light sample brings.
+    /// Adds up as the wave does: first what is emitted, then what the light samples bring.
     fn add(&mut self, step: Step) {
         match step {
             Step::Met(vertex) => {
                 self.radiance += vertex.emitted;
-                if !vertex.direct.is_black() {
-                    self.radiance += vertex.direct;
-                }
+                self.radiance += vertex.direct;
+                self.radiance += vertex.mirrored;
                 self.vertices.push(vertex);
             }
             Step::Left(environment) => {
@@ -106,9 +109,14 @@ impl Wave {
         self.shade(view, bounce, &mut Counters::default());
         let emitted = self.radiance[0];
         let Some(hit) = self.hits[0] else { return Some(Step::Left(emitted)) };
+        // What mirrors throw comes after the rest.
+        let direct_count = self.arriving.len();
+        self.reflect(view);
         self.find_light(view);
-        let unoccluded = self.occluded.first() == Some(&false);
-        let direct = self.arriving.first().filter(|_| unoccluded);
+        let brought = |arriving: Range<usize>| {
+            let unoccluded = arriving.filter(|&i| !self.occluded[i]);
+            unoccluded.fold(Rgb::BLACK, |sum, i| sum + self.arriving[i].radiance)
+        };
         let at = view.scene.interaction(&ray, &hit);
         Some(Step::Met(Vertex {
             point: at.point,
@@ -116,7 +124,8 @@ impl Wave {
             material: *at.material,
             throughput: path.throughput,
             emitted,
-            direct: direct.map_or(Rgb::BLACK, |arriving| arriving.radiance),
+            direct: brought(0..direct_count),
+            mirrored: brought(direct_count..self.arriving.len()),
         }))
     }
 }
@@ -125,9 +134,12 @@ impl fmt::Display for Replay {
     /// One line a vertex, and one with the sum.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, vertex) in (1..).zip(&self.vertices) {
-            let Vertex { point, triangle, material, throughput, emitted, direct } = vertex;
+            let Vertex { point, triangle, material, throughput, emitted, direct, mirrored } = vertex;
             writeln!(f, "{i}: {} on triangle {triangle}, {:?}", point.position, material.bsdf)?;
-            writeln!(f, "   throughput {throughput}, emitted {emitted}, direct {direct}")?;
+            writeln!(
+                f,
+                "   throughput {throughput}, emitted {emitted}, direct {direct}, mirrored {mirrored}"
+            )?;
         }
         if !self.environment.is_black() {
             writeln!(f, "environment {}", self.environment)?;

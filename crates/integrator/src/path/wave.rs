@@ -1,11 +1,10 @@
 use super::Counters;
+use super::next_event::{Choice, Shaded, Thrown};
 use crate::film::Moments;
-use crate::lamp::LampSampler;
 use crate::sampler::{BounceNumbers, Numbers};
 use crate::tile::Tile;
-use crate::{Camera, Interaction, RenderError, Roulette, Scene, Settings};
-use glam::DVec3;
-use globillum_geom::{Accel, Frame, Hit, Ray, SimdLevel};
+use crate::{Camera, RenderError, Roulette, Scene, Settings};
+use globillum_geom::{Accel, Hit, Ray, SimdLevel};
 use globillum_material::{Density, Rgb};
 
 /// The samples of each pixel that one wave takes.
@@ -28,6 +27,11 @@ pub(crate) struct Wave {
     /// Light that arrives unless its shadow ray is occluded.
     pub(super) arriving: Vec<Arriving>,
     shadow_rays: Vec<Ray>,
+    /// Light that mirrors throw, each with the sample that it is for and beside the ray that must meet
+    /// the mirror.
+    thrown: Vec<(u32, Thrown)>,
+    mirror_rays: Vec<Ray>,
+    mirror_hits: Vec<Option<Hit>>,
     pub(super) occluded: Vec<bool>,
     /// What each sample has gathered, in the order in which the samples are taken.
     pub(super) radiance: Vec<Rgb>,
@@ -41,13 +45,10 @@ const SIDE_BY_SIDE: usize = 8;
 pub(super) struct Path {
     /// Its place in [`Wave::radiance`].
     sample: u32,
-    numbers: Numbers,
+    pub(super) numbers: Numbers,
     pub(super) throughput: Rgb,
-    /// How the direction of its ray was chosen; the camera's counts as a delta, since no light
-    /// sample could have found it.
-    density: Density,
-    /// The surface position from which its ray was chosen: where a light sample would have been taken.
-    from: DVec3,
+    /// How the direction of its ray was chosen.
+    pub(super) choice: Choice,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -92,14 +93,28 @@ impl Wave {
     fn advance<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
         self.find_hits(view);
         self.shade(view, bounce, counters);
+        self.reflect(view);
         self.find_light(view);
-        counters.shadow_rays += self.shadow_rays.len() as u64;
+        counters.shadow_rays += (self.mirror_rays.len() + self.shadow_rays.len()) as u64;
         counters.bounce_rays += self.rays.len() as u64;
     }
 
     /// What each path's ray meets.
     pub(super) fn find_hits<A: Accel>(&mut self, view: &View<'_, A>) {
         view.scene.accel().intersect_batch(&self.rays, &mut self.hits);
+    }
+
+    /// Takes the light that mirrors throw on to the lamps, where it meets those mirrors.
+    pub(super) fn reflect<A: Accel>(&mut self, view: &View<'_, A>) {
+        if self.thrown.is_empty() {
+            return;
+        }
+        view.scene.accel().intersect_batch(&self.mirror_rays, &mut self.mirror_hits);
+        for ((sample, thrown), &hit) in self.thrown.iter().zip(&self.mirror_hits) {
+            let Some((shadow_ray, radiance)) = view.reflected(thrown, hit) else { continue };
+            self.shadow_rays.push(shadow_ray);
+            self.arriving.push(Arriving { sample: *sample, radiance });
+        }
     }
 
     /// Adds the light that arrives unoccluded.
@@ -126,9 +141,7 @@ impl Wave {
                 let film_x = 2.0 * (f64::from(x) + dx) / width - 1.0;
                 let film_y = 1.0 - 2.0 * (f64::from(y) + dy) / height;
                 let ray = camera.ray(film_x, film_y, width / height);
-                let (throughput, density) = (Rgb::WHITE, Density::Delta);
-                let sample = self.paths.len() as u32;
-                self.paths.push(Path { sample, numbers, throughput, density, from: ray.origin });
+                self.paths.push(Path::from_camera(self.paths.len() as u32, numbers, &ray));
                 self.rays.push(ray);
             }
         }
@@ -160,6 +173,8 @@ impl Wave {
         self.draw(bounce);
         self.arriving.clear();
         self.shadow_rays.clear();
+        self.thrown.clear();
+        self.mirror_rays.clear();
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.drawn[i]);
@@ -178,13 +193,16 @@ impl Wave {
                 counters.limit_ends += 1;
                 continue;
             }
-            let frame = Frame::around(at.point.normal);
-            let wo = frame.to_local(at.wo);
-            if let Some((shadow_ray, light)) = view.next_event(&path, &at, &frame, wo, &numbers) {
+            let shaded = Shaded::new(at, bounce, numbers);
+            if let Some((shadow_ray, light)) = view.next_event(&path, &shaded) {
                 self.shadow_rays.push(shadow_ray);
                 self.arriving.push(Arriving { sample: path.sample, radiance: light });
             }
-            let Some(next) = path.scatter(&at, &frame, wo, &numbers) else { continue };
+            if let Some((mirror_ray, thrown)) = view.next_event_in_mirror(&path, &shaded) {
+                self.mirror_rays.push(mirror_ray);
+                self.thrown.push((path.sample, thrown));
+            }
+            let Some(next) = path.scatter(view, &hit, &shaded) else { continue };
             if bounce >= view.settings.roulette.start && !path.survives(&numbers) {
                 counters.roulette_ends += 1;
                 continue;
@@ -218,62 +236,20 @@ impl Wave {
     }
 }
 
-impl<A: Accel> View<'_, A> {
-    /// What the surface emits along the path, by the share that scattering has in finding it.
-    fn emitted(&self, path: &Path, hit: &Hit, at: &Interaction<'_>) -> Rgb {
-        let emission = &at.material.emission;
-        let emitted = emission.toward(at.point.normal.dot(at.wo));
-        if emitted.is_black() {
-            return emitted;
-        }
-        let by_light_sample = || self.lamps_from(path.from).pdf(hit.triangle, &at.point, emission);
-        emitted * self.settings.estimator.weight_of_emission(path.density, by_light_sample)
-    }
-
-    /// How points on lights are chosen where `from` is shaded.
-    fn lamps_from(&self, from: DVec3) -> LampSampler<'_> {
-        self.scene.lamp_sampler(self.settings.light_sampling, from)
-    }
-
-    /// A point on a light, as the ray that must be free and the light that then arrives at the
-    /// path's start.
-    fn next_event(
-        &self,
-        path: &Path,
-        at: &Interaction<'_>,
-        frame: &Frame,
-        wo: DVec3,
-        numbers: &BounceNumbers,
-    ) -> Option<(Ray, Rgb)> {
-        if !self.settings.estimator.samples_lights() || at.material.bsdf.is_delta() {
-            return None;
-        }
-        let light = self.lamps_from(at.point.position).sample(numbers.light, numbers.point)?;
-        let wi = frame.to_local(light.direction);
-        let scattered = at.material.bsdf.pdf(wo, wi);
-        let share = self.settings.estimator.weight_of_light(light.pdf, scattered);
-        let value = at.material.bsdf.eval(wo, wi) * light.radiance;
-        let radiance = path.throughput * value * (wi.z.abs() * share / light.pdf.0);
-        if radiance.is_black() {
-            return None;
-        }
-        Some((at.point.segment_to(&light.point)?, radiance))
-    }
-}
-
 impl Path {
+    pub(super) fn from_camera(sample: u32, numbers: Numbers, ray: &Ray) -> Self {
+        Self { sample, numbers, throughput: Rgb::WHITE, choice: Choice::of_camera(ray.origin) }
+    }
+
     /// Chooses where the path goes on; `None` if nothing is reflected.
-    fn scatter(
-        &mut self,
-        at: &Interaction<'_>,
-        frame: &Frame,
-        wo: DVec3,
-        numbers: &BounceNumbers,
-    ) -> Option<Ray> {
-        let sample = at.material.bsdf.sample(wo, numbers.scatter)?;
+    pub(super) fn scatter<A>(&mut self, view: &View<'_, A>, hit: &Hit, shaded: &Shaded<'_>) -> Option<Ray> {
+        let Shaded { at, frame, wo, numbers, .. } = shaded;
+        let sample = at.material.bsdf.sample(*wo, numbers.scatter)?;
         self.throughput *= sample.weight;
-        self.density = sample.density;
-        self.from = at.point.position;
+        self.choice = match sample.density {
+            Density::SolidAngle(_) => Choice::at_surface(sample.density, at.point.position),
+            Density::Delta => view.passed_mirror(self.choice, hit.triangle),
+        };
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
 

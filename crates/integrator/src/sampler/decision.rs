@@ -30,6 +30,20 @@ impl Decision {
         Self(3 + Self::OF_BOUNCE * bounce)
     }
 
+    /// The first of the decisions about lamps in mirrors, beyond all bounces that paths take. They came
+    /// later, and leave the others where they were.
+    const FIRST_OF_MIRRORS: u32 = 5 << 28;
+
+    /// A mirror in which to look for a light.
+    pub(super) fn mirror(bounce: u32) -> Self {
+        Self(Self::FIRST_OF_MIRRORS + 2 * bounce)
+    }
+
+    /// A light in that mirror, and a point on it.
+    pub(super) fn light_in_mirror(bounce: u32) -> Self {
+        Self(Self::FIRST_OF_MIRRORS + 1 + 2 * bounce)
+    }
+
     /// The dimension of its first number; the others follow.
     pub(super) fn dimension(self) -> u32 {
         Self::WIDTH * self.0

@@ -135,6 +135,19 @@ impl Numbers {
         SobolPoints::new(&points)
     }
 
+    /// For the choice of a mirror in which to look for a light: uniform in `[0, 1)`.
+    #[inline]
+    pub(crate) fn mirror(&self, bounce: u32) -> f64 {
+        self.single(Decision::mirror(bounce))
+    }
+
+    /// For the choice of a light in that mirror, and of a point on it: together uniform in the unit
+    /// cube.
+    #[inline]
+    pub(crate) fn light_in_mirror(&self, bounce: u32) -> (f64, [f64; 2]) {
+        self.triple(Decision::light_in_mirror(bounce))
+    }
+
     fn single(&self, decision: Decision) -> f64 {
         match self {
             Self::Independent(stream) => stream.uniform(decision.dimension()),
@@ -218,7 +231,9 @@ mod tests {
             let of_bounce = |bounce| {
                 let (choice, [x, y]) = numbers.light(bounce);
                 let [u, v] = numbers.scatter(bounce);
-                [choice, x, y, u, v, numbers.roulette(bounce)]
+                let (mirrored, [z, w]) = numbers.light_in_mirror(bounce);
+                let single = [numbers.roulette(bounce), numbers.mirror(bounce)];
+                [choice, x, y, u, v, mirrored, z, w, single[0], single[1]]
             };
             let mut all: Vec<f64> = (0..1000).flat_map(of_bounce).chain(numbers.film()).collect();
             all.sort_by(f64::total_cmp);

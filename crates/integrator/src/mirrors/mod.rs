@@ -1,0 +1,303 @@
+//! Lamps in plane mirrors.
+
+mod plane;
+
+use crate::emitters::Lamp;
+use crate::{Emitters, Model, Stream};
+use glam::DVec3;
+use globillum_geom::{Accel, Triangle, Triangles};
+use globillum_material::Bsdf;
+use plane::Sphere;
+
+pub(crate) use plane::PlaneMirror;
+
+/// The plane mirrors of a scene, in which lamps are looked for.
+///
+/// What a point `x` sees in a plane mirror is what its image `x'`, on the other side of the plane,
+/// sees through the mirror's triangles as through a window. Reflection is an isometry: a density
+/// of directions at `x'` is that of the reflected directions at `x`.
+#[derive(Clone, Debug)]
+pub(crate) struct PlaneMirrors {
+    planes: Vec<PlaneMirror>,
+    /// The triangles of all planes, each with its plane, by ascending triangle.
+    members: Vec<(u32, usize)>,
+    /// Around everything that emits.
+    lamps: Sphere,
+}
+
+/// A shaded point as it is seen in one of the plane mirrors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Image<'a> {
+    pub(crate) mirror: &'a PlaneMirror,
+    /// Which of the mirrors that is.
+    pub(crate) plane: usize,
+    /// Where the shaded point seems to be.
+    pub(crate) position: DVec3,
+    /// The probability with which this mirror is chosen for the shaded point, above zero.
+    pub(crate) choice_prob: f64,
+}
+
+/// Mirrors, a bit each.
+#[derive(Clone, Copy)]
+struct Candidates(u64);
+
+impl PlaneMirrors {
+    /// The least part of all mirrors' area that the triangles of a plane have together, so that there
+    /// are at most [`Candidates::MAX`] planes. Smaller ones are left to scattering, and so are curved
+    /// mirrors, whose planes are all small.
+    const LEAST_PLANE: f64 = 1.0 / Candidates::MAX as f64;
+
+    /// The least part of all mirrors' area that a triangle of a plane has: at most 256 are looked at for
+    /// one sample.
+    const LEAST_TRIANGLE: f64 = 1.0 / 256.0;
+
+    /// Groups the ideal mirrors by planes; none if nothing emits.
+    pub(crate) fn of<A: Accel>(model: &Model, triangles: &Triangles, emitters: &Emitters, accel: &A) -> Self {
+        let emitting = emitters.triangles().flat_map(|index| triangles.get(index).vertices);
+        let lamps = Sphere::around(emitting);
+        if emitters.is_empty() {
+            return Self { planes: Vec::new(), members: Vec::new(), lamps };
+        }
+        let mut planes = Vec::new();
+        let mut members = Vec::new();
+        for mut group in groups(model, triangles) {
+            group.plane.lit = lit(&group, triangles, emitters, accel);
+            members.extend(group.members.iter().map(|&index| (index, planes.len())));
+            planes.push(group.plane);
+        }
+        members.sort_unstable();
+        Self { planes, members, lamps }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.planes.is_empty()
+    }
+
+    /// The mirror to which triangle `index` belongs, by its number.
+    pub(crate) fn plane_of(&self, index: u32) -> Option<usize> {
+        let place = self.members.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
+        Some(self.members[place].1)
+    }
+
+    /// Chooses one of the mirrors in which `from` may see a lamp, all alike, by the `u` in `[0, 1)` that
+    /// it is handed; `None` if there is none.
+    pub(crate) fn choose(&self, from: DVec3, u: impl FnOnce() -> f64) -> Option<Image<'_>> {
+        let candidates = self.candidates(from);
+        let plane = match candidates.count() {
+            0 => return None,
+            // Needs no random number.
+            1 => candidates.nth(0),
+            count => candidates.nth((u() * f64::from(count)) as u32),
+        };
+        Some(self.image(from, plane, candidates))
+    }
+
+    /// The image of `from` in mirror `plane`; `None` if that is never chosen there.
+    pub(crate) fn image_in(&self, plane: usize, from: DVec3) -> Option<Image<'_>> {
+        let candidates = self.candidates(from);
+        candidates.contains(plane).then(|| self.image(from, plane, candidates))
+    }
+
+    fn image(&self, from: DVec3, plane: usize, candidates: Candidates) -> Image<'_> {
+        let mirror = &self.planes[plane];
+        let choice_prob = 1.0 / f64::from(candidates.count());
+        Image { mirror, plane, position: mirror.image_of(from), choice_prob }
+    }
+
+    /// Mirrors in which a lamp may be seen from `from`.
+    fn candidates(&self, from: DVec3) -> Candidates {
+        let may_show = |mirror: &PlaneMirror| u64::from(mirror.may_show(&self.lamps, from));
+        let shifted = (0..).zip(&self.planes).map(|(plane, mirror)| may_show(mirror) << plane);
+        Candidates(shifted.fold(0, |all, one| all | one))
+    }
+}
+
+impl Candidates {
+    const MAX: usize = u64::BITS as usize;
+
+    fn count(self) -> u32 {
+        self.0.count_ones()
+    }
+
+    fn contains(self, plane: usize) -> bool {
+        self.0 >> plane & 1 == 1
+    }
+
+    /// Number `n` of them, counted from 0.
+    fn nth(self, n: u32) -> usize {
+        let rest = (0..n).fold(self.0, |rest, _| rest & (rest - 1));
+        rest.trailing_zeros() as usize
+    }
+}
+
+/// A plane mirror with the indices of its triangles.
+struct Group {
+    plane: PlaneMirror,
+    members: Vec<u32>,
+}
+
+/// The mirrors' large triangles by the planes in which they lie, without small planes.
+fn groups(model: &Model, triangles: &Triangles) -> Vec<Group> {
+    let is_mirror = |index: &u32| matches!(model.material(*index as usize).bsdf, Bsdf::Mirror(_));
+    let mirrors = triangles.live().iter().copied().filter(is_mirror);
+    let mut mirrors: Vec<(u32, f64)> = mirrors.map(|index| (index, triangles.get(index).area())).collect();
+    let total: f64 = mirrors.iter().map(|(_, area)| area).sum();
+    mirrors.retain(|&(_, area)| area >= PlaneMirrors::LEAST_TRIANGLE * total);
+    // The largest triangles know best where their plane is.
+    mirrors.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let mut groups: Vec<Group> = Vec::new();
+    for (index, _) in mirrors {
+        let triangle = triangles.get(index);
+        match groups.iter_mut().find(|group| group.plane.contains(triangle)) {
+            Some(group) => {
+                group.plane.add(triangle);
+                group.members.push(index);
+            }
+            None => groups.push(Group { plane: PlaneMirror::through(triangle), members: vec![index] }),
+        }
+    }
+    groups.retain(|group| group.plane.area >= PlaneMirrors::LEAST_PLANE * total);
+    // As a sum of rounded areas may have it.
+    groups.truncate(Candidates::MAX);
+    groups
+}
+
+/// Whether lamps are seen from the plane's back, and from its front: not if none of 128 segments
+/// between points of mirror and lamps is free. The inside of a body of mirrors is so told from its
+/// outside. A side that sees a lamp after all is left to scattering.
+fn lit<A: Accel>(group: &Group, triangles: &Triangles, emitters: &Emitters, accel: &A) -> [bool; 2] {
+    let mut lit = [false; 2];
+    for (i, &member) in (0..128).zip(group.members.iter().cycle()) {
+        let numbers = Stream::new(0, group.members[0].into(), i);
+        let Some(&Lamp { triangle, emission, .. }) = emitters.choose(numbers.uniform(0)) else { continue };
+        let place = |index: u32, u: [f64; 2]| {
+            let (u, v) = Triangle::sample_uniform(u);
+            triangles.surface_point(index, u, v)
+        };
+        let (mirror, lamp) =
+            (place(member, numbers.uniform_pair(1)), place(triangle, numbers.uniform_pair(3)));
+        let side = usize::from(group.plane.height(lamp.position) > 0.0);
+        let shines = !emission.toward(lamp.normal.dot(mirror.position - lamp.position)).is_black();
+        let is_free = |segment| !accel.occluded(&segment);
+        lit[side] = lit[side] || shines && mirror.segment_to(&lamp).is_some_and(is_free);
+    }
+    lit
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use globillum_geom::conformance::shapes::{cuboid, icosphere, quad};
+    use globillum_geom::{KdOptions, KdTree, Ray};
+    use globillum_material::{Material, Rgb};
+
+    fn mirror() -> Material {
+        Material::mirror(Rgb::splat(0.9)).unwrap()
+    }
+
+    /// Mirrors under a lamp that faces down.
+    fn under_a_lamp(mirrors: impl IntoIterator<Item = Triangle>) -> (Triangles, Emitters, PlaneMirrors) {
+        let p = DVec3::new;
+        let mut model = Model::default();
+        let lamp = quad(p(-1.0, 4.0, -1.0), p(1.0, 4.0, -1.0), p(1.0, 4.0, 1.0), p(-1.0, 4.0, 1.0));
+        model.add(Material::lamp(Rgb::WHITE).unwrap(), lamp);
+        model.add(mirror(), mirrors);
+        let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
+        let emitters = Emitters::of(&model, &triangles);
+        let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
+        let mirrors = PlaneMirrors::of(&model, &triangles, &emitters, &tree);
+        (triangles, emitters, mirrors)
+    }
+
+    fn block() -> Vec<Triangle> {
+        cuboid(DVec3::new(0.3, 0.1, -0.2), DVec3::new(0.3, 0.6, 0.4), 0.32).to_vec()
+    }
+
+    /// A square of `n` by `n` squares, each of two triangles.
+    fn tiles(n: u32) -> Vec<Triangle> {
+        let corner = |i: u32, j: u32| {
+            // Turned, so that vertices are rounded.
+            let (x, z) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+            glam::DQuat::from_rotation_z(0.3) * DVec3::new(x, 0.0, z)
+        };
+        let tile = |i, j| quad(corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j), corner(i, j));
+        (0..n).flat_map(|i| (0..n).flat_map(move |j| tile(i, j))).collect()
+    }
+
+    #[test]
+    fn planes_are_found_and_curved_mirrors_are_not() {
+        let statue = icosphere(3).placed(0.5, DVec3::new(3.0, 0.0, 0.0)).triangles();
+        let with_statue = || tiles(1).into_iter().chain(statue.clone());
+        let cases = [
+            ("a block", block(), 6, 12),
+            ("tiles", tiles(8), 1, 128),
+            ("tiles too small", tiles(16), 0, 0),
+            ("a curved mirror", statue.clone(), 0, 0),
+            ("a wall and a curved mirror", with_statue().collect(), 1, 2),
+            ("a die of twenty faces", icosphere(0).triangles(), 20, 20),
+        ];
+        for (what, mirrors, planes, members) in cases {
+            let (.., found) = under_a_lamp(mirrors);
+            assert_eq!((found.planes.len(), found.members.len()), (planes, members), "{what}");
+        }
+        let mut dark = Model::default();
+        dark.add(mirror(), block());
+        let triangles = Triangles::new(dark.triangles().to_vec()).unwrap();
+        let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
+        let found = PlaneMirrors::of(&dark, &triangles, &Emitters::of(&dark, &triangles), &tree);
+        assert!(found.is_empty());
+    }
+
+    /// Of the block's faces those that face down see no lamp, and none does from within.
+    #[test]
+    fn sides_that_see_lamps_are_found() {
+        let (_, _, mirrors) = under_a_lamp(block());
+        let lit: usize = mirrors.planes.iter().flat_map(|plane| plane.lit).map(usize::from).sum();
+        assert_eq!(lit, 5);
+        for plane in &mirrors.planes {
+            assert!(!plane.lit[usize::from(plane.height(DVec3::new(0.3, 0.1, -0.2)) > 0.0)]);
+        }
+    }
+
+    /// No point that sees a lamp in a mirror is told that it sees none there, each mirror is chosen as
+    /// often as is told, and in all with certainty.
+    #[test]
+    fn what_may_show_a_lamp_is_chosen_as_often_as_told() {
+        let (triangles, emitters, mirrors) = under_a_lamp(block());
+        let mut seen = 0;
+        for i in 0..100_000 {
+            let numbers = Stream::new(5, 0, i);
+            let from = DVec3::from_array([0, 1, 2].map(|axis| 6.0 * numbers.uniform(axis) - 3.0));
+            let images = || (0..mirrors.planes.len()).filter_map(|plane| mirrors.image_in(plane, from));
+            let total: f64 = images().map(|image| image.choice_prob).sum();
+            assert!(total == 0.0 || (total - 1.0).abs() < 1e-15);
+            // As many strata as there are candidates, each of which is chosen once.
+            let count = images().count();
+            let chosen = (0..count).map(|k| {
+                let u = || (k as f64 + numbers.uniform(3)) / count as f64;
+                mirrors.choose(from, u).unwrap().plane
+            });
+            assert!(chosen.eq(images().map(|image| image.plane)));
+            let lamp = emitters.choose(numbers.uniform(4)).unwrap().triangle;
+            let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(5));
+            let lamp = triangles.surface_point(lamp, u, v).position;
+            for (plane, mirror) in mirrors.planes.iter().enumerate() {
+                let toward = mirror.reflect(lamp - mirror.image_of(from));
+                let shown = mirror.same_side(from, lamp) && mirror.is_met_by(&Ray::new(from, toward));
+                if shown && mirror.lit[usize::from(mirror.height(from) > 0.0)] {
+                    seen += 1;
+                    assert!(mirrors.image_in(plane, from).is_some(), "{from} {plane}");
+                }
+            }
+        }
+        assert!(seen > 1000, "{seen}");
+    }
+
+    #[test]
+    fn a_point_in_a_mirrors_plane_has_no_image_in_it() {
+        let (.., mirrors) = under_a_lamp([Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)]);
+        let at = |y: f64| mirrors.choose(DVec3::new(0.2, y, 0.2), || 0.5).map(|image| image.position.y);
+        assert_eq!((at(0.0), at(1e-7), at(-1.0), at(1.0)), (None, None, None, Some(-1.0)));
+    }
+}

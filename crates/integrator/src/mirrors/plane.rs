@@ -1,0 +1,116 @@
+use glam::{DVec3, Vec3};
+use globillum_geom::decide::Shear;
+use globillum_geom::{Aabb, Ray, Triangle};
+
+/// Triangles of ideal mirrors that lie in one plane; they reflect on both sides.
+#[derive(Clone, Debug)]
+pub(crate) struct PlaneMirror {
+    /// Unit normal of the plane, on its front.
+    normal: DVec3,
+    /// A point of it.
+    point: DVec3,
+    /// How far from it a vertex may be.
+    tolerance: f64,
+    triangles: Vec<Triangle>,
+    /// Of all triangles.
+    pub(super) area: f64,
+    /// Whether lamps were found to be seen from the back, and from the front.
+    pub(super) lit: [bool; 2],
+}
+
+impl PlaneMirror {
+    /// How far a vertex may be from a plane to lie in it, in units of the longest side of the box
+    /// around the first triangle; directions err by about as many radians. Corners of a rectangle,
+    /// rounded to `f32`, are within this where its side is at least a tenth of their coordinates.
+    const COPLANAR: f64 = 1.0 / (1 << 18) as f64;
+
+    pub(super) fn through(triangle: &Triangle) -> Self {
+        Self {
+            normal: triangle.normal(),
+            point: triangle.vertices[0].as_dvec3(),
+            tolerance: Self::COPLANAR * triangle.bounds().extent().max_element(),
+            triangles: vec![*triangle],
+            area: triangle.area(),
+            lit: [false; 2],
+        }
+    }
+
+    pub(super) fn contains(&self, triangle: &Triangle) -> bool {
+        triangle.vertices.iter().all(|v| self.height(v.as_dvec3()).abs() <= self.tolerance)
+    }
+
+    pub(super) fn add(&mut self, triangle: &Triangle) {
+        self.triangles.push(*triangle);
+        self.area += triangle.area();
+    }
+
+    /// Distance of `position` from the plane, negative behind it.
+    pub(super) fn height(&self, position: DVec3) -> f64 {
+        self.normal.dot(position - self.point)
+    }
+
+    pub(super) fn image_of(&self, position: DVec3) -> DVec3 {
+        position - 2.0 * self.height(position) * self.normal
+    }
+
+    /// The unit vector `direction` as the mirror shows it.
+    pub(crate) fn reflect(&self, direction: DVec3) -> DVec3 {
+        direction - 2.0 * self.normal.dot(direction) * self.normal
+    }
+
+    /// Whether both lie on the same side of the plane, and neither in it.
+    pub(crate) fn same_side(&self, a: DVec3, b: DVec3) -> bool {
+        self.height(a) * self.height(b) > 0.0
+    }
+
+    /// Whether the ray's line meets the mirror in front of its origin, whatever else there is. Decided as
+    /// accelerators do it, so a ray that misses here does not hit there.
+    pub(crate) fn is_met_by(&self, ray: &Ray) -> bool {
+        let Some(shear) = Shear::new(ray) else { return false };
+        self.triangles.iter().any(|triangle| shear.decide(triangle).is_some_and(|hit| hit.t > 0.0))
+    }
+
+    /// Whether the mirror may show part of `lamps` to `from`. It does not where all of it lies on the
+    /// other side or beyond the window, where no lamp was found on that side, or where `from` can not
+    /// be told from lying in the plane.
+    pub(super) fn may_show(&self, lamps: &Sphere, from: DVec3) -> bool {
+        let height = self.height(from);
+        let lamps_height = self.height(lamps.center) * 1.0_f64.copysign(height);
+        let lit = self.lit[usize::from(height > 0.0)];
+        if !lit || height.abs() <= self.tolerance || lamps_height < -lamps.radius {
+            return false;
+        }
+        let image = from - 2.0 * height * self.normal;
+        self.triangles.iter().any(|triangle| lamps.may_be_seen_through(triangle, image))
+    }
+}
+
+/// A ball around something.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sphere {
+    center: DVec3,
+    radius: f64,
+}
+
+impl Sphere {
+    /// Around the box of these points.
+    pub(super) fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+        let Aabb { min, max } = Aabb::around(points);
+        let (min, max) = (min.as_dvec3(), max.as_dvec3());
+        Self { center: 0.5 * (min + max), radius: 0.5 * min.distance(max) }
+    }
+
+    /// Whether part of it may be seen from `eye` through `window`: not if all of it is beyond one of the
+    /// three planes through `eye` and a side.
+    fn may_be_seen_through(&self, window: &Triangle, eye: DVec3) -> bool {
+        let [a, b, c] = window.vertices.map(|v| v.as_dvec3() - eye);
+        let center = self.center - eye;
+        let winding = 1.0_f64.copysign(a.cross(b).dot(c));
+        let is_beyond = |a: DVec3, b: DVec3| {
+            let inward = winding * a.cross(b);
+            let distance = inward.dot(center);
+            distance < 0.0 && distance * distance > self.radius * self.radius * inward.length_squared()
+        };
+        !(is_beyond(a, b) || is_beyond(b, c) || is_beyond(c, a))
+    }
+}
