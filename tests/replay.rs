@@ -47,19 +47,21 @@ fn the_samples_of_a_pixel_add_up_to_it() {
 #[test]
 fn a_replay_tells_what_the_path_met() {
     let (scene, settings) = (the_box(), Settings::new(64, 64, 64));
-    let (mut seen_mirror, mut seen_direct) = (false, false);
+    let (mut seen_mirror, mut seen_direct, mut seen_mirrored) = (false, false, false);
     for sample in 0..64 {
         let path = replayed(&scene, &settings, (26, 40), sample);
-        let contributions = path.vertices.iter().fold(Rgb::BLACK, |sum, v| sum + v.emitted + v.direct);
+        let contributions =
+            path.vertices.iter().fold(Rgb::BLACK, |sum, v| sum + v.emitted + v.direct + v.mirrored);
         assert!((contributions.g - path.radiance.g).abs() <= 1e-15 * path.radiance.g);
         assert_eq!(path.vertices[0].throughput, Rgb::WHITE);
         for pair in path.vertices.windows(2) {
             seen_mirror |= matches!(pair[0].material.bsdf, Bsdf::Mirror(_));
             seen_direct |= pair[0].direct.g > 0.0;
+            seen_mirrored |= pair[0].mirrored.g > 0.0;
         }
         assert!(path.to_string().lines().count() > 2 * path.vertices.len());
     }
-    assert!(seen_mirror && seen_direct);
+    assert!(seen_mirror && seen_direct && seen_mirrored);
 }
 
 #[test]

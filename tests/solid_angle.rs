@@ -131,6 +131,34 @@ fn samples_and_random_numbers_are_one_to_one() {
     }
 }
 
+/// What is beyond reach is `None`, and what is within it mostly is not: needles and round ones, of any size.
+#[test]
+fn beyond_its_reach_no_triangle_is_large() {
+    let (mut beyond, mut within, mut large) = (0, 0, 0);
+    for i in 0..200_000 {
+        let numbers = Stream::new(13, 0, i);
+        let signed = |dimension: u32| 2.0 * numbers.uniform(dimension) - 1.0;
+        let vector = |first: u32| DVec3::new(signed(first), signed(first + 1), signed(first + 2));
+        let scale = 10.0_f64.powf(8.0 * signed(20));
+        let thin = 10.0_f64.powf(-3.0 * numbers.uniform(21));
+        let [a, b] = [vector(0), vector(3)];
+        let vertices = [a, b, a + numbers.uniform(22) * (b - a) + thin * vector(6)];
+        let triangle = Triangle { vertices: vertices.map(|v| (scale * v).as_vec3()) };
+        let middle = triangle.vertices.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / 3.0;
+        let reach = SphericalTriangle::reach(&triangle);
+        let distance = reach * (0.3 + 1.4 * numbers.uniform(23));
+        let seen = SphericalTriangle::new(&triangle, middle + distance * vector(9).normalize()).is_some();
+        if distance > reach {
+            assert!(!seen, "{triangle:?} from {distance} of {reach}");
+            beyond += 1;
+        } else {
+            within += 1;
+            large += u32::from(seen);
+        }
+    }
+    assert!(beyond > 50_000 && within > 50_000 && large > within / 20, "{beyond} {within} {large}");
+}
+
 /// H55, H56, and what else solid angles can not tell.
 #[test]
 fn what_is_ill_conditioned_is_left_to_area() {
