@@ -140,14 +140,22 @@ fn beyond_its_reach_no_triangle_is_large() {
         let signed = |dimension: u32| 2.0 * numbers.uniform(dimension) - 1.0;
         let vector = |first: u32| DVec3::new(signed(first), signed(first + 1), signed(first + 2));
         let scale = 10.0_f64.powf(8.0 * signed(20));
-        let thin = 10.0_f64.powf(-3.0 * numbers.uniform(21));
+        let thin = 10.0_f64.powf(-5.0 * numbers.uniform(21));
         let [a, b] = [vector(0), vector(3)];
-        let vertices = [a, b, a + numbers.uniform(22) * (b - a) + thin * vector(6)];
+        // The third is along the first side, or beside its end.
+        let along = [numbers.uniform(22), 1.0][i as usize / 2 % 2];
+        let vertices = [a, b, a + along * (b - a) + thin * vector(6)];
         let triangle = Triangle { vertices: vertices.map(|v| (scale * v).as_vec3()) };
         let middle = triangle.vertices.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / 3.0;
         let reach = SphericalTriangle::reach(&triangle);
-        let distance = reach * (0.3 + 1.4 * numbers.uniform(23));
-        let seen = SphericalTriangle::new(&triangle, middle + distance * vector(9).normalize()).is_some();
+        // Half of them are all but on the triangle near its first vertex, which may be a needle's tip.
+        let at_tip = 10.0_f64.powf(-3.0 * numbers.uniform(24));
+        let height = at_tip * thin * scale * 10.0_f64.powf(-3.0 * numbers.uniform(25));
+        let near = above(&triangle, (0.5 * at_tip, 0.5 * at_tip), height);
+        let around = middle + reach * (0.3 + 1.4 * numbers.uniform(23)) * vector(9).normalize();
+        let from = if i % 2 == 0 { near } else { around };
+        let distance = from.distance(middle);
+        let seen = SphericalTriangle::new(&triangle, from).is_some();
         if distance > reach {
             assert!(!seen, "{triangle:?} from {distance} of {reach}");
             beyond += 1;
@@ -156,7 +164,7 @@ fn beyond_its_reach_no_triangle_is_large() {
             large += u32::from(seen);
         }
     }
-    assert!(beyond > 50_000 && within > 50_000 && large > within / 20, "{beyond} {within} {large}");
+    assert!(beyond > 30_000 && within > 50_000 && large > within / 20, "{beyond} {within} {large}");
 }
 
 /// H55, H56, and what else solid angles can not tell.

@@ -83,13 +83,13 @@ impl SphericalTriangle {
     /// `Some` of it: known before, this spares most of the work for points further off.
     ///
     /// From a point at the distance `r` of the triangle or more, its area `A` covers at most `A / r^2`, and no
-    /// vertex is further from the middle than two thirds of a median, which is at most `sqrt(3) / 2` of the
-    /// longest side.
+    /// vertex is further from the middle than two thirds of a median, which is no longer than the longest
+    /// side.
     pub fn reach(triangle: &Triangle) -> f64 {
         let [e1, e2] = triangle.edges();
         let longest = e1.length().max(e2.length()).max(e1.distance(e2));
         // One part in a thousand is more than all that is rounded, here and in `new`.
-        1.001 * ((triangle.area() / Self::MIN_SOLID_ANGLE).sqrt() + longest / 3.0_f64.sqrt())
+        1.001 * ((triangle.area() / Self::MIN_SOLID_ANGLE).sqrt() + longest * (2.0 / 3.0))
     }
 
     /// What the triangle covers of the sphere, in steradians.

@@ -50,7 +50,7 @@ fn with_signed_zeros(direction: DVec3, source: &mut impl Source) -> DVec3 {
 }
 
 /// Mostly the whole ray; else a range that ends near the target, at `t = 1`.
-fn with_some_range(ray: Ray, source: &mut impl Source) -> Ray {
+pub(super) fn with_some_range(ray: Ray, source: &mut impl Source) -> Ray {
     let near_one = [1.0, 1.0_f64.next_up(), 1.0_f64.next_down(), 0.5, 2.0];
     match source.below(8) {
         0 => ray.with_range(0.0, source.pick(&near_one)),

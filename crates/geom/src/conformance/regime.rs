@@ -1,4 +1,4 @@
-use super::aim::ray_at;
+use super::aim::{point_of, ray_at, with_some_range};
 use super::{Source, Tally, Violation, compare};
 use crate::{Accel, GeomError, Ray, Triangle, Triangles};
 use glam::{DVec3, Vec3};
@@ -91,9 +91,9 @@ impl Regime {
             Err(error) => return Err(self.refused(&triangles, &error)),
         };
         let accel = build(&checked).map_err(|error| self.refused(&triangles, &error))?;
-        let mut all = pencil(&triangles, self.ray(&triangles, source), source);
-        all.extend((0..rays).map(|_| self.ray(&triangles, source)));
-        let rays = all;
+        let other_rays = rays;
+        let mut rays = pencil(&triangles, self.ray(&triangles, source), source);
+        rays.extend((0..other_rays).map(|_| self.ray(&triangles, source)));
         compare(&format!("{self:?}"), &accel, &triangles, &rays)
     }
 
@@ -132,26 +132,30 @@ impl Regime {
     }
 }
 
-/// As many rays as take the same way as `ray`, more or less, from one point or side by side.
+/// Rays that take nearly the same way as `ray`: side by side, from one point, or from so far away that
+/// this is all one. Each has a range of its own, and a few are no rays.
 fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray> {
+    let vertices = triangles.iter().flat_map(|triangle| triangle.vertices);
+    let reach = f64::from(vertices.map(|v| v.abs().max_element()).fold(1e-6, f32::max));
     let spread = 10.0_f64.powf(-9.0 * source.unit());
-    let reach = triangles.iter().flat_map(|t| t.vertices).map(|v| v.abs().max_element()).fold(0.0, f32::max);
     let speed = ray.direction.abs().max_element();
+    let target = if triangles.is_empty() { DVec3::ZERO } else { point_of(&source.pick(triangles), source) };
+    let away = ray.direction / speed * reach * 2.0_f64.powi(source.below(46) as i32);
     let kind = source.below(4);
-    let mut offset =
-        |scale: f64| DVec3::new(source.signed(), source.signed(), source.signed()) * (spread * scale);
-    let mut rays: Vec<Ray> = (0..PENCIL)
-        .map(|_| match kind {
-            0 => Ray { origin: ray.origin + offset(f64::from(reach)), ..ray },
-            _ => Ray { direction: ray.direction + offset(speed), ..ray },
-        })
-        .collect();
-    // From so far away that what they are aimed at lies close together.
-    if kind > 1 && !triangles.is_empty() {
-        let origin = ray.origin - ray.direction * (16.0 * f64::from(reach) / speed);
-        rays = rays.into_iter().map(|_| ray_at(triangles, origin, source)).collect();
-    }
-    rays
+    let member = |i: usize| {
+        let offset = spread * DVec3::new(source.signed(), source.signed(), source.signed());
+        let ray = match kind {
+            0 => Ray { origin: ray.origin + reach * offset, ..ray },
+            1 => Ray { direction: ray.direction + speed * offset, ..ray },
+            _ => Ray::new(target - away, away + reach * offset),
+        };
+        // Those by which a packet might be told stay what they are.
+        if i % 21 != 0 && source.one_in(32) {
+            return Ray { direction: DVec3::splat(source.pick(&[f64::NAN, 0.0])), ..ray };
+        }
+        with_some_range(ray, source)
+    };
+    (0..PENCIL).map(member).collect()
 }
 
 /// Sign and mantissa as they are, the exponent within 2^60 of one: far apart, and in the domain.

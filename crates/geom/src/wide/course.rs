@@ -21,6 +21,9 @@ const LOST: f64 = 0.25;
 /// Inverse direction components beyond this count as this; the scene is 2 wide.
 const LARGEST_INVERSE: f64 = (1_u64 << 60) as f64;
 
+/// The axes x, y and z of Woop's shear, by main axis, which is z.
+pub(super) const AXES: [[u8; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
 /// A ray from where it enters the scene, with its main direction component in `1..2`.
 ///
 /// Its parameter `t'` is `(t - entry) * gain`, with a power of two for a gain; here, `t` means `t'`.
@@ -35,7 +38,7 @@ pub(super) struct Course {
     /// The axes along which the ray descends, a bit each.
     pub(super) octant: u8,
     /// The axes x, y and z of Woop's shear; z is the main axis.
-    pub(super) axes: [u8; 4],
+    pub(super) axes: [u8; 3],
     /// A vertex is sheared to `(x + slope[0] * z - offset[0], y + slope[1] * z - offset[1])`.
     pub(super) slope: [f32; 2],
     pub(super) offset: [f32; 2],
@@ -185,7 +188,7 @@ impl<const N: usize> Courses<N> {
             near: [self.near[0][i], self.near[1][i], self.near[2][i]],
             far: [self.far[0][i], self.far[1][i], self.far[2][i]],
             octant: self.octant[i] as u8,
-            axes: [[1, 2, 0, 0], [2, 0, 1, 0], [0, 1, 2, 0]][usize::from(z)],
+            axes: AXES[usize::from(z)],
             slope: [self.slope[0][i], self.slope[1][i]],
             offset: [self.offset[0][i], self.offset[1][i]],
             depth_scale: self.depth_scale[i],

@@ -1,5 +1,6 @@
 //! A pyramid's stump around the rays of a packet: finds the cells that any of them may meet.
 
+use super::course::AXES;
 use super::node::Node;
 use super::packet::{GROUPS, Packet, Slots, range};
 use super::simd::{LANES, Simd};
@@ -82,7 +83,7 @@ impl Frustum {
             *below = Side { at: lowest - slopes[0] * start - thick, slope: slopes[0] };
             *above = Side { at: highest - slopes[1] * start + thick, slope: slopes[1] };
         }
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][main_axis as usize % 3];
+        let axes = AXES[main_axis as usize % 3].map(usize::from);
         let start = if descends { start + thick } else { start - thick };
         let octant = first.octant[lane] as u8;
         Some(Self { axes, descends, sides, start, end: start, thick, octant })

@@ -34,8 +34,7 @@ impl<S: Simd> Found<S> {
 pub(super) fn open<S: Simd>(simd: S, tree: &WideKdTree, trace: &mut Trace) -> Found<S> {
     let (first, count) = Child::block(trace.child);
     let rows = tree.blocks.rows(first, count);
-    let [x, y, z, _] = trace.course.axes.map(usize::from);
-    let vertices = Vertices::load(simd, rows, [x, y, z]);
+    let vertices = Vertices::load(simd, rows, trace.course.axes.map(usize::from));
     let rays = Rays::same(simd, &trace.course, trace.t_end);
     let mut filtered = filter(simd, &rays, &vertices);
     filtered.possible &= rows.lanes();

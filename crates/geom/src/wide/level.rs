@@ -25,9 +25,7 @@ impl SimdLevel {
     pub fn best() -> Self {
         Token::new(Self::Avx512).level()
     }
-}
 
-impl SimdLevel {
     /// Runs `work`, compiled for these instructions, or for the best below them that this machine has.
     ///
     /// For passes over arrays, of which the compiler makes vectors. Only what is inlined into `work` is

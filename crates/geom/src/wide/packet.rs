@@ -131,3 +131,41 @@ fn seem_coherent(rays: &[Ray; WIDTH]) -> bool {
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::simd::Portable;
+    use super::*;
+    use crate::conformance::shapes::icosphere;
+    use crate::search::Closest;
+    use crate::{Accel, Triangles};
+    use glam::DVec3;
+
+    /// A square of eight by eight pixels that many radians wide, seen from outside.
+    fn camera(width: f64) -> [Ray; WIDTH] {
+        std::array::from_fn(|i| {
+            let (x, y) = ((i % 8) as f64 / 7.0 - 0.4, (i / 8) as f64 / 7.0 - 0.6);
+            Ray::new(DVec3::new(0.1, 0.2, 3.0), DVec3::new(width * x, width * y, -1.0))
+        })
+    }
+
+    #[test]
+    fn rays_through_neighbouring_pixels_are_coherent_and_others_are_not() {
+        let tree = WideKdTree::build(&Triangles::new(icosphere(3).triangles()).unwrap()).unwrap();
+        for (width, expected) in [(1e-9, true), (0.01, true), (0.03, true), (0.5, false), (3.0, false)] {
+            let rays = camera(width);
+            let (mut reported, mut hits) = ([0; WIDTH], [None; WIDTH]);
+            let report = |i, search: Closest| {
+                reported[i] += 1;
+                hits[i] = search.hit();
+            };
+            let coherent = Packet::idle().search(Portable, &tree, &rays, report);
+            assert_eq!(coherent, expected, "{width}");
+            assert_eq!(reported, [usize::from(coherent); WIDTH]);
+            if coherent {
+                assert_eq!(hits, rays.map(|ray| tree.intersect(&ray)));
+                assert!(hits.iter().all(Option::is_some));
+            }
+        }
+    }
+}

@@ -225,6 +225,21 @@ mod tests {
         (0..n).flat_map(|i| (0..n).flat_map(move |j| tile(i, j))).collect()
     }
 
+    /// A concave mirror of `n` strips, each turned by `step` from the one before.
+    fn strips(n: u32, step: f64) -> Vec<Triangle> {
+        let width = 1.0 / f64::from(n);
+        let mut edge = DVec3::ZERO;
+        let strip = |i: u32| {
+            let (sin, cos) = (step * f64::from(i)).sin_cos();
+            let next = edge + width * DVec3::new(cos, sin, 0.0);
+            let depth = DVec3::Z;
+            let strip = quad(edge + depth, next + depth, next, edge);
+            edge = next;
+            strip
+        };
+        (0..n).flat_map(strip).collect()
+    }
+
     #[test]
     fn planes_are_found_and_curved_mirrors_are_not() {
         let statue = icosphere(3).placed(0.5, DVec3::new(3.0, 0.0, 0.0)).triangles();
@@ -235,6 +250,7 @@ mod tests {
             ("tiles too small", tiles(16), 0, 0),
             ("a curved mirror", statue.clone(), 0, 0),
             ("a wall and a curved mirror", with_statue().collect(), 1, 2),
+            ("a mirror all but plane", strips(32, 1.2e-4), 32, 64),
             ("a die of twenty faces", icosphere(0).triangles(), 20, 20),
         ];
         for (what, mirrors, planes, members) in cases {

@@ -20,9 +20,13 @@ pub(crate) struct PlaneMirror {
 
 impl PlaneMirror {
     /// How far a vertex may be from a plane to lie in it, in units of the longest side of the box
-    /// around the first triangle; directions err by about as many radians. Corners of a rectangle,
-    /// rounded to `f32`, are within this where its side is at least a tenth of their coordinates.
+    /// around the first triangle. Corners of a rectangle, rounded to `f32`, are within this where its side
+    /// is at least a tenth of their coordinates.
     const COPLANAR: f64 = 1.0 / (1 << 18) as f64;
+
+    /// The largest angle between normals, in radians, and so half of how far directions may err. Heights do
+    /// not bound it: strips of a slightly curved mirror are all but in one plane.
+    const PARALLEL: f64 = 4.0 * Self::COPLANAR;
 
     pub(super) fn through(triangle: &Triangle) -> Self {
         Self {
@@ -36,7 +40,8 @@ impl PlaneMirror {
     }
 
     pub(super) fn contains(&self, triangle: &Triangle) -> bool {
-        triangle.vertices.iter().all(|v| self.height(v.as_dvec3()).abs() <= self.tolerance)
+        let is_parallel = triangle.normal().cross(self.normal).length() <= Self::PARALLEL;
+        is_parallel && triangle.vertices.iter().all(|v| self.height(v.as_dvec3()).abs() <= self.tolerance)
     }
 
     pub(super) fn add(&mut self, triangle: &Triangle) {
