@@ -150,7 +150,7 @@ fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray
             _ => Ray::new(target - away, away + reach * offset),
         };
         // Those by which a packet might be told stay what they are.
-        if i % 21 != 0 && source.one_in(32) {
+        if !i.is_multiple_of(21) && source.one_in(32) {
             return Ray { direction: DVec3::splat(source.pick(&[f64::NAN, 0.0])), ..ray };
         }
         with_some_range(ray, source)
