@@ -5,8 +5,9 @@ use super::filter::{Filtered, Rays, Vertices, filter};
 use super::frustum::Frustum;
 use super::goal::Goal;
 use super::node::{Child, Node};
-use super::packet::{Cell, GROUPS, Packet, Slots, range};
+use super::packet::{Cell, GROUPS, Packet, range};
 use super::simd::{LANES, Rows, Simd};
+use super::slots::{Each, Slots};
 use crate::Ray;
 
 pub(super) struct Descent<'a, S: Simd, Q> {
@@ -102,14 +103,11 @@ impl<S: Simd, Q: Goal> Descent<'_, S, Q> {
     fn filter_triangles(&mut self, first: usize, rows: Rows<'_>, met: Slots) -> bool {
         let (simd, mut is_shorter) = (self.simd, false);
         let vertices = Vertices::load(simd, rows, self.frustum.axes);
-        let mut rest = met;
-        while rest != 0 {
-            let slot = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
+        for slot in Each(met) {
             let (g, i) = (slot / LANES % GROUPS, slot % LANES);
             let ray = Rays::lane(simd, &self.packet.courses[g], i, self.packet.t_end[g][i]);
             let Filtered { possible, certain, start, end } = filter(simd, &ray, &vertices);
-            let (mut possible, certain) = (possible & rows.lanes(), certain & rows.lanes());
+            let (possible, certain) = (possible & rows.lanes(), certain & rows.lanes());
             if possible == 0 {
                 continue;
             }
@@ -120,10 +118,8 @@ impl<S: Simd, Q: Goal> Descent<'_, S, Q> {
             }
             let mut starts = [0.0; LANES];
             simd.store(&mut starts, start);
-            while possible != 0 {
-                let lane = possible.trailing_zeros() as usize % LANES;
-                possible &= possible - 1;
-                self.add(g, i, starts[lane], self.tree.blocks.index(first, lane));
+            for lane in Each(possible.into()) {
+                self.add(g, i, starts[lane % LANES], self.tree.blocks.index(first, lane));
             }
             if certain != 0 {
                 let (end, t_end) = (simd.min_of(end, certain), &mut self.packet.t_end[g][i]);
@@ -142,33 +138,36 @@ impl<S: Simd, Q: Goal> Descent<'_, S, Q> {
             let vertices = Vertices::one(simd, rows, self.frustum.axes, at);
             for g in 0..GROUPS {
                 let group = group_of(met & self.live, g);
-                if group == 0 {
-                    continue;
+                if group != 0 {
+                    is_shorter |= self.filter_group(g, group, index, &vertices);
                 }
-                let rays = Rays::each(simd, &self.packet.courses[g], &self.packet.t_end[g]);
-                let Filtered { possible, certain, start, end } = filter(simd, &rays, &vertices);
-                let (mut possible, mut certain) = (possible & group, certain & group);
-                is_shorter |= certain != 0;
-                if Q::ANY {
-                    possible &= !certain;
-                    while certain != 0 {
-                        self.finish(g, certain.trailing_zeros() as usize % LANES);
-                        certain &= certain - 1;
-                    }
-                }
-                let mut starts = [0.0; LANES];
-                simd.store(&mut starts, start);
-                while possible != 0 {
-                    let i = possible.trailing_zeros() as usize % LANES;
-                    possible &= possible - 1;
-                    self.add(g, i, starts[i], index);
-                }
-                let t_end = simd.load(&self.packet.t_end[g]);
-                let nearer = simd.select(certain, simd.min(end, t_end), t_end);
-                simd.store(&mut self.packet.t_end[g], nearer);
             }
         }
         is_shorter
+    }
+
+    /// Group `g` of the rays, those in the lanes `group` of it, and one triangle.
+    #[inline(always)]
+    fn filter_group(&mut self, g: usize, group: u8, index: u32, vertices: &Vertices<S>) -> bool {
+        let simd = self.simd;
+        let rays = Rays::each(simd, &self.packet.courses[g], &self.packet.t_end[g]);
+        let Filtered { possible, certain, start, end } = filter(simd, &rays, vertices);
+        let (mut possible, certain) = (possible & group, certain & group);
+        if Q::ANY {
+            possible &= !certain;
+            for i in Each(certain.into()) {
+                self.finish(g, i % LANES);
+            }
+        }
+        let mut starts = [0.0; LANES];
+        simd.store(&mut starts, start);
+        for i in Each(possible.into()) {
+            self.add(g, i % LANES, starts[i % LANES], index);
+        }
+        let t_end = simd.load(&self.packet.t_end[g]);
+        let nearer = simd.select(certain, simd.min(end, t_end), t_end);
+        simd.store(&mut self.packet.t_end[g], nearer);
+        certain != 0
     }
 
     /// Lets the frustum end where the last of the rays does.

@@ -2,8 +2,9 @@
 
 use super::course::AXES;
 use super::node::Node;
-use super::packet::{GROUPS, Packet, Slots, range};
+use super::packet::{GROUPS, Packet, range};
 use super::simd::{LANES, Simd};
+use super::slots::Slots;
 
 /// Rays further apart than this, where they enter or for each unit along the main axis, have too few cells
 /// in common. The scene is 2 wide.
@@ -44,14 +45,7 @@ impl Frustum {
         let slot = live.trailing_zeros() as usize;
         let (first, lane) = (packet.courses.get(slot / LANES)?, slot % LANES);
         let (main_axis, descends) = (first.main_axis[lane], first.depth_scale[lane] < 0.0);
-        let mut differing = 0;
-        for (g, courses) in packet.courses.iter().enumerate() {
-            for i in 0..LANES {
-                let turns = (courses.depth_scale[i] < 0.0) != descends;
-                differing |= Slots::from((courses.main_axis[i] != main_axis) | turns) << (g * LANES + i);
-            }
-        }
-        if differing & live != 0 {
+        if live & turning(packet, main_axis, descends) != 0 {
             return None;
         }
         let zero = simd.splat(0.0);
@@ -63,29 +57,20 @@ impl Frustum {
         }
         let [_, err] = range(simd, &errs, live);
         let thick = 2.0 * err;
+        // Of a lost ray nothing is known.
+        if thick > WIDEST {
+            return None;
+        }
         let [lowest, highest] = range(simd, &depths, live);
-        let start = if descends { highest } else { lowest };
-        let mut sides = [[Side { at: 0.0, slope: 0.0 }; 2]; 2];
-        for (axis, [below, above]) in sides.iter_mut().enumerate() {
-            let (mut slopes, mut places) = ([zero; GROUPS], [zero; GROUPS]);
-            for (g, courses) in packet.courses.iter().enumerate() {
-                slopes[g] = simd.sub(zero, simd.load(&courses.slope[axis]));
-                places[g] = simd.mul_add(slopes[g], simd.splat(start), simd.load(&courses.offset[axis]));
-            }
-            let [shallowest, steepest] = range(simd, &slopes, live);
-            let [lowest, highest] = range(simd, &places, live);
-            let is_narrow = steepest - shallowest <= WIDEST && highest - lowest <= WIDEST;
-            // Of a lost ray nothing is known.
-            if !is_narrow || thick > WIDEST {
-                return None;
-            }
-            let slopes = if descends { [steepest, shallowest] } else { [shallowest, steepest] };
-            *below = Side { at: lowest - slopes[0] * start - thick, slope: slopes[0] };
-            *above = Side { at: highest - slopes[1] * start + thick, slope: slopes[1] };
+        let (start, outward) = if descends { (highest, thick) } else { (lowest, -thick) };
+        let mut sides =
+            [sides(simd, packet, live, 0, start, descends)?, sides(simd, packet, live, 1, start, descends)?];
+        for [below, above] in &mut sides {
+            below.at -= thick;
+            above.at += thick;
         }
         let axes = AXES[main_axis as usize % 3].map(usize::from);
-        let start = if descends { start + thick } else { start - thick };
-        let octant = first.octant[lane] as u8;
+        let (start, octant) = (start + outward, first.octant[lane] as u8);
         Some(Self { axes, descends, sides, start, end: start, thick, octant })
     }
 
@@ -142,6 +127,44 @@ impl Frustum {
         let axis = self.axes[axis] % 3;
         [&node.faces[2 * axis], &node.faces[2 * axis + 1]]
     }
+}
+
+/// The rays that have another main axis, or follow it in the other sense.
+#[inline(always)]
+fn turning(packet: &Packet, main_axis: u32, descends: bool) -> Slots {
+    let mut turning = 0;
+    for (g, courses) in packet.courses.iter().enumerate() {
+        for i in 0..LANES {
+            let turns = (courses.depth_scale[i] < 0.0) != descends;
+            turning |= Slots::from((courses.main_axis[i] != main_axis) | turns) << (g * LANES + i);
+        }
+    }
+    turning
+}
+
+/// What bounds the rays along `axis` from depth `start` on; `None` if they are far apart.
+#[inline(always)]
+fn sides<S: Simd>(
+    simd: S,
+    packet: &Packet,
+    live: Slots,
+    axis: usize,
+    start: f32,
+    descends: bool,
+) -> Option<[Side; 2]> {
+    let zero = simd.splat(0.0);
+    let (mut slopes, mut places) = ([zero; GROUPS], [zero; GROUPS]);
+    for (g, courses) in packet.courses.iter().enumerate() {
+        slopes[g] = simd.sub(zero, simd.load(&courses.slope[axis]));
+        places[g] = simd.mul_add(slopes[g], simd.splat(start), simd.load(&courses.offset[axis]));
+    }
+    let [least, greatest] = range(simd, &slopes, live);
+    let [lowest, highest] = range(simd, &places, live);
+    let is_narrow = greatest - least <= WIDEST && highest - lowest <= WIDEST;
+    let (below, above) = if descends { (greatest, least) } else { (least, greatest) };
+    let below = Side { at: lowest - below * start, slope: below };
+    let above = Side { at: highest - above * start, slope: above };
+    is_narrow.then_some([below, above])
 }
 
 #[cfg(test)]

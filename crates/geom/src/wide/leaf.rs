@@ -5,6 +5,7 @@ use super::filter::{Filtered, Rays, Vertices, filter};
 use super::goal::Goal;
 use super::node::Child;
 use super::simd::{LANES, Simd};
+use super::slots::Each;
 use super::trace::Trace;
 use crate::Ray;
 
@@ -59,13 +60,10 @@ pub(super) fn note<S: Simd, Q: Goal>(
     }
     let mut starts = [0.0; LANES];
     simd.store(&mut starts, filtered.start);
-    let mut rest = filtered.possible;
-    while rest != 0 {
-        let lane = rest.trailing_zeros() as usize % LANES;
-        rest &= rest - 1;
+    for lane in Each(filtered.possible.into()) {
         let index = tree.blocks.index(*first, lane);
         simd.prefetch(tree.triangles.get(index));
-        trace.candidates.add(starts[lane], index);
+        trace.candidates.add(starts[lane % LANES], index);
         if trace.candidates.is_full() {
             trace.candidates.decide(trace.t_end, ray, &tree.triangles, search);
         }

@@ -30,6 +30,7 @@ mod packet;
 mod scratch;
 #[allow(unsafe_code)]
 mod simd;
+mod slots;
 mod space;
 mod step;
 mod trace;

@@ -8,14 +8,12 @@ use super::frustum::Frustum;
 use super::goal::Goal;
 use super::scratch::WIDTH;
 use super::simd::{LANES, Simd};
+use super::slots::Slots;
 use super::verdicts::decide_all;
 use crate::Ray;
 
 /// The rays of a packet come eight by eight.
 pub(super) const GROUPS: usize = WIDTH / LANES;
-
-/// A set of a packet's rays, a bit each.
-pub(super) type Slots = u64;
 
 /// What is known of the rays. Kept from packet to packet, so that its memory is.
 #[derive(Debug)]

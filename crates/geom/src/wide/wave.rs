@@ -11,13 +11,10 @@ use super::leaf::{Found, note, open};
 use super::node::Child;
 use super::scratch::WIDTH;
 use super::simd::{LANES, Simd};
+use super::slots::{Each, Slots};
 use super::step::step;
 use super::trace::Trace;
 use crate::Ray;
-
-/// A set of rays in hand, a bit each. It is kept in a register: were it a list in memory, the place
-/// of an entry would depend on a step's outcome, and later loads would wait to know it.
-type Slots = u64;
 
 /// What rays in hand are waiting for.
 #[derive(Default)]
@@ -55,24 +52,6 @@ pub(super) fn search_in_turn<S: Simd, Q: Goal>(
 ) {
     let (starts, courses, searches) = (starts.iter(), Courses::idle(), [None; WIDTH]);
     Wave { tree, rays, starts, next: 0, end: 0, courses, traces, searches, report }.run(simd);
-}
-
-/// The slots in a set, ascending. An iterator and no closure: what is not inlined is not compiled
-/// for the instruction set.
-struct Each(Slots);
-
-impl Iterator for Each {
-    type Item = usize;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
-        if self.0 == 0 {
-            return None;
-        }
-        let slot = self.0.trailing_zeros() as usize % WIDTH;
-        self.0 &= self.0 - 1;
-        Some(slot)
-    }
 }
 
 impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
