@@ -35,6 +35,8 @@ pub struct Blocks {
 pub struct Deviation {
     /// Largest distance of a block in standard errors of the difference.
     pub largest_z: f64,
+    /// The same by the errors that the film tells.
+    pub largest_told_z: f64,
     /// Largest relative difference of the image mean.
     pub image_mean: f64,
 }
@@ -50,9 +52,9 @@ impl Reference {
 
     /// Compares `film`, of the reference's resolution, with `blocks`.
     ///
-    /// The film's standard error of a block is the one it tells, but no less than that of as many
-    /// independent samples by the reference's error: where light is found once in ten thousand samples, a
-    /// film that has missed it believes its error to be small, too.
+    /// For [`Deviation::largest_z`] the film's standard error of a block is the one it tells, but no less than
+    /// that of as many independent samples by the reference's error: where light is found once in ten
+    /// thousand samples, a film that has missed it believes its error to be small, too.
     pub fn deviation(&self, film: &Film, blocks: &Blocks) -> Deviation {
         let mut deviation = Deviation::default();
         let side = (self.resolution / self.block) as usize;
@@ -65,12 +67,15 @@ impl Reference {
                     let reference_err = blocks.standard_error[row][column][c];
                     let independent =
                         reference_err * reference_err * f64::from(self.samples) / film.samples() as f64;
-                    let std_err = reference_err.hypot(variance[c].max(independent).sqrt());
                     let error = (mean[c] - expected[c]).abs();
-                    // Both may know a block exactly, such as one that is black.
-                    let z = if error == 0.0 { 0.0 } else { error / std_err };
-                    assert!(!z.is_nan(), "block ({column}, {row}) is not a number");
-                    deviation.largest_z = deviation.largest_z.max(z);
+                    let z = |variance: f64| {
+                        // Both may know a block exactly, such as one that is black.
+                        let z = if error == 0.0 { 0.0 } else { error / reference_err.hypot(variance.sqrt()) };
+                        assert!(!z.is_nan(), "block ({column}, {row}) is not a number");
+                        z
+                    };
+                    deviation.largest_z = deviation.largest_z.max(z(variance[c].max(independent)));
+                    deviation.largest_told_z = deviation.largest_told_z.max(z(variance[c]));
                 }
             }
         }
