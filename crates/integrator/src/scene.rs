@@ -65,6 +65,9 @@ impl<A> Scene<A> {
 impl<A: Accel> Scene<A> {
     /// Checks the model's triangles and hands them to `build` for an accelerator.
     ///
+    /// Where there are lamps and plane mirrors, the accelerator is then asked for up to 128 segments a
+    /// plane, of at most 64 planes, whether they are occluded; a panic in it is passed on.
+    ///
     /// # Errors
     /// [`RenderError::Geometry`] for bad triangles, or what `build` returns.
     pub fn build(

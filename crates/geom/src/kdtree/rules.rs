@@ -20,6 +20,7 @@ pub(super) fn choose_plane(options: &KdOptions, cell: &Aabb, members: &[Member])
         SplitRule::SlidingMidpoint => around.slide(around.middle()),
         SplitRule::Fair => around.fair(options.max_aspect),
         SplitRule::SlidingFair => around.slide(around.fair(options.max_aspect)),
+        // Its builder never comes here: it finds planes by a sweep over events (`sweep.rs`).
         SplitRule::SurfaceArea => unreachable!("the surface area heuristic sweeps"),
     };
     [plane, around.middle()].into_iter().find(|plane| plane.halves_properly(cell))

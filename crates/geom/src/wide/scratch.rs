@@ -33,6 +33,7 @@ impl Scratch {
     #[cold]
     fn idle() -> Box<Self> {
         let traces: Vec<Trace> = (0..WIDTH).map(|_| Trace::idle()).collect();
+        // By way of a vector, since an array of them would be made on the stack, half a megabyte of it.
         let traces = traces.into_boxed_slice().try_into().expect("as many as were made");
         Box::new(Self { traces, packet: Packet::idle(), starts: Vec::new() })
     }

@@ -205,6 +205,14 @@ mod tests {
         Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
     }
 
+    /// A camera, the ray through the middle of its picture, and what that ray meets: the floor.
+    fn looking_down(scene: &Scene<KdTree>) -> (Camera, Ray, Shaded<'_>) {
+        let camera = Camera::look_at(DVec3::new(0.3, 0.5, 0.4), DVec3::ZERO, DVec3::Y, 1.0).unwrap();
+        let down = camera.ray(0.0, 0.0, 1.0);
+        let at = scene.interaction(&down, &scene.accel().intersect(&down).unwrap());
+        (camera, down, Shaded::new(at, 0, BounceNumbers::default()))
+    }
+
     /// Scatters `path` at what `ray` meets, and returns where it goes on.
     fn step(view: &View<'_, KdTree>, path: &mut Path, ray: &Ray, bounce: u32) -> Ray {
         let hit = view.scene.accel().intersect(ray).unwrap();
@@ -227,10 +235,8 @@ mod tests {
     #[test]
     fn the_shares_of_the_two_ways_through_a_mirror_add_up_to_one() {
         let scene = between_mirrors();
-        let camera = Camera::look_at(DVec3::new(0.3, 0.5, 0.4), DVec3::ZERO, DVec3::Y, 1.0).unwrap();
-        let down = camera.ray(0.0, 0.0, 1.0);
-        let at = scene.interaction(&down, &scene.accel().intersect(&down).unwrap());
-        let shaded = Shaded::new(at, 0, BounceNumbers::default());
+        let (camera, down, shaded) = looking_down(&scene);
+        let at = shaded.at;
         let settings = [Estimator::Bsdf, Estimator::Light, Estimator::Mis]
             .map(|estimator| Settings { estimator, ..Settings::new(1, 1, 1024) });
         let views = settings.each_ref().map(|settings| View { scene: &scene, camera: &camera, settings });
@@ -272,10 +278,7 @@ mod tests {
     #[test]
     fn a_limit_on_bounces_counts_the_mirror() {
         let scene = between_mirrors();
-        let camera = Camera::look_at(DVec3::new(0.3, 0.5, 0.4), DVec3::ZERO, DVec3::Y, 1.0).unwrap();
-        let down = camera.ray(0.0, 0.0, 1.0);
-        let at = scene.interaction(&down, &scene.accel().intersect(&down).unwrap());
-        let shaded = Shaded::new(at, 0, BounceNumbers::default());
+        let (camera, down, shaded) = looking_down(&scene);
         let found = |max_bounces| {
             let settings = Settings { max_bounces, ..Settings::new(1, 1, 64) };
             let view = View { scene: &scene, camera: &camera, settings: &settings };
