@@ -106,7 +106,7 @@ fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
     assert!(nodes < 2 * b, "{nodes} nodes over {n} triangles");
     assert!(depth <= KdTree::MAX_DEPTH, "depth {depth}");
     assert!(
-        allocated.bytes_max as usize <= 200 * n + 190 * b + 1024,
+        allocated.bytes_max as usize <= 200 * n + 240 * b + 1024,
         "{} bytes for {n}",
         allocated.bytes_max
     );

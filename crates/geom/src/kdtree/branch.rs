@@ -1,26 +1,27 @@
 use super::Node;
+use super::member::Member;
 use super::plane::Plane;
 
-/// A part of a tree under construction, whose nodes and references are counted from its own start.
+/// A part of a tree under construction, whose nodes and members are counted from its own start.
 #[derive(Debug, Default)]
 pub(super) struct Branch {
     /// Depth first: an inner node's lower child follows it.
     pub(super) nodes: Vec<Node>,
-    pub(super) references: Vec<u32>,
+    /// Of all leaves, by ascending triangle within each.
+    pub(super) members: Vec<Member>,
 }
 
 impl Branch {
-    /// How many nodes and references there are.
+    /// How many nodes and members there are.
     pub(super) fn len(&self) -> (usize, usize) {
-        (self.nodes.len(), self.references.len())
+        (self.nodes.len(), self.members.len())
     }
 
-    pub(super) fn add_leaf(&mut self, triangles: impl Iterator<Item = u32>) {
-        let first = self.references.len();
-        self.references.extend(triangles);
-        self.references[first..].sort_unstable();
-        let count = self.references.len() - first;
-        self.nodes.push(Node::Leaf { first: first as u32, count: count as u32 });
+    pub(super) fn add_leaf(&mut self, mut members: Vec<Member>) {
+        members.sort_unstable_by_key(|m| m.index);
+        let (first, count) = (self.members.len() as u32, members.len() as u32);
+        self.members.append(&mut members);
+        self.nodes.push(Node::Leaf { first, count });
     }
 
     /// Adds an inner node; its upper child is known only after all nodes below the lower one.
@@ -38,20 +39,26 @@ impl Branch {
 
     /// Adds all of `other`.
     pub(super) fn append(&mut self, other: &Self) {
-        let (nodes, references) = (self.nodes.len() as u32, self.references.len() as u32);
+        let (nodes, members) = (self.nodes.len() as u32, self.members.len() as u32);
         self.nodes.extend(other.nodes.iter().map(|&node| match node {
             Node::Split { axis, position, upper } => Node::Split { axis, position, upper: upper + nodes },
-            Node::Leaf { first, count } => Node::Leaf { first: first + references, count },
+            Node::Leaf { first, count } => Node::Leaf { first: first + members, count },
         }));
-        self.references.extend_from_slice(&other.references);
+        self.members.extend_from_slice(&other.members);
     }
 
     /// Makes one leaf of all that was added since [`Branch::len`] was `start`.
     pub(super) fn collapse(&mut self, start: (usize, usize)) {
         self.nodes.truncate(start.0);
-        let mut listed = self.references.split_off(start.1);
-        listed.sort_unstable();
-        listed.dedup();
-        self.add_leaf(listed.into_iter());
+        let mut members = self.members.split_off(start.1);
+        members.sort_unstable_by_key(|m| m.index);
+        members.dedup_by(|part, all| {
+            let is_same = part.index == all.index;
+            if is_same {
+                all.bounds = all.bounds.union(&part.bounds);
+            }
+            is_same
+        });
+        self.add_leaf(members);
     }
 }

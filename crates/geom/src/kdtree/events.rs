@@ -6,6 +6,7 @@
 
 use super::member::Member;
 use super::plane::Place;
+use rayon::slice::ParallelSliceMut;
 
 /// What is met at a position, in the order in which a sweep must count it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +101,7 @@ impl Events {
             for (member, place) in members.iter().zip(0..) {
                 push_events(member, place, axis, &mut events.all);
             }
-            events.all[start..].sort_unstable();
+            events.all[start..].par_sort_unstable();
             events.ends[axis] = events.all.len();
         }
         events

@@ -12,11 +12,11 @@ use glam::DVec3;
 
 /// A triangle that touches a cell.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Member {
+pub(crate) struct Member {
     /// The triangle's index.
-    pub(super) index: u32,
+    pub(crate) index: u32,
     /// A box, not empty, around the part of it within the cell.
-    pub(super) bounds: Aabb,
+    pub(crate) bounds: Aabb,
 }
 
 /// The most corners that three have after seven cuts: at the faces of a cell and at a plane.

@@ -13,6 +13,7 @@ mod stats;
 mod sweep;
 mod traverse;
 
+pub(crate) use member::Member;
 pub use options::{KdOptions, SplitRule};
 pub use stats::KdStats;
 
@@ -41,11 +42,6 @@ pub(crate) enum Node {
 }
 
 impl KdTree {
-    /// The triangles it was built over.
-    pub(crate) fn triangles(&self) -> &Triangles {
-        &self.triangles
-    }
-
     /// The deepest tree that is ever built, whatever the options ask for.
     pub const MAX_DEPTH: u32 = 60;
 

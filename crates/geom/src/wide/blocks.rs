@@ -19,9 +19,15 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Adds a block and returns its place.
-    pub(super) fn push(&mut self, triangles: &Triangles, space: &Space, indices: &[u32]) -> u32 {
+    pub(super) fn push(
+        &mut self,
+        triangles: &Triangles,
+        space: &Space,
+        indices: impl Iterator<Item = u32>,
+    ) -> u32 {
         let first = self.indices.len();
         self.indices.extend(indices);
+        let indices = &self.indices[first..];
         for axis in 0..3 {
             for vertex in 0..3 {
                 let coordinate = |&i: &u32| space.coordinate(axis, triangles.get(i).vertices[vertex][axis]);

@@ -1,8 +1,9 @@
 //! A k-d tree for many rays: eight cells a node, triangles by the block, searched in `f32` and
 //! decided in `f64`.
 //!
-//! - [`collapse`]: cells of a binary tree become the up to eight of a [`node`], leaves become
-//!   [`blocks`], in the scene's own [`space`];
+//! - [`subtrees`]: the cells of a binary tree; what a leaf holds is [halved](halve) until it fits
+//!   into [`blocks`];
+//! - [`collapse`]: they become the up to eight cells of a [`node`], in the scene's own [`space`];
 //! - [`course`]: a ray in that space, with a bound for every error;
 //! - [`step`] finds the cells of a node that a ray meets, [`filter`] the triangles of a block;
 //! - a ray is searched for [`alone`]; of a [`batch`], coherent ones in a [`packet`], whose [`frustum`]
@@ -23,6 +24,7 @@ mod descent;
 mod filter;
 mod frustum;
 mod goal;
+mod halve;
 mod leaf;
 mod level;
 mod node;
@@ -33,6 +35,7 @@ mod simd;
 mod slots;
 mod space;
 mod step;
+mod subtrees;
 mod trace;
 mod verdicts;
 mod wave;
@@ -49,9 +52,11 @@ use level::Token;
 use node::{Child, Node};
 use simd::Simd;
 use space::Space;
+use subtrees::Subtrees;
 
-/// A [`KdTree`] whose nodes hold up to eight cells each, in the boxes of what these hold, and whose
-/// leaves are tested eight triangles at a time.
+/// A [`KdTree`] whose nodes hold up to eight cells each, in the boxes of what these hold. Planes part
+/// the scene down to cells of some hundred triangles; below, these are grouped by where they are, and
+/// tested eight at a time.
 ///
 /// Made for batches: many rays are searched for in turn, so that their waiting overlaps, and 64 in a row
 /// that take nearly the same way (counted from the batch's beginning) are searched for together.
@@ -68,39 +73,46 @@ pub struct WideKdTree {
 }
 
 impl WideKdTree {
-    /// Builds the tree by the surface area heuristic, with options that suit leaves of eight triangles.
+    /// Builds the tree by the surface area heuristic, with options that suit it.
     ///
     /// # Errors
-    /// As [`WideKdTree::from_tree`].
+    /// As [`WideKdTree::build_with`].
     pub fn build(triangles: &Triangles) -> Result<Self, GeomError> {
-        let options = KdOptions { leaf_size: 8, traversal_cost: 3.0, ..KdOptions::default() };
-        Self::from_tree(&KdTree::build(triangles, &options)?)
+        Self::build_with(triangles, &Self::options(SplitRule::SurfaceArea))
     }
 
     /// Builds a tree for previews, by sliding midpoint: sooner, for searches that take longer
     /// (docs/performance.md says by how much).
     ///
     /// # Errors
-    /// As [`WideKdTree::from_tree`].
+    /// As [`WideKdTree::build_with`].
     pub fn build_quickly(triangles: &Triangles) -> Result<Self, GeomError> {
-        let rule = SplitRule::SlidingMidpoint;
-        let options = KdOptions { leaf_size: 8, traversal_cost: 6.0, ..KdOptions::by_rule(rule) };
-        Self::from_tree(&KdTree::build(triangles, &options)?)
+        Self::build_with(triangles, &Self::options(SplitRule::SlidingMidpoint))
     }
 
-    /// The same cells as those of `tree`.
+    /// What suits leaves that are parted further: planes are for large cells, and only where they pay
+    /// for the triangles that they cut (measured, docs/performance.md).
+    fn options(rule: SplitRule) -> KdOptions {
+        KdOptions { leaf_size: 128, traversal_cost: 400.0, ..KdOptions::by_rule(rule) }
+    }
+
+    /// Builds a tree of the cells of the [`KdTree`] with these options; what its leaves hold is parted
+    /// into blocks.
     ///
     /// # Errors
-    /// [`GeomError::Budget`] for a tree with more than some 134 million references.
-    pub fn from_tree(tree: &KdTree) -> Result<Self, GeomError> {
+    /// As [`KdTree::build`], and [`GeomError::Budget`] for a tree with more than some 134 million
+    /// references.
+    pub fn build_with(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
+        let (tree, mut members) = KdTree::build_with_members(triangles, options)?;
         let (requested, budget) = (tree.references.len(), Child::MAX_REFERENCES);
         if requested > budget {
             let (requested, budget) = (requested as u64, budget as u64);
             return Err(GeomError::Budget { what: "wide k-d tree references", requested, budget });
         }
-        let triangles = tree.triangles().clone();
+        let triangles = triangles.clone();
         let space = Space::new(&triangles.bounds());
-        let Collapse { nodes, blocks, .. } = Collapse::run(tree, space);
+        let subtrees = Subtrees::new(&tree, &mut members);
+        let Collapse { nodes, blocks, .. } = Collapse::run(&triangles, &subtrees, &members, space);
         Ok(Self { triangles, space, nodes, blocks, token: Token::new(SimdLevel::Avx512) })
     }
 

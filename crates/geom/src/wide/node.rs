@@ -3,7 +3,7 @@
 use super::simd::LANES;
 use crate::Aabb;
 
-/// Up to eight cells that do not overlap, lane by lane, in four cache lines.
+/// Up to eight cells, lane by lane, in four cache lines. Parts of a leaf may overlap.
 #[repr(C, align(64))]
 #[derive(Clone, Debug)]
 pub(super) struct Node {

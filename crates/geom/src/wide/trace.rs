@@ -4,10 +4,12 @@ use super::candidates::Candidates;
 use super::course::Course;
 use super::node::Child;
 use super::simd::{LANES, Simd};
+use super::subtrees::MAX_LEVELS;
+use crate::KdTree;
 
-/// Most nodes with cells still to be visited, and one that is never left: 60 levels that a binary
-/// tree has at most, and 10 of a leaf with too many triangles for a block.
+/// Most nodes with cells still to be visited, one for each level at most, and one that is never left.
 const DEPTH: usize = 128;
+const _: () = assert!((KdTree::MAX_DEPTH + MAX_LEVELS) as usize + 2 <= DEPTH);
 
 /// The cells of a node, from near to far, and where the ray enters them.
 #[repr(C, align(64))]

@@ -1,0 +1,185 @@
+//! Triangles that are too many for a block, parted by where they are.
+
+use super::simd::LANES;
+use crate::Aabb;
+use crate::kdtree::Member;
+
+/// Boxes are sorted into so many classes along each axis, by their centers.
+const BINS: usize = 16;
+
+/// What is in a class, or in several.
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: Aabb,
+    count: usize,
+}
+
+impl Bin {
+    const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
+
+    fn add(&mut self, bounds: &Aabb, count: usize) {
+        *self = Self { bounds: self.bounds.union(bounds), count: self.count + count };
+    }
+
+    /// Blocks that a ray which meets the scene opens here, times the scene's surface.
+    fn cost(&self) -> f64 {
+        self.bounds.half_area() * self.count.div_ceil(LANES) as f64
+    }
+}
+
+/// A way to part boxes: those of classes below `bin` along `axis` come first.
+#[derive(Clone, Copy)]
+struct Halving {
+    axis: usize,
+    bin: usize,
+    cost: f64,
+}
+
+/// The classes of boxes along an axis.
+struct Classes {
+    axis: usize,
+    /// Where the first begins, and how many there are in a unit of length.
+    start: f64,
+    rate: f64,
+}
+
+impl Classes {
+    fn new(axis: usize, centers: &Aabb) -> Self {
+        let extent = centers.extent()[axis];
+        let rate = if extent > 0.0 { BINS as f64 / extent } else { 0.0 };
+        Self { axis, start: centers.min[axis].into(), rate }
+    }
+
+    fn of(&self, member: &Member) -> usize {
+        let along = (f64::from(center(member)[self.axis]) - self.start) * self.rate;
+        (along as usize).min(BINS - 1)
+    }
+
+    /// The halving of least cost.
+    fn best(&self, members: &[Member]) -> Option<Halving> {
+        let mut bins = [Bin::EMPTY; BINS];
+        for member in members {
+            bins[self.of(member)].add(&member.bounds, 1);
+        }
+        let mut upper_costs = [0.0; BINS];
+        let mut upper = Bin::EMPTY;
+        for (bin, cost) in bins.iter().zip(&mut upper_costs).rev() {
+            upper.add(&bin.bounds, bin.count);
+            *cost = upper.cost();
+        }
+        let mut lower = Bin::EMPTY;
+        let halvings = (1..BINS).filter_map(|bin| {
+            lower.add(&bins[bin - 1].bounds, bins[bin - 1].count);
+            let cost = lower.cost() + upper_costs[bin];
+            let is_proper = 0 < lower.count && lower.count < members.len();
+            is_proper.then_some(Halving { axis: self.axis, bin, cost })
+        });
+        cheapest(halvings)
+    }
+}
+
+fn cheapest(halvings: impl Iterator<Item = Halving>) -> Option<Halving> {
+    halvings.reduce(|best, next| if next.cost < best.cost { next } else { best })
+}
+
+/// The center of a member's box.
+fn center(member: &Member) -> glam::Vec3 {
+    0.5 * (member.bounds.min + member.bounds.max)
+}
+
+/// Reorders `members`, more than a block holds, so that a lower part of them comes first. Returns
+/// along which axis, and how many these are.
+///
+/// Where the blocks' expected cost is least (Wald, "On fast construction of SAH-based bounding volume
+/// hierarchies", 2007); if `must_balance`, as many as possible in either part.
+pub(super) fn halve(members: &mut [Member], must_balance: bool) -> (u8, usize) {
+    let centers = Aabb::around(members.iter().map(center));
+    let halvings = (0..3).filter_map(|axis| Classes::new(axis, &centers).best(members));
+    match cheapest(halvings) {
+        Some(Halving { axis, bin, .. }) if !must_balance => {
+            let classes = Classes::new(axis, &centers);
+            let (lower, upper): (Vec<_>, Vec<_>) = members.iter().partition(|m| classes.of(m) < bin);
+            let (first, second) = members.split_at_mut(lower.len());
+            first.copy_from_slice(&lower);
+            second.copy_from_slice(&upper);
+            (axis as u8, lower.len())
+        }
+        _ => {
+            let extent = centers.extent();
+            let axis =
+                if extent.x >= extent.y.max(extent.z) { 0 } else { 1 + usize::from(extent.z > extent.y) };
+            members.sort_by(|a, b| center(a)[axis].total_cmp(&center(b)[axis]));
+            (axis as u8, members.len().div_ceil(2).next_multiple_of(LANES))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    fn member(index: usize, [x, y, z]: [i8; 3], size: u8) -> Member {
+        let min = Vec3::new(x.into(), y.into(), z.into());
+        Member { index: index as u32, bounds: Aabb { min, max: min + f32::from(size) } }
+    }
+
+    /// Half the surface of the box of all, times the blocks that they fill.
+    fn cost(members: &[Member]) -> f64 {
+        let mut all = Bin::EMPTY;
+        members.iter().for_each(|m| all.add(&m.bounds, 1));
+        all.cost()
+    }
+
+    #[test]
+    fn what_lies_apart_is_parted() {
+        // Every other one lies far up along z.
+        let mut members: Vec<_> = (0..20).map(|i| member(i, [i as i8, 3, 100 * (i % 2) as i8], 1)).collect();
+        assert_eq!(halve(&mut members, false), (2, 10));
+        assert!(
+            members[..10].iter().all(|m| m.index % 2 == 0) && members[10..].iter().all(|m| m.index % 2 == 1)
+        );
+    }
+
+    #[test]
+    fn what_lies_in_one_place_is_halved_into_whole_blocks() {
+        let mut members: Vec<_> = (0..41).map(|i| member(i, [5, 5, 5], 2)).collect();
+        assert_eq!(halve(&mut members, false), (0, 24));
+        assert!(members.iter().zip(0..).all(|(m, i)| m.index == i));
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_is_lost_and_no_class_would_have_been_better(
+            boxes in prop::collection::vec((prop::array::uniform3(-20i8..20), 0u8..4), 9..80), must_balance: bool,
+        ) {
+            let mut members: Vec<_> =
+                boxes.iter().enumerate().map(|(i, &(corner, size))| member(i, corner, size)).collect();
+            let before = members.clone();
+            let (axis, lower) = halve(&mut members, must_balance);
+            let mut indices: Vec<_> = members.iter().map(|m| m.index).collect();
+            indices.sort_unstable();
+            prop_assert!(indices.into_iter().eq(0..before.len() as u32));
+            let (low, high) = members.split_at(lower);
+            prop_assert!(!low.is_empty() && !high.is_empty());
+            let along = |m: &Member| center(m)[usize::from(axis)];
+            let last = low.iter().map(along).fold(f32::NEG_INFINITY, f32::max);
+            prop_assert!(high.iter().all(|m| along(m) >= last));
+            if must_balance {
+                prop_assert_eq!(lower, before.len().div_ceil(2).next_multiple_of(LANES));
+                return Ok(());
+            }
+            let centers = Aabb::around(before.iter().map(center));
+            for axis in 0..3 {
+                let classes = Classes::new(axis, &centers);
+                for bin in 1..BINS {
+                    let (a, b): (Vec<_>, Vec<_>) = before.iter().partition(|m| classes.of(m) < bin);
+                    if !a.is_empty() && !b.is_empty() {
+                        prop_assert!(cost(low) + cost(high) <= cost(&a) + cost(&b));
+                    }
+                }
+            }
+        }
+    }
+}
