@@ -70,7 +70,10 @@ pub(super) fn note<S: Simd, Q: Goal>(
     }
     if filtered.certain != 0 {
         let end = simd.min_of(filtered.end, filtered.certain);
-        trace.t_end = if end < trace.t_end { end } else { trace.t_end };
-        trace.drop_beyond(simd);
+        // Mostly not, where the scene ends at the triangle.
+        if end < trace.t_end {
+            trace.t_end = end;
+            trace.drop_beyond(simd);
+        }
     }
 }
