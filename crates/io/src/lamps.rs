@@ -17,8 +17,10 @@ pub(crate) fn all(model: &Model) -> Vec<usize> {
     if model.materials().iter().all(|material| material.emission.is_none()) {
         return Vec::new();
     }
-    let emits = |index: &usize| !model.material(*index).emission.is_none();
-    (0..model.triangles().len()).filter(emits).collect()
+    let emitting = (0..model.triangles().len()).filter(|&index| !model.material(index).emission.is_none());
+    let mut all = Vec::with_capacity(emitting.clone().count());
+    all.extend(emitting);
+    all
 }
 
 /// How many of the `emitting` triangles overlap another triangle in their own plane.

@@ -16,14 +16,16 @@ pub struct Limits {
     /// Triangles beyond one for each byte of the files, so many of which only placing the same
     /// mesh again can make: 2^25. This bounds what a small file can ask for, at 1.3 GB.
     pub instanced: u64,
-    /// Materials: 65,536.
+    /// Materials: 65,536. As many material libraries may be named.
     pub materials: u64,
+    /// Perspective cameras, one counted as often as it is placed: 65,536.
+    pub cameras: u64,
     /// Bytes in a line of OBJ or MTL: 16 MiB.
     pub line_bytes: u64,
     /// Corners of a polygon: 65,536.
     pub polygon_corners: u64,
     /// Values in a glTF's JSON, objects and arrays included: 2^23. JSON of few bytes can ask for
-    /// much memory: the smallest node is `{}`. As many elements may an accessor have without bytes
+    /// much work: the smallest node is `{}`. As many elements may an accessor have without bytes
     /// behind them.
     pub json_values: u64,
 }
@@ -35,6 +37,7 @@ impl Default for Limits {
             triangles: 1 << 29,
             instanced: 1 << 25,
             materials: 65_536,
+            cameras: 65_536,
             line_bytes: 16 << 20,
             polygon_corners: 65_536,
             json_values: 1 << 23,

@@ -1,9 +1,7 @@
-#[cfg(feature = "gltf")]
-use crate::Location;
 use crate::jail::Jail;
 use crate::lamps;
 use crate::loader::{LoadMonitor, LoadProgress, Loaded};
-use crate::{IoError, Limits, LoadReport, Place, WarningKind};
+use crate::{IoError, Limits, LoadReport, Location, Place, Warning, WarningKind};
 use globillum_geom::Triangle;
 use globillum_integrator::{Camera, MaterialId, Model};
 use globillum_material::Material;
@@ -13,15 +11,20 @@ use std::path::Path;
 /// The most steps between two looks at the monitor.
 const STEPS_BETWEEN_REPORTS: u64 = 1 << 16;
 
+/// Bytes of warnings that are kept: a small file may give rise to a million.
+const ROOM_FOR_WARNINGS: usize = 128 << 10;
+
 /// A scene that is being loaded: what is known of it so far, and what watches over it.
 pub(crate) struct Loading<'a> {
     pub(crate) path: &'a Path,
     pub(crate) limits: &'a Limits,
     pub(crate) jail: Jail<'a>,
-    pub(crate) report: LoadReport,
+    report: LoadReport,
     model: Model,
     monitor: &'a dyn LoadMonitor,
     reported: u64,
+    room_for_warnings: usize,
+    warnings_left_out: usize,
 }
 
 impl<'a> Loading<'a> {
@@ -35,6 +38,8 @@ impl<'a> Loading<'a> {
             model: Model::default(),
             monitor,
             reported: 0,
+            room_for_warnings: ROOM_FOR_WARNINGS,
+            warnings_left_out: 0,
         }
     }
 
@@ -44,8 +49,21 @@ impl<'a> Loading<'a> {
         place.of(self.path)
     }
 
+    /// Warns of something in the scene file.
     pub(crate) fn warn(&mut self, place: Place, kind: WarningKind) {
-        self.report.warn(place, self.path, kind);
+        self.warn_of(place.of(self.path), kind);
+    }
+
+    /// Warns of something in one of the scene's files, if there is room.
+    pub(crate) fn warn_of(&mut self, at: Location, kind: WarningKind) {
+        let warning = Warning { at, kind };
+        match self.room_for_warnings.checked_sub(warning.bytes()) {
+            Some(room) => {
+                self.room_for_warnings = room;
+                self.report.warnings.push(warning);
+            }
+            None => self.warnings_left_out += 1,
+        }
     }
 
     pub(crate) fn add_material(&mut self, material: Material) -> MaterialId {
@@ -102,6 +120,12 @@ impl<'a> Loading<'a> {
     pub(crate) fn finish(mut self, cameras: Vec<Camera>) -> Result<Loaded, IoError> {
         if self.model.triangles().is_empty() {
             return Err(IoError::Empty { path: self.path.into() });
+        }
+        // What is said of the scene as a whole has room.
+        self.room_for_warnings = ROOM_FOR_WARNINGS;
+        let count = std::mem::take(&mut self.warnings_left_out);
+        if count > 0 {
+            self.warn(Place::File, WarningKind::LeftOut { count });
         }
         let count = self.report.degenerate_triangles;
         if count > 0 {

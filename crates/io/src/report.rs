@@ -1,23 +1,16 @@
+use crate::Location;
 use crate::plain::plain;
-use crate::{Location, Place};
 use std::fmt;
-use std::path::Path;
 
 /// What a loader passed over or approximated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LoadReport {
     /// In the order in which they were found; one entry where the same thing occurs often, at the
-    /// place where it first does.
+    /// place where it first does. Those beyond 128 KiB of them are only counted.
     pub warnings: Vec<Warning>,
     /// Triangles that were dropped because their corners lie on one line: nothing can hit them.
     pub degenerate_triangles: usize,
-}
-
-impl LoadReport {
-    pub(crate) fn warn(&mut self, place: Place, path: &Path, kind: WarningKind) {
-        self.warnings.push(Warning { at: place.of(path), kind });
-    }
 }
 
 /// One thing that a loader passed over or approximated. Its message is one line that names the
@@ -74,9 +67,29 @@ pub enum WarningKind {
     Degenerate { count: usize },
     /// Nothing emits light: without an environment the picture is black.
     NoEmitter,
+    /// Warnings for which the report has no room left.
+    LeftOut { count: usize },
     /// Emitting triangles that lie in the plane of another triangle and overlap it, so that chance
     /// decides which of the two is seen.
     CoplanarEmitters { count: usize },
+}
+
+impl Warning {
+    /// Bytes that it takes, with its texts.
+    pub(crate) fn bytes(&self) -> usize {
+        let name = match &self.kind {
+            WarningKind::MissingLibrary { name }
+            | WarningKind::UnknownMaterial { name }
+            | WarningKind::DuplicateMaterial { name }
+            | WarningKind::TexturesIgnored { name }
+            | WarningKind::TransparencyIgnored { name }
+            | WarningKind::SpectrumIgnored { name }
+            | WarningKind::Approximated { name, .. }
+            | WarningKind::ExtensionIgnored { name } => name.len(),
+            _ => 0,
+        };
+        size_of::<Self>() + self.at.path.as_os_str().len() + name
+    }
 }
 
 impl fmt::Display for Warning {
@@ -112,6 +125,7 @@ impl fmt::Display for WarningKind {
             Self::AnimationsIgnored { count } => write!(f, "animations ignored: {count}"),
             Self::ExtensionIgnored { name } => write!(f, "extension `{name}` ignored"),
             Self::Degenerate { count } => write!(f, "degenerate triangles dropped: {count}"),
+            Self::LeftOut { count } => write!(f, "further warnings left out: {count}"),
             Self::NoEmitter => write!(f, "nothing emits light"),
             Self::CoplanarEmitters { count } => {
                 write!(f, "emitting triangles that overlap another in their plane: {count}")

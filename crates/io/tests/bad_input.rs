@@ -111,6 +111,19 @@ fn every_limit_can_be_lowered() {
     for (limits, expected) in cases {
         assert_limited(&glb, "a.glb", limits, expected);
     }
+    let camera = r#""cameras":[{"type":"perspective","perspective":{"yfov":1}},{"type":"orthographic"}]"#;
+    let seen = gltf(&format!(
+        r#"{camera},"nodes":[{{"mesh":0}},{{"camera":0}},{{"camera":1}},{{"camera":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}]"#
+    ));
+    assert_limited(&seen, "a.glb", change(|l| l.cameras = 1), "a.glb: more than 1 cameras");
+    let libraries = format!("mtllib a\nmtllib b\nmtllib a\n{square}");
+    let obj = Files::new(&[("a.obj", libraries.as_bytes())]);
+    let expected = "a.obj:2: more than 1 material libraries";
+    assert_limited(&obj, "a.obj", change(|l| l.materials = 1), expected);
+    assert!(Loader::new().limits(change(|l| l.materials = 2)).load(&obj.path("a.obj")).is_ok());
 }
 
 fn change(change: impl FnOnce(&mut Limits)) -> Limits {
@@ -164,6 +177,95 @@ fn primitives_without_triangles_cost_nothing_however_often_they_are_placed() {
     // 10^10 placed primitives; a loop over them would take a minute.
     let files = Files::new(&[("a.glb", &instances(100_000, 100_000, 2))]);
     assert_eq!(files.shortened(&files.load("a.glb").unwrap_err()), "a.glb: has no triangles");
+}
+
+/// A glTF of these members, and a triangle in accessor 0.
+fn gltf(members: &str) -> Files {
+    let json = format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":36}}],{members}}}"#);
+    Files::new(&[("a.glb", &glb(&json, &floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0])))])
+}
+
+fn repeated(element: &str, count: usize) -> String {
+    vec![element; count].join(",")
+}
+
+#[test]
+fn what_many_elements_refer_to_is_read_once() {
+    // 2 MB that thousands refer to: read for each, they would take minutes.
+    let large = format!(r#""extras":"{}""#, "a".repeat(2 << 20));
+    let vertices = r#"{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}"#;
+    let shape = |own: [&str; 3], accessors: &str, primitives: &str, nodes: &str| {
+        format!(
+            r#""nodes":[{nodes}],"meshes":[{{"primitives":[{primitives}]{}}}],"accessors":[{accessors}],
+            "bufferViews":[{{"buffer":0,"byteLength":36{}}}],
+            "cameras":[{{"type":"perspective","perspective":{{"yfov":1}}{}}}]"#,
+            own[0], own[1], own[2]
+        )
+    };
+    let large = format!(",{large}");
+    let primitive = r#"{"attributes":{"POSITION":0}}"#;
+    let count = 30_000;
+    let primitives: Vec<_> = (0..count).map(|i| format!(r#"{{"attributes":{{"POSITION":{i}}}}}"#)).collect();
+    let large_vertices = vertices.replace('}', &format!("{large}}}"));
+    let cases = [
+        shape([&large, "", ""], vertices, primitive, &repeated(r#"{"mesh":0}"#, count)),
+        shape(["", &large, ""], &repeated(vertices, count), &primitives.join(","), r#"{"mesh":0}"#),
+        shape(["", "", ""], &large_vertices, &repeated(primitive, count), r#"{"mesh":0}"#),
+        shape(["", "", &large], vertices, &repeated(primitive, count), &{
+            let cameras = repeated(r#"{"camera":0}"#, count);
+            format!(r#"{cameras},{{"mesh":0}}"#)
+        }),
+    ];
+    for members in cases {
+        assert_eq!(gltf(&members).load("a.glb").unwrap().model.triangles().len(), count);
+    }
+}
+
+#[test]
+fn sparse_elements_that_accessors_share_are_limited() {
+    // 10^10 of them in 30 MB.
+    let accessor = r#"{"componentType":5126,"count":1000000,"type":"VEC3","sparse":{"count":100000,
+        "indices":{"bufferView":0,"componentType":5125},"values":{"bufferView":1}}}"#;
+    let count = 100_000;
+    let primitives: Vec<_> = (0..count).map(|i| format!(r#"{{"attributes":{{"POSITION":{i}}}}}"#)).collect();
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{}]}}],
+        "accessors":[{}],"bufferViews":[{{"buffer":0,"byteLength":400000}},
+        {{"buffer":0,"byteLength":1200000}}],"buffers":[{{"byteLength":1200000}}]}}"#,
+        primitives.join(","),
+        repeated(accessor, count)
+    );
+    let mut binary: Vec<u8> = (0..100_000_u32).flat_map(u32::to_le_bytes).collect();
+    binary.resize(1_200_000, 0);
+    let bytes = glb(&json, &binary);
+    let files = Files::new(&[("a.glb", &bytes)]);
+    let message = files.shortened(&files.load("a.glb").unwrap_err());
+    let accessors = bytes.len() / 100_000;
+    let size = bytes.len();
+    assert_eq!(
+        message,
+        format!("a.glb: accessors[{accessors}]: more than {size} elements of sparse accessors")
+    );
+}
+
+#[test]
+fn warnings_beyond_what_a_report_holds_are_counted() {
+    let extensions: Vec<_> = (0..10_000).map(|i| format!(r#""X_{i}""#)).collect();
+    let files = gltf(&format!(
+        r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}],"extensionsUsed":[{}]"#,
+        extensions.join(",")
+    ));
+    let report = files.load("a.glb").unwrap().report;
+    let shown: Vec<_> = report.warnings.iter().map(|warning| files.shortened(warning)).collect();
+    let named = shown.len() - 2;
+    assert!((500..2000).contains(&named), "{named}");
+    for (i, warning) in shown[..named].iter().enumerate() {
+        assert_eq!(*warning, format!("a.glb: extension `X_{i}` ignored"));
+    }
+    let left_out = format!("a.glb: further warnings left out: {}", 10_000 - named);
+    assert_eq!(shown[named..], [left_out, "a.glb: nothing emits light".into()]);
 }
 
 #[test]

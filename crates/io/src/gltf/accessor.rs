@@ -1,24 +1,25 @@
 //! Typed reading of buffers. Everything is checked when an accessor is opened, and nothing is
-//! copied: what is read later lies within its buffer.
+//! copied: what is read later lies within its buffer. An accessor is opened once, whatever uses it,
+//! and takes less memory than its JSON.
 
+use super::buffer::Buffers;
 use super::document::Document;
-use super::json::{Accessor, Shape};
+use super::json::{self, Shape};
 use crate::loading::Loading;
 use crate::{IoError, Location, Place};
 use glam::Vec3;
-use std::borrow::Cow;
 
-/// Elements of one size at even distances.
+/// Elements at even distances.
 #[derive(Clone, Copy)]
 struct Slots<'a> {
     bytes: &'a [u8],
     stride: usize,
-    size: usize,
 }
 
 impl<'a> Slots<'a> {
-    fn get(&self, index: usize) -> &'a [u8] {
-        &self.bytes[index * self.stride..][..self.size]
+    /// Element `index`, of `size` bytes.
+    fn get(&self, index: usize, size: usize) -> &'a [u8] {
+        &self.bytes[index * self.stride..][..size]
     }
 }
 
@@ -57,11 +58,58 @@ impl IndexType {
     }
 }
 
+/// What an accessor's elements are.
+#[derive(Clone, Copy)]
+enum Kind {
+    Position,
+    Index(IndexType),
+}
+
+impl Kind {
+    /// `None` for what a scene has no use for.
+    fn of(shape: Shape, component_type: u32) -> Option<Self> {
+        match (shape, component_type) {
+            (Shape::Vec3, 5126) => Some(Self::Position),
+            (Shape::Scalar, _) => IndexType::of(component_type).map(Self::Index),
+            _ => None,
+        }
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Self::Position => 12,
+            Self::Index(index_type) => index_type.size(),
+        }
+    }
+}
+
+/// What an accessor is used as.
+#[derive(Clone, Copy)]
+pub(super) enum Use {
+    Positions,
+    Indices,
+}
+
+impl Use {
+    fn fits(self, kind: Kind) -> bool {
+        matches!((self, kind), (Self::Positions, Kind::Position) | (Self::Indices, Kind::Index(_)))
+    }
+
+    fn rule(self) -> &'static str {
+        match self {
+            Self::Positions => "positions must be VEC3 of floats",
+            Self::Indices => "indices must be SCALAR of unsigned integers",
+        }
+    }
+}
+
 /// The elements of an accessor; those that no buffer has are zero.
-struct Elements<'a> {
+pub(super) struct Accessor<'a> {
     dense: Option<Slots<'a>>,
-    sparse: Option<Sparse<'a>>,
+    /// Boxed, since few have it.
+    sparse: Option<Box<Sparse<'a>>>,
     count: u64,
+    kind: Kind,
 }
 
 /// Replacements for single elements, in the order of the elements' indices.
@@ -72,126 +120,134 @@ struct Sparse<'a> {
     count: usize,
 }
 
-impl<'a> Elements<'a> {
-    /// Element `index`, which must be below `count`; `None` for zero.
-    fn get(&self, index: u64) -> Option<&'a [u8]> {
-        let replaced = self.sparse.as_ref().and_then(|sparse| sparse.get(index));
-        replaced.or_else(|| self.dense.map(|slots| slots.get(index as usize)))
-    }
-}
-
-impl<'a> Sparse<'a> {
-    fn index(&self, position: usize) -> u64 {
-        self.index_type.read(self.indices.get(position)).into()
-    }
-
-    fn get(&self, index: u64) -> Option<&'a [u8]> {
-        let (mut low, mut high) = (0, self.count);
-        while low < high {
-            let middle = low + (high - low) / 2;
-            if self.index(middle) < index { low = middle + 1 } else { high = middle }
-        }
-        (low < self.count && self.index(low) == index).then(|| self.values.get(low))
-    }
-}
-
-/// The positions of a primitive's vertices.
-pub(super) struct Positions<'a>(Elements<'a>);
-
-impl Positions<'_> {
+impl<'a> Accessor<'a> {
     pub(super) fn count(&self) -> u64 {
-        self.0.count
+        self.count
     }
 
     /// Position `index`, which must be below `count`.
-    pub(super) fn get(&self, index: u64) -> Vec3 {
-        self.0.get(index).map_or(Vec3::ZERO, |bytes| {
+    pub(super) fn position(&self, index: u64) -> Vec3 {
+        self.get(index, 12).map_or(Vec3::ZERO, |bytes| {
             let (components, _) = bytes.as_chunks::<4>();
             let [x, y, z] = [0, 1, 2].map(|i| f32::from_le_bytes(components[i]));
             Vec3::new(x, y, z)
         })
     }
-}
 
-/// The vertices that a primitive's triangles refer to.
-pub(super) struct Indices<'a> {
-    elements: Elements<'a>,
-    kind: IndexType,
-}
-
-impl Indices<'_> {
-    pub(super) fn count(&self) -> u64 {
-        self.elements.count
+    /// Index number `position`, which must be below `count`; zero if these are no indices.
+    pub(super) fn index(&self, position: u64) -> u64 {
+        let Kind::Index(index_type) = self.kind else { return 0 };
+        self.get(position, index_type.size()).map_or(0, |bytes| index_type.read(bytes).into())
     }
 
-    /// Index number `position`, which must be below `count`.
-    pub(super) fn get(&self, position: u64) -> u64 {
-        self.elements.get(position).map_or(0, |bytes| self.kind.read(bytes).into())
+    /// Element `index`, of `size` bytes; `None` for zero.
+    fn get(&self, index: u64, size: usize) -> Option<&'a [u8]> {
+        let replaced = self.sparse.as_ref().and_then(|sparse| sparse.get(index, size));
+        replaced.or_else(|| self.dense.map(|slots| slots.get(index as usize, size)))
     }
 }
 
-/// Opens accessors.
-pub(super) struct Reader<'a> {
-    pub(super) document: &'a Document<'a>,
-    pub(super) buffers: &'a [Cow<'a, [u8]>],
-}
+impl<'a> Sparse<'a> {
+    fn index(&self, position: usize) -> u64 {
+        self.index_type.read(self.indices.get(position, self.index_type.size())).into()
+    }
 
-impl<'a> Reader<'a> {
-    pub(super) fn positions(&self, index: u32, loading: &Loading<'_>) -> Result<Positions<'a>, IoError> {
-        let (accessor, at) = self.accessor(index, loading)?;
-        if (accessor.shape, accessor.component_type) != (Shape::Vec3, 5126) {
-            return Err(wrong(at, "positions must be VEC3 of floats"));
+    fn get(&self, index: u64, size: usize) -> Option<&'a [u8]> {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.index(middle) < index { low = middle + 1 } else { high = middle }
         }
-        Ok(Positions(self.elements(accessor, 12, &at, loading)?))
+        (low < self.count && self.index(low) == index).then(|| self.values.get(low, size))
+    }
+}
+
+/// All accessors, opened when they are first used.
+pub(super) struct Accessors<'a> {
+    document: &'a Document<'a>,
+    buffers: &'a Buffers<'a>,
+    /// Read once, since many accessors may lie in one.
+    views: Vec<json::BufferView>,
+    opened: Vec<Option<Accessor<'a>>>,
+    /// Of all accessors opened.
+    sparse_elements: u64,
+}
+
+impl<'a> Accessors<'a> {
+    pub(super) fn new(document: &'a Document<'a>, buffers: &'a Buffers<'a>) -> Self {
+        let mut views = Vec::with_capacity(document.buffer_views.len());
+        views.extend(document.buffer_views.iter());
+        let opened = (0..document.accessors.len()).map(|_| None).collect();
+        Self { document, buffers, views, opened, sparse_elements: 0 }
     }
 
-    pub(super) fn indices(&self, index: u32, loading: &Loading<'_>) -> Result<Indices<'a>, IoError> {
-        let (accessor, at) = self.accessor(index, loading)?;
-        match IndexType::of(accessor.component_type).filter(|_| accessor.shape == Shape::Scalar) {
-            Some(kind) => Ok(Indices { elements: self.elements(accessor, kind.size(), &at, loading)?, kind }),
-            None => Err(wrong(at, "indices must be SCALAR of unsigned integers")),
-        }
+    /// Accessor `index`, if it has been opened.
+    pub(super) fn get(&self, index: u32) -> Option<&Accessor<'a>> {
+        self.opened.get(index as usize)?.as_ref()
     }
 
-    fn accessor(&self, index: u32, loading: &Loading<'_>) -> Result<(&'a Accessor, Location), IoError> {
+    /// Opens accessor `index` to be used so, if it is not open.
+    pub(super) fn open(&mut self, index: u32, used_as: Use, loading: &Loading<'_>) -> Result<(), IoError> {
         let at = loading.at(Place::Accessor(index as usize));
-        let all = &self.document.accessors;
-        match all.get(index as usize) {
-            Some(accessor) => Ok((accessor, at)),
-            None => Err(wrong(at, &format!("does not exist, there are {}", all.len()))),
+        match self.opened.get(index as usize) {
+            Some(Some(opened)) if used_as.fits(opened.kind) => {}
+            Some(Some(_)) => return Err(wrong(at, used_as.rule())),
+            Some(None) => self.opened[index as usize] = Some(self.read(index, used_as, at, loading)?),
+            None => return Err(wrong(at, &format!("does not exist, there are {}", self.opened.len()))),
         }
+        Ok(())
     }
 
-    fn elements(
-        &self,
-        accessor: &Accessor,
+    /// Reads accessor `index`, which exists, and checks what it refers to.
+    fn read(
+        &mut self,
+        index: u32,
+        used_as: Use,
+        at: Location,
+        loading: &Loading<'_>,
+    ) -> Result<Accessor<'a>, IoError> {
+        let json = self.document.accessors.get(index as usize);
+        let kind = json.as_ref().and_then(|json| Kind::of(json.shape, json.component_type));
+        let Some((json, kind)) = json.zip(kind.filter(|kind| used_as.fits(*kind))) else {
+            return Err(wrong(at, used_as.rule()));
+        };
+        let (count, size) = (json.count, kind.size());
+        let limit = loading.limits.json_values;
+        if json.buffer_view.is_none() && count > limit {
+            return Err(IoError::TooLarge { at, what: "elements without a buffer view", limit });
+        }
+        let dense = json.buffer_view.map(|view| self.view(view, &at, loading)).transpose()?;
+        let dense = dense
+            .map(|(bytes, stride)| slots(bytes, stride, json.byte_offset, size, count, &at))
+            .transpose()?;
+        let sparse = json.sparse.map(|json| self.sparse(&json, size, count, &at, loading)).transpose()?;
+        Ok(Accessor { dense, sparse: sparse.map(Box::new), count, kind })
+    }
+
+    /// The replacements for some of `count` elements of `size` bytes.
+    fn sparse(
+        &mut self,
+        json: &json::Sparse,
         size: usize,
+        count: u64,
         at: &Location,
         loading: &Loading<'_>,
-    ) -> Result<Elements<'a>, IoError> {
-        let view = |index| self.view(index, at, loading);
-        let count = accessor.count;
-        let limit = loading.limits.json_values;
-        if accessor.buffer_view.is_none() && count > limit {
-            let what = "elements without a buffer view";
-            return Err(IoError::TooLarge { at: at.clone(), what, limit });
-        }
-        let dense = accessor.buffer_view.map(view).transpose()?;
-        let dense = dense
-            .map(|(bytes, stride)| slots(bytes, stride, accessor.byte_offset, size, count, at))
-            .transpose()?;
-        let Some(sparse) = accessor.sparse.as_deref() else {
-            return Ok(Elements { dense, sparse: None, count });
-        };
-        let index_type = IndexType::of(sparse.indices.component_type)
+    ) -> Result<Sparse<'a>, IoError> {
+        let index_type = IndexType::of(json.indices.component_type)
             .ok_or_else(|| wrong(at.clone(), "sparse indices must be unsigned integers"))?;
-        let (bytes, _) = view(sparse.indices.buffer_view)?;
-        let indices = slots(bytes, None, sparse.indices.byte_offset, index_type.size(), sparse.count, at)?;
-        let (bytes, _) = view(sparse.values.buffer_view)?;
-        let values = slots(bytes, None, sparse.values.byte_offset, size, sparse.count, at)?;
-        let sparse = Sparse { indices, index_type, values, count: sparse.count as usize };
+        let (bytes, _) = self.view(json.indices.buffer_view, at, loading)?;
+        let indices = slots(bytes, None, json.indices.byte_offset, index_type.size(), json.count, at)?;
+        let (bytes, _) = self.view(json.values.buffer_view, at, loading)?;
+        let values = slots(bytes, None, json.values.byte_offset, size, json.count, at)?;
+        let sparse = Sparse { indices, index_type, values, count: json.count as usize };
+        // Many accessors may have the same ones, and each looks at all of them.
+        self.sparse_elements = self.sparse_elements.saturating_add(json.count);
+        let limit = loading.jail.bytes_read();
+        if self.sparse_elements > limit {
+            return Err(IoError::TooLarge { at: at.clone(), what: "elements of sparse accessors", limit });
+        }
         check_order(&sparse, count, at)?;
-        Ok(Elements { dense, sparse: Some(sparse), count })
+        Ok(sparse)
     }
 
     /// The bytes of a buffer view and their stride, if it declares one.
@@ -201,11 +257,10 @@ impl<'a> Reader<'a> {
         at: &Location,
         loading: &Loading<'_>,
     ) -> Result<(&'a [u8], Option<u64>), IoError> {
-        let views = &self.document.buffer_views;
-        let view = views.get(index as usize);
+        let view = self.views.get(index as usize);
         let view = view.ok_or_else(|| wrong(at.clone(), &format!("bufferViews[{index}] does not exist")))?;
         let at = loading.at(Place::BufferView(index as usize));
-        let buffer = self.buffers.get(view.buffer as usize);
+        let buffer = self.buffers.get(view.buffer);
         let buffer =
             buffer.ok_or_else(|| wrong(at.clone(), &format!("buffers[{}] does not exist", view.buffer)))?;
         let end = view.byte_offset.checked_add(view.byte_length).filter(|end| *end <= buffer.len() as u64);
@@ -236,7 +291,7 @@ fn slots<'a>(
     });
     match length {
         Some(length) if length <= bytes.len() as u64 => {
-            Ok(Slots { bytes: &bytes[offset as usize..], stride: stride as usize, size })
+            Ok(Slots { bytes: &bytes[offset as usize..], stride: stride as usize })
         }
         _ => Err(wrong(at.clone(), &format!("{count} elements reach beyond the buffer view"))),
     }

@@ -1,59 +1,93 @@
 use super::document::Document;
-use super::json::Buffer;
+use super::json;
 use super::uri::Target;
 use crate::loading::Loading;
 use crate::{IoError, Place};
-use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::rc::Rc;
 
 /// The bytes of every buffer, as many as it declares.
-pub(super) fn all<'a>(
-    document: &Document<'_>,
-    binary: Option<&'a [u8]>,
-    loading: &mut Loading<'_>,
-) -> Result<Vec<Cow<'a, [u8]>>, IoError> {
-    let buffers = document.buffers.iter().enumerate();
-    buffers
-        .map(|(index, buffer)| {
-            let bytes = match &buffer.uri {
-                Some(uri) => Cow::Owned(follow(&uri.0, index, loading)?),
-                None => Cow::Borrowed(binary.filter(|_| index == 0).unwrap_or_default()),
-            };
-            cut(bytes, buffer, index, loading)
-        })
-        .collect()
+pub(super) struct Buffers<'a>(Vec<Bytes<'a>>);
+
+enum Bytes<'a> {
+    /// The binary chunk, or nothing.
+    Chunk(&'a [u8]),
+    /// The first bytes of a file, which other buffers may share, or of a `data:` URI.
+    Of(Rc<Vec<u8>>, usize),
 }
 
-fn follow(uri: &str, index: usize, loading: &mut Loading<'_>) -> Result<Vec<u8>, IoError> {
-    let at = loading.at(Place::Buffer(index));
-    match Target::of(uri) {
-        Ok(Target::Data(bytes)) => Ok(bytes),
-        Ok(Target::File(name)) => {
-            let path = loading.jail.resolve(&name, &at)?;
-            loading.jail.read(&path)
+impl<'a> Buffers<'a> {
+    pub(super) fn of(
+        document: &Document<'_>,
+        binary: Option<&'a [u8]>,
+        loading: &mut Loading<'_>,
+    ) -> Result<Self, IoError> {
+        let mut all = Vec::with_capacity(document.buffers.len());
+        let mut files = Files::default();
+        for (index, json) in document.buffers.iter().enumerate() {
+            all.push(match &json.uri {
+                Some(uri) => {
+                    let bytes = files.follow(&uri.0, index, loading)?;
+                    let length = check_length(&bytes, &json, index, loading)?;
+                    Bytes::Of(bytes, length)
+                }
+                None => {
+                    let bytes = binary.filter(|_| index == 0).unwrap_or_default();
+                    Bytes::Chunk(&bytes[..check_length(bytes, &json, index, loading)?])
+                }
+            });
         }
-        Ok(Target::Other(scheme)) => Err(IoError::Scheme { at, scheme: scheme.into() }),
-        Err(message) => Err(IoError::Uri { at, message: message.into() }),
+        Ok(Self(all))
+    }
+
+    /// The bytes of buffer `index`; `None` if there are not that many buffers.
+    pub(super) fn get(&self, index: u32) -> Option<&[u8]> {
+        Some(match self.0.get(index as usize)? {
+            Bytes::Chunk(bytes) => bytes,
+            Bytes::Of(bytes, length) => &bytes[..*length],
+        })
     }
 }
 
-/// Cuts what is beyond the declared length, which may be padding.
-fn cut<'a>(
-    bytes: Cow<'a, [u8]>,
-    buffer: &Buffer<'_>,
+/// Files that buffers have named, each read once: a small file could else ask for one again and
+/// again.
+#[derive(Default)]
+struct Files(HashMap<PathBuf, Rc<Vec<u8>>>);
+
+impl Files {
+    fn follow(&mut self, uri: &str, index: usize, loading: &mut Loading<'_>) -> Result<Rc<Vec<u8>>, IoError> {
+        let at = loading.at(Place::Buffer(index));
+        match Target::of(uri) {
+            Ok(Target::Data(bytes)) => Ok(Rc::new(bytes)),
+            Ok(Target::File(name)) => {
+                let path = loading.jail.resolve(&name, &at)?;
+                // One file has many names.
+                let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
+                if let Some(bytes) = self.0.get(&canonical) {
+                    return Ok(Rc::clone(bytes));
+                }
+                let bytes = Rc::new(loading.jail.read(&path)?);
+                self.0.insert(canonical, Rc::clone(&bytes));
+                Ok(bytes)
+            }
+            Ok(Target::Other(scheme)) => Err(IoError::Scheme { at, scheme: scheme.into() }),
+            Err(message) => Err(IoError::Uri { at, message: message.into() }),
+        }
+    }
+}
+
+/// How many bytes a buffer declares; what is beyond them may be padding.
+fn check_length(
+    bytes: &[u8],
+    json: &json::Buffer<'_>,
     index: usize,
     loading: &Loading<'_>,
-) -> Result<Cow<'a, [u8]>, IoError> {
-    let declared = buffer.byte_length;
-    if declared > bytes.len() as u64 {
-        let message = format!("has {} bytes instead of {declared}", bytes.len());
-        return Err(IoError::Accessor { at: loading.at(Place::Buffer(index)), message });
+) -> Result<usize, IoError> {
+    let declared = json.byte_length;
+    if declared <= bytes.len() as u64 {
+        return Ok(declared as usize);
     }
-    let length = declared as usize;
-    Ok(match bytes {
-        Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length]),
-        Cow::Owned(mut bytes) => {
-            bytes.truncate(length);
-            Cow::Owned(bytes)
-        }
-    })
+    let message = format!("has {} bytes instead of {declared}", bytes.len());
+    Err(IoError::Accessor { at: loading.at(Place::Buffer(index)), message })
 }

@@ -1,5 +1,5 @@
 use super::container::Container;
-use super::json::Root;
+use super::json::{Root, Text};
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 
@@ -8,14 +8,15 @@ use crate::{IoError, Place, WarningKind};
 const READ: [&str; 2] = ["KHR_materials_emissive_strength", "KHR_texture_transform"];
 
 /// A glTF file's structure, of a version that is understood and needing no unknown extension.
-pub(super) struct Document<'a>(Root<'a>);
+pub(super) struct Document<'a>(Root<'a, true>);
 
 impl<'a> Document<'a> {
     pub(super) fn parse(container: &Container<'a>, loading: &mut Loading<'_>) -> Result<Self, IoError> {
+        check_length(container.json.len() as u64, loading)?;
         check_count_of_values(container.json, loading)?;
-        let root: Root<'a> = serde_json::from_slice(container.json)
-            .map_err(|error| parse_error(&error, container, loading))?;
-        let document = Self(root);
+        let refused = |error: serde_json::Error| parse_error(&error, container, loading);
+        serde_json::from_slice::<Root<'a, false>>(container.json).map_err(refused)?;
+        let document = Self(serde_json::from_slice(container.json).map_err(refused)?);
         document.check_version(loading)?;
         document.check_extensions(loading)?;
         document.check_images(loading)?;
@@ -35,17 +36,17 @@ impl<'a> Document<'a> {
     }
 
     fn check_extensions(&self, loading: &mut Loading<'_>) -> Result<(), IoError> {
-        let unknown = |name: &&str| !READ.contains(name);
-        let required = self.extensions_required.iter().map(|name| name.0.as_ref());
-        if let Some(extension) = required.into_iter().find(unknown) {
-            let extension = extension.into();
+        let unknown = |name: &Text<'_>| !READ.contains(&name.0.as_ref());
+        if let Some(extension) = self.extensions_required.iter().find(unknown) {
+            let extension = extension.0.into();
             return Err(IoError::Unsupported { at: loading.at(Place::File), extension });
         }
-        for name in self.extensions_used.iter().map(|name| name.0.as_ref()).filter(unknown) {
-            loading.warn(Place::File, WarningKind::ExtensionIgnored { name: name.into() });
+        for name in self.extensions_used.iter().filter(unknown) {
+            loading.warn(Place::File, WarningKind::ExtensionIgnored { name: name.0.into() });
         }
-        if !self.animations.is_empty() {
-            loading.warn(Place::File, WarningKind::AnimationsIgnored { count: self.animations.len() });
+        let count = self.animations.count;
+        if count > 0 {
+            loading.warn(Place::File, WarningKind::AnimationsIgnored { count });
         }
         Ok(())
     }
@@ -67,11 +68,18 @@ impl<'a> Document<'a> {
 }
 
 impl<'a> std::ops::Deref for Document<'a> {
-    type Target = Root<'a>;
+    type Target = Root<'a, true>;
 
-    fn deref(&self) -> &Root<'a> {
+    fn deref(&self) -> &Root<'a, true> {
         &self.0
     }
+}
+
+/// Places within JSON are kept in 32 bits.
+fn check_length(length: u64, loading: &Loading<'_>) -> Result<(), IoError> {
+    let limit = u32::MAX.into();
+    let at = loading.at(Place::File);
+    if length > limit { Err(IoError::TooLarge { at, what: "bytes of JSON", limit }) } else { Ok(()) }
 }
 
 /// Looks for too many values before any memory is spent on them. Commas within strings count too,

@@ -1,48 +1,47 @@
-use super::accessor::Reader;
+use super::accessor::Accessors;
 use super::document::Document;
+use super::json;
 use super::material::Materials;
-use super::primitive::{self, Opened, Primitive};
-use super::tree::Placed;
+use super::primitive::{self, Opened, Primitive, PrimitiveTriangles};
+use super::tree::{Placed, Tree};
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use glam::{DAffine3, DVec3};
 use globillum_geom::{Triangle, Triangles};
-use std::borrow::Cow;
-use std::collections::HashMap;
+use std::ops::Range;
 
 /// Adds the triangles of every placed mesh.
-pub(super) fn add_all(
-    document: &Document<'_>,
-    buffers: &[Cow<'_, [u8]>],
-    placed: &[Placed],
+pub(super) fn add_all<'a>(
+    document: &'a Document<'a>,
+    accessors: Accessors<'a>,
+    tree: &Tree<'a>,
     materials: &Materials,
     loading: &mut Loading<'_>,
 ) -> Result<(), IoError> {
-    let reader = Reader { document, buffers };
-    let mut meshes = Meshes::default();
+    let mut meshes = Meshes::new(document, accessors);
     let mut total = 0_u64;
-    for Placed { node, .. } in placed {
-        let Some(mesh) = document.nodes[*node].mesh else { continue };
-        total = total.saturating_add(meshes.open(mesh, *node, &reader, loading)?.triangles);
+    tree.walk(loading, |placed, loading| {
+        let Some(mesh) = placed.node.mesh else { return Ok(()) };
+        total = total.saturating_add(meshes.open(mesh, placed, loading)?);
         // Many nodes may place one mesh: the sum is watched, not only its parts.
-        loading.check_triangles(total)?;
-    }
+        loading.check_triangles(total)
+    })?;
     loading.try_grow(total as usize)?;
     meshes.warn(loading);
     let mut done = 0;
-    for Placed { node, world } in placed {
-        let mesh = document.nodes[*node].mesh.and_then(|mesh| meshes.opened.get(&mesh));
-        for primitive in mesh.into_iter().flat_map(|mesh| &mesh.primitives) {
-            let material = materials.get(primitive.material, primitive.place, loading)?;
-            for index in 0..primitive.triangle_count() {
-                let triangle = place(primitive.triangle(index, loading)?, world, *node, loading)?;
-                loading.add(material, triangle);
+    tree.walk(loading, |placed, loading| {
+        let Some(mesh) = placed.node.mesh else { return Ok(()) };
+        for (primitive, triangles) in meshes.primitives(mesh) {
+            let material = materials.get(primitive.material, triangles.place, loading)?;
+            for index in 0..triangles.count() {
+                let corners = triangles.get(index, loading)?;
+                loading.add(material, place(corners, &placed.world, placed.index, loading)?);
                 done += 1;
                 loading.progress(done, total)?;
             }
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 /// Moves a triangle into the world. A transform that mirrors would turn its front to the back.
@@ -62,17 +61,21 @@ fn place(
     Ok(if mirrored { Triangle::new(a, c, b) } else { Triangle::new(a, b, c) })
 }
 
-/// The primitives that have triangles, and how many together.
-#[derive(Default)]
-struct Mesh<'a> {
-    primitives: Vec<Primitive<'a>>,
+/// What has been opened of a mesh.
+#[derive(Clone)]
+struct Mesh {
+    /// Where in [`Meshes::primitives`] those are that have triangles.
+    primitives: Range<u32>,
+    /// How many triangles they have together.
     triangles: u64,
 }
 
 /// Meshes that nodes place, each opened once.
-#[derive(Default)]
 struct Meshes<'a> {
-    opened: HashMap<u32, Mesh<'a>>,
+    document: &'a Document<'a>,
+    accessors: Accessors<'a>,
+    opened: Vec<Option<Mesh>>,
+    primitives: Vec<Primitive>,
     /// Where first, and how many: primitives of points or lines, vertices left over, normals.
     skipped: Option<(Place, usize)>,
     left_over: Option<(Place, usize)>,
@@ -81,53 +84,78 @@ struct Meshes<'a> {
 }
 
 impl<'a> Meshes<'a> {
-    fn open(
-        &mut self,
-        mesh: u32,
-        node: usize,
-        reader: &Reader<'a>,
-        loading: &mut Loading<'_>,
-    ) -> Result<&Mesh<'a>, IoError> {
-        if reader.document.nodes[node].skin.is_some() {
-            self.posed.get_or_insert(Place::Node(node));
+    fn new(document: &'a Document<'a>, accessors: Accessors<'a>) -> Self {
+        let opened = vec![None; document.meshes.len()];
+        let primitives = Vec::new();
+        Self {
+            document,
+            accessors,
+            opened,
+            primitives,
+            skipped: None,
+            left_over: None,
+            normals: None,
+            posed: None,
         }
-        if !self.opened.contains_key(&mesh) {
-            let all = &reader.document.meshes;
-            let json = all.get(mesh as usize).ok_or_else(|| IoError::Index {
-                at: loading.at(Place::Node(node)),
-                index: mesh.into(),
-                count: all.len(),
-                what: "meshes",
-            })?;
-            let mut opened = Mesh::default();
-            for (index, json) in json.primitives.iter().enumerate() {
-                let place = Place::Primitive { mesh: mesh as usize, primitive: index };
-                match primitive::open(json, place, reader, loading)? {
-                    Opened::NotTriangles => count(&mut self.skipped, place, 1),
-                    Opened::NoPositions => loading.warn(place, WarningKind::NoPositions),
-                    Opened::Triangles(primitive) => {
-                        self.note(json, &primitive, place);
-                        let triangles = primitive.triangle_count();
-                        opened.triangles = opened.triangles.saturating_add(triangles);
-                        if triangles > 0 {
-                            opened.primitives.push(*primitive);
-                        }
-                    }
-                }
-            }
-            self.opened.insert(mesh, opened);
-        }
-        Ok(&self.opened[&mesh])
     }
 
-    fn note(&mut self, json: &super::json::Primitive, primitive: &Primitive<'_>, place: Place) {
-        count(&mut self.left_over, place, primitive.left_over());
-        if json.attributes.normal.is_some() {
-            count(&mut self.normals, place, primitive.vertex_count());
+    /// Opens mesh `index`, which `placed` holds, and returns how many triangles it has.
+    fn open(&mut self, index: u32, placed: &Placed<'_>, loading: &mut Loading<'_>) -> Result<u64, IoError> {
+        if placed.node.skin.is_some() {
+            self.posed.get_or_insert(Place::Node(placed.index));
         }
-        if !json.targets.is_empty() {
+        let mesh = index as usize;
+        if let Some(Some(opened)) = self.opened.get(mesh) {
+            return Ok(opened.triangles);
+        }
+        let json = self.document.meshes.get(mesh).ok_or_else(|| IoError::Index {
+            at: loading.at(Place::Node(placed.index)),
+            index: index.into(),
+            count: self.document.meshes.len(),
+            what: "meshes",
+        })?;
+        let (first, mut triangles) = (self.primitives.len() as u32, 0_u64);
+        for (number, json) in (0_u32..).zip(json.primitives.iter()) {
+            let place = Place::Primitive { mesh, primitive: number as usize };
+            match primitive::open(&json, number, place, &mut self.accessors, loading)? {
+                Opened::NotTriangles => count(&mut self.skipped, place, 1),
+                Opened::NoPositions => loading.warn(place, WarningKind::NoPositions),
+                Opened::Triangles(primitive) => {
+                    triangles = triangles.saturating_add(self.keep(primitive, &json, place));
+                }
+            }
+        }
+        let primitives = first..self.primitives.len() as u32;
+        self.opened[mesh] = Some(Mesh { primitives, triangles });
+        Ok(triangles)
+    }
+
+    /// Keeps a primitive if it has triangles, and returns how many.
+    fn keep(&mut self, primitive: Primitive, json: &json::Primitive, place: Place) -> u64 {
+        let Some(triangles) = primitive.triangles(place, &self.accessors) else { return 0 };
+        count(&mut self.left_over, place, triangles.left_over());
+        if json.attributes.normal.is_some() {
+            count(&mut self.normals, place, triangles.vertex_count());
+        }
+        if json.targets.count > 0 {
             self.posed.get_or_insert(place);
         }
+        if triangles.count() > 0 {
+            self.primitives.push(primitive);
+        }
+        triangles.count()
+    }
+
+    /// The primitives of a mesh that has been opened, with their triangles.
+    fn primitives(&self, mesh: u32) -> impl Iterator<Item = (&Primitive, PrimitiveTriangles<'_>)> {
+        let mesh = mesh as usize;
+        let opened = self.opened.get(mesh).into_iter().flatten();
+        let range = opened.map(|mesh| mesh.primitives.start as usize..mesh.primitives.end as usize);
+        let primitives = range.flat_map(|range| &self.primitives[range]);
+        primitives.filter_map(move |primitive| {
+            let place = Place::Primitive { mesh, primitive: primitive.index as usize };
+            Some((primitive, primitive.triangles(place, &self.accessors)?))
+        })
     }
 
     fn warn(&self, loading: &mut Loading<'_>) {

@@ -1,45 +1,47 @@
 //! What a glTF file's JSON says, as far as a scene needs it.
 //!
 //! These structures take the place of the `gltf` crate's, which read an index of 2^32 as 0 and
-//! keep what is not needed here; text is borrowed from the file where it can be.
+//! keep what is not needed here; text is borrowed from the file where it can be, and lists are left
+//! in it. `KEPT` is that of [`List`].
 
+use super::list::{Count, Indices, List};
 use serde::Deserialize;
 use std::borrow::Cow;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Root<'a> {
+pub(super) struct Root<'a, const KEPT: bool> {
     #[serde(borrow)]
     pub(super) asset: Asset<'a>,
     pub(super) scene: Option<u32>,
-    #[serde(default)]
-    pub(super) scenes: Vec<Scene>,
-    #[serde(default)]
-    pub(super) nodes: Vec<Node>,
-    #[serde(default)]
-    pub(super) meshes: Vec<Mesh>,
-    #[serde(default)]
-    pub(super) accessors: Vec<Accessor>,
-    #[serde(default)]
-    pub(super) buffer_views: Vec<BufferView>,
     #[serde(borrow, default)]
-    pub(super) buffers: Vec<Buffer<'a>>,
+    pub(super) scenes: List<'a, Scene<'a, KEPT>, KEPT>,
     #[serde(borrow, default)]
-    pub(super) materials: Vec<Material<'a>>,
+    pub(super) nodes: List<'a, Node<'a, KEPT>, KEPT>,
     #[serde(borrow, default)]
-    pub(super) cameras: Vec<Camera<'a>>,
+    pub(super) meshes: List<'a, Mesh<'a, KEPT>, KEPT>,
     #[serde(borrow, default)]
-    pub(super) images: Vec<Image<'a>>,
+    pub(super) accessors: List<'a, Accessor, KEPT>,
+    #[serde(borrow, default)]
+    pub(super) buffer_views: List<'a, BufferView, KEPT>,
+    #[serde(borrow, default)]
+    pub(super) buffers: List<'a, Buffer<'a>, KEPT>,
+    #[serde(borrow, default)]
+    pub(super) materials: List<'a, Material<'a>, KEPT>,
+    #[serde(borrow, default)]
+    pub(super) cameras: List<'a, Camera<'a>, KEPT>,
+    #[serde(borrow, default)]
+    pub(super) images: List<'a, Image<'a>, KEPT>,
     #[serde(default)]
-    pub(super) animations: Vec<Ignored>,
+    pub(super) animations: Count<Ignored>,
     #[serde(borrow, default)]
-    pub(super) extensions_used: Vec<Text<'a>>,
+    pub(super) extensions_used: List<'a, Text<'a>, KEPT>,
     #[serde(borrow, default)]
-    pub(super) extensions_required: Vec<Text<'a>>,
+    pub(super) extensions_required: List<'a, Text<'a>, KEPT>,
 }
 
 /// Something whose presence alone matters.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 pub(super) struct Ignored {}
 
 #[derive(Deserialize)]
@@ -55,28 +57,28 @@ pub(super) struct Asset<'a> {
 }
 
 #[derive(Deserialize)]
-pub(super) struct Scene {
-    #[serde(default)]
-    pub(super) nodes: Vec<u32>,
+pub(super) struct Scene<'a, const KEPT: bool> {
+    #[serde(borrow, default)]
+    pub(super) nodes: Indices<'a, KEPT>,
 }
 
 #[derive(Deserialize)]
-pub(super) struct Node {
-    #[serde(default)]
-    pub(super) children: Vec<u32>,
+pub(super) struct Node<'a, const KEPT: bool> {
+    #[serde(borrow, default)]
+    pub(super) children: Indices<'a, KEPT>,
     pub(super) mesh: Option<u32>,
     pub(super) camera: Option<u32>,
     pub(super) skin: Option<u32>,
-    /// Boxed, as are the others: most nodes of a large scene have one of them or none.
-    pub(super) matrix: Option<Box<[f64; 16]>>,
-    pub(super) translation: Option<Box<[f64; 3]>>,
-    pub(super) rotation: Option<Box<[f64; 4]>>,
-    pub(super) scale: Option<Box<[f64; 3]>>,
+    pub(super) matrix: Option<[f64; 16]>,
+    pub(super) translation: Option<[f64; 3]>,
+    pub(super) rotation: Option<[f64; 4]>,
+    pub(super) scale: Option<[f64; 3]>,
 }
 
 #[derive(Deserialize)]
-pub(super) struct Mesh {
-    pub(super) primitives: Vec<Primitive>,
+pub(super) struct Mesh<'a, const KEPT: bool> {
+    #[serde(borrow)]
+    pub(super) primitives: List<'a, Primitive, KEPT>,
 }
 
 #[derive(Deserialize)]
@@ -87,7 +89,7 @@ pub(super) struct Primitive {
     #[serde(default = "triangles")]
     pub(super) mode: u32,
     #[serde(default)]
-    pub(super) targets: Vec<Ignored>,
+    pub(super) targets: Count<Ignored>,
 }
 
 /// The mode of separate triangles, the default.
@@ -112,7 +114,7 @@ pub(super) struct Accessor {
     pub(super) count: u64,
     #[serde(rename = "type")]
     pub(super) shape: Shape,
-    pub(super) sparse: Option<Box<Sparse>>,
+    pub(super) sparse: Option<Sparse>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]

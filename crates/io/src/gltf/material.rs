@@ -4,6 +4,7 @@ use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use globillum_integrator::MaterialId;
 use globillum_material::{Emission, Material, MaterialError, Rgb, Sides};
+use std::borrow::Cow;
 
 /// The materials of a file, and the one for primitives without any.
 pub(super) struct Materials {
@@ -38,10 +39,10 @@ pub(super) fn all(document: &Document<'_>, loading: &mut Loading<'_>) -> Result<
     let mut all = Vec::with_capacity(document.materials.len());
     for (index, json) in document.materials.iter().enumerate() {
         let place = Place::Material(index);
-        let name = json.name.as_ref().map_or_else(|| index.to_string(), |name| name.0.to_string());
-        let refused = |source| IoError::Material { at: loading.at(place), name: name.clone(), source };
-        let material = material(json).map_err(refused)?;
-        for kind in passed_over(json, &name) {
+        let name = json.name.as_ref().map_or_else(|| index.to_string().into(), |name| Cow::from(&*name.0));
+        let refused = |source| IoError::Material { at: loading.at(place), name: name.to_string(), source };
+        let material = material(&json).map_err(refused)?;
+        for kind in passed_over(&json, &name) {
             loading.warn(place, kind);
         }
         all.push(loading.add_material(material));
@@ -68,7 +69,6 @@ fn is_mirror(json: &json::Material<'_>) -> bool {
 }
 
 fn passed_over(json: &json::Material<'_>, name: &str) -> impl Iterator<Item = WarningKind> {
-    let name = || name.to_owned();
     let pbr = &json.pbr_metallic_roughness;
     let textures = [
         &pbr.base_color_texture,
@@ -83,11 +83,12 @@ fn passed_over(json: &json::Material<'_>, name: &str) -> impl Iterator<Item = Wa
     // What reflects nothing does so ideally.
     let black = pbr.base_color_factor[..3].iter().all(|&x| x == 0.0);
     let by = if is_mirror(json) { "an ideal mirror" } else { "an ideal diffuse surface" };
-    [
-        textured.then(|| WarningKind::TexturesIgnored { name: name() }),
-        transparent.then(|| WarningKind::TransparencyIgnored { name: name() }),
-        (!ideal && !black).then(|| WarningKind::Approximated { name: name(), by }),
-    ]
-    .into_iter()
-    .flatten()
+    // Names may be long: one copy at a time.
+    type Kind = fn(String, &'static str) -> WarningKind;
+    let kinds: [(bool, Kind); 3] = [
+        (textured, |name, _| WarningKind::TexturesIgnored { name }),
+        (transparent, |name, _| WarningKind::TransparencyIgnored { name }),
+        (!ideal && !black, |name, by| WarningKind::Approximated { name, by }),
+    ];
+    kinds.into_iter().filter(|(is_lost, _)| *is_lost).map(move |(_, kind)| kind(name.to_owned(), by))
 }

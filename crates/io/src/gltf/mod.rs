@@ -7,7 +7,9 @@ mod container;
 mod document;
 mod instance;
 mod json;
+mod list;
 mod material;
+mod pending;
 mod primitive;
 mod transform;
 mod tree;
@@ -15,8 +17,11 @@ mod uri;
 
 use crate::loading::Loading;
 use crate::{IoError, Loaded, Loader};
+use accessor::Accessors;
+use buffer::Buffers;
 use document::Document;
 use std::path::Path;
+use tree::Tree;
 
 /// Loads the default scene of a glTF 2.0 file, text or binary, within the default
 /// [`Limits`](crate::Limits).
@@ -51,10 +56,11 @@ pub(crate) fn load(mut loading: Loading<'_>) -> Result<Loaded, IoError> {
     let bytes = loading.jail.read_scene()?;
     let container = container::open(&bytes, loading.path)?;
     let document = Document::parse(&container, &mut loading)?;
-    let buffers = buffer::all(&document, container.binary, &mut loading)?;
-    let placed = tree::walk(&document, &loading)?;
+    let buffers = Buffers::of(&document, container.binary, &mut loading)?;
+    let tree = Tree::of(&document, &mut loading)?;
     let materials = material::all(&document, &mut loading)?;
-    instance::add_all(&document, &buffers, &placed, &materials, &mut loading)?;
-    let cameras = camera::all(&document, &placed, &mut loading)?;
+    let accessors = Accessors::new(&document, &buffers);
+    instance::add_all(&document, accessors, &tree, &materials, &mut loading)?;
+    let cameras = camera::all(&document, &tree, &mut loading)?;
     loading.finish(cameras)
 }

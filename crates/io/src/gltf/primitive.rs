@@ -1,4 +1,4 @@
-use super::accessor::{Indices, Positions, Reader};
+use super::accessor::{Accessor, Accessors, Use};
 use super::json;
 use crate::loading::Loading;
 use crate::{IoError, Place};
@@ -12,31 +12,34 @@ enum Mode {
     Fan,
 }
 
-/// A primitive made of triangles, its accessors opened.
-pub(super) struct Primitive<'a> {
-    positions: Positions<'a>,
-    indices: Option<Indices<'a>>,
-    mode: Mode,
+/// A primitive made of triangles, its accessors opened. There may be as many as its JSON of 30 bytes
+/// has room for, so it only names them.
+#[derive(Clone, Copy)]
+pub(super) struct Primitive {
+    /// Its position in its mesh.
+    pub(super) index: u32,
     pub(super) material: Option<u32>,
-    indices_at: Place,
-    pub(super) place: Place,
+    positions: u32,
+    indices: Option<u32>,
+    mode: Mode,
 }
 
 /// What there is to say of a primitive.
-pub(super) enum Opened<'a> {
-    Triangles(Box<Primitive<'a>>),
+pub(super) enum Opened {
+    Triangles(Primitive),
     /// Points or lines.
     NotTriangles,
     NoPositions,
 }
 
-/// Opens a primitive that stands at `place`.
-pub(super) fn open<'a>(
+/// Opens a primitive that stands at `place`, number `index` of its mesh.
+pub(super) fn open(
     primitive: &json::Primitive,
+    index: u32,
     place: Place,
-    reader: &Reader<'a>,
+    accessors: &mut Accessors<'_>,
     loading: &Loading<'_>,
-) -> Result<Opened<'a>, IoError> {
+) -> Result<Opened, IoError> {
     let mode = match primitive.mode {
         0..=3 => return Ok(Opened::NotTriangles),
         4 => Mode::Triangles,
@@ -50,30 +53,50 @@ pub(super) fn open<'a>(
         }
     };
     let Some(positions) = primitive.attributes.position else { return Ok(Opened::NoPositions) };
-    let positions = reader.positions(positions, loading)?;
-    let indices = primitive.indices.map(|index| reader.indices(index, loading)).transpose()?;
-    let indices_at = primitive.indices.map_or(place, |index| Place::Accessor(index as usize));
-    Ok(Opened::Triangles(Box::new(Primitive {
-        positions,
-        indices,
-        mode,
-        material: primitive.material,
-        indices_at,
-        place,
-    })))
+    accessors.open(positions, Use::Positions, loading)?;
+    if let Some(indices) = primitive.indices {
+        accessors.open(indices, Use::Indices, loading)?;
+    }
+    let (material, indices) = (primitive.material, primitive.indices);
+    Ok(Opened::Triangles(Primitive { index, material, positions, indices, mode }))
 }
 
-impl Primitive<'_> {
+impl Primitive {
+    /// Its triangles, where it stands at `place`; `None` if its accessors are not open.
+    pub(super) fn triangles<'a>(
+        &self,
+        place: Place,
+        accessors: &'a Accessors<'_>,
+    ) -> Option<PrimitiveTriangles<'a>> {
+        let positions = accessors.get(self.positions)?;
+        let (indices, indices_at) = match self.indices {
+            Some(index) => (Some(accessors.get(index)?), Place::Accessor(index as usize)),
+            None => (None, place),
+        };
+        Some(PrimitiveTriangles { positions, indices, mode: self.mode, indices_at, place })
+    }
+}
+
+/// The triangles of a primitive.
+pub(super) struct PrimitiveTriangles<'a> {
+    positions: &'a Accessor<'a>,
+    indices: Option<&'a Accessor<'a>>,
+    mode: Mode,
+    indices_at: Place,
+    pub(super) place: Place,
+}
+
+impl PrimitiveTriangles<'_> {
     pub(super) fn vertex_count(&self) -> u64 {
         self.positions.count()
     }
 
     /// How many corners follow each other.
     fn corner_count(&self) -> u64 {
-        self.indices.as_ref().map_or(self.positions.count(), Indices::count)
+        self.indices.unwrap_or(self.positions).count()
     }
 
-    pub(super) fn triangle_count(&self) -> u64 {
+    pub(super) fn count(&self) -> u64 {
         match self.mode {
             Mode::Triangles => self.corner_count() / 3,
             Mode::Strip | Mode::Fan => self.corner_count().saturating_sub(2),
@@ -90,7 +113,7 @@ impl Primitive<'_> {
     }
 
     /// The corners of triangle `index`, counter-clockwise as seen from its front.
-    pub(super) fn triangle(&self, index: u64, loading: &Loading<'_>) -> Result<[DVec3; 3], IoError> {
+    pub(super) fn get(&self, index: u64, loading: &Loading<'_>) -> Result<[DVec3; 3], IoError> {
         let corners = match self.mode {
             Mode::Triangles => [3 * index, 3 * index + 1, 3 * index + 2],
             // Every other triangle of a strip is wound the other way round.
@@ -103,7 +126,7 @@ impl Primitive<'_> {
     }
 
     fn position(&self, corner: u64, loading: &Loading<'_>) -> Result<DVec3, IoError> {
-        let vertex = self.indices.as_ref().map_or(corner, |indices| indices.get(corner));
+        let vertex = self.indices.map_or(corner, |indices| indices.index(corner));
         if vertex >= self.positions.count() {
             return Err(IoError::Index {
                 at: loading.at(self.indices_at),
@@ -112,7 +135,7 @@ impl Primitive<'_> {
                 what: "vertices",
             });
         }
-        let position = self.positions.get(vertex);
+        let position = self.positions.position(vertex);
         if position.is_finite() {
             Ok(position.as_dvec3())
         } else {

@@ -1,60 +1,53 @@
 use super::json::Node;
-use crate::{IoError, Location};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use globillum_geom::Triangles;
 
-/// Where a node places what it holds, relative to its parent.
-pub(super) fn local(node: &Node, at: &Location) -> Result<DAffine3, IoError> {
-    let transform = match node.matrix.as_deref() {
-        Some(columns) => of_matrix(columns, at)?,
-        None => of_parts(node, at)?,
+/// Where a node places what it holds, relative to its parent; an error says what is wrong with it.
+pub(super) fn local(node: &Node<'_, true>) -> Result<DAffine3, String> {
+    let transform = match &node.matrix {
+        Some(columns) => of_matrix(columns)?,
+        None => of_parts(node)?,
     };
-    check_range(&transform, at)?;
+    check_range(&transform)?;
     Ok(transform)
 }
 
 /// Refuses a transform that no coordinate would survive.
-pub(super) fn check_range(transform: &DAffine3, at: &Location) -> Result<(), IoError> {
+pub(super) fn check_range(transform: &DAffine3) -> Result<(), String> {
     let limit = f64::from(Triangles::MAX_COORDINATE);
     match transform.to_cols_array().into_iter().find(|x| !(-limit..=limit).contains(x)) {
-        Some(x) => Err(domain(at, format!("transform has {x:e}, which is beyond {limit:e}"))),
+        Some(x) => Err(format!("transform has {x:e}, which is beyond {limit:e}")),
         None => Ok(()),
     }
 }
 
-fn of_matrix(columns: &[f64; 16], at: &Location) -> Result<DAffine3, IoError> {
+fn of_matrix(columns: &[f64; 16]) -> Result<DAffine3, String> {
     let matrix = DMat4::from_cols_array(columns);
     if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
-        return Err(domain(at, "the matrix is not affine".into()));
+        return Err("the matrix is not affine".into());
     }
     let transform = DAffine3::from_mat4(matrix);
     if transform.matrix3.determinant() == 0.0 {
-        return Err(domain(at, "the matrix can not be inverted".into()));
+        return Err("the matrix can not be inverted".into());
     }
     Ok(transform)
 }
 
 /// A scale of zero is allowed here, since it is how nodes are hidden.
-fn of_parts(node: &Node, at: &Location) -> Result<DAffine3, IoError> {
-    let vector = |parts: &Option<Box<[f64; 3]>>, default| {
-        parts.as_deref().map_or(default, |parts| DVec3::from_array(*parts))
-    };
-    let rotation = match node.rotation.as_deref() {
+fn of_parts(node: &Node<'_, true>) -> Result<DAffine3, String> {
+    let vector = |parts: Option<[f64; 3]>, default| parts.map_or(default, DVec3::from_array);
+    let rotation = match node.rotation {
         // The most common one shall not cost a rounding.
         None => DQuat::IDENTITY,
         Some(parts) => {
-            let rotation = DQuat::from_array(*parts);
+            let rotation = DQuat::from_array(parts);
             let length = rotation.length();
             if !(length.is_finite() && length > 0.0) {
-                return Err(domain(at, "the rotation is not a unit quaternion".into()));
+                return Err("the rotation is not a unit quaternion".into());
             }
             rotation / length
         }
     };
-    let (scale, translation) = (vector(&node.scale, DVec3::ONE), vector(&node.translation, DVec3::ZERO));
+    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
-}
-
-fn domain(at: &Location, message: String) -> IoError {
-    IoError::Domain { at: at.clone(), message }
 }

@@ -1,114 +1,166 @@
-//! The nodes of a scene: no recursion, so that a chain of any depth can be walked.
+//! The nodes of a scene: no recursion, so that a chain of any depth can be walked, and nothing kept
+//! of a node but its parent.
 
 use super::document::Document;
+use super::json::Node;
+use super::list::Indices;
+use super::pending::Pending;
 use super::transform;
 use crate::loading::Loading;
 use crate::{IoError, Place};
 use glam::DAffine3;
+use std::num::NonZeroU32;
 
-/// A node that holds something, and where in the world it is.
-pub(super) struct Placed {
-    pub(super) node: usize,
+/// A node, and where in the world it is.
+pub(super) struct Placed<'a> {
+    pub(super) index: usize,
+    pub(super) node: Node<'a, true>,
     pub(super) world: DAffine3,
 }
 
-/// The nodes of the default scene that hold a mesh or a camera, depth first in the file's order.
+/// The nodes of the default scene.
 ///
-/// The default scene is the one that the file names, else its first; without scenes it is all
-/// nodes.
-pub(super) fn walk(document: &Document<'_>, loading: &Loading<'_>) -> Result<Vec<Placed>, IoError> {
-    let parents = parents(document, loading)?;
-    refuse_cycles(&parents, loading)?;
-    let mut placed = Vec::new();
-    let mut pending: Vec<_> =
-        roots(document, &parents, loading)?.into_iter().map(|r| (r, DAffine3::IDENTITY)).collect();
-    pending.reverse();
-    while let Some((index, parent)) = pending.pop() {
-        let node = &document.nodes[index];
-        let at = loading.at(Place::Node(index));
-        let world = parent * transform::local(node, &at)?;
-        transform::check_range(&world, &at)?;
-        if node.mesh.is_some() || node.camera.is_some() {
-            placed.push(Placed { node: index, world });
-        }
-        pending.extend(node.children.iter().rev().map(|&child| (child as usize, world)));
-    }
-    Ok(placed)
+/// That is the one that the file names, else its first; without scenes it is all nodes.
+pub(super) struct Tree<'a> {
+    document: &'a Document<'a>,
+    parents: Parents,
+    /// The scene's nodes; `None` for all that have no parent.
+    roots: Option<Indices<'a, true>>,
+    /// Whether any of its nodes holds a camera.
+    pub(super) has_cameras: bool,
 }
 
-/// Each node's parent.
-fn parents(document: &Document<'_>, loading: &Loading<'_>) -> Result<Vec<Option<u32>>, IoError> {
-    let mut parents = vec![None; document.nodes.len()];
-    for (parent, node) in document.nodes.iter().enumerate() {
-        for &child in &node.children {
-            let slot = existing(&mut parents, child, Place::Node(parent), loading)?;
-            if slot.replace(parent as u32).is_some() {
-                return Err(IoError::NotATree { at: loading.at(Place::Node(child as usize)) });
+impl<'a> Tree<'a> {
+    /// Checks that it is a tree, and that every node of it can be placed.
+    pub(super) fn of(document: &'a Document<'a>, loading: &mut Loading<'_>) -> Result<Self, IoError> {
+        let parents = Parents::of(document, loading)?;
+        parents.refuse_cycles(loading)?;
+        let roots = roots(document, &parents, loading)?;
+        let mut tree = Self { document, parents, roots, has_cameras: false };
+        let mut has_cameras = false;
+        tree.walk(loading, |placed, _| {
+            has_cameras |= placed.node.camera.is_some();
+            Ok(())
+        })?;
+        tree.has_cameras = has_cameras;
+        Ok(tree)
+    }
+
+    /// Visits all nodes, depth first in the file's order.
+    pub(super) fn walk<'l>(
+        &self,
+        loading: &mut Loading<'l>,
+        mut visit: impl FnMut(&Placed<'a>, &mut Loading<'l>) -> Result<(), IoError>,
+    ) -> Result<(), IoError> {
+        let mut pending = Pending::default();
+        for root in self.roots() {
+            let mut next = Some((root, DAffine3::IDENTITY));
+            while let Some((index, parent)) = next {
+                let index = index as usize;
+                let Some(node) = self.document.nodes.get(index) else { break };
+                let domain = |message| IoError::Domain { at: loading.at(Place::Node(index)), message };
+                let world = parent * transform::local(&node).map_err(domain)?;
+                transform::check_range(&world).map_err(domain)?;
+                let placed = Placed { index, node, world };
+                visit(&placed, loading)?;
+                pending.push(placed.node.children, world);
+                next = pending.pop();
             }
         }
+        Ok(())
     }
-    Ok(parents)
+
+    fn roots(&self) -> impl Iterator<Item = u32> {
+        let all = self.roots.is_none().then(|| (0_u32..).zip(&self.parents.0));
+        let parentless = all.into_iter().flatten().filter(|(_, parent)| parent.is_none());
+        self.roots.iter().flat_map(Indices::clone).chain(parentless.map(|(root, _)| root))
+    }
 }
 
-/// Follows every chain of parents up to its root, or to where another chain has been.
-fn refuse_cycles(parents: &[Option<u32>], loading: &Loading<'_>) -> Result<(), IoError> {
-    // By which chain, numbered from 1, a node was first met.
-    let mut met = vec![0; parents.len()];
-    for (start, chain) in (0..parents.len()).zip(1_u32..) {
-        let mut next = Some(start);
-        while let Some(node) = next {
-            match met[node] {
-                0 => met[node] = chain,
-                earlier if earlier == chain => {
-                    return Err(IoError::Cycle { at: loading.at(Place::Node(node)) });
+/// Each node's parent, counted from 1, in four bytes.
+struct Parents(Vec<Option<NonZeroU32>>);
+
+impl Parents {
+    fn of(document: &Document<'_>, loading: &Loading<'_>) -> Result<Self, IoError> {
+        let mut parents = Self(vec![None; document.nodes.len()]);
+        for ((index, node), number) in document.nodes.iter().enumerate().zip(1..) {
+            for child in node.children {
+                let child = parents.existing(child, Place::Node(index), loading)?;
+                if std::mem::replace(&mut parents.0[child], NonZeroU32::new(number)).is_some() {
+                    return Err(IoError::NotATree { at: loading.at(Place::Node(child)) });
                 }
-                _ => break,
             }
-            next = parents[node].map(|parent| parent as usize);
         }
+        Ok(parents)
     }
-    Ok(())
+
+    /// `node` and all above it, endlessly if it is its own ancestor.
+    fn chain(&self, node: usize) -> impl Iterator<Item = usize> {
+        std::iter::successors(Some(node), |&node| self.0[node].map(|parent| parent.get() as usize - 1))
+    }
+
+    /// Follows every chain of parents up to its root, or to where a chain has been.
+    fn refuse_cycles(&self, loading: &Loading<'_>) -> Result<(), IoError> {
+        let mut met = Flags::new(self.0.len());
+        for start in 0..self.0.len() {
+            let length = self.chain(start).take_while(|&node| !met.replace(node)).count();
+            // The chain goes round if it ends at one of its own nodes.
+            let end = self.chain(start).nth(length);
+            if let Some(node) = end.filter(|&end| self.chain(start).take(length).any(|node| node == end)) {
+                return Err(IoError::Cycle { at: loading.at(Place::Node(node)) });
+            }
+        }
+        Ok(())
+    }
+
+    /// The node of that index, which `place` refers to.
+    fn existing(&self, index: u32, place: Place, loading: &Loading<'_>) -> Result<usize, IoError> {
+        let (node, count) = (index as usize, self.0.len());
+        let missing = || IoError::Index { at: loading.at(place), index: index.into(), count, what: "nodes" };
+        if node < count { Ok(node) } else { Err(missing()) }
+    }
 }
 
-fn roots(
-    document: &Document<'_>,
-    parents: &[Option<u32>],
+fn roots<'a>(
+    document: &'a Document<'a>,
+    parents: &Parents,
     loading: &Loading<'_>,
-) -> Result<Vec<usize>, IoError> {
+) -> Result<Option<Indices<'a, true>>, IoError> {
     let scenes = &document.scenes;
-    if scenes.is_empty() && document.scene.is_none() {
-        return Ok((0..parents.len()).filter(|&node| parents[node].is_none()).collect());
+    let count = scenes.len();
+    if count == 0 && document.scene.is_none() {
+        return Ok(None);
     }
     let index = document.scene.unwrap_or(0);
-    let count = scenes.len();
     let scene = scenes.get(index as usize).ok_or_else(|| IoError::Index {
         at: loading.at(Place::File),
         index: index.into(),
         count,
         what: "scenes",
     })?;
-    let mut is_root = vec![false; parents.len()];
-    for &root in &scene.nodes {
-        let seen = existing(&mut is_root, root, Place::Scene(index as usize), loading)?;
-        if std::mem::replace(seen, true) || parents[root as usize].is_some() {
-            return Err(IoError::NotATree { at: loading.at(Place::Node(root as usize)) });
+    let mut is_root = Flags::new(parents.0.len());
+    for root in scene.nodes.clone() {
+        let root = parents.existing(root, Place::Scene(index as usize), loading)?;
+        if is_root.replace(root) || parents.0[root].is_some() {
+            return Err(IoError::NotATree { at: loading.at(Place::Node(root)) });
         }
     }
-    Ok(scene.nodes.iter().map(|&root| root as usize).collect())
+    Ok(Some(scene.nodes))
 }
 
-/// What belongs to node `index`, which `place` refers to.
-fn existing<'a, T>(
-    of_nodes: &'a mut [T],
-    index: u32,
-    place: Place,
-    loading: &Loading<'_>,
-) -> Result<&'a mut T, IoError> {
-    let count = of_nodes.len();
-    of_nodes.get_mut(index as usize).ok_or_else(|| IoError::Index {
-        at: loading.at(place),
-        index: index.into(),
-        count,
-        what: "nodes",
-    })
+/// A bit for each node.
+struct Flags(Vec<u64>);
+
+impl Flags {
+    fn new(count: usize) -> Self {
+        Self(vec![0; count.div_ceil(64)])
+    }
+
+    /// Sets a node's bit, and returns whether it was set already.
+    fn replace(&mut self, node: usize) -> bool {
+        let (word, bit) = (&mut self.0[node / 64], 1 << (node % 64));
+        let before = *word & bit != 0;
+        *word |= bit;
+        before
+    }
 }

@@ -7,14 +7,16 @@ mod palette;
 mod polygon;
 mod scan;
 mod source;
+mod totals;
 
 use crate::loading::Loading;
-use crate::{IoError, Loaded, Loader, Place, WarningKind};
+use crate::{IoError, Loaded, Loader};
 use globillum_material::{Bsdf, Emission, Material, Reflectance, Rgb};
 use palette::Palette;
 use scan::Scan;
 use source::Source;
 use std::path::Path;
+use totals::Totals;
 
 /// Loads the faces of a Wavefront OBJ file, with the materials of the libraries it names, within
 /// the default [`Limits`](crate::Limits).
@@ -51,18 +53,9 @@ pub(crate) fn load(mut loading: Loading<'_>) -> Result<Loaded, IoError> {
     let bytes = loading.jail.read_scene()?;
     let source = Source::of(loading.path, bytes, loading.limits)?;
     let default = loading.add_material(default_material());
-    let named = Scan::new(&mut loading, default).run(source.statements(), source.len())?;
-    let palette = Palette::load(&named.libraries, &mut loading)?;
-    for (first_use, id) in &named.materials {
-        let name = first_use.arguments;
-        match palette.get(name) {
-            Some(material) => loading.set_material(*id, material),
-            None => {
-                let unknown = WarningKind::UnknownMaterial { name: name.into() };
-                loading.warn(Place::Line(first_use.line), unknown);
-            }
-        }
-    }
+    let totals = Totals::of(&source, loading.limits);
+    let named = Scan::new(&mut loading, default, &totals)?.run(source.statements(), source.len())?;
+    Palette::new(&named, &mut loading).load()?;
     loading.finish(Vec::new())
 }
 

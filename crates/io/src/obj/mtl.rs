@@ -1,5 +1,5 @@
 use super::source::{Source, Statement};
-use crate::{IoError, Limits, WarningKind};
+use crate::{IoError, WarningKind};
 use globillum_material::{Emission, Material, MaterialError, Rgb, Sides};
 
 /// What a material library says of one material, as far as it is understood.
@@ -26,22 +26,24 @@ const MIRROR: u32 = 3;
 const GLASS: [u32; 4] = [4, 6, 7, 9];
 
 impl Description {
-    /// All materials of a library, each with the statement that begins it.
-    pub(super) fn all<'a>(
+    /// Hands out the materials of a library, each with the statement that begins it, when it has been
+    /// read to its end.
+    pub(super) fn each<'a>(
         library: &'a Source,
-        limits: &Limits,
-    ) -> Result<Vec<(Statement<'a>, Self)>, IoError> {
-        let mut all = Vec::new();
+        mut visit: impl FnMut(&Statement<'a>, &Self) -> Result<(), IoError>,
+    ) -> Result<(), IoError> {
+        let mut current: Option<(Statement<'a>, Self)> = None;
         for statement in library.statements() {
             if statement.keyword == "newmtl" {
                 statement.name()?;
-                statement.check_count(all.len() + 1, "materials", limits.materials)?;
-                all.push((statement, Self::default()));
-            } else if let Some((_, description)) = all.last_mut() {
+                if let Some((begin, description)) = current.replace((statement, Self::default())) {
+                    visit(&begin, &description)?;
+                }
+            } else if let Some((_, description)) = &mut current {
                 description.read(&statement)?;
             }
         }
-        Ok(all)
+        current.map_or(Ok(()), |(begin, description)| visit(&begin, &description))
     }
 
     fn read(&mut self, statement: &Statement<'_>) -> Result<(), IoError> {
@@ -65,11 +67,17 @@ impl Description {
             self.spectral = true;
             return Ok(None);
         }
-        let numbers =
-            statement.words().map(|word| statement.number(word)).collect::<Result<Vec<f64>, _>>()?;
-        match numbers[..] {
-            [grey] => Ok(Some(Rgb::splat(grey))),
-            [r, g, b] => Ok(Some(Rgb::new(r, g, b))),
+        let (mut rgb, mut count) = ([0.0; 3], 0);
+        for word in statement.words() {
+            let number = statement.number(word)?;
+            if let Some(component) = rgb.get_mut(count) {
+                *component = number;
+            }
+            count += 1;
+        }
+        match count {
+            1 => Ok(Some(Rgb::splat(rgb[0]))),
+            3 => Ok(Some(rgb.into())),
             _ => Err(statement.malformed("takes 1 or 3 numbers")),
         }
     }
@@ -87,20 +95,20 @@ impl Description {
 
     /// What of it is not in its [`material`](Description::material).
     pub(super) fn passed_over(&self, name: &str) -> impl Iterator<Item = WarningKind> {
-        let name = || name.to_owned();
         let transparent = self.transparent || GLASS.contains(&self.illumination_model);
         let dropped_highlight =
             self.diffuse.is_some_and(|kd| !kd.is_black()) && self.specular.is_some_and(|ks| !ks.is_black());
         let by =
             if self.illumination_model == MIRROR { "an ideal mirror" } else { "an ideal diffuse surface" };
-        [
-            self.textured.then(|| WarningKind::TexturesIgnored { name: name() }),
-            transparent.then(|| WarningKind::TransparencyIgnored { name: name() }),
-            self.spectral.then(|| WarningKind::SpectrumIgnored { name: name() }),
-            dropped_highlight.then(|| WarningKind::Approximated { name: name(), by }),
-        ]
-        .into_iter()
-        .flatten()
+        // Names may be long: one copy at a time.
+        type Kind = fn(String, &'static str) -> WarningKind;
+        let kinds: [(bool, Kind); 4] = [
+            (self.textured, |name, _| WarningKind::TexturesIgnored { name }),
+            (transparent, |name, _| WarningKind::TransparencyIgnored { name }),
+            (self.spectral, |name, _| WarningKind::SpectrumIgnored { name }),
+            (dropped_highlight, |name, by| WarningKind::Approximated { name, by }),
+        ];
+        kinds.into_iter().filter(|(is_lost, _)| *is_lost).map(move |(_, kind)| kind(name.to_owned(), by))
     }
 }
 

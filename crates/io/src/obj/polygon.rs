@@ -1,19 +1,17 @@
-use glam::DVec3;
-use globillum_geom::Triangle;
+use glam::{DVec3, Vec3};
 
 /// How far, as a share of the area, a corner may turn the wrong way: coordinates are rounded.
 const TOLERANCE: f64 = 1e-6;
 
-/// Whether the polygon that was cut into `fan` is convex. A bent one counts as convex if its
-/// shadow on its mean plane is; one without area, since nothing of it is left, too.
-pub(super) fn is_convex(fan: &[Triangle]) -> bool {
-    if fan.len() < 2 {
+/// Whether a polygon of `count` corners is convex, which is cut into a fan around its first. A bent
+/// one counts as convex if its shadow on its mean plane is; one without area, since nothing of it is
+/// left, too.
+pub(super) fn is_convex(count: usize, corner: impl Fn(usize) -> Vec3) -> bool {
+    if count < 4 {
         return true;
     }
-    let areas = fan.iter().map(|t| {
-        let [a, b, c] = t.vertices.map(|v| v.as_dvec3());
-        (b - a).cross(c - a)
-    });
+    let side = |from: usize, to: usize| corner(to % count).as_dvec3() - corner(from % count).as_dvec3();
+    let areas = (1..count - 1).map(|i| side(0, i).cross(side(0, i + 1)));
     let whole: DVec3 = areas.clone().sum();
     let covered: f64 = areas.clone().map(DVec3::length).sum();
     // What crosses itself may have as much area one way round as the other.
@@ -22,28 +20,16 @@ pub(super) fn is_convex(fan: &[Triangle]) -> bool {
     }
     let turns_back = |area: DVec3| area.dot(whole) < -TOLERANCE * whole.length_squared();
     // A star turns alike at all corners, but its fan folds over; a dart has it the other way round.
-    !areas.chain(turns(fan)).any(turns_back)
-}
-
-/// At each corner, the parallelogram of the sides that meet there.
-fn turns(fan: &[Triangle]) -> impl Iterator<Item = DVec3> {
-    let count = fan.len() + 2;
-    let corner = move |i: usize| match i % count {
-        0 => fan[0].vertices[0].as_dvec3(),
-        1 => fan[0].vertices[1].as_dvec3(),
-        i => fan[i - 2].vertices[2].as_dvec3(),
-    };
-    (0..count).map(move |i| (corner(i + 1) - corner(i)).cross(corner(i + 2) - corner(i + 1)))
+    let turns = (0..count).map(|i| side(i, i + 1).cross(side(i + 1, i + 2)));
+    !areas.chain(turns).any(turns_back)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
-    fn fan(corners: &[[f32; 2]]) -> Vec<Triangle> {
-        let at = |i: usize| Vec3::new(corners[i][0], 0.0, corners[i][1]);
-        (1..corners.len() - 1).map(|i| Triangle::new(at(0), at(i), at(i + 1))).collect()
+    fn found(corners: &[[f32; 2]]) -> bool {
+        is_convex(corners.len(), |i| Vec3::new(corners[i][0], 0.0, corners[i][1]))
     }
 
     #[test]
@@ -57,7 +43,7 @@ mod tests {
             &star,
         ];
         for corners in odd {
-            assert!(!is_convex(&fan(corners)), "{corners:?}");
+            assert!(!found(corners), "{corners:?}");
         }
     }
 
@@ -72,7 +58,7 @@ mod tests {
             &decagon,
         ];
         for corners in even {
-            assert!(is_convex(&fan(corners)), "{corners:?}");
+            assert!(found(corners), "{corners:?}");
         }
     }
 }

@@ -2,12 +2,16 @@ use super::face::{self, Counts};
 use super::number::fraction;
 use super::polygon::is_convex;
 use super::source::Statement;
+use super::totals::Totals;
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use glam::Vec3;
 use globillum_geom::{Triangle, Triangles};
 use globillum_integrator::MaterialId;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+
+/// What there may be as many of as there may be materials.
+pub(super) const LIBRARIES: &str = "material libraries";
 
 /// An OBJ file read line by line: faces become triangles at once, materials are only named.
 pub(super) struct Scan<'a, 'm, 'l> {
@@ -17,43 +21,49 @@ pub(super) struct Scan<'a, 'm, 'l> {
     normals: Occurrences,
     short_faces: Occurrences,
     odd_polygons: Occurrences,
-    /// The corners of one face, kept only to be filled again.
-    corners: Vec<Vec3>,
-    fan: Vec<Triangle>,
+    /// The corners of one face, as indices of `positions`; kept only to be filled again.
+    corners: Vec<usize>,
     /// Triangles of all faces, degenerate ones too.
     triangles: u64,
     /// The material of faces to come.
     current: MaterialId,
-    ids: HashMap<&'a str, MaterialId>,
+    library_names: HashSet<&'a str>,
     named: Named<'a>,
 }
 
 /// What a file refers to by name.
 #[derive(Default)]
 pub(super) struct Named<'a> {
-    /// Statements that name material libraries.
+    /// Statements that name material libraries, each another one.
     pub(super) libraries: Vec<Statement<'a>>,
     /// For each material, the statement that first uses it.
     pub(super) materials: Vec<(Statement<'a>, MaterialId)>,
+    /// For each material's name, its position in `materials`.
+    pub(super) positions: HashMap<&'a str, usize>,
 }
 
 impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
-    /// A scan that gives faces the material `default` until a statement says otherwise.
-    pub(super) fn new(loading: &'m mut Loading<'l>, default: MaterialId) -> Self {
-        Self {
+    /// A scan that gives faces the material `default` until a statement says otherwise, with room
+    /// for what `totals` has counted.
+    pub(super) fn new(
+        loading: &'m mut Loading<'l>,
+        default: MaterialId,
+        totals: &Totals,
+    ) -> Result<Self, IoError> {
+        loading.try_grow(totals.triangles)?;
+        Ok(Self {
             loading,
-            positions: Vec::new(),
+            positions: Vec::with_capacity(totals.vertices),
             texture_coordinates: 0,
             normals: Occurrences::default(),
             short_faces: Occurrences::default(),
             odd_polygons: Occurrences::default(),
-            corners: Vec::new(),
-            fan: Vec::new(),
+            corners: Vec::with_capacity(totals.corners),
             triangles: 0,
             current: default,
-            ids: HashMap::new(),
+            library_names: HashSet::new(),
             named: Named::default(),
-        }
+        })
     }
 
     /// Reads `statements`, of `total` bytes together.
@@ -82,7 +92,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
             "vt" => self.texture_coordinates += 1,
             "vn" => self.normals.count(statement),
             "usemtl" => self.material(statement)?,
-            "mtllib" => self.named.libraries.push(*statement),
+            "mtllib" => self.library(statement)?,
             // Names, points, lines, curves: nothing that a ray could meet.
             _ => {}
         }
@@ -95,8 +105,10 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         let counts = Counts([self.positions.len(), self.texture_coordinates, self.normals.count]);
         self.corners.clear();
         for word in statement.words() {
-            self.corners.push(self.positions[face::corner(statement, word, &counts)?]);
-            statement.check_count(self.corners.len(), "corners of a polygon", limits.polygon_corners)?;
+            let corner = face::corner(statement, word, &counts)?;
+            let count = self.corners.len() + 1;
+            statement.check_count(count, "corners of a polygon", limits.polygon_corners)?;
+            self.corners.push(corner);
         }
         match self.corners.len() {
             0 => return Err(statement.malformed("takes three corners or more")),
@@ -104,36 +116,44 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
             _ => {
                 self.triangles += self.corners.len() as u64 - 2;
                 statement.check_count(self.triangles as usize, "triangles", limits.triangles)?;
-                self.add_fan(statement)?;
+                self.add_fan(statement);
             }
         }
         Ok(())
     }
 
     /// Cuts the polygon of `corners` into triangles around its first corner.
-    fn add_fan(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
-        let first = self.corners[0];
-        self.fan.clear();
-        self.fan.extend(self.corners[1..].windows(2).map(|side| Triangle::new(first, side[0], side[1])));
-        if !is_convex(&self.fan) {
+    fn add_fan(&mut self, statement: &Statement<'a>) {
+        let corner = |i: usize| self.positions[self.corners[i]];
+        if !is_convex(self.corners.len(), corner) {
             self.odd_polygons.count(statement);
         }
-        self.loading.try_grow(self.fan.len())?;
-        self.fan.iter().for_each(|triangle| self.loading.add(self.current, *triangle));
+        for i in 2..self.corners.len() {
+            self.loading.add(self.current, Triangle::new(corner(0), corner(i - 1), corner(i)));
+        }
+    }
+
+    /// `mtllib name`. Some exporters name the library again for every object.
+    fn library(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+        if self.library_names.insert(statement.arguments) {
+            let libraries = &mut self.named.libraries;
+            statement.check_count(libraries.len() + 1, LIBRARIES, self.loading.limits.materials)?;
+            libraries.push(*statement);
+        }
         Ok(())
     }
 
     /// `usemtl name`.
     fn material(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
         let name = statement.name()?;
-        self.current = match self.ids.get(name) {
-            Some(&id) => id,
+        let Named { materials, positions, .. } = &mut self.named;
+        self.current = match positions.get(name) {
+            Some(&position) => materials[position].1,
             None => {
-                let materials = &mut self.named.materials;
                 statement.check_count(materials.len() + 1, "materials", self.loading.limits.materials)?;
                 let id = self.loading.add_material(super::default_material());
+                positions.insert(name, materials.len());
                 materials.push((*statement, id));
-                self.ids.insert(name, id);
                 id
             }
         };

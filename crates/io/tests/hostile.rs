@@ -1,0 +1,409 @@
+//! Files that are made to take memory, of as many of the smallest things as they can hold: none takes
+//! more than four times its size, beside what it declares. In a process of its own, since it counts
+//! what is allocated; so strictly that memory which grows counts twice while it is moved.
+//!
+//! `cargo test -p globillum-io --test hostile -- --nocapture` prints the multiples.
+#![cfg(all(feature = "obj", feature = "gltf"))]
+#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::print_stderr, reason = "figures are printed for those who ask")]
+
+mod files;
+
+use files::{Files, floats};
+use globillum_geom::Triangle;
+use globillum_integrator::Camera;
+use globillum_io::{IoError, Loaded};
+use globillum_testkit::bad_input::glb;
+use std::fmt::Write;
+
+/// The most that loading may take, as a multiple of the files, beside what they declare.
+const TIMES: u64 = 4;
+
+/// Bytes that even an empty file may take: the report, one block of what is walked through.
+const SMALL: u64 = 256 << 10;
+
+/// Bytes that a triangle takes in a model, with its material's number.
+const TRIANGLE: u64 = (size_of::<Triangle>() + size_of::<u32>()) as u64;
+
+/// Bytes that a material or a library may take; there are at most 65,536 of each.
+const NAMED: u64 = 512;
+
+/// Bytes that an emitting triangle may take while those are looked for that overlap another.
+const LAMP: u64 = 256;
+
+/// Bytes that a camera which a node places takes; there are at most 65,536.
+const CAMERA: u64 = size_of::<Camera>() as u64;
+
+/// Files that ask for much; the first is the scene.
+struct Hostile {
+    name: &'static str,
+    files: Vec<(&'static str, Vec<u8>)>,
+    /// What its message says, or how many triangles are loaded.
+    outcome: Result<usize, &'static str>,
+    /// Triangles that it declares beside those that are loaded.
+    declared: usize,
+    /// Triangles that emit light.
+    lamps: usize,
+    /// Cameras that are made, and materials and libraries that it names.
+    cameras: usize,
+    named: usize,
+    /// The most that loading may take, as a multiple of the file.
+    most: u64,
+}
+
+impl Hostile {
+    fn new(name: &'static str, file: &'static str, content: Vec<u8>) -> Self {
+        Self {
+            name,
+            files: vec![(file, content)],
+            outcome: Err("has no triangles"),
+            declared: 0,
+            lamps: 0,
+            cameras: 0,
+            named: 0,
+            most: TIMES,
+        }
+    }
+
+    /// A glTF of these members; `triangle` is one of accessor 0.
+    fn json(name: &'static str, members: &str) -> Self {
+        let json = format!(r#"{{"asset":{{"version":"2.0"}},{members}}}"#);
+        Self::new(name, "a.glb", glb(&json, &floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0])))
+    }
+
+    fn obj(name: &'static str, text: String) -> Self {
+        Self::new(name, "a.obj", text.into_bytes())
+    }
+
+    /// A triangle with that material library.
+    fn mtl(name: &'static str, text: String) -> Self {
+        Self::obj(name, format!("mtllib a.mtl\n{FLAT}f 1 2 3\n")).beside("a.mtl", text.into_bytes()).loads(1)
+    }
+
+    fn beside(mut self, name: &'static str, content: Vec<u8>) -> Self {
+        self.files.push((name, content));
+        self
+    }
+
+    fn loads(self, triangles: usize) -> Self {
+        Self { outcome: Ok(triangles), ..self }
+    }
+
+    fn refused(self, message: &'static str) -> Self {
+        Self { outcome: Err(message), ..self }
+    }
+
+    /// Triangles that it declares where it is refused.
+    fn declares(self, declared: usize) -> Self {
+        Self { declared, ..self }
+    }
+
+    fn shines(self, lamps: usize) -> Self {
+        Self { lamps, ..self }
+    }
+
+    fn sees(self, cameras: usize) -> Self {
+        Self { cameras, ..self }
+    }
+
+    fn at_most(self, most: u64) -> Self {
+        Self { most, ..self }
+    }
+
+    fn names(self, named: usize) -> Self {
+        Self { named, ..self }
+    }
+
+    /// Loads it, prints what that took, and returns what is wrong with it.
+    fn check(&self) -> Option<String> {
+        let list: Vec<_> = self.files.iter().map(|(name, content)| (*name, &content[..])).collect();
+        let size = self.files.iter().map(|(_, content)| content.len() as u64).sum::<u64>();
+        let files = Files::new(&list);
+        let mut result = None;
+        let allocated = allocation_counter::measure(|| result = Some(files.load(self.files[0].0)));
+        let (triangles, outcome) = outcome(&files, &result.unwrap());
+        let beside = (triangles + self.declared) as u64 * TRIANGLE + self.cameras as u64 * CAMERA;
+        let taken = allocated.bytes_max.saturating_sub(beside);
+        let mut line = format!(
+            "{:46} {:5.2} MB, {:5.2} times, beside {:.2} MB",
+            self.name,
+            size as f64 / 1e6,
+            taken as f64 / size as f64,
+            beside as f64 / 1e6,
+        );
+        for (count, what) in [(self.named, "name"), (self.lamps, "lamp")] {
+            if let Some(each) = taken.saturating_sub(size).checked_div(count as u64) {
+                write!(line, ", {each} bytes a {what}").unwrap();
+            }
+        }
+        eprintln!("{line}");
+        let expected = match (&outcome, self.outcome) {
+            (Ok(found), Ok(expected)) => *found == expected,
+            (Err(found), Err(expected)) => found.contains(expected),
+            _ => false,
+        };
+        if !expected {
+            return Some(format!("{}: {outcome:.200?} instead of {:?}", self.name, self.outcome));
+        }
+        let allowed = self.most * size + self.named as u64 * NAMED + self.lamps as u64 * LAMP + SMALL;
+        (taken > allowed).then_some(line)
+    }
+}
+
+/// How many triangles were made, degenerate ones too, and how many there are, or the error.
+fn outcome(files: &Files, result: &Result<Loaded, IoError>) -> (usize, Result<usize, String>) {
+    match result {
+        Ok(loaded) => {
+            let count = loaded.model.triangles().len();
+            (count + loaded.report.degenerate_triangles, Ok(count))
+        }
+        Err(error) => (0, Err(files.shortened(error))),
+    }
+}
+
+fn check(rows: impl IntoIterator<Item = Hostile>) {
+    let failed: Vec<_> = rows.into_iter().filter_map(|row| row.check()).collect();
+    assert!(failed.is_empty(), "not as it should be:\n{}", failed.join("\n"));
+}
+
+/// A JSON array.
+fn array(count: usize, element: impl Fn(usize) -> String) -> String {
+    let elements: Vec<_> = (0..count).map(element).collect();
+    format!("[{}]", elements.join(","))
+}
+
+fn same(count: usize, element: &str) -> String {
+    array(count, |_| element.into())
+}
+
+/// A little more than a power of two: what doubles has just done so.
+const MILLION: usize = (1 << 20) + 1;
+const MANY: usize = (1 << 17) + 1;
+const FEW: usize = (1 << 15) + 1;
+
+/// What a mesh of one triangle takes.
+const SHAPE: &str = r#""accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]"#;
+
+const PRIMITIVE: &str = r#"{"attributes":{"POSITION":0}}"#;
+
+#[test]
+fn nodes() {
+    let json = |name, nodes: &str| Hostile::json(name, &format!(r#""nodes":{nodes}"#));
+    let leaf = || String::from("{}");
+    let parent = |own: &str, children: String| format!(r#"{{{own}"children":[{children}]}}"#);
+    let chain = |own| array(MANY + 1, |i| if i < MANY { parent(own, format!("{}", i + 1)) } else { leaf() });
+    let comb =
+        |own| {
+            let is_parent = |i| i % 2 == 0 && i < 2 * MANY;
+            array(2 * MANY + 1, |i| {
+                if is_parent(i) { parent(own, format!("{},{}", i + 2, i + 1)) } else { leaf() }
+            })
+        };
+    let mirrored = r#""scale":[-1,1,1],"#;
+    let numbers = |range: std::ops::Range<usize>| array(range.len(), |i| (range.start + i).to_string());
+    let identity = r#"{"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}"#;
+    let scene = |nodes: &str, roots: &str| format!(r#"{nodes},"scenes":[{{"nodes":{roots}}}]"#);
+    let empty = r#","meshes":[{"primitives":[]}]"#;
+    check([
+        json("nodes", &same(MILLION, "{}")),
+        json("nodes in a chain", &chain("")),
+        json("nodes in a chain, mirrored", &chain(mirrored)),
+        json("nodes in a comb", &comb("")),
+        json("nodes in a comb, mirrored", &comb(mirrored)),
+        json("nodes in a ring", &array(MANY, |i| format!(r#"{{"children":[{}]}}"#, (i + 1) % MANY)))
+            .refused("nodes[0]: is its own ancestor"),
+        json(
+            "nodes that are children of one",
+            &format!(r#"[{{"children":{}}},{}]"#, numbers(1..MANY), "{},".repeat(MANY - 2) + "{}"),
+        ),
+        json("children that are all the same", &format!(r#"[{{}},{{"children":{}}}]"#, same(MILLION, "0")))
+            .refused("nodes[0]: has more than one parent"),
+        json("nodes of a scene", &scene(&same(MANY, "{}"), &numbers(0..MANY))),
+        json("roots that are all the same", &scene("[{}]", &same(MILLION, "0")))
+            .refused("nodes[0]: has more than one parent"),
+        json("nodes with a matrix", &same(MANY, identity)),
+        json("nodes with a scale", &same(MANY, r#"{"scale":[-1,1,1]}"#)),
+        json("nodes of a mesh without triangles", &(same(MILLION, r#"{"mesh":0}"#) + empty)),
+        json(
+            "nodes of a mesh without triangles, mirrored",
+            &(same(MANY, r#"{"scale":[-1,1,1],"mesh":0}"#) + empty),
+        ),
+        json("nodes of a mesh with a skin", &(same(MANY, r#"{"mesh":0,"skin":0}"#) + empty)),
+    ]);
+}
+
+#[test]
+fn meshes() {
+    let placed = |name, mesh: &str| {
+        Hostile::json(name, &format!(r#""nodes":[{{"mesh":0}}],"meshes":[{mesh}],{SHAPE}"#))
+    };
+    let primitives = |primitives: String| format!(r#"{{"primitives":{primitives}}}"#);
+    let each = |mesh: &str| {
+        let nodes = array(MANY, |i| format!(r#"{{"mesh":{i}}}"#));
+        format!(r#""nodes":{nodes},"meshes":{},{SHAPE}"#, same(MANY, mesh))
+    };
+    let targets = format!(r#"[{{"attributes":{{"POSITION":0}},"targets":{}}}]"#, same(MILLION, "{}"));
+    check([
+        Hostile::json(
+            "meshes without primitives",
+            &format!(r#""meshes":{}"#, same(MANY, r#"{"primitives":[]}"#)),
+        ),
+        Hostile::json("meshes without primitives, placed", &each(r#"{"primitives":[]}"#)),
+        Hostile::json("meshes of a triangle, placed", &each(&primitives(format!("[{PRIMITIVE}]"))))
+            .loads(MANY),
+        placed("primitives without positions", &primitives(same(MANY, r#"{"attributes":{}}"#))),
+        placed("primitives of points", &primitives(same(MANY, r#"{"attributes":{},"mode":0}"#))),
+        placed("primitives of a triangle", &primitives(same(MANY, PRIMITIVE))).loads(MANY),
+        placed("morph targets", &primitives(targets)).loads(1),
+    ]);
+}
+
+#[test]
+fn accessors_and_buffers() {
+    let json =
+        |name, member: &str, elements: String| Hostile::json(name, &format!(r#""{member}":{elements}"#));
+    let vertex = r#"{"componentType":5126,"count":0,"type":"VEC3"}"#;
+    let sparse = r#"{"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,
+        "indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":0}}}"#;
+    let used = |accessor: &str| {
+        let primitives = array(MANY, |i| format!(r#"{{"attributes":{{"POSITION":{i}}}}}"#));
+        format!(
+            r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":{primitives}}}],"accessors":{},
+            "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36}}]"#,
+            same(MANY, accessor)
+        )
+    };
+    let views = same(MANY, r#"{"buffer":0,"byteLength":0}"#);
+    let shared = same(2000, r#"{"uri":"b.bin","byteLength":1000000}"#);
+    let data = format!(r#"[{{"uri":"data:,{}","byteLength":0}}]"#, "a".repeat(4 << 20));
+    let escaped = format!(r#"[{{"uri":"data:,\n{}","byteLength":0}}]"#, "a".repeat(4 << 20));
+    check([
+        json("accessors", "accessors", same(MANY, vertex)),
+        Hostile::json("accessors that primitives use", &used(vertex)),
+        Hostile::json("sparse accessors that primitives use", &used(sparse)),
+        json("buffer views", "bufferViews", views),
+        json("buffers", "buffers", same(MANY, r#"{"byteLength":0}"#)),
+        json("buffers of one file", "buffers", shared).beside("b.bin", vec![0; 1_000_000]),
+        json("a buffer in the JSON", "buffers", data),
+        json("a buffer in the JSON, escaped", "buffers", escaped),
+    ]);
+}
+
+#[test]
+fn the_rest_of_gltf() {
+    let json =
+        |name, member: &str, elements: String| Hostile::json(name, &format!(r#""{member}":{elements}"#));
+    let placed = |cameras: &str, count| {
+        format!(r#"{cameras},"nodes":{}"#, array(count, |i| format!(r#"{{"camera":{}}}"#, i % 2)))
+    };
+    let odd = array(MANY, |_| r#"{"type":""}"#.into());
+    let each = format!(r#"{odd},"nodes":{}"#, array(MANY / 2, |i| format!(r#"{{"camera":{i}}}"#)));
+    let seeing = r#"[{"type":"perspective","perspective":{"yfov":1}},{"type":"perspective","perspective":{"yfov":1}}]"#;
+    let text = |start: &str| format!(r#"[{{"name":"{start}{}"}}]"#, "a".repeat(4 << 20));
+    check([
+        json("materials, too many", "materials", same(MILLION, "{}"))
+            .refused("a.glb: more than 65536 materials"),
+        json("materials", "materials", same(FEW, "{}")).names(FEW),
+        json("a material's name", "materials", text("")),
+        json("a material's name, escaped", "materials", text(r"\n")),
+        json("cameras", "cameras", same(MANY, r#"{"type":""}"#)),
+        json("cameras that are not perspective, placed", "cameras", each),
+        json("cameras, too many", "cameras", placed(seeing, MILLION)).refused("more than 65536 cameras"),
+        json("cameras placed", "cameras", placed(seeing, FEW)).sees(FEW),
+        json("images", "images", same(MILLION, r#"{"uri":""}"#)),
+        json("images of nothing", "images", same(MILLION, "{}"))
+            .refused("images[0]: has neither a URI nor a buffer view"),
+        json("scenes", "scenes", same(MILLION, "{}")),
+        json("extensions used", "extensionsUsed", same(MILLION, r#""""#)),
+        json("extensions required", "extensionsRequired", same(MILLION, r#""KHR_texture_transform""#)),
+        json("a string for a number", "scene", format!("\"{}\"", "a".repeat(4 << 20)))
+            .refused(NO_NUMBER)
+            .at_most(5),
+        json(
+            "a string for a number, of control characters",
+            "scene",
+            format!("\"{}\"", "\u{7f}".repeat(1 << 20)),
+        )
+        .refused(NO_NUMBER)
+        .at_most(25),
+        json("animations", "animations", same(MILLION, "{}")),
+        json("brackets", "extras", "[".repeat(MILLION) + &"]".repeat(MILLION)),
+        json("members that are not known", "a", format!("0{}", r#","a":0"#.repeat(MILLION))),
+    ]);
+}
+
+/// What is said of a number that is none.
+const NO_NUMBER: &str = ", expected u32";
+
+const FLAT: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+/// So many lines.
+fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
+    (0..count).map(|i| line(i) + "\n").collect()
+}
+
+#[test]
+fn obj() {
+    let obj = |name, text: String| Hostile::obj(name, format!("{FLAT}{text}"));
+    let polygon = |corners: usize, ring: &str| format!("f{}\n", ring.repeat(corners / 3));
+    check([
+        obj("vertices", "v 0 0 0\n".repeat(MILLION)),
+        obj("faces", "f 1 2 3\n".repeat(MILLION)).loads(MILLION),
+        obj("faces without area", "f 1 1 1\n".repeat(MILLION) + "f 1 2 3\n").loads(1),
+        obj("faces that end in comments", "f 1 1 1 # 1 1 1 1 1 1\n".repeat(MANY) + "f 1 2 3").loads(1),
+        obj("polygons", polygon(60_000, " 1 2 3").repeat(40)).loads(800_000),
+        obj("one polygon", polygon(60_000, " 1 2 3")).loads(20_000),
+        obj("one polygon, too large", polygon(69_000, " 1 2 3"))
+            .refused("more than 65536 corners of a polygon")
+            .declares(65_536),
+        obj("polygons without area", polygon(60_000, " 1 1 1").repeat(40) + "f 1 2 3").loads(1),
+        obj("faces of two corners", "f 1 1\n".repeat(MILLION)),
+        obj("faces over many lines", "f 1 \\\n2 \\\n3\n".repeat(MANY)).loads(MANY),
+        obj("texture coordinates and normals", "vt\nvn\n".repeat(MILLION)),
+        obj("groups", "g\n".repeat(MILLION)),
+        obj("empty lines", "\n".repeat(MILLION)),
+        obj("changes of material", "usemtl a\n".repeat(MILLION)),
+        obj("materials", lines(FEW, |i| format!("usemtl {i:x}"))).names(FEW),
+        obj("materials, too many", lines(MANY, |i| format!("usemtl {i:x}")))
+            .refused("more than 65536 materials")
+            .names(65_536),
+        obj("one library", "mtllib a\n".repeat(MILLION)),
+        obj("libraries", lines(FEW, |i| format!("mtllib {i:x}")) + "f 1 2 3").loads(1).names(FEW),
+        obj("libraries, too many", lines(MANY, |i| format!("mtllib {i:x}")))
+            .refused("more than 65536 material libraries")
+            .names(65_536),
+        obj("libraries, many of a line", lines(4096, |i| format!("mtllib {i:x}{}", " a".repeat(100))))
+            .refused("more than 65536 material libraries")
+            .names(4096),
+        obj("a word", format!("v {}\n", "a".repeat(4 << 20))).refused("is not a number"),
+    ]);
+}
+
+#[test]
+fn mtl() {
+    let shining = |name, faces: String| {
+        let scene = format!("mtllib a.mtl\nusemtl a\n{FLAT}{faces}");
+        Hostile::obj(name, scene).beside("a.mtl", b"newmtl a\nKe 1\n".into()).loads(MANY).shines(MANY)
+    };
+    let on_a_ball = |i: usize| {
+        let (z, turn) = (i as f64 / 501.0 - 1.0, i as f64 * 2.4);
+        let radius = (1.0 - z * z).sqrt();
+        format!("v {:.4} {:.4} {z}", radius * turn.cos(), radius * turn.sin())
+    };
+    let corners = |i: usize| format!("f {} {} {}", i % 997 + 4, i % 991 + 5, i % 983 + 6);
+    let of_their_own = lines(1002, on_a_ball) + &lines(MANY, corners);
+    check([
+        Hostile::mtl("materials of one name", "newmtl a\n".repeat(FEW)).names(FEW),
+        Hostile::mtl("materials of a library", lines(FEW, |i| format!("newmtl {i:x}"))).names(FEW),
+        Hostile::mtl("materials of a library, too many", lines(MANY, |i| format!("newmtl {i:x}")))
+            .refused("more than 65536 materials")
+            .names(65_536),
+        shining("lamps in one plane", "f 1 2 3\n".repeat(MANY)),
+        shining("lamps in planes of their own", of_their_own),
+        Hostile::mtl("colours", "newmtl a\n".to_owned() + &"Kd 1\n".repeat(MILLION)),
+        Hostile::mtl("a colour", format!("newmtl a\nKd{}\n", " 1".repeat(MILLION)))
+            .refused("takes 1 or 3 numbers"),
+        Hostile::mtl("a name", format!("newmtl {}\nmap_Kd a\nTr 1\n", "a".repeat(4 << 20))),
+    ]);
+}
