@@ -285,6 +285,19 @@ fn an_index_beyond_32_bits_does_not_become_a_small_one() {
 }
 
 #[test]
+fn json_is_utf_8_also_where_it_is_not_read() {
+    let json = b"{\"asset\":{\"version\":\"2.0\"},\n\"extras\":\"\xe4\"}";
+    let message = |name: &str, bytes: &[u8]| {
+        let files = Files::new(&[(name, bytes)]);
+        files.shortened(&files.load(name).unwrap_err())
+    };
+    assert_eq!(message("a.gltf", json), "a.gltf:2: column 11: is not UTF-8");
+    let mut chunk = glb(&" ".repeat(json.len().next_multiple_of(4)), &[]);
+    chunk[20..][..json.len()].copy_from_slice(json);
+    assert_eq!(message("a.glb", &chunk), "a.glb: JSON chunk: is not UTF-8 at line 2 column 11");
+}
+
+#[test]
 fn unknown_extensions_and_missing_files_are_named() {
     let message = |name: &str| globillum_io::load(Path::new(name)).unwrap_err().to_string();
     assert_eq!(message("a.stl"), "a.stl: unknown scene format; supported are .obj, .gltf and .glb");

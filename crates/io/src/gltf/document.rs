@@ -16,7 +16,12 @@ impl<'a> Document<'a> {
         check_count_of_values(container.json, loading)?;
         let refused = |error: serde_json::Error| parse_error(&error, container, loading);
         serde_json::from_slice::<Root<'a, false>>(container.json).map_err(refused)?;
-        let document = Self(serde_json::from_slice(container.json).map_err(refused)?);
+        // Text that nothing reads may be of another encoding.
+        let text = str::from_utf8(container.json).map_err(|error| {
+            let (line, column) = line_and_column(&container.json[..error.valid_up_to()]);
+            located("is not UTF-8", line, column, container, loading)
+        })?;
+        let document = Self(serde_json::from_str(text).map_err(refused)?);
         document.check_version(loading)?;
         document.check_extensions(loading)?;
         document.check_images(loading)?;
@@ -97,10 +102,28 @@ fn check_count_of_values(json: &[u8], loading: &Loading<'_>) -> Result<(), IoErr
 fn parse_error(error: &serde_json::Error, container: &Container<'_>, loading: &Loading<'_>) -> IoError {
     let text = error.to_string();
     let (what, _) = text.rsplit_once(" at line ").unwrap_or((&text, ""));
-    let (place, column) = (Place::Line(error.line().max(1)), error.column());
-    if container.is_text {
-        IoError::Parse { at: loading.at(place), message: format!("column {column}: {what}") }
+    located(what, error.line(), error.column(), container, loading)
+}
+
+/// Where the text ends that `before` is, both counted from 1.
+fn line_and_column(before: &[u8]) -> (usize, usize) {
+    let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+    let column = 1 + before.iter().rev().take_while(|&&byte| byte != b'\n').count();
+    (line, column)
+}
+
+/// An error at a place in the JSON, which is one of the file if that is nothing else.
+fn located(
+    what: &str,
+    line: usize,
+    column: usize,
+    container: &Container<'_>,
+    loading: &Loading<'_>,
+) -> IoError {
+    let (at, message) = if container.is_text {
+        (Place::Line(line.max(1)), format!("column {column}: {what}"))
     } else {
-        IoError::Parse { at: loading.at(Place::File), message: format!("JSON chunk: {text}") }
-    }
+        (Place::File, format!("JSON chunk: {what} at line {line} column {column}"))
+    };
+    IoError::Parse { at: loading.at(at), message }
 }

@@ -69,10 +69,11 @@ pub(super) struct Node<'a, const KEPT: bool> {
     pub(super) mesh: Option<u32>,
     pub(super) camera: Option<u32>,
     pub(super) skin: Option<u32>,
-    pub(super) matrix: Option<[f64; 16]>,
-    pub(super) translation: Option<[f64; 3]>,
-    pub(super) rotation: Option<[f64; 4]>,
-    pub(super) scale: Option<[f64; 3]>,
+    /// Boxed, as are the others: most nodes of a large scene have one of them or none.
+    pub(super) matrix: Option<Box<[f64; 16]>>,
+    pub(super) translation: Option<Box<[f64; 3]>>,
+    pub(super) rotation: Option<Box<[f64; 4]>>,
+    pub(super) scale: Option<Box<[f64; 3]>>,
 }
 
 #[derive(Deserialize)]

@@ -72,7 +72,7 @@ impl<T> Stack<T> {
         if self.top.len() == BLOCK {
             self.full.push(std::mem::take(&mut self.top));
         }
-        if self.top.is_empty() {
+        if self.top.capacity() == 0 {
             self.top.reserve_exact(BLOCK);
         }
         self.top.push(element);
@@ -80,9 +80,11 @@ impl<T> Stack<T> {
 
     fn pop(&mut self) -> Option<T> {
         let element = self.top.pop();
-        // The top is empty only if all is.
-        if self.top.is_empty() {
-            self.top = self.full.pop().unwrap_or_default();
+        // The top is empty only if all is, and stays for what comes next.
+        if self.top.is_empty()
+            && let Some(full) = self.full.pop()
+        {
+            self.top = full;
         }
         element
     }

@@ -4,7 +4,7 @@ use globillum_geom::Triangles;
 
 /// Where a node places what it holds, relative to its parent; an error says what is wrong with it.
 pub(super) fn local(node: &Node<'_, true>) -> Result<DAffine3, String> {
-    let transform = match &node.matrix {
+    let transform = match node.matrix.as_deref() {
         Some(columns) => of_matrix(columns)?,
         None => of_parts(node)?,
     };
@@ -35,12 +35,14 @@ fn of_matrix(columns: &[f64; 16]) -> Result<DAffine3, String> {
 
 /// A scale of zero is allowed here, since it is how nodes are hidden.
 fn of_parts(node: &Node<'_, true>) -> Result<DAffine3, String> {
-    let vector = |parts: Option<[f64; 3]>, default| parts.map_or(default, DVec3::from_array);
-    let rotation = match node.rotation {
+    let vector = |parts: &Option<Box<[f64; 3]>>, default| {
+        parts.as_deref().map_or(default, |parts| DVec3::from_array(*parts))
+    };
+    let rotation = match node.rotation.as_deref() {
         // The most common one shall not cost a rounding.
         None => DQuat::IDENTITY,
         Some(parts) => {
-            let rotation = DQuat::from_array(parts);
+            let rotation = DQuat::from_array(*parts);
             let length = rotation.length();
             if !(length.is_finite() && length > 0.0) {
                 return Err("the rotation is not a unit quaternion".into());
@@ -48,6 +50,6 @@ fn of_parts(node: &Node<'_, true>) -> Result<DAffine3, String> {
             rotation / length
         }
     };
-    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
+    let (scale, translation) = (vector(&node.scale, DVec3::ONE), vector(&node.translation, DVec3::ZERO));
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
 }

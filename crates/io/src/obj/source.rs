@@ -40,9 +40,14 @@ impl Source {
         Ok(Self { path: path.into(), text })
     }
 
+    /// All lines, in order.
+    pub(super) fn lines(&self) -> impl Iterator<Item = &str> {
+        self.text.lines()
+    }
+
     /// All lines that say something, in order.
     pub(super) fn statements(&self) -> impl Iterator<Item = Statement<'_>> {
-        self.text.lines().zip(1..).filter_map(|(text, line)| Statement::of(&self.path, line, text))
+        self.lines().zip(1..).filter_map(|(text, line)| Statement::of(&self.path, line, text))
     }
 
     /// Bytes of text.
