@@ -14,12 +14,15 @@ impl<'a> Document<'a> {
     pub(super) fn parse(container: &Container<'a>, loading: &mut Loading<'_>) -> Result<Self, IoError> {
         check_length(container.json.len() as u64, loading)?;
         check_count_of_values(container.json, loading)?;
-        let refused = |error: serde_json::Error| parse_error(&error, container, loading);
+        let refused = |error: serde_json::Error| {
+            parse_error(&error.to_string(), error.line(), error.column(), container, loading)
+        };
         serde_json::from_slice::<Root<'a, false>>(container.json).map_err(refused)?;
         // Text that nothing reads may be of another encoding.
         let text = str::from_utf8(container.json).map_err(|error| {
             let (line, column) = line_and_column(&container.json[..error.valid_up_to()]);
-            located("is not UTF-8", line, column, container, loading)
+            let text = format!("is not UTF-8 at line {line} column {column}");
+            parse_error(&text, line, column, container, loading)
         })?;
         let document = Self(serde_json::from_str(text).map_err(refused)?);
         document.check_version(loading)?;
@@ -99,12 +102,6 @@ fn check_count_of_values(json: &[u8], loading: &Loading<'_>) -> Result<(), IoErr
     Ok(())
 }
 
-fn parse_error(error: &serde_json::Error, container: &Container<'_>, loading: &Loading<'_>) -> IoError {
-    let text = error.to_string();
-    let (what, _) = text.rsplit_once(" at line ").unwrap_or((&text, ""));
-    located(what, error.line(), error.column(), container, loading)
-}
-
 /// Where the text ends that `before` is, both counted from 1.
 fn line_and_column(before: &[u8]) -> (usize, usize) {
     let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
@@ -112,18 +109,20 @@ fn line_and_column(before: &[u8]) -> (usize, usize) {
     (line, column)
 }
 
-/// An error at a place in the JSON, which is one of the file if that is nothing else.
-fn located(
-    what: &str,
+/// An error of that text, which ends in line and column; those are the file's if it is nothing but
+/// JSON.
+fn parse_error(
+    text: &str,
     line: usize,
     column: usize,
     container: &Container<'_>,
     loading: &Loading<'_>,
 ) -> IoError {
     let (at, message) = if container.is_text {
+        let (what, _) = text.rsplit_once(" at line ").unwrap_or((text, ""));
         (Place::Line(line.max(1)), format!("column {column}: {what}"))
     } else {
-        (Place::File, format!("JSON chunk: {what} at line {line} column {column}"))
+        (Place::File, format!("JSON chunk: {text}"))
     };
     IoError::Parse { at: loading.at(at), message }
 }
