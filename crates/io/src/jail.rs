@@ -24,7 +24,6 @@ impl<'a> Jail<'a> {
     }
 
     /// Bytes of all files that were read.
-    #[cfg(feature = "gltf")]
     pub(crate) fn bytes_read(&self) -> u64 {
         self.limit - self.bytes_left
     }

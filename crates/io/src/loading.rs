@@ -11,8 +11,8 @@ use std::path::Path;
 /// The most steps between two looks at the monitor.
 const STEPS_BETWEEN_REPORTS: u64 = 1 << 16;
 
-/// Bytes of warnings that are kept: a small file may give rise to a million.
-const ROOM_FOR_WARNINGS: usize = 128 << 10;
+/// Bytes of warnings that are kept, beyond as many as the files have: three bytes may give rise to one.
+const ROOM_FOR_WARNINGS: u64 = 128 << 10;
 
 /// A scene that is being loaded: what is known of it so far, and what watches over it.
 pub(crate) struct Loading<'a> {
@@ -23,7 +23,7 @@ pub(crate) struct Loading<'a> {
     model: Model,
     monitor: &'a dyn LoadMonitor,
     reported: u64,
-    room_for_warnings: usize,
+    bytes_of_warnings: u64,
     warnings_left_out: usize,
 }
 
@@ -38,7 +38,7 @@ impl<'a> Loading<'a> {
             model: Model::default(),
             monitor,
             reported: 0,
-            room_for_warnings: ROOM_FOR_WARNINGS,
+            bytes_of_warnings: 0,
             warnings_left_out: 0,
         }
     }
@@ -57,12 +57,12 @@ impl<'a> Loading<'a> {
     /// Warns of something in one of the scene's files, if there is room.
     pub(crate) fn warn_of(&mut self, at: Location, kind: WarningKind) {
         let warning = Warning { at, kind };
-        match self.room_for_warnings.checked_sub(warning.bytes()) {
-            Some(room) => {
-                self.room_for_warnings = room;
-                self.report.warnings.push(warning);
-            }
-            None => self.warnings_left_out += 1,
+        let bytes = self.bytes_of_warnings + warning.bytes() as u64;
+        if bytes <= ROOM_FOR_WARNINGS + self.jail.bytes_read() {
+            self.bytes_of_warnings = bytes;
+            self.report.warnings.push(warning);
+        } else {
+            self.warnings_left_out += 1;
         }
     }
 
@@ -122,7 +122,7 @@ impl<'a> Loading<'a> {
             return Err(IoError::Empty { path: self.path.into() });
         }
         // What is said of the scene as a whole has room.
-        self.room_for_warnings = ROOM_FOR_WARNINGS;
+        self.bytes_of_warnings = 0;
         let count = std::mem::take(&mut self.warnings_left_out);
         if count > 0 {
             self.warn(Place::File, WarningKind::LeftOut { count });
