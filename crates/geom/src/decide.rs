@@ -57,8 +57,14 @@ impl Shear {
         if !ray.is_traceable() {
             return None;
         }
+        Some(Self::of_traceable(ray))
+    }
+
+    /// Prepares a ray that is known to be traceable.
+    #[inline(always)]
+    pub(crate) fn of_traceable(ray: &Ray) -> Self {
         let main_axis = main_axis(ray.direction);
-        Some(Self::of_permuted(main_axis, permute(ray.origin, main_axis), permute(ray.direction, main_axis)))
+        Self::of_permuted(main_axis, permute(ray.origin, main_axis), permute(ray.direction, main_axis))
     }
 
     /// Prepares a traceable ray, given by components in such an order that the one along `main_axis`
@@ -85,13 +91,21 @@ impl Shear {
     /// barycentrics. Seen edge-on, a small displacement can be a large difference in `t`.
     #[inline(always)]
     pub fn decide(&self, triangle: &Triangle) -> Option<Intersection> {
-        let [a, b, c] = self.project_all(triangle.vertices.map(|v| permute(v.as_dvec3(), self.main_axis)));
+        let [a, b, c] = self.project_triangle(triangle);
         // A plain difference of rounded products has the right sign or is zero: enough to turn
         // away nearly all triangles before the careful evaluation.
         if differ_in_sign(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x) {
             return None;
         }
         let (intersection, is_met) = self.evaluate([a, b, c]);
+        is_met.then_some(intersection)
+    }
+
+    /// [`Shear::decide`] for a triangle that is likely met: none is turned away early, which no
+    /// processor would foresee.
+    #[inline(always)]
+    pub(crate) fn decide_likely(&self, triangle: &Triangle) -> Option<Intersection> {
+        let (intersection, is_met) = self.evaluate(self.project_triangle(triangle));
         is_met.then_some(intersection)
     }
 
@@ -113,6 +127,11 @@ impl Shear {
         // Adding zero turns a negative zero positive, so that its sign carries no accident.
         let t = depth / self.direction_z + 0.0;
         (Intersection { t, u: e1 / det + 0.0, v: e2 / det + 0.0 }, is_met)
+    }
+
+    #[inline(always)]
+    fn project_triangle(&self, triangle: &Triangle) -> [Sheared; 3] {
+        self.project_all(triangle.vertices.map(|v| permute(v.as_dvec3(), self.main_axis)))
     }
 
     #[inline(always)]

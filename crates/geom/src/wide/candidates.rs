@@ -52,20 +52,20 @@ impl Candidates {
         (!is_beyond).then_some(self.indices[at % CAPACITY])
     }
 
-    /// Decides those that do not begin beyond `t_end`, and clears all.
+    /// Decides for a traceable ray those that do not begin beyond `t_end`, and clears all.
     #[inline(always)]
     pub(super) fn decide<Q: Search>(&mut self, t_end: f32, ray: &Ray, triangles: &Triangles, search: &mut Q) {
         let count = std::mem::take(&mut self.count).min(CAPACITY);
         if count == 0 {
             return;
         }
-        let Some(shear) = Shear::new(ray) else { return };
+        let shear = Shear::of_traceable(ray);
         for (&start, &index) in self.starts.iter().zip(&self.indices).take(count) {
             // NaN bounds nothing.
             if start > t_end {
                 continue;
             }
-            if let Some(intersection) = shear.decide(triangles.get(index)) {
+            if let Some(intersection) = shear.decide_likely(triangles.get(index)) {
                 search.offer(intersection, index);
             }
         }
