@@ -31,12 +31,10 @@ impl Candidates {
     pub(super) fn add(&mut self, start: f32, index: u32) {
         let at = self.count % CAPACITY;
         // A triangle that straddles cells comes up again and again.
-        if at > 0 && self.indices[at - 1] == index {
-            return;
-        }
+        let is_new = (at == 0) | (self.indices[at.wrapping_sub(1) % CAPACITY] != index);
         self.starts[at] = start;
         self.indices[at] = index;
-        self.count = at + 1;
+        self.count = at + usize::from(is_new);
     }
 
     #[inline(always)]
