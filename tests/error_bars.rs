@@ -16,8 +16,8 @@ const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
 /// Pixels along each side, all of the same point.
 const SIDE: u32 = 64;
 
-/// Five standard deviations of a root mean square over that many normal variates.
-const RMS_LIMIT: f64 = 0.055;
+/// 5.85 standard deviations of a root mean square over that many normal variates, `1 / sqrt(2 * 4096)`.
+const RMS_LIMIT: f64 = 0.0646;
 
 /// Half of the form factor of four unit squares with a common corner at height 1 (C5).
 fn truth() -> f64 {

@@ -6,6 +6,7 @@ use anyhow::Result;
 use globillum::geom::{
     Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, Triangles, UniformGrid, WideKdTree,
 };
+use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 
 /// Each structure twice, asked ray by ray and in batches. The first entry is what all others are
@@ -21,9 +22,10 @@ pub(crate) fn build(triangles: &Triangles) -> Result<Vec<Entry>> {
 
 fn both<A: Accel + 'static>(
     structure: &'static str,
-    build: impl FnOnce() -> Result<A, GeomError>,
+    build: impl FnOnce() -> Result<A, GeomError> + Send,
 ) -> Result<[Entry; 2]> {
-    let (accel, seconds) = timed(build);
+    let one_thread = ThreadPoolBuilder::new().num_threads(1).build()?;
+    let (accel, seconds) = one_thread.install(|| timed(build));
     let accel = Arc::new(accel?);
     let build = Build { seconds, bytes: Some(accel.bytes()) };
     let entry = |family, mode: &str, peer| Entry { family, structure, mode: mode.to_owned(), build, peer };
