@@ -45,6 +45,13 @@ pub const LESSER_LEVELS: [(&str, Builder); 2] = [
     ("wide k-d tree, portable", |t| wide(t, SimdLevel::Portable)),
 ];
 
+/// The wide tree with planes down to small cells, where small scenes have planes at all; the second with
+/// planes that are taken out again.
+pub const SMALL_CELLS: [(&str, Builder); 2] = [
+    ("wide k-d tree, small cells", |t| small_cells(t, SplitRule::SurfaceArea, 1.0)),
+    ("wide k-d tree, small cells, midpoint", |t| small_cells(t, SplitRule::Midpoint, 8.0)),
+];
+
 fn wide(triangles: &Triangles, level: SimdLevel) -> Built {
     Ok(Box::new(WideKdTree::build(triangles)?.with_level(level)))
 }
@@ -62,7 +69,7 @@ pub const RULES: [(&str, Builder); 7] = [
 
 /// All of these.
 pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
-    ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(RULES)
+    ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(SMALL_CELLS).chain(RULES)
 }
 
 /// How rules are compared: with a plane of lookahead, without which the simple ones give up where
@@ -71,6 +78,12 @@ pub fn rule_options(rule: SplitRule) -> KdOptions {
     let mut options = KdOptions::by_rule(rule);
     options.lookahead = 1;
     options
+}
+
+fn small_cells(triangles: &Triangles, rule: SplitRule, traversal_cost: f64) -> Built {
+    let mut options = KdOptions::by_rule(rule);
+    (options.leaf_size, options.lookahead, options.traversal_cost) = (4, 3, traversal_cost);
+    Ok(Box::new(WideKdTree::build_with(triangles, &options)?))
 }
 
 fn by_rule(triangles: &Triangles, rule: SplitRule) -> Built {
