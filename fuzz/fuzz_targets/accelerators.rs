@@ -9,7 +9,7 @@ fuzz_target!(|bytes: &[u8]| {
     let kd = check_bytes(bytes, |triangles| KdTree::build(triangles, &KdOptions::default()));
     let grid = check_bytes(bytes, |triangles| UniformGrid::build(triangles, &GridOptions::default()));
     let wide = check_bytes(bytes, WideKdTree::build);
-    // So few triangles are one large cell.
+    // By default so few triangles are one cell.
     let mut options = KdOptions::default();
     (options.leaf_size, options.lookahead) = (4, 2);
     let cells = check_bytes(bytes, |triangles| WideKdTree::build_with(triangles, &options));

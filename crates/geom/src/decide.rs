@@ -101,8 +101,8 @@ impl Shear {
         is_met.then_some(intersection)
     }
 
-    /// [`Shear::decide`] for a triangle that is likely met: none is turned away early, which no
-    /// processor would foresee.
+    /// [`Shear::decide`] for a triangle that is likely met. Nothing is turned away early: that branch would
+    /// be mispredicted.
     #[inline(always)]
     pub(crate) fn decide_likely(&self, triangle: &Triangle) -> Option<Intersection> {
         let (intersection, is_met) = self.evaluate(self.project_triangle(triangle));
@@ -234,6 +234,9 @@ mod tests {
             let verdicts = [[v0, v1, v2], [v1, v2, v0], [v2, v1, v0]]
                 .map(|[a, b, c]| decide(o, d, &Triangle::new(a, b, c)).is_some());
             prop_assert!(verdicts[0] == verdicts[1] && verdicts[1] == verdicts[2]);
+            let triangle = Triangle::new(v0, v1, v2);
+            let likely = Shear::new(&Ray::new(o, d)).and_then(|shear| shear.decide_likely(&triangle));
+            prop_assert_eq!(decide(o, d, &triangle), likely);
         }
     }
 }

@@ -11,7 +11,8 @@ use std::path::Path;
 /// The most steps between two looks at the monitor.
 const STEPS_BETWEEN_REPORTS: u64 = 1 << 16;
 
-/// Bytes of warnings that are kept, beyond as many as the files have: three bytes may give rise to one.
+/// Bytes of warnings that are kept, beyond a quarter of what the files have: three bytes may give rise to
+/// one, and what holds them takes up to three times as much while it grows.
 const ROOM_FOR_WARNINGS: u64 = 128 << 10;
 
 /// A scene that is being loaded: what is known of it so far, and what watches over it.
@@ -58,7 +59,7 @@ impl<'a> Loading<'a> {
     pub(crate) fn warn_of(&mut self, at: Location, kind: WarningKind) {
         let warning = Warning { at, kind };
         let bytes = self.bytes_of_warnings + warning.bytes() as u64;
-        if bytes <= ROOM_FOR_WARNINGS + self.jail.bytes_read() {
+        if bytes <= ROOM_FOR_WARNINGS + self.jail.bytes_read() / 4 {
             self.bytes_of_warnings = bytes;
             self.report.warnings.push(warning);
         } else {
@@ -91,10 +92,12 @@ impl<'a> Loading<'a> {
 
     /// Makes room for so many triangles more.
     pub(crate) fn try_grow(&mut self, count: usize) -> Result<(), IoError> {
-        self.model.try_reserve(count).map_err(|_| {
-            let source = io::ErrorKind::OutOfMemory.into();
-            IoError::Read { path: self.path.into(), source }
-        })
+        self.model.try_reserve(count).map_err(|_| self.out_of_memory())
+    }
+
+    /// That the machine has no memory for the scene.
+    pub(crate) fn out_of_memory(&self) -> IoError {
+        IoError::Read { path: self.path.into(), source: io::ErrorKind::OutOfMemory.into() }
     }
 
     /// Adds a triangle, unless nothing can hit it.

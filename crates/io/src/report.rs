@@ -7,7 +7,8 @@ use std::fmt;
 #[non_exhaustive]
 pub struct LoadReport {
     /// In the order in which they were found; one entry where the same thing occurs often, at the
-    /// place where it first does. What would take more memory than the files and 128 KiB is only counted.
+    /// place where it first does. Those beyond a quarter of the files' size and 128 KiB are
+    /// only counted.
     pub warnings: Vec<Warning>,
     /// Triangles that were dropped because their corners lie on one line: nothing can hit them.
     pub degenerate_triangles: usize,

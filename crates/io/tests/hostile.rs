@@ -349,6 +349,7 @@ fn obj() {
     let polygon = |corners: usize, ring: &str| format!("f{}\n", ring.repeat(corners / 3));
     check([
         obj("vertices", "v 0 0 0\n".repeat(MILLION)),
+        obj("vertices of nothing", "v \n".repeat(MILLION)).refused("takes 3, 4 or 6 numbers"),
         obj("faces", "f 1 2 3\n".repeat(MILLION)).loads(MILLION),
         obj("faces without area", "f 1 1 1\n".repeat(MILLION) + "f 1 2 3\n").loads(1),
         obj("faces that end in comments", "f 1 1 1 # 1 1 1 1 1 1\n".repeat(MANY) + "f 1 2 3").loads(1),

@@ -45,8 +45,8 @@ pub const LESSER_LEVELS: [(&str, Builder); 2] = [
     ("wide k-d tree, portable", |t| wide(t, SimdLevel::Portable)),
 ];
 
-/// The wide tree with planes down to small cells, where small scenes have planes at all; the second with
-/// planes that are taken out again.
+/// The wide tree with planes down to small cells, where small scenes have planes at all; in the
+/// second most of them do not pay, and are taken out again.
 pub const SMALL_CELLS: [(&str, Builder); 2] = [
     ("wide k-d tree, small cells", |t| small_cells(t, SplitRule::SurfaceArea, 1.0)),
     ("wide k-d tree, small cells, midpoint", |t| small_cells(t, SplitRule::Midpoint, 8.0)),

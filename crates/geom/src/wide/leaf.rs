@@ -70,7 +70,7 @@ pub(super) fn note<S: Simd, Q: Goal>(
     }
     if filtered.certain != 0 {
         let end = simd.min_of(filtered.end, filtered.certain);
-        // Mostly not, where the scene ends at the triangle.
+        // In a closed scene the ray mostly ends there already, and nothing is to be dropped.
         if end < trace.t_end {
             trace.t_end = end;
             trace.drop_beyond(simd);

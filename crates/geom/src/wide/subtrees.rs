@@ -3,8 +3,9 @@
 
 use super::halve::halve;
 use super::simd::LANES;
-use crate::Aabb;
+use super::space::{power_of_two_below, power_of_two_inverse};
 use crate::kdtree::{KdTree, Member, Node as Binary};
+use crate::{Aabb, Accel};
 use rayon::prelude::*;
 
 /// Most levels below a leaf of the k-d tree. Half of them are enough to halve any number of triangles.
@@ -16,8 +17,8 @@ pub(super) struct Subtree {
     /// The box of what it holds.
     pub(super) bounds: Aabb,
     pub(super) content: Content,
-    /// The least expected number of nodes that a ray visits, times the scene's surface, if the subtree
-    /// is given 1, 2, .. 8 lanes of a node (Ylitie, Karras and Laine, 2017, section 3).
+    /// The least expected number of nodes that a ray visits, in proportion, if the subtree is given
+    /// 1, 2, .. 8 lanes of a node (Ylitie, Karras and Laine, 2017, section 3).
     costs: [f32; LANES],
 }
 
@@ -31,8 +32,13 @@ pub(super) enum Content {
 }
 
 /// Subtrees, depth first.
-#[derive(Debug, Default)]
-pub(super) struct Subtrees(Vec<Subtree>);
+#[derive(Debug)]
+pub(super) struct Subtrees {
+    all: Vec<Subtree>,
+    /// What makes the scene's surface, times it, a number for which `f32` has range enough: a power of
+    /// two, so that costs do not depend on the unit of length.
+    area_scale: f64,
+}
 
 impl Subtrees {
     /// Those of a tree. `members`, what is in its leaves, one for each reference, are reordered
@@ -40,6 +46,8 @@ impl Subtrees {
     ///
     /// Leaves are parted side by side on the threads of the current rayon pool.
     pub(super) fn new(tree: &KdTree, members: &mut [Member]) -> Self {
+        let area = tree.bounds().half_area();
+        let area_scale = if area > 0.0 { power_of_two_inverse(power_of_two_below(area)) } else { 1.0 };
         let (mut leaves, mut rest) = (Vec::new(), members);
         for node in &tree.nodes {
             if let Binary::Leaf { first, count } = *node {
@@ -49,19 +57,19 @@ impl Subtrees {
             }
         }
         let part = |(first, leaf): (u32, &mut [Member])| {
-            let mut parts = Self::default();
+            let mut parts = Self { all: Vec::new(), area_scale };
             parts.add_members(first, leaf, MAX_LEVELS);
             parts
         };
         let leaves: Vec<Self> = leaves.into_par_iter().map(part).collect();
-        let mut all =
-            Self(Vec::with_capacity(tree.nodes.len() + leaves.iter().map(|l| l.0.len()).sum::<usize>()));
-        all.add_cell(tree, 0, &mut leaves.iter());
-        all
+        let count = tree.nodes.len() + leaves.iter().map(|leaf| leaf.all.len()).sum::<usize>();
+        let mut this = Self { all: Vec::with_capacity(count), area_scale };
+        this.add_cell(tree, 0, &mut leaves.iter());
+        this
     }
 
     pub(super) fn get(&self, at: u32) -> &Subtree {
-        &self.0[at as usize]
+        &self.all[at as usize]
     }
 
     /// How many lanes the lower part of a subtree gets, if it is opened into `lanes` of them, at
@@ -109,8 +117,8 @@ impl Subtrees {
 
     /// Adds all of `other`.
     fn append(&mut self, other: &Self) {
-        let start = self.0.len() as u32;
-        self.0.extend(other.0.iter().map(|subtree| match subtree.content {
+        let start = self.all.len() as u32;
+        self.all.extend(other.all.iter().map(|subtree| match subtree.content {
             Content::Block { .. } => *subtree,
             Content::Parts { axis, upper } => {
                 Subtree { content: Content::Parts { axis, upper: upper + start }, ..*subtree }
@@ -123,7 +131,7 @@ impl Subtrees {
         if members.len() <= LANES {
             let bounds = members.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
             let content = Content::Block { first, count: members.len() as u32 };
-            self.0.push(Subtree { bounds, content, costs: [0.0; LANES] });
+            self.all.push(Subtree { bounds, content, costs: [0.0; LANES] });
             return;
         }
         let (axis, lower) = halve(members, levels_left <= MAX_LEVELS / 2);
@@ -138,27 +146,43 @@ impl Subtrees {
     /// Adds a subtree of two parts, and returns where it is.
     fn begin(&mut self, axis: u8) -> usize {
         let content = Content::Parts { axis, upper: 0 };
-        self.0.push(Subtree { bounds: Aabb::EMPTY, content, costs: [0.0; LANES] });
-        self.0.len() - 1
+        self.all.push(Subtree { bounds: Aabb::EMPTY, content, costs: [0.0; LANES] });
+        self.all.len() - 1
     }
 
     /// Makes the subtree that is added next the upper part of the one at `at`.
     fn point_to_upper(&mut self, at: usize) {
-        let next = self.0.len() as u32;
-        if let Content::Parts { upper, .. } = &mut self.0[at].content {
+        let next = self.all.len() as u32;
+        if let Content::Parts { upper, .. } = &mut self.all[at].content {
             *upper = next;
         }
     }
 
     /// Finds the box and the costs of the subtree at `at`, now that its parts are there.
     fn finish(&mut self, at: usize) {
-        let Content::Parts { upper, .. } = self.0[at].content else { return };
-        let bounds = self.0[at + 1].bounds.union(&self.get(upper).bounds);
+        let Content::Parts { upper, .. } = self.all[at].content else { return };
+        let bounds = self.all[at + 1].bounds.union(&self.get(upper).bounds);
         let mut costs = [0.0; LANES];
-        costs[0] = bounds.half_area() as f32 + self.share(at as u32, LANES).1;
+        costs[0] = (bounds.half_area() * self.area_scale) as f32 + self.share(at as u32, LANES).1;
         for lanes in 2..=LANES {
             costs[lanes - 1] = self.share(at as u32, lanes).1.min(costs[lanes - 2]);
         }
-        (self.0[at].bounds, self.0[at].costs) = (bounds, costs);
+        (self.all[at].bounds, self.all[at].costs) = (bounds, costs);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::conformance::shapes::icosphere;
+    use crate::{Accel, Triangles, WideKdTree};
+    use glam::DVec3;
+
+    #[test]
+    fn the_unit_of_length_does_not_matter() {
+        let bytes = [-80, 0, 50].map(|exponent| {
+            let mesh = icosphere(4).placed(2.0_f64.powi(exponent), DVec3::ZERO);
+            WideKdTree::build(&Triangles::new(mesh.triangles()).unwrap()).unwrap().bytes()
+        });
+        assert_eq!(bytes, [bytes[1]; 3]);
     }
 }

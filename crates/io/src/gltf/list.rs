@@ -25,7 +25,7 @@ impl<'a, T: Deserialize<'a>> List<'a, T, true> {
     /// Reads element `index`; `None` if there are not that many.
     pub(super) fn get(&self, index: usize) -> Option<T> {
         let rest = self.text.get(*self.offsets.get(index)? as usize..)?;
-        // It is well-formed, since it has been read before.
+        // It is well-formed, since it has been read before, so none is missing from `iter`.
         T::deserialize(&mut serde_json::Deserializer::from_str(rest)).ok()
     }
 

@@ -51,9 +51,11 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         totals: &Totals,
     ) -> Result<Self, IoError> {
         loading.try_grow(totals.triangles)?;
+        let mut positions = Vec::new();
+        positions.try_reserve_exact(totals.vertices).map_err(|_| loading.out_of_memory())?;
         Ok(Self {
             loading,
-            positions: Vec::with_capacity(totals.vertices),
+            positions,
             texture_coordinates: 0,
             normals: Occurrences::default(),
             short_faces: Occurrences::default(),

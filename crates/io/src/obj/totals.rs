@@ -25,7 +25,8 @@ impl Totals {
     /// Counts what stands in a line, without leading blanks; quicker than by taking it apart.
     fn count(&mut self, line: &str) {
         match line.as_bytes() {
-            [b'v', b' ' | b'\t', ..] => self.vertices += 1,
+            // Shorter ones are refused: `v 0 0 0`.
+            [b'v', b' ' | b'\t', _, _, _, _, _, ..] => self.vertices += 1,
             [b'f', b' ' | b'\t', ..] => {
                 let corners = words(&line[1..]);
                 self.triangles += corners.saturating_sub(2);
