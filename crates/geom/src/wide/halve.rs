@@ -2,6 +2,7 @@
 
 use super::simd::LANES;
 use crate::Aabb;
+use crate::decide::main_axis;
 use crate::kdtree::Member;
 
 /// Boxes are sorted into so many classes along each axis, by their centers.
@@ -105,9 +106,7 @@ pub(super) fn halve(members: &mut [Member], must_balance: bool) -> (u8, usize) {
             (axis as u8, lower.len())
         }
         _ => {
-            let extent = centers.extent();
-            let axis =
-                if extent.x >= extent.y.max(extent.z) { 0 } else { 1 + usize::from(extent.z > extent.y) };
+            let axis = main_axis(centers.extent());
             members.sort_by(|a, b| center(a)[axis].total_cmp(&center(b)[axis]));
             (axis as u8, members.len().div_ceil(2).next_multiple_of(LANES))
         }
