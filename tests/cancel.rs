@@ -76,7 +76,7 @@ fn senseless_settings_are_refused() {
     let camera = cornell::camera().expect("the camera is good");
     let good = Settings::new(2, 2, 1);
     type Spoil = fn(&mut Settings);
-    let spoil: [(&str, Spoil); 8] = [
+    let spoil: [(&str, Spoil); 10] = [
         ("width", |s| s.width = 0),
         ("height", |s| s.height = 0),
         ("samples", |s| s.samples = 0),
@@ -85,6 +85,8 @@ fn senseless_settings_are_refused() {
         ("threads", |s| s.threads = 1 << 20),
         ("bounces", |s| s.max_bounces = Some(u32::MAX)),
         ("bounces", |s| s.roulette.start = u32::MAX),
+        ("threshold of roulette", |s| s.roulette.threshold = 0.0),
+        ("threshold of roulette", |s| s.roulette.threshold = f64::NAN),
     ];
     for (expected, spoil) in spoil {
         let mut settings = good;

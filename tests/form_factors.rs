@@ -194,10 +194,11 @@ fn h64_ten_thousand_bounces_between_perfect_mirrors_lose_nothing() {
 fn h69_roulette_or_none_is_the_same_light() {
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
-    for start in [0, 3] {
+    for (start, threshold) in [(0, 1.0), (0, 0.1), (3, 1.0), (3, 0.35)] {
         let mut settings = Settings::new(64, 64, 256);
         (settings.estimator, settings.roulette.start) = (Bsdf, start);
+        settings.roulette.threshold = threshold;
         let estimate = Estimate::of_film(&film(&model, &camera, &settings), |c| c.g);
-        estimate.assert_is(2.0, &format!("roulette from bounce {start}"));
+        estimate.assert_is(2.0, &format!("roulette from bounce {start} at {threshold}"));
     }
 }

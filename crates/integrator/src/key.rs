@@ -80,6 +80,7 @@ impl Key {
             self.add(part.into());
         }
         self.add(settings.roulette.start.into());
+        self.add(settings.roulette.threshold.to_bits());
         self.add(settings.seed);
         self.add(settings.max_bounces.map_or(u64::MAX, u64::from));
     }

@@ -71,20 +71,27 @@ pub enum MirrorSampling {
 /// Russian roulette: ends a path at random, and scales up what survives so that nothing is lost
 /// on average (Arvo and Kirk 1990).
 ///
-/// A path survives with the probability of its throughput's largest component, at most
-/// [`Roulette::MAX_SURVIVE_PROB`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A path whose throughput's largest component is `t` survives with the probability
+/// `t / threshold`, at most [`Roulette::MAX_SURVIVE_PROB`], and then has the throughput `threshold`
+/// there: all late bounces count alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Roulette {
     /// How many bounces come before the first one that may be refused. Without a limit on
     /// bounces, at most [`Settings::MAX_BOUNCES`].
     pub start: u32,
+    /// The throughput of survivors, in `[2^-20, 1]`. A lower one leaves less noise of late bounces, for
+    /// more of them.
+    pub threshold: f64,
 }
 
 impl Roulette {
     /// The largest probability with which a path goes on: even between perfect mirrors a path
     /// ends.
     pub const MAX_SURVIVE_PROB: f64 = 0.95;
+
+    /// The smallest threshold: `2^-20`.
+    pub const MIN_THRESHOLD: f64 = 1.0 / (1 << 20) as f64;
 }
 
 impl Settings {
@@ -97,7 +104,7 @@ impl Settings {
 
     /// `width` x `height` pixels of `samples` samples each, Sobol' points in passes of 16; box
     /// filter, seed 0, all threads, no limit on bounces, multiple importance sampling, lights looked
-    /// for in plane mirrors, roulette from the fourth bounce on.
+    /// for in plane mirrors, roulette from the third bounce on at a threshold of 0.35.
     pub fn new(width: u32, height: u32, samples: u32) -> Self {
         Self {
             width,
@@ -112,7 +119,7 @@ impl Settings {
             estimator: Estimator::Mis,
             light_sampling: LightSampling::default(),
             mirror_sampling: MirrorSampling::default(),
-            roulette: Roulette { start: 3 },
+            roulette: Roulette { start: 2, threshold: 0.35 },
         }
     }
 
@@ -162,6 +169,12 @@ impl Settings {
                 "bounces",
                 f64::from(self.certain_bounces()),
                 "[0, 2^20]",
+            ),
+            (
+                (Roulette::MIN_THRESHOLD..=1.0).contains(&self.roulette.threshold),
+                "threshold of roulette",
+                self.roulette.threshold,
+                "[2^-20, 1]",
             ),
         ];
         match checks.into_iter().find(|(valid, ..)| !valid) {

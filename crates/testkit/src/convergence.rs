@@ -187,7 +187,7 @@ mod tests {
     fn film(samples: u32, max_bounces: Option<u32>) -> Film {
         let mut settings = Settings::new(64, 64, samples);
         (settings.sampler, settings.estimator) = (Sampler::Independent, Estimator::Bsdf);
-        (settings.max_bounces, settings.roulette.start) = (max_bounces, 0);
+        (settings.max_bounces, settings.roulette.start, settings.roulette.threshold) = (max_bounces, 0, 1.0);
         settings.seed = samples.into();
         let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
         let scene = scene(&furnace(0.5, 1.0, DVec3::ZERO), STRUCTURES[0].1);

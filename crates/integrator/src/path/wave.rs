@@ -203,7 +203,7 @@ impl Wave {
                 self.thrown.push((path.sample, thrown));
             }
             let Some(next) = path.scatter(view, &hit, &shaded) else { continue };
-            if bounce >= view.settings.roulette.start && !path.survives(&numbers) {
+            if bounce >= view.settings.roulette.start && !path.survives(view.settings.roulette, &numbers) {
                 counters.roulette_ends += 1;
                 continue;
             }
@@ -253,8 +253,9 @@ impl Path {
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
 
-    fn survives(&mut self, numbers: &BounceNumbers) -> bool {
-        let survive_prob = self.throughput.max_component().min(Roulette::MAX_SURVIVE_PROB);
+    fn survives(&mut self, roulette: Roulette, numbers: &BounceNumbers) -> bool {
+        let certain = self.throughput.max_component() / roulette.threshold;
+        let survive_prob = certain.min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;
         numbers.roulette < survive_prob
     }
