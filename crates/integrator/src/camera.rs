@@ -49,6 +49,11 @@ impl Camera {
         Ok(Self { eye, forward, right: right * half_height, up: right.cross(forward) * half_height })
     }
 
+    /// Where all its rays start.
+    pub(crate) fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
     /// All that the camera is made of.
     pub(crate) fn vectors(&self) -> [DVec3; 4] {
         [self.eye, self.forward, self.right, self.up]

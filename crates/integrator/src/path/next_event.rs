@@ -243,7 +243,7 @@ mod tests {
         let mut compared = 0;
         for sample in 0..1024 {
             let numbers = settings[0].sampler.numbers(1, 0, sample, &settings[0].pass_of(sample));
-            let path = Path::from_camera(0, numbers, &down);
+            let path = Path::from_camera(0, numbers, down.origin);
             let [none, light, mis] = views.each_ref().map(|view| view.next_event_in_mirror(&path, &shaded));
             assert!(none.is_none());
             let (Some((ray, light)), Some((_, mis))) = (light, mis) else { continue };
@@ -264,7 +264,7 @@ mod tests {
         assert!(compared > 300, "{compared}");
         for view in &views {
             let numbers = settings[0].sampler.numbers(1, 0, 0, &(0..16));
-            let mut path = Path::from_camera(0, numbers, &down);
+            let mut path = Path::from_camera(0, numbers, down.origin);
             path.choice = Choice::at_surface(Density::SolidAngle(PdfSolidAngle(0.1)), at.point.position);
             // The middle of the lamp's image in the first mirror's image in the second.
             let toward = DVec3::new(6.0, 1.0, 0.0) - at.point.position;
@@ -284,7 +284,7 @@ mod tests {
             let view = View { scene: &scene, camera: &camera, settings: &settings };
             let sampled = (0..64).filter(|&sample| {
                 let numbers = settings.sampler.numbers(1, 0, sample, &settings.pass_of(sample));
-                view.next_event_in_mirror(&Path::from_camera(0, numbers, &down), &shaded).is_some()
+                view.next_event_in_mirror(&Path::from_camera(0, numbers, down.origin), &shaded).is_some()
             });
             sampled.count()
         };

@@ -4,6 +4,7 @@ use crate::film::Moments;
 use crate::sampler::{BounceNumbers, Numbers};
 use crate::tile::Tile;
 use crate::{Camera, RenderError, Roulette, Scene, Settings};
+use glam::DVec3;
 use globillum_geom::{Accel, Hit, Ray, SimdLevel};
 use globillum_material::{Density, Rgb};
 
@@ -21,6 +22,8 @@ pub(crate) struct Wave {
     /// Paths still under way, and beside each the ray it follows next.
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
+    /// Where in its pixel each camera ray starts.
+    films: Vec<[f64; 2]>,
     /// What decides each path's next bounce.
     drawn: Vec<BounceNumbers>,
     pub(super) hits: Vec<Option<Hit>>,
@@ -137,40 +140,33 @@ impl Wave {
             let pixel = u64::from(y) * u64::from(settings.width) + u64::from(x);
             for sample in samples.first..samples.first + samples.count {
                 let numbers = settings.sampler.numbers(settings.seed, pixel, sample, &pass);
-                let [dx, dy] = settings.filter.place(numbers.film());
+                self.paths.push(Path::from_camera(self.paths.len() as u32, numbers, camera.eye()));
+            }
+        }
+        side_by_side(&self.paths, &mut self.films, Numbers::films);
+        let films = self.films.chunks_exact(samples.count as usize);
+        for ((x, y), films) in tile.pixels().zip(films) {
+            for &u in films {
+                let [dx, dy] = settings.filter.place(u);
                 let film_x = 2.0 * (f64::from(x) + dx) / width - 1.0;
                 let film_y = 1.0 - 2.0 * (f64::from(y) + dy) / height;
-                let ray = camera.ray(film_x, film_y, width / height);
-                self.paths.push(Path::from_camera(self.paths.len() as u32, numbers, &ray));
-                self.rays.push(ray);
+                self.rays.push(camera.ray(film_x, film_y, width / height));
             }
         }
         self.radiance.clear();
         self.radiance.resize(self.paths.len(), Rgb::BLACK);
     }
 
-    /// The random numbers of all paths, for one bounce.
-    fn draw(&mut self, bounce: u32) {
-        let Self { paths, drawn, .. } = self;
-        drawn.clear();
-        SimdLevel::best().run(
-            #[inline(always)]
-            || {
-                for group in paths.chunks(SIDE_BY_SIDE) {
-                    let mut samples = [group[0].numbers; SIDE_BY_SIDE];
-                    for (sample, path) in samples.iter_mut().zip(group) {
-                        *sample = path.numbers;
-                    }
-                    drawn.extend_from_slice(&BounceNumbers::draw(&samples, bounce)[..group.len()]);
-                }
-            },
-        );
-    }
-
     /// Adds what the hits emit, chooses points on lights, and scatters; keeps the paths that go
     /// on, in their order.
     pub(super) fn shade<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
-        self.draw(bounce);
+        let roulette = view.settings.roulette;
+        side_by_side(
+            &self.paths,
+            &mut self.drawn,
+            #[inline(always)]
+            |samples| BounceNumbers::draw(samples, bounce, bounce >= roulette.start),
+        );
         self.arriving.clear();
         self.shadow_rays.clear();
         self.thrown.clear();
@@ -203,7 +199,7 @@ impl Wave {
                 self.thrown.push((path.sample, thrown));
             }
             let Some(next) = path.scatter(view, &hit, &shaded) else { continue };
-            if bounce >= view.settings.roulette.start && !path.survives(view.settings.roulette, &numbers) {
+            if numbers.roulette.is_some_and(|u| !path.survives(roulette, u)) {
                 counters.roulette_ends += 1;
                 continue;
             }
@@ -236,9 +232,30 @@ impl Wave {
     }
 }
 
+/// What `draw` makes of the random numbers of all `paths`, several at a time.
+fn side_by_side<T: Copy>(
+    paths: &[Path],
+    drawn: &mut Vec<T>,
+    draw: impl Fn(&[Numbers; SIDE_BY_SIDE]) -> [T; SIDE_BY_SIDE],
+) {
+    drawn.clear();
+    SimdLevel::best().run(
+        #[inline(always)]
+        || {
+            for group in paths.chunks(SIDE_BY_SIDE) {
+                let mut samples = [group[0].numbers; SIDE_BY_SIDE];
+                for (sample, path) in samples.iter_mut().zip(group) {
+                    *sample = path.numbers;
+                }
+                drawn.extend_from_slice(&draw(&samples)[..group.len()]);
+            }
+        },
+    );
+}
+
 impl Path {
-    pub(super) fn from_camera(sample: u32, numbers: Numbers, ray: &Ray) -> Self {
-        Self { sample, numbers, throughput: Rgb::WHITE, choice: Choice::of_camera(ray.origin) }
+    pub(super) fn from_camera(sample: u32, numbers: Numbers, eye: DVec3) -> Self {
+        Self { sample, numbers, throughput: Rgb::WHITE, choice: Choice::of_camera(eye) }
     }
 
     /// Chooses where the path goes on; `None` if nothing is reflected.
@@ -253,10 +270,11 @@ impl Path {
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
 
-    fn survives(&mut self, roulette: Roulette, numbers: &BounceNumbers) -> bool {
+    /// Whether roulette, by `u` in `[0, 1)`, lets the path go on.
+    fn survives(&mut self, roulette: Roulette, u: f64) -> bool {
         let certain = self.throughput.max_component() / roulette.threshold;
         let survive_prob = certain.min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;
-        numbers.roulette < survive_prob
+        u < survive_prob
     }
 }

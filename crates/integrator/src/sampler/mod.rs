@@ -61,47 +61,64 @@ pub(crate) struct BounceNumbers {
     pub(crate) point: [f64; 2],
     /// The direction in which the path goes on.
     pub(crate) scatter: [f64; 2],
-    /// Whether it goes on.
-    pub(crate) roulette: f64,
+    /// Whether it goes on, if that is a question.
+    pub(crate) roulette: Option<f64>,
 }
 
 impl BounceNumbers {
-    /// Those of `N` samples at a bounce. Sobol' points of passes of one length are computed side by side.
+    /// Those of `N` samples at a bounce, which roulette may refuse or not. Sobol' points of passes of one
+    /// length are computed side by side.
     #[inline(always)]
-    pub(crate) fn draw<const N: usize>(samples: &[Numbers; N], bounce: u32) -> [Self; N] {
+    pub(crate) fn draw<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
         match Numbers::as_points(samples) {
-            Some(points) => Self::side_by_side(&points, bounce),
-            None => Self::one_by_one(samples, bounce),
+            Some(points) => Self::side_by_side(&points, bounce, roulette),
+            None => Self::one_by_one(samples, bounce, roulette),
         }
     }
 
     #[inline(always)]
-    fn side_by_side<const N: usize>(points: &SobolPoints<N>, bounce: u32) -> [Self; N] {
+    fn side_by_side<const N: usize>(points: &SobolPoints<N>, bounce: u32, roulette: bool) -> [Self; N] {
         let [x, y, light] = points.uniform(Decision::light(bounce).0);
         let [u, v] = points.uniform(Decision::scatter(bounce).0);
-        let [roulette] = points.uniform(Decision::roulette(bounce).0);
         let mut all = [Self::default(); N];
         for (i, numbers) in all.iter_mut().enumerate() {
-            let (point, scatter) = ([x[i], y[i]], [u[i], v[i]]);
-            *numbers = Self { light: light[i], point, scatter, roulette: roulette[i] };
+            *numbers = Self { light: light[i], point: [x[i], y[i]], scatter: [u[i], v[i]], roulette: None };
+        }
+        if roulette {
+            let [chances] = points.uniform(Decision::roulette(bounce).0);
+            for (numbers, chance) in all.iter_mut().zip(chances) {
+                numbers.roulette = Some(chance);
+            }
         }
         all
     }
 
     /// Not inlined: it is the way of few, and would be compiled for each instruction set.
     #[inline(never)]
-    fn one_by_one<const N: usize>(samples: &[Numbers; N], bounce: u32) -> [Self; N] {
+    fn one_by_one<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
         samples.map(|numbers| {
             let (light, point) = numbers.light(bounce);
-            Self { light, point, scatter: numbers.scatter(bounce), roulette: numbers.roulette(bounce) }
+            let roulette = roulette.then(|| numbers.roulette(bounce));
+            Self { light, point, scatter: numbers.scatter(bounce), roulette }
         })
     }
 }
 
 impl Numbers {
+    /// For the places of `N` samples in their pixels: uniform in the unit square.
+    #[inline(always)]
+    pub(crate) fn films<const N: usize>(samples: &[Self; N]) -> [[f64; 2]; N] {
+        let Some(points) = Self::as_points(samples) else { return samples.map(|numbers| numbers.film()) };
+        let [x, y] = points.uniform(Decision::FILM.0);
+        std::array::from_fn(
+            #[inline(always)]
+            |i| [x[i], y[i]],
+        )
+    }
+
     /// For the place in the pixel: uniform in the unit square.
-    #[inline]
-    pub(crate) fn film(&self) -> [f64; 2] {
+    #[inline(never)]
+    fn film(&self) -> [f64; 2] {
         self.pair(Decision::FILM)
     }
 
@@ -298,13 +315,17 @@ mod tests {
     fn numbers_do_not_depend_on_their_neighbours() {
         for (sampler, length) in BOTH.into_iter().flat_map(|s| [1, 3, 16, 100, 5000].map(|n| (s, n))) {
             let pass = 7 * length..8 * length;
+            let samples: [Numbers; 8] = std::array::from_fn(|i| {
+                sampler.numbers(3, 11 * i as u64, pass.start + i as u32 * 997 % length, &pass)
+            });
+            let films = samples.map(|numbers| numbers.film());
+            assert_eq!(Numbers::films(&samples), films, "{sampler:?}, {length}");
             for bounce in [0, 1, 40] {
-                let samples: [Numbers; 8] = std::array::from_fn(|i| {
-                    sampler.numbers(3, 11 * i as u64, pass.start + i as u32 * 997 % length, &pass)
-                });
-                let together = BounceNumbers::draw(&samples, bounce);
-                assert_eq!(together, BounceNumbers::one_by_one(&samples, bounce), "{sampler:?}, {length}");
-                let alone = samples.map(|numbers| BounceNumbers::draw(&[numbers], bounce)[0]);
+                let roulette = bounce > 0;
+                let together = BounceNumbers::draw(&samples, bounce, roulette);
+                let one_by_one = BounceNumbers::one_by_one(&samples, bounce, roulette);
+                assert_eq!(together, one_by_one, "{sampler:?}, {length}");
+                let alone = samples.map(|numbers| BounceNumbers::draw(&[numbers], bounce, roulette)[0]);
                 assert_eq!(together, alone, "{sampler:?}, {length}");
             }
         }
