@@ -17,6 +17,7 @@ pub(crate) fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
 }
 
 /// The cross product, every component within 1.5 ulp.
+#[inline(always)]
 pub(crate) fn cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(
         difference_of_products(a.y, b.z, a.z, b.y),

@@ -16,6 +16,7 @@ pub struct Frame {
 impl Frame {
     /// A frame around the unit vector `normal`, by Duff et al., "Building an Orthonormal Basis,
     /// Revisited" (JCGT 6(1), 2017): continuous but for the equator, orthonormal to a few ulps.
+    #[inline(always)]
     pub fn around(normal: DVec3) -> Self {
         let DVec3 { x, y, z } = normal;
         let sign = 1.0_f64.copysign(z);
@@ -29,11 +30,13 @@ impl Frame {
     }
 
     /// `world` expressed in this frame.
+    #[inline(always)]
     pub fn to_local(&self, world: DVec3) -> DVec3 {
         DVec3::new(world.dot(self.tangent), world.dot(self.bitangent), world.dot(self.normal))
     }
 
     /// `local`, given in this frame, expressed in the world.
+    #[inline(always)]
     pub fn to_world(&self, local: DVec3) -> DVec3 {
         local.x * self.tangent + local.y * self.bitangent + local.z * self.normal
     }

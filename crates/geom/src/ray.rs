@@ -24,11 +24,13 @@ impl Ray {
     pub const DIRECTION_DOMAIN: std::ops::RangeInclusive<f64> = power_of_two(-600)..=power_of_two(600);
 
     /// A ray searched over all of `0 < t`.
+    #[inline(always)]
     pub const fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
     }
 
     /// The open segment from `from` (`t = 0`) to `to` (`t = 1`), both ends excluded.
+    #[inline(always)]
     pub fn segment(from: DVec3, to: DVec3) -> Self {
         Self { origin: from, direction: to - from, t_min: 0.0, t_max: 1.0 }
     }

@@ -60,12 +60,14 @@ impl SurfacePoint {
     }
 
     /// Where a ray toward `direction` starts: off the plane on that side.
+    #[inline(always)]
     pub fn leave_toward(&self, direction: DVec3) -> DVec3 {
         let side = 1.0_f64.copysign(self.normal.dot(direction));
         self.position + (side * self.plane_err) * self.normal
     }
 
     /// The ray that leaves this point toward `direction`.
+    #[inline(always)]
     pub fn spawn(&self, direction: DVec3) -> Ray {
         Ray::new(self.leave_toward(direction), direction)
     }
@@ -74,6 +76,7 @@ impl SurfacePoint {
     ///
     /// `None` if one of them can not be told from lying in the other's plane: nothing is to be seen
     /// along a surface.
+    #[inline(always)]
     pub fn segment_to(&self, other: &Self) -> Option<Ray> {
         let between = other.position - self.position;
         let stands_off = |at: &Self| at.normal.dot(between).abs() > at.plane_err;

@@ -23,9 +23,12 @@ impl Triangle {
     }
 
     /// The two edges that leave the first vertex, in `f64`, each component within half an ulp.
+    #[inline(always)]
     pub fn edges(&self) -> [DVec3; 2] {
-        let [v0, v1, v2] = self.vertices.map(|v| v.as_dvec3());
-        [v1 - v0, v2 - v0]
+        // By `map` over the array they would go through memory.
+        let [v0, v1, v2] = &self.vertices;
+        let v0 = v0.as_dvec3();
+        [v1.as_dvec3() - v0, v2.as_dvec3() - v0]
     }
 
     /// The area in square units of length.
@@ -37,6 +40,7 @@ impl Triangle {
     ///
     /// NaN for a triangle whose edges are parallel in `f64`; [`Triangles`](crate::Triangles)
     /// drops those.
+    #[inline(always)]
     pub fn normal(&self) -> DVec3 {
         let n = self.area_vector();
         // Dividing by the largest component first keeps the square in range at any scale.
@@ -45,6 +49,7 @@ impl Triangle {
     }
 
     /// Cross product of the edges: twice the area along the front normal.
+    #[inline(always)]
     pub(crate) fn area_vector(&self) -> DVec3 {
         let [e1, e2] = self.edges();
         cross(e1, e2)

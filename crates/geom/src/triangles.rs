@@ -61,6 +61,7 @@ impl Triangles {
     ///
     /// # Panics
     /// If `index` is not below [`Triangles::len`].
+    #[inline(always)]
     pub fn surface_point(&self, index: u32, u: f64, v: f64) -> SurfacePoint {
         self.surface_point_with_normal(index, self.get(index).normal(), u, v)
     }
@@ -70,6 +71,7 @@ impl Triangles {
     ///
     /// # Panics
     /// If `index` is not below [`Triangles::len`].
+    #[inline(always)]
     pub fn surface_point_with_normal(&self, index: u32, normal: DVec3, u: f64, v: f64) -> SurfacePoint {
         SurfacePoint::on(self.get(index), normal, u, v, self.extent)
     }

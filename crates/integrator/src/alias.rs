@@ -33,6 +33,7 @@ impl AliasTable {
     }
 
     /// The index that `u` in `[0, 1)` chooses; `None` from an empty table.
+    #[inline(always)]
     pub(crate) fn sample(&self, u: f64) -> Option<usize> {
         let scaled = u * self.columns.len() as f64;
         // The product may round up to the number of columns.

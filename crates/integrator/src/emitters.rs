@@ -27,6 +27,7 @@ pub(crate) struct Lamp {
 
 impl Lamp {
     /// Whether it may be a [`SphericalTriangle`] seen from `point`.
+    #[inline(always)]
     pub(crate) fn may_look_large(&self, point: DVec3) -> bool {
         self.middle.distance_squared(point) <= self.reach_sq
     }
@@ -77,6 +78,7 @@ impl Emitters {
     }
 
     /// Chooses a triangle by `u` in `[0, 1)`. `None` if nothing emits.
+    #[inline(always)]
     pub(crate) fn choose(&self, u: f64) -> Option<&Lamp> {
         Some(&self.lamps[self.table.sample(u)?])
     }

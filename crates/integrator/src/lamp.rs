@@ -41,6 +41,7 @@ pub(crate) struct LampSample {
 impl LampSampler<'_> {
     /// Chooses a triangle by `choice` in `[0, 1)` and a point of it by `u` in `[0, 1)^2`. `None` if
     /// nothing emits, or the point chosen does not emit toward the shaded one.
+    #[inline(always)]
     pub(crate) fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LampSample> {
         let lamp = self.emitters.choose(choice)?;
         let triangle = self.triangles.get(lamp.triangle);
@@ -78,6 +79,7 @@ impl LampSampler<'_> {
 
     /// The triangle as it is seen, if that is how points of it are chosen: decided by nothing but the
     /// triangle and the shaded point, so that sampling and density agree.
+    #[inline(always)]
     fn by_solid_angle(&self, triangle: &Triangle) -> Option<SphericalTriangle> {
         match self.sampling {
             LightSampling::Area => None,
@@ -85,6 +87,7 @@ impl LampSampler<'_> {
         }
     }
 
+    #[inline(always)]
     fn line_to(&self, point: &SurfacePoint) -> Line {
         let between = point.position - self.from;
         let distance_sq = between.length_squared();

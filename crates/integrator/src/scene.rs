@@ -108,6 +108,7 @@ impl<A: Accel> Scene<A> {
     ///
     /// # Panics
     /// If `hit` names a triangle that this scene does not have.
+    #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
         Interaction {
             point: self.triangles.surface_point(hit.triangle, hit.u, hit.v),
@@ -118,6 +119,7 @@ impl<A: Accel> Scene<A> {
 }
 
 /// `v` as a unit vector, at any scale at which rays are traced.
+#[inline(always)]
 fn unit(v: DVec3) -> DVec3 {
     let v = v / v.abs().max_element();
     v / v.length()

@@ -43,6 +43,7 @@ impl Bsdf {
     /// ignores `u`.
     ///
     /// `None` if `wo` lies in the surface's plane: nothing is reflected there.
+    #[inline(always)]
     pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
         if wo.z == 0.0 {
             return None;
@@ -63,6 +64,7 @@ impl Bsdf {
 
     /// The value `f(wo, wi)` per steradian, without the cosine. Black for a mirror, whose value
     /// is a delta, and where the directions lie on different sides.
+    #[inline(always)]
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         match self {
             Self::Lambert(albedo) if same_side(wo, wi) => albedo.rgb() * FRAC_1_PI,
@@ -72,6 +74,7 @@ impl Bsdf {
 
     /// The density per steradian with which [`sample`](Bsdf::sample) chooses `wi`; 0 for a
     /// mirror and where the directions lie on different sides.
+    #[inline(always)]
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> PdfSolidAngle {
         match self {
             Self::Lambert(_) if same_side(wo, wi) => {
@@ -82,11 +85,13 @@ impl Bsdf {
     }
 
     /// Whether all of its light goes to single directions, so that sampling lights is no use.
+    #[inline(always)]
     pub fn is_delta(&self) -> bool {
         matches!(self, Self::Mirror(_))
     }
 }
 
+#[inline(always)]
 fn same_side(wo: DVec3, wi: DVec3) -> bool {
     wo.z * wi.z > 0.0
 }

@@ -15,6 +15,7 @@ impl Reflectance {
     }
 
     /// The components.
+    #[inline(always)]
     pub const fn rgb(self) -> Rgb {
         self.0
     }
@@ -54,6 +55,7 @@ impl Emission {
 
     /// The radiance emitted toward a direction whose cosine with the front normal is `cos`;
     /// black along the surface.
+    #[inline(always)]
     pub fn toward(&self, cos: f64) -> Rgb {
         let emits = match self.sides {
             Sides::Front => cos > 0.0,

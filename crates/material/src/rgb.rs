@@ -35,11 +35,13 @@ impl Rgb {
 
     /// Each component through `f`.
     #[must_use]
+    #[inline(always)]
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self::new(f(self.r), f(self.g), f(self.b))
     }
 
     /// The largest component.
+    #[inline(always)]
     pub fn max_component(self) -> f64 {
         self.r.max(self.g).max(self.b)
     }
@@ -55,6 +57,7 @@ impl Rgb {
     }
 
     /// Whether all components are zero.
+    #[inline(always)]
     pub fn is_black(self) -> bool {
         self == Self::BLACK
     }
@@ -79,6 +82,7 @@ impl fmt::Display for Rgb {
 
 impl Add for Rgb {
     type Output = Self;
+    #[inline(always)]
     fn add(self, o: Self) -> Self {
         Self::new(self.r + o.r, self.g + o.g, self.b + o.b)
     }
@@ -86,6 +90,7 @@ impl Add for Rgb {
 
 impl Mul for Rgb {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, o: Self) -> Self {
         Self::new(self.r * o.r, self.g * o.g, self.b * o.b)
     }
@@ -93,6 +98,7 @@ impl Mul for Rgb {
 
 impl Mul<f64> for Rgb {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, s: f64) -> Self {
         self.map(|x| x * s)
     }
@@ -100,6 +106,7 @@ impl Mul<f64> for Rgb {
 
 impl Mul<Rgb> for f64 {
     type Output = Rgb;
+    #[inline(always)]
     fn mul(self, c: Rgb) -> Rgb {
         c * self
     }
@@ -107,24 +114,28 @@ impl Mul<Rgb> for f64 {
 
 impl Div<f64> for Rgb {
     type Output = Self;
+    #[inline(always)]
     fn div(self, s: f64) -> Self {
         self.map(|x| x / s)
     }
 }
 
 impl AddAssign for Rgb {
+    #[inline(always)]
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;
     }
 }
 
 impl MulAssign for Rgb {
+    #[inline(always)]
     fn mul_assign(&mut self, o: Self) {
         *self = *self * o;
     }
 }
 
 impl MulAssign<f64> for Rgb {
+    #[inline(always)]
     fn mul_assign(&mut self, s: f64) {
         *self = *self * s;
     }

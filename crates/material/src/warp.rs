@@ -13,6 +13,7 @@ pub struct CosineHemisphere;
 
 impl CosineHemisphere {
     /// The unit direction for `u` in `[0, 1)^2`; its cosine is above zero for every such `u`.
+    #[inline(always)]
     pub fn sample(u: [f64; 2]) -> DVec3 {
         let radius = u[0].sqrt();
         // Not the platform's sine: the same direction on every machine.
@@ -21,6 +22,7 @@ impl CosineHemisphere {
     }
 
     /// Density per steradian of the unit direction `w`: `cos / pi`, and 0 below the horizon.
+    #[inline(always)]
     pub fn pdf(w: DVec3) -> PdfSolidAngle {
         PdfSolidAngle(w.z.max(0.0) * FRAC_1_PI)
     }

@@ -27,6 +27,7 @@ impl Estimator {
 
     /// The share of emission met by a direction of density `scattered`, where choosing a point
     /// on a light would have found it with the density that `light` tells.
+    #[inline(always)]
     pub(crate) fn weight_of_emission(self, scattered: Density, light: impl FnOnce() -> PdfSolidAngle) -> f64 {
         match (self, scattered) {
             (Self::Bsdf, _) | (_, Density::Delta) => 1.0,
@@ -37,6 +38,7 @@ impl Estimator {
 
     /// The share of a light's point chosen with density `light`, where scattering would have
     /// found it with density `scattered`.
+    #[inline(always)]
     pub(crate) fn weight_of_light(self, light: PdfSolidAngle, scattered: PdfSolidAngle) -> f64 {
         match self {
             Self::Mis => balance(light, scattered),
@@ -46,6 +48,7 @@ impl Estimator {
 }
 
 /// The balance heuristic for one sample of each of two techniques (Veach 1997, section 9.2.2).
+#[inline(always)]
 fn balance(own: PdfSolidAngle, other: PdfSolidAngle) -> f64 {
     own.0 / (own.0 + other.0)
 }

@@ -20,6 +20,7 @@ pub(super) struct Shaded<'a> {
 }
 
 impl<'a> Shaded<'a> {
+    #[inline(always)]
     pub(super) fn new(at: Interaction<'a>, bounce: u32, numbers: BounceNumbers) -> Self {
         let frame = Frame::around(at.point.normal);
         Self { at, frame, wo: frame.to_local(at.wo), bounce, numbers }
@@ -65,6 +66,7 @@ pub(super) struct Thrown {
 
 impl<A> View<'_, A> {
     /// What the surface emits along the path, by the share that scattering has in finding it.
+    #[inline(always)]
     pub(super) fn emitted(&self, path: &Path, hit: &Hit, at: &Interaction<'_>) -> Rgb {
         let emission = &at.material.emission;
         let emitted = emission.toward(at.point.normal.dot(at.wo));
@@ -93,6 +95,7 @@ impl<A> View<'_, A> {
 
     /// A point on a light, as the ray that must be free and the light that then arrives at the
     /// path's start.
+    #[inline(always)]
     pub(super) fn next_event(&self, path: &Path, shaded: &Shaded<'_>) -> Option<(Ray, Rgb)> {
         let Shaded { at, numbers, .. } = shaded;
         if !self.samples_lights(&at.material.bsdf) {
@@ -129,6 +132,7 @@ impl<A> View<'_, A> {
 
     /// What a light sample, of density `pdf`, brings to the path's start by its share: `radiance`
     /// from the unit vector `direction`, scattered here. `None` if that is nothing.
+    #[inline(always)]
     fn scattered(
         &self,
         path: &Path,

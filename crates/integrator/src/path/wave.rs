@@ -171,6 +171,16 @@ impl Wave {
         self.shadow_rays.clear();
         self.thrown.clear();
         self.mirror_rays.clear();
+        SimdLevel::best().run(
+            #[inline(always)]
+            || self.shade_all(view, bounce, counters),
+        );
+    }
+
+    /// All that is called here for every path is inlined, so that it is compiled for the machine's
+    /// instructions: a sixth of the time of a whole picture.
+    #[inline(always)]
+    fn shade_all<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.drawn[i]);
@@ -199,7 +209,7 @@ impl Wave {
                 self.thrown.push((path.sample, thrown));
             }
             let Some(next) = path.scatter(view, &hit, &shaded) else { continue };
-            if numbers.roulette.is_some_and(|u| !path.survives(roulette, u)) {
+            if numbers.roulette.is_some_and(|u| !path.survives(view.settings.roulette, u)) {
                 counters.roulette_ends += 1;
                 continue;
             }
@@ -259,6 +269,7 @@ impl Path {
     }
 
     /// Chooses where the path goes on; `None` if nothing is reflected.
+    #[inline(always)]
     pub(super) fn scatter<A>(&mut self, view: &View<'_, A>, hit: &Hit, shaded: &Shaded<'_>) -> Option<Ray> {
         let Shaded { at, frame, wo, numbers, .. } = shaded;
         let sample = at.material.bsdf.sample(*wo, numbers.scatter)?;
@@ -271,6 +282,7 @@ impl Path {
     }
 
     /// Whether roulette, by `u` in `[0, 1)`, lets the path go on.
+    #[inline(always)]
     fn survives(&mut self, roulette: Roulette, u: f64) -> bool {
         let certain = self.throughput.max_component() / roulette.threshold;
         let survive_prob = certain.min(Roulette::MAX_SURVIVE_PROB);
