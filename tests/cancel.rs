@@ -2,7 +2,7 @@
 
 use globillum::geom::Triangle;
 use globillum::glam::{DVec3, Vec3};
-use globillum::integrator::{Camera, Model, Monitor, Progress, RenderError, Settings, render};
+use globillum::integrator::{Camera, Model, Monitor, Progress, RenderError, Roulette, Settings, render};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::{cornell, scenes, shapes};
@@ -76,7 +76,7 @@ fn senseless_settings_are_refused() {
     let camera = cornell::camera().expect("the camera is good");
     let good = Settings::new(2, 2, 1);
     type Spoil = fn(&mut Settings);
-    let spoil: [(&str, Spoil); 10] = [
+    let spoil: [(&str, Spoil); 12] = [
         ("width", |s| s.width = 0),
         ("height", |s| s.height = 0),
         ("samples", |s| s.samples = 0),
@@ -86,6 +86,8 @@ fn senseless_settings_are_refused() {
         ("bounces", |s| s.max_bounces = Some(u32::MAX)),
         ("bounces", |s| s.roulette.start = u32::MAX),
         ("threshold of roulette", |s| s.roulette.threshold = 0.0),
+        ("threshold of roulette", |s| s.roulette.threshold = Roulette::MIN_THRESHOLD.next_down()),
+        ("threshold of roulette", |s| s.roulette.threshold = 1.0 + f64::EPSILON),
         ("threshold of roulette", |s| s.roulette.threshold = f64::NAN),
     ];
     for (expected, spoil) in spoil {

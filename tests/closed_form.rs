@@ -80,7 +80,7 @@ fn c2_roulette_from_the_first_bounce_has_the_known_variance() {
         let model = scenes::furnace(rho, 1.0, DVec3::ZERO);
         in_every_accelerator(&model, &into_the_furnace(), &s, |estimate, what| {
             estimate.assert_is(1.0 / (1.0 - rho), &format!("rho {rho}, threshold {threshold}, {what}"));
-            // Such a sample is nearly exponential, of kurtosis 3 to 9.5: over N samples the variance has
+            // Such a sample has a kurtosis of 3.1 to 9.5: over N samples the variance has
             // a relative standard deviation of at most sqrt(8.5 / N), 5.85 of which are 1.18 %.
             let ratio = estimate.sample_variance() / furnace_variance(rho, threshold);
             assert!((ratio - 1.0).abs() < 0.0118, "rho {rho}, threshold {threshold}: {estimate:?}");

@@ -48,7 +48,7 @@ pub struct Settings {
     pub light_sampling: LightSampling,
     /// Whether lights are looked for in plane mirrors.
     pub mirror_sampling: MirrorSampling,
-    /// When paths may be ended at random.
+    /// When paths may be ended at random, and how likely.
     pub roulette: Roulette,
 }
 
@@ -72,16 +72,16 @@ pub enum MirrorSampling {
 /// on average (Arvo and Kirk 1990).
 ///
 /// A path whose throughput's largest component is `t` survives with the probability
-/// `t / threshold`, at most [`Roulette::MAX_SURVIVE_PROB`], and then has the throughput `threshold`
-/// there: all late bounces count alike.
+/// `p = min(t / threshold, MAX_SURVIVE_PROB)`, and its throughput is divided by `p`: what had fallen below
+/// the threshold is brought back to it, what is brighter is hardly touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Roulette {
     /// How many bounces come before the first one that may be refused. Without a limit on
     /// bounces, at most [`Settings::MAX_BOUNCES`].
     pub start: u32,
-    /// The throughput of survivors, in `[2^-20, 1]`. A lower one leaves less noise of late bounces, for
-    /// more of them.
+    /// The throughput to which survivors are brought back, in `[2^-20, 1]`. A lower one leaves less noise,
+    /// and costs more bounces.
     pub threshold: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Which instructions a search uses.
+//! Which instructions a search, or other work, is compiled for.
 
 #[cfg(target_arch = "x86_64")]
 use super::simd::{Avx2, Avx512};
@@ -28,7 +28,8 @@ impl SimdLevel {
 
     /// Runs `work`, compiled for these instructions, or for the best below them that this machine has.
     ///
-    /// For passes over arrays, of which the compiler makes vectors. Only what is inlined into `work` is
+    /// For passes over arrays, of which the compiler makes vectors, and for long computations of which much
+    /// is inlined. Only what is inlined into `work` is
     /// compiled so: mark the closure, and what it calls, `#[inline(always)]`. What it computes is
     /// the same to the bit with any instructions.
     ///

@@ -19,11 +19,12 @@ pub(crate) struct WaveSamples {
 /// accelerator gets many rays at once. Its buffers are kept from tile to tile.
 #[derive(Debug, Default)]
 pub(crate) struct Wave {
+    level: Level,
     /// Paths still under way, and beside each the ray it follows next.
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
-    /// Where in its pixel each camera ray starts.
-    films: Vec<[f64; 2]>,
+    /// What decides where in its pixel each camera ray passes.
+    places: Vec<[f64; 2]>,
     /// What decides each path's next bounce.
     drawn: Vec<BounceNumbers>,
     pub(super) hits: Vec<Option<Hit>>,
@@ -38,6 +39,16 @@ pub(crate) struct Wave {
     pub(super) occluded: Vec<bool>,
     /// What each sample has gathered, in the order in which the samples are taken.
     pub(super) radiance: Vec<Rgb>,
+}
+
+/// Which instructions a wave is shaded with; the bits are the same with any.
+#[derive(Clone, Copy, Debug)]
+struct Level(SimdLevel);
+
+impl Default for Level {
+    fn default() -> Self {
+        Self(SimdLevel::best())
+    }
 }
 
 /// How many paths' numbers are computed side by side.
@@ -143,10 +154,10 @@ impl Wave {
                 self.paths.push(Path::from_camera(self.paths.len() as u32, numbers, camera.eye()));
             }
         }
-        side_by_side(&self.paths, &mut self.films, Numbers::films);
-        let films = self.films.chunks_exact(samples.count as usize);
-        for ((x, y), films) in tile.pixels().zip(films) {
-            for &u in films {
+        side_by_side(self.level, &self.paths, &mut self.places, Numbers::films);
+        let places = self.places.chunks_exact(samples.count as usize);
+        for ((x, y), places) in tile.pixels().zip(places) {
+            for &u in places {
                 let [dx, dy] = settings.filter.place(u);
                 let film_x = 2.0 * (f64::from(x) + dx) / width - 1.0;
                 let film_y = 1.0 - 2.0 * (f64::from(y) + dy) / height;
@@ -162,6 +173,7 @@ impl Wave {
     pub(super) fn shade<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
         let roulette = view.settings.roulette;
         side_by_side(
+            self.level,
             &self.paths,
             &mut self.drawn,
             #[inline(always)]
@@ -171,14 +183,15 @@ impl Wave {
         self.shadow_rays.clear();
         self.thrown.clear();
         self.mirror_rays.clear();
-        SimdLevel::best().run(
+        let Level(level) = self.level;
+        level.run(
             #[inline(always)]
             || self.shade_all(view, bounce, counters),
         );
     }
 
-    /// All that is called here for every path is inlined, so that it is compiled for the machine's
-    /// instructions: a sixth of the time of a whole picture.
+    /// What is called here for most paths is inlined, so that it is compiled for the machine's
+    /// instructions too.
     #[inline(always)]
     fn shade_all<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32, counters: &mut Counters) {
         let mut kept = 0;
@@ -244,12 +257,13 @@ impl Wave {
 
 /// What `draw` makes of the random numbers of all `paths`, several at a time.
 fn side_by_side<T: Copy>(
+    Level(level): Level,
     paths: &[Path],
     drawn: &mut Vec<T>,
     draw: impl Fn(&[Numbers; SIDE_BY_SIDE]) -> [T; SIDE_BY_SIDE],
 ) {
     drawn.clear();
-    SimdLevel::best().run(
+    level.run(
         #[inline(always)]
         || {
             for group in paths.chunks(SIDE_BY_SIDE) {
@@ -284,9 +298,57 @@ impl Path {
     /// Whether roulette, by `u` in `[0, 1)`, lets the path go on.
     #[inline(always)]
     fn survives(&mut self, roulette: Roulette, u: f64) -> bool {
-        let certain = self.throughput.max_component() / roulette.threshold;
-        let survive_prob = certain.min(Roulette::MAX_SURVIVE_PROB);
+        let uncapped = self.throughput.max_component() / roulette.threshold;
+        let survive_prob = uncapped.min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;
         u < survive_prob
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Estimator, Model, Sampler};
+    use globillum_geom::conformance::shapes::quad;
+    use globillum_geom::{KdOptions, KdTree};
+    use globillum_material::Material;
+
+    /// A floor and a wall, a mirror beside them, and a lamp above.
+    fn corner() -> Scene<KdTree> {
+        let p = DVec3::new;
+        let mut model = Model::default();
+        let floor = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
+        model.add(Material::lambert(Rgb::new(0.8, 0.6, 0.3)).unwrap(), floor);
+        let wall = quad(p(-1.0, 0.0, -1.0), p(1.0, 0.0, -1.0), p(1.0, 2.0, -0.8), p(-1.0, 2.0, -0.8));
+        model.add(Material::lambert(Rgb::splat(0.7)).unwrap(), wall);
+        let mirror = quad(p(-1.0, 0.0, -1.0), p(-1.1, 2.0, -1.0), p(-1.1, 2.0, 1.0), p(-1.0, 0.0, 1.0));
+        model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), mirror);
+        let lamp = quad(p(-0.5, 1.5, -0.5), p(0.5, 1.5, -0.5), p(0.5, 1.5, 0.5), p(-0.5, 1.5, 0.5));
+        model.add(Material::lamp(Rgb::splat(5.0)).unwrap(), lamp);
+        Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+    }
+
+    #[test]
+    fn shading_gives_the_same_bits_with_any_instructions() {
+        let scene = corner();
+        let camera =
+            Camera::look_at(DVec3::new(0.3, 0.8, 2.5), DVec3::new(0.0, 0.6, 0.0), DVec3::Y, 0.8).unwrap();
+        let samples = WaveSamples { first: 0, count: 16 };
+        let tile = Tile::all(16, 16).next().unwrap();
+        for (sampler, estimator) in [Sampler::Sobol, Sampler::Independent]
+            .into_iter()
+            .flat_map(|s| [Estimator::Bsdf, Estimator::Light, Estimator::Mis].map(|e| (s, e)))
+        {
+            let settings = Settings { sampler, estimator, ..Settings::new(16, 16, 16) };
+            let view = View { scene: &scene, camera: &camera, settings: &settings };
+            let traced = SimdLevel::ALL.map(|level| {
+                let mut wave = Wave { level: Level(level), ..Wave::default() };
+                let counters = wave.trace(&view, tile, samples, || false);
+                (counters, wave.radiance)
+            });
+            let lit = traced[0].1.iter().filter(|radiance| !radiance.is_black()).count();
+            assert!(lit > 500, "{estimator:?}: {lit} samples are lit");
+            assert!(traced.iter().all(|other| *other == traced[0]), "{sampler:?}, {estimator:?}");
+        }
     }
 }

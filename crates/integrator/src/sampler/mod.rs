@@ -66,8 +66,8 @@ pub(crate) struct BounceNumbers {
 }
 
 impl BounceNumbers {
-    /// Those of `N` samples at a bounce, which roulette may refuse or not. Sobol' points of passes of one
-    /// length are computed side by side.
+    /// Those of `N` samples at a bounce, with a number for roulette if `roulette`. Sobol' points of passes of
+    /// one length are computed side by side.
     #[inline(always)]
     pub(crate) fn draw<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
         match Numbers::as_points(samples) {
@@ -124,19 +124,19 @@ impl Numbers {
 
     /// For the choice of a light, and of a point on it: together uniform in the unit cube.
     #[inline]
-    pub(crate) fn light(&self, bounce: u32) -> (f64, [f64; 2]) {
+    fn light(&self, bounce: u32) -> (f64, [f64; 2]) {
         self.triple(Decision::light(bounce))
     }
 
     /// For the direction in which a path goes on: uniform in the unit square.
     #[inline]
-    pub(crate) fn scatter(&self, bounce: u32) -> [f64; 2] {
+    fn scatter(&self, bounce: u32) -> [f64; 2] {
         self.pair(Decision::scatter(bounce))
     }
 
     /// For whether a path goes on: uniform in `[0, 1)`.
     #[inline]
-    pub(crate) fn roulette(&self, bounce: u32) -> f64 {
+    fn roulette(&self, bounce: u32) -> f64 {
         self.single(Decision::roulette(bounce))
     }
 
@@ -246,13 +246,14 @@ mod tests {
         for sampler in BOTH {
             let numbers = numbers(sampler, 7, 5);
             let of_bounce = |bounce| {
-                let (choice, [x, y]) = numbers.light(bounce);
-                let [u, v] = numbers.scatter(bounce);
+                let [drawn] = BounceNumbers::draw(&[numbers], bounce, true);
+                let BounceNumbers { light, point: [x, y], scatter: [u, v], roulette } = drawn;
                 let (mirrored, [z, w]) = numbers.light_in_mirror(bounce);
-                let single = [numbers.roulette(bounce), numbers.mirror(bounce)];
-                [choice, x, y, u, v, mirrored, z, w, single[0], single[1]]
+                let roulette = roulette.expect("a number for roulette was asked for");
+                [light, x, y, u, v, roulette, numbers.mirror(bounce), mirrored, z, w]
             };
-            let mut all: Vec<f64> = (0..1000).flat_map(of_bounce).chain(numbers.film()).collect();
+            let [film] = Numbers::films(&[numbers]);
+            let mut all: Vec<f64> = (0..1000).flat_map(of_bounce).chain(film).collect();
             all.sort_by(f64::total_cmp);
             // Numbers of 53 random bits coincide by chance with a probability of 2e-9.
             assert!(all.windows(2).all(|pair| pair[0] != pair[1]), "{sampler:?}");
