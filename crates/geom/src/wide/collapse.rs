@@ -24,8 +24,6 @@ enum Cell {
     Whole(u32),
     /// Two cells in its place; the first is the lower one along the axis.
     Opened { axis: u8, parts: [usize; 2] },
-    /// Nothing.
-    Empty,
 }
 
 impl<'a> Collapse<'a> {
@@ -76,7 +74,7 @@ impl<'a> Collapse<'a> {
     /// to `cells`, and returns where the subtree is.
     fn lay_out(&self, root: u32, lanes: usize, must_open: bool, cells: &mut Vec<Cell>) -> usize {
         let at = cells.len();
-        cells.push(if lanes == 0 { Cell::Empty } else { Cell::Whole(root) });
+        cells.push(Cell::Whole(root));
         if let Content::Parts { axis, upper } = self.subtrees.get(root).content
             && let Some(first) = self.subtrees.opening(root, lanes, must_open)
         {
@@ -87,7 +85,8 @@ impl<'a> Collapse<'a> {
         at
     }
 
-    /// What a cell's lane holds, and the box of that.
+    /// What a cell's lane holds, and the box of that; `None` for one that has no lane of its own, or that has
+    /// nothing in it.
     fn child(&mut self, cell: &Cell) -> Option<(Aabb, Child)> {
         let Cell::Whole(at) = *cell else { return None };
         let Subtree { bounds, content, .. } = *self.subtrees.get(at);
@@ -208,7 +207,7 @@ mod tests {
             let mut listed = 0;
             for node in &nodes {
                 let cells = cells(node);
-                assert!(!cells.is_empty());
+                assert!(cells.len() > 1);
                 for octant in 0..8 {
                     let order = order(node, octant);
                     let mut sorted = order.clone();

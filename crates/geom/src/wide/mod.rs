@@ -104,11 +104,7 @@ impl WideKdTree {
     /// references.
     pub fn build_with(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
         let (tree, mut members) = KdTree::build_with_members(triangles, options)?;
-        let (requested, budget) = (tree.references.len(), Child::MAX_REFERENCES);
-        if requested > budget {
-            let (requested, budget) = (requested as u64, budget as u64);
-            return Err(GeomError::Budget { what: "wide k-d tree references", requested, budget });
-        }
+        Child::check_references(tree.references.len())?;
         let triangles = triangles.clone();
         let space = Space::new(&triangles.bounds());
         let subtrees = Subtrees::new(&tree, &mut members);

@@ -1,7 +1,7 @@
 //! The tree's nodes: up to eight cells, each in the box of what it holds.
 
 use super::simd::LANES;
-use crate::Aabb;
+use crate::{Aabb, GeomError};
 
 /// Up to eight cells, lane by lane, in four cache lines. Parts of a leaf may overlap.
 #[repr(C, align(64))]
@@ -60,7 +60,16 @@ impl Child {
     /// Where the node or block is, in its vector.
     pub(super) const PLACE: u32 = (1 << Self::PLACE_BITS) - 1;
     /// More triangle references than this can not be told apart.
-    pub(super) const MAX_REFERENCES: usize = (1 << Self::PLACE_BITS) - LANES;
+    const MAX_REFERENCES: usize = (1 << Self::PLACE_BITS) - LANES;
+
+    /// Refuses more references than can be told apart.
+    pub(super) fn check_references(count: usize) -> Result<(), GeomError> {
+        let (requested, budget) = (count as u64, Self::MAX_REFERENCES as u64);
+        if requested > budget {
+            return Err(GeomError::Budget { what: "wide k-d tree references", requested, budget });
+        }
+        Ok(())
+    }
 
     pub(super) fn pack(self) -> u32 {
         match self {
@@ -85,5 +94,31 @@ impl Child {
     #[inline(always)]
     pub(super) fn block(packed: u32) -> (usize, usize) {
         ((packed & Self::PLACE) as usize, (packed >> Self::PLACE_BITS & 7) as usize + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn references_must_fit() {
+        let limit = Child::MAX_REFERENCES;
+        assert_eq!(Child::check_references(limit), Ok(()));
+        let error = GeomError::Budget {
+            what: "wide k-d tree references",
+            requested: limit as u64 + 1,
+            budget: limit as u64,
+        };
+        assert_eq!(Child::check_references(limit + 1), Err(error));
+        // The last blocks that there may be, and as many nodes.
+        for count in 1..=LANES {
+            let packed = Child::Block { first: (limit - count) as u32, count: count as u32 }.pack();
+            assert_eq!((Child::is_block(packed), Child::is_end(packed)), (1, 0));
+            assert_eq!(Child::block(packed), (limit - count, count));
+        }
+        let packed = Child::Node(limit as u32).pack();
+        assert_eq!((Child::is_block(packed), Child::is_end(packed)), (0, 0));
+        assert_eq!((packed & Child::PLACE) as usize, limit);
     }
 }
