@@ -9,7 +9,7 @@
 
 use allocation_counter::{AllocationInfo, measure};
 use glam::{DVec3, Vec3};
-use globillum_geom::conformance::shapes::{quad, statue};
+use globillum_geom::conformance::shapes::{icosphere, quad, statue, torus};
 use globillum_geom::conformance::{Regime, Seeded, Source};
 use globillum_geom::decide::Shear;
 use globillum_geom::{
@@ -36,8 +36,8 @@ impl Scene {
         Self {
             brute: BruteForce::build(&triangles),
             kd: kd_within_bounds(&triangles, &KdOptions::default()),
-            wide: WideKdTree::build(&triangles).expect("not too many references"),
-            quick: WideKdTree::build_quickly(&triangles).expect("not too many references"),
+            wide: wide_within_bounds(&triangles, WideKdTree::build).0,
+            quick: wide_within_bounds(&triangles, WideKdTree::build_quickly).0,
             by_rule: every_rule().map(|options| kd_by_rule(&triangles, &options)).collect(),
             grid: grid_within_bounds(&triangles, &GridOptions::default()),
             triangles,
@@ -112,6 +112,23 @@ fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
     );
     assert_eq!(allocated.bytes_current as usize, tree.bytes() - triangles.bytes());
     tree
+}
+
+/// Builds a wide tree and checks all that is promised about its size; also returns the bytes that building
+/// took.
+fn wide_within_bounds(
+    triangles: &Triangles,
+    build: impl FnOnce(&Triangles) -> Result<WideKdTree, GeomError> + Send,
+) -> (WideKdTree, usize) {
+    let (tree, allocated) = measured(|| build(triangles).expect("not too many references"));
+    let taken = allocated.bytes_max as usize;
+    let n = triangles.live().len();
+    let b = (8 * n).max(1);
+    let kept = tree.bytes() - triangles.bytes();
+    assert!(kept <= 296 * b + 576, "{kept} bytes kept for {n}");
+    assert!(taken <= 1100 * b + (1 << 17), "{taken} bytes for {n}");
+    assert_eq!(allocated.bytes_current as usize, kept);
+    (tree, taken)
 }
 
 /// Builds a grid and checks all that is promised about its size.
@@ -638,6 +655,55 @@ fn check_garbage(seed: u64) -> bool {
         Ok(_) => {
             Scene::new(triangles).check(50);
             true
+        }
+    }
+}
+
+/// Triangles at random places in a cube of side 2, their sides up to some `size`.
+fn soup(count: usize, size: f32) -> Triangles {
+    let mut source = Seeded::new(count as u64);
+    let mut triangle = || {
+        let [corner, a, b] = [0; 3].map(|_| in_cube(&mut source));
+        Triangle::new(corner, corner + size * a, corner + size * b)
+    };
+    Triangles::new((0..count).map(|_| triangle()).collect()).expect("coordinates in the domain")
+}
+
+/// What its documentation says that a closed mesh takes, far below the bounds.
+#[test]
+fn what_building_takes_over_closed_meshes() {
+    let shapes = [statue(6_000), statue(20_000), icosphere(4), icosphere(5), torus(100, 30), torus(200, 60)];
+    for triangles in shapes.map(|mesh| Triangles::new(mesh.triangles()).unwrap()) {
+        let n = triangles.live().len();
+        let kd = |options| measured(|| KdTree::build(&triangles, &options).unwrap()).1.bytes_max as usize / n;
+        let by_area = kd(KdOptions::default());
+        assert!((180..=320).contains(&by_area), "{by_area} n");
+        for options in every_rule() {
+            let by_rule = kd(options);
+            assert!((180..=420).contains(&by_rule), "{by_rule} n, {:?}", options.rule);
+        }
+        for build in [WideKdTree::build, WideKdTree::build_quickly] {
+            let wide = wide_within_bounds(&triangles, build).1 / n;
+            assert!((150..=200).contains(&wide), "{wide} n");
+        }
+    }
+}
+
+#[test]
+fn what_building_a_wide_tree_takes_over_long_triangles_and_in_small_cells() {
+    let mut tiny = KdOptions::default();
+    (tiny.leaf_size, tiny.traversal_cost, tiny.empty_factor) = (0, 0.0, 1e-3);
+    let mesh = Triangles::new(statue(6_000).triangles()).unwrap();
+    for triangles in [mesh, soup(20_000, 0.02), soup(20_000, 0.2), soup(20_000, 1.0), soup(2_000, 3.0)] {
+        let n = triangles.live().len();
+        for build in [WideKdTree::build, WideKdTree::build_quickly] {
+            let peak = wide_within_bounds(&triangles, build).1 / n;
+            assert!((150..=900).contains(&peak), "{peak} n");
+        }
+        for options in [KdOptions::default(), tiny] {
+            let build = |triangles: &Triangles| WideKdTree::build_with(triangles, &options);
+            let peak = wide_within_bounds(&triangles, build).1 / n;
+            assert!((200..=1500).contains(&peak), "{peak} n, {options:?}");
         }
     }
 }
