@@ -98,7 +98,11 @@ fn senseless_settings_are_refused() {
             other => panic!("{expected}: {other:?}"),
         }
     }
-    assert!(render(&scene, &camera, &good, &()).is_ok());
+    for threshold in [Roulette::MIN_THRESHOLD, good.roulette.threshold, 1.0] {
+        let mut settings = good;
+        settings.roulette.threshold = threshold;
+        assert!(render(&scene, &camera, &settings, &()).is_ok());
+    }
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         let scene = scenes::scene(&model, STRUCTURES[0].1);
         assert!(scene.with_environment(Rgb::splat(bad)).is_err());
