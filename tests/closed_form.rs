@@ -10,13 +10,13 @@ use globillum::integrator::{
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
-use globillum_testkit::stats::Estimate;
+use globillum_testkit::stats::{Estimate, independent_pixels};
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
 /// 64 x 64 pixels, all of the same point, by independent samples.
 fn settings(samples: u32) -> Settings {
-    let mut settings = Settings::new(64, 64, samples);
+    let mut settings = independent_pixels(64, 64, samples);
     settings.sampler = Sampler::Independent;
     settings
 }
@@ -170,7 +170,7 @@ fn c8_a_kaleidoscope_of_mirrors() {
 fn c11_ten_bounces_in_a_corridor_of_mirrors() {
     let camera = stare(DVec3::new(0.0, 0.5, 0.0), DVec3::new(1.0, 1.53, 0.0));
     let model = scenes::mirror_corridor(0.9, 10.0);
-    let mut s = Settings::new(2, 2, 1);
+    let mut s = independent_pixels(2, 2, 1);
     s.roulette.start = Settings::MAX_BOUNCES;
     for (_, build) in STRUCTURES {
         for estimator in ALL {

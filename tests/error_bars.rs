@@ -9,7 +9,7 @@ use globillum::integrator::{
 };
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
-use globillum_testkit::stats::Estimate;
+use globillum_testkit::stats::{Estimate, independent_pixels};
 
 const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
 
@@ -44,7 +44,7 @@ fn scene() -> (Scene<Box<dyn Accel>>, Camera) {
 }
 
 fn settings(samples: u32, sampler: Sampler, estimator: Estimator) -> Settings {
-    let mut settings = Settings::new(SIDE, SIDE, samples);
+    let mut settings = independent_pixels(SIDE, SIDE, samples);
     (settings.sampler, settings.estimator) = (sampler, estimator);
     settings
 }

@@ -9,14 +9,14 @@ use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::polygon;
 use globillum_testkit::scenes::{self, disc, stare};
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
-use globillum_testkit::stats::Estimate;
+use globillum_testkit::stats::{Estimate, independent_pixels};
 
 use Estimator::{Bsdf, Light, Mis};
 
 /// The radiance of the whole picture after one bounce, by Sobol' points.
 fn estimate(model: &Model, camera: &Camera, estimator: Estimator, samples: u32) -> Estimate {
     let scene = scenes::scene(model, STRUCTURES[0].1);
-    let mut settings = Settings::new(64, 64, samples);
+    let mut settings = independent_pixels(64, 64, samples);
     (settings.estimator, settings.max_bounces) = (estimator, Some(1));
     let film = render(&scene, camera, &settings, &()).expect("the scene is good").film;
     Estimate::of_film(&film, |c| c.g)
@@ -131,7 +131,7 @@ fn c19_an_integrating_sphere() {
     // The middle of a wall that is no lamp.
     let middle = model.triangles()[0].vertices.map(|v| v.as_dvec3()).iter().sum::<DVec3>() / 3.0;
     let scene = scenes::scene(&model, STRUCTURES[0].1);
-    let mut settings = Settings::new(64, 64, 64);
+    let mut settings = independent_pixels(64, 64, 64);
     settings.estimator = Mis;
     let film = render(&scene, &stare(DVec3::ZERO, middle), &settings, &()).expect("the scene is good").film;
     let found = Estimate::of_film(&film, |c| c.g);

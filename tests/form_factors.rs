@@ -8,7 +8,7 @@ use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::form_factor::corner;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{cuboid, inside_out, quad};
-use globillum_testkit::stats::Estimate;
+use globillum_testkit::stats::{Estimate, independent_pixels};
 
 use Estimator::{Bsdf, Light, Mis};
 use LightSampling::{Area, SolidAngle};
@@ -25,7 +25,7 @@ fn film(model: &Model, camera: &Camera, settings: &Settings) -> Film {
 
 /// 64 x 64 pixels of the same point, two long passes each.
 fn settings(estimator: Estimator, bounces: u32) -> Settings {
-    let mut settings = Settings::new(64, 64, 128);
+    let mut settings = independent_pixels(64, 64, 128);
     (settings.estimator, settings.max_bounces, settings.pass_samples) = (estimator, Some(bounces), 64);
     settings
 }
@@ -104,7 +104,7 @@ fn c12_a_lamp_that_stands_on_the_floor() {
     for x in [0.0, 1e-12, 1e-6, 0.01] {
         for (estimator, sampling) in ALL.into_iter().flat_map(|e| [Area, SolidAngle].map(|s| (e, s))) {
             let camera = stare(DVec3::new(x + 0.1, 0.5, 0.2), DVec3::new(x, 0.0, 0.0));
-            let mut settings = Settings::new(16, 16, 64);
+            let mut settings = independent_pixels(16, 16, 64);
             (settings.estimator, settings.light_sampling) = (estimator, sampling);
             film(&model, &camera, &settings);
         }
@@ -118,7 +118,7 @@ fn c17_a_convex_body_under_a_white_sky_shows_its_albedo() {
     for rho in [0.25, 1.0] {
         for (estimator, (_, build)) in ALL.into_iter().flat_map(|e| STRUCTURES.map(|s| (e, s))) {
             let scene = scenes::scene(&scenes::cube(rho), build).with_environment(Rgb::WHITE);
-            let mut settings = Settings::new(16, 16, 16);
+            let mut settings = independent_pixels(16, 16, 16);
             settings.estimator = estimator;
             let film =
                 render(&scene.expect("a sky"), &camera, &settings, &()).expect("the scene is good").film;
@@ -143,7 +143,7 @@ fn h54_a_lamp_that_can_not_be_seen_gives_nothing() {
         model.add(lambert(0.5), floor);
         model.add(Material::lamp(Rgb::WHITE).expect("a lamp"), lamp);
         for estimator in ALL {
-            let mut settings = Settings::new(32, 32, 16);
+            let mut settings = independent_pixels(32, 32, 16);
             settings.estimator = estimator;
             let film = film(&model, &stare(p(0.1, 0.5, 0.2), p(0.05, 0.0, -0.1)), &settings);
             assert!(film.means().all(|mean| mean == Rgb::BLACK), "{estimator:?}, {lamp:?}");
@@ -162,13 +162,13 @@ fn h59_h61_h70_what_is_exact_in_every_sample() {
         for estimator in ALL {
             let mut model = Model::default();
             model.add(lambert(0.0).emitting(shine), walls.clone());
-            let mut settings = Settings::new(width, height, 16);
+            let mut settings = independent_pixels(width, height, 16);
             settings.estimator = estimator;
             assert!(film(&model, &camera, &settings).means().all(|mean| mean == Rgb::WHITE), "{estimator:?}");
         }
         let mut model = Model::default();
         model.add(lambert(1.0).emitting(shine), walls.clone());
-        let mut settings = Settings::new(width, height, 16);
+        let mut settings = independent_pixels(width, height, 16);
         (settings.estimator, settings.max_bounces, settings.roulette.start) = (Bsdf, Some(30), 30);
         let film_of_31 = film(&model, &camera, &settings);
         assert!(film_of_31.means().all(|mean| mean == Rgb::splat(31.0)));
@@ -183,7 +183,7 @@ fn h59_h61_h70_what_is_exact_in_every_sample() {
 #[test]
 fn h64_ten_thousand_bounces_between_perfect_mirrors_lose_nothing() {
     let camera = stare(DVec3::new(0.0, 0.5, 0.0), DVec3::new(1.0, 1000.8, 0.0));
-    let mut settings = Settings::new(1, 1, 1);
+    let mut settings = independent_pixels(1, 1, 1);
     settings.roulette.start = Settings::MAX_BOUNCES;
     let film = film(&scenes::mirror_corridor(1.0, 10.0), &camera, &settings);
     assert_eq!(film.mean(0, 0), Rgb::WHITE);
@@ -195,7 +195,7 @@ fn h69_roulette_or_none_is_the_same_light() {
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     for (start, threshold) in [(0, 1.0), (0, 0.1), (3, 1.0), (3, 0.35)] {
-        let mut settings = Settings::new(64, 64, 256);
+        let mut settings = independent_pixels(64, 64, 256);
         (settings.estimator, settings.roulette.start) = (Bsdf, start);
         settings.roulette.threshold = threshold;
         let estimate = Estimate::of_film(&film(&model, &camera, &settings), |c| c.g);

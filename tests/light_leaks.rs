@@ -13,7 +13,7 @@ use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::furnace::truncated_series;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{self, Mesh, cuboid, inside_out, quad};
-use globillum_testkit::stats::Estimate;
+use globillum_testkit::stats::{Estimate, independent_pixels};
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
@@ -83,7 +83,7 @@ fn furnace(walls: Vec<Triangle>) -> Model {
 /// from behind, would have gathered less.
 fn assert_no_escape(model: &Model, camera: &Camera, what: &str) {
     // One sample a pixel: the sum of several equal ones would be rounded.
-    let mut settings = Settings::new(32, 32, 1);
+    let mut settings = independent_pixels(32, 32, 1);
     (settings.estimator, settings.max_bounces) = (Estimator::Bsdf, Some(64));
     settings.roulette.start = u32::MAX;
     let (truth, scenes) = (Rgb::splat(truncated_series(RHO, 64)), scenes_of(model));
@@ -343,7 +343,7 @@ fn h52_a_lamp_in_a_ceiling_gives_the_light_that_it_should() {
         (1e-9, Estimator::Bsdf, center, 320),
     ];
     for (drop, estimator, (x, z), samples) in cases {
-        let mut settings = Settings::new(64, 64, samples);
+        let mut settings = independent_pixels(64, 64, samples);
         settings.estimator = estimator;
         let what = format!("{estimator:?}, drop {drop}, at {x}, {z}");
         let (_, model) = lamp_in_ceiling(drop, 3.0, true);

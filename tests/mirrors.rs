@@ -10,7 +10,7 @@ use globillum_testkit::accelerators::{ACCELERATORS, Builder};
 use globillum_testkit::polygon::form_factor;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{inside_out, quad};
-use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT};
+use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels};
 
 use Estimator::{Bsdf, Light, Mis};
 use MirrorSampling::{Off, Planes};
@@ -93,7 +93,7 @@ fn camera() -> Camera {
 
 /// 32 x 32 pixels of the target, two long passes each, light of one bounce off a mirror.
 fn settings(estimator: Estimator, mirror_sampling: MirrorSampling, samples: u32) -> Settings {
-    let mut settings = Settings::new(32, 32, samples);
+    let mut settings = independent_pixels(32, 32, samples);
     (settings.estimator, settings.mirror_sampling) = (estimator, mirror_sampling);
     (settings.max_bounces, settings.pass_samples) = (Some(2), samples / 2);
     settings

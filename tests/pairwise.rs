@@ -5,7 +5,7 @@ use glam::DVec3;
 use globillum::integrator::{Camera, Estimator, Model, Settings, render};
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::scenes::{self, stare};
-use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT};
+use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels};
 
 const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
@@ -39,7 +39,7 @@ fn estimators_agree_in_pairs() {
     let floor = from(DVec3::ZERO);
     let furnace = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let box_floor = stare(DVec3::new(0.4, 0.45, 0.4), DVec3::new(0.3, 0.0, 0.6));
-    let mut settings = Settings::new(64, 64, 64);
+    let mut settings = independent_pixels(64, 64, 64);
     let cases = [
         ("C1", scenes::furnace(0.5, 1.0, DVec3::ZERO), furnace, Some(5), 3, 64),
         ("C2", scenes::furnace(0.5, 1.0, DVec3::ZERO), furnace, None, 0, 64),

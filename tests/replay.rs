@@ -1,7 +1,9 @@
 //! Any sample can be traced alone, and is then the one that the picture holds.
 
 use globillum::geom::Accel;
-use globillum::integrator::{Estimator, PixelFilter, Replay, Sampler, Scene, Settings, render, replay};
+use globillum::integrator::{
+    Estimator, PathReuse, PixelFilter, Replay, Sampler, Scene, Settings, render, replay,
+};
 use globillum::material::{Bsdf, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::{cornell, scenes};
@@ -47,12 +49,13 @@ fn the_samples_of_a_pixel_add_up_to_it() {
 #[test]
 fn a_replay_tells_what_the_path_met() {
     let (scene, settings) = (the_box(), Settings::new(64, 64, 64));
-    let (mut seen_mirror, mut seen_direct, mut seen_mirrored) = (false, false, false);
+    let (mut seen_mirror, mut seen_direct, mut seen_mirrored, mut seen_shared) = (false, false, false, false);
     for sample in 0..64 {
         let path = replayed(&scene, &settings, (26, 40), sample);
         let contributions =
             path.vertices.iter().fold(Rgb::BLACK, |sum, v| sum + v.emitted + v.direct + v.mirrored);
-        assert!((contributions.g - path.radiance.g).abs() <= 1e-15 * path.radiance.g);
+        assert!((contributions.g - path.alone.g).abs() <= 1e-15 * path.alone.g);
+        seen_shared |= path.alone != path.radiance;
         assert_eq!(path.vertices[0].throughput, Rgb::WHITE);
         for pair in path.vertices.windows(2) {
             seen_mirror |= matches!(pair[0].material.bsdf, Bsdf::Mirror(_));
@@ -61,7 +64,7 @@ fn a_replay_tells_what_the_path_met() {
         }
         assert!(path.to_string().lines().count() > 2 * path.vertices.len());
     }
-    assert!(seen_mirror && seen_direct && seen_mirrored);
+    assert!(seen_mirror && seen_direct && seen_mirrored && seen_shared);
 }
 
 #[test]
@@ -71,5 +74,16 @@ fn what_the_picture_does_not_have_is_refused() {
     for (pixel, sample, name) in [((4, 0), 0, "x"), ((0, 3), 0, "y"), ((3, 2), 2, "sample")] {
         let error = replay(&scene, &camera, &settings, pixel, sample).expect_err("it has not");
         assert!(error.to_string().starts_with(name), "{error}");
+    }
+}
+
+#[test]
+fn a_path_that_is_not_shared_brings_all_there_is() {
+    let scene = the_box();
+    let mut settings = Settings::new(64, 64, 64);
+    settings.path_reuse = PathReuse::Off;
+    for sample in 0..64 {
+        let path = replayed(&scene, &settings, (26, 40), sample);
+        assert_eq!(path.alone, path.radiance);
     }
 }

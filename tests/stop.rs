@@ -3,8 +3,8 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray};
 use globillum::integrator::{
-    Camera, Ending, Estimator, Monitor, Picture, PixelGoal, Progress, Render, RenderError, Scene, Settings,
-    Stop, render,
+    Camera, Ending, Estimator, Model, Monitor, Picture, PixelGoal, Progress, Render, RenderError, Scene,
+    Settings, Stop, render,
 };
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
@@ -253,12 +253,15 @@ impl Accel for Failing {
 }
 
 fn failing(rays: u32, how: Failure) -> (Scene<Failing>, Camera) {
-    let model = scenes::lamp_over_floor();
+    (failing_in(&scenes::lamp_over_floor(), rays, how), lamp_over_floor().1)
+}
+
+fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Failing> {
     let build = |triangles: &_| {
         let inner: Box<dyn Accel> = STRUCTURES[0].1(triangles)?;
         Ok(Failing { inner, left: AtomicU32::new(rays), how })
     };
-    (Scene::build(&model, build).expect("the model is good"), lamp_over_floor().1)
+    Scene::build(model, build).expect("the model is good")
 }
 
 /// L6.
@@ -289,6 +292,18 @@ fn h67_what_is_not_a_number_is_an_error_that_names_its_sample() {
     settings.threads = 1;
     // A camera ray of the first tile: four samples of a pixel, pixel after pixel.
     let (scene, camera) = failing(4 * 18 + 3, Failure::NotANumber);
+    let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
+    assert_eq!(error, RenderError::NonFinite { x: 2, y: 1, sample: 2 });
+}
+
+/// H67, where the sample shares what it finds with others: it is still the one that is named.
+#[test]
+fn h67_what_is_not_a_number_is_not_shared() {
+    let mut settings = Settings::new(64, 64, 64);
+    (settings.threads, settings.roulette.start) = (1, 20);
+    // In a furnace no path ends: the third rays of the first tile's 4 x 256 samples come after 2048 others.
+    let scene = failing_in(&scenes::furnace(0.5, 1.0, DVec3::ZERO), 2048 + 4 * 18 + 3, Failure::NotANumber);
+    let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
     assert_eq!(error, RenderError::NonFinite { x: 2, y: 1, sample: 2 });
 }

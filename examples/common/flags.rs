@@ -2,8 +2,8 @@ use super::{Saver, Traced};
 use anyhow::{Context, Result, anyhow, ensure};
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, Estimator, LightSampling, MirrorSampling, Picture, PixelFilter, Render, Sampler, Scene, Settings,
-    Stop,
+    Camera, Estimator, LightSampling, MirrorSampling, PathReuse, Picture, PixelFilter, Render, Sampler,
+    Scene, Settings, Stop,
 };
 use std::ops::Range;
 use std::path::PathBuf;
@@ -36,6 +36,9 @@ pub(crate) struct RenderFlags {
     /// Whether lights are looked for in plane mirrors
     #[arg(long, value_enum, default_value_t = MirrorSamplingKind::Planes)]
     mirror_sampling: MirrorSamplingKind,
+    /// Whether neighbouring pixels share what their paths find
+    #[arg(long, value_enum, default_value_t = PathReuseKind::Fours)]
+    path_reuse: PathReuseKind,
     /// Most bounces of a path: 0 is emitted light only, 1 adds direct light; unlimited by default
     #[arg(long)]
     max_bounces: Option<u32>,
@@ -107,6 +110,14 @@ enum MirrorSamplingKind {
     Planes,
 }
 
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum PathReuseKind {
+    /// No
+    Off,
+    /// Four pixels together
+    Fours,
+}
+
 fn parse_passes(text: &str) -> Result<Range<u32>> {
     let (start, end) = text.split_once("..").context("expected A..B, such as 0..8")?;
     let number = |text: &str| text.parse().map_err(|error| anyhow!("`{text}`: {error}"));
@@ -144,6 +155,10 @@ impl RenderFlags {
         settings.mirror_sampling = match self.mirror_sampling {
             MirrorSamplingKind::Off => MirrorSampling::Off,
             MirrorSamplingKind::Planes => MirrorSampling::Planes,
+        };
+        settings.path_reuse = match self.path_reuse {
+            PathReuseKind::Off => PathReuse::Off,
+            PathReuseKind::Fours => PathReuse::Fours,
         };
         settings.validate()?;
         self.stop().validate()?;

@@ -1,13 +1,13 @@
 //! Pictures as bytes.
 //!
 //! All numbers are little-endian. A header (magic, version, key, width, height, samples in a pass,
-//! counters, number of blocks) is followed by the blocks of the film (first pass, passes, samples, observations, then
+//! kind of path reuse, counters, number of blocks) is followed by the blocks of the film (first pass, passes, samples, observations, then
 //! for each pixel the sum and the spread of three components as `f64`), and by a checksum of all
 //! bytes before it.
 
 use crate::film::{Block, Moments, Tally};
 use crate::hash::fold;
-use crate::{Counters, Film, Picture, Settings};
+use crate::{Counters, Film, PathReuse, Picture, Settings};
 use globillum_material::Rgb;
 use thiserror::Error;
 
@@ -65,6 +65,7 @@ impl Picture {
         bytes.extend(self.film.width().to_le_bytes());
         bytes.extend(self.film.height().to_le_bytes());
         bytes.extend(self.pass_samples.to_le_bytes());
+        bytes.extend(self.film.path_reuse().code().to_le_bytes());
         bytes.extend(self.counters.to_array().iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend((blocks.len() as u32).to_le_bytes());
         for block in blocks {
@@ -84,7 +85,9 @@ impl Picture {
         let content = check(bytes)?;
         let mut reader = Reader { bytes: &content[MAGIC.len() + 4..] };
         let (key, width, height) = (reader.u64()?, reader.u32()?, reader.u32()?);
-        let pass_samples = reader.u32()?;
+        let (pass_samples, path_reuse) = (reader.u32()?, reader.u32()?);
+        let path_reuse = PathReuse::ALL.get(path_reuse as usize).copied();
+        let path_reuse = path_reuse.ok_or(CheckpointError::Malformed("kind of path reuse"))?;
         let counters = reader.counters()?;
         let count = reader.u32()?;
         let pixels = u64::from(width) * u64::from(height);
@@ -97,7 +100,7 @@ impl Picture {
         if reader.bytes.len() as u64 != u64::from(count) * (BLOCK_BYTES + PIXEL_BYTES * pixels) {
             return Err(CheckpointError::Length);
         }
-        let mut film = Film::new(width, height);
+        let mut film = Film::new(width, height, path_reuse);
         let (mut held, mut samples) = (0_u64, 0_u64);
         for _ in 0..count {
             let block = reader.block(pixels as usize)?;
@@ -120,7 +123,7 @@ impl Picture {
             return Err(CheckpointError::Malformed("radiance"));
         }
         let samples = samples.try_into().map_err(|_| CheckpointError::Malformed("number of samples"))?;
-        Ok(Self { film, counters, samples, ..Self::new(width, height, pass_samples, key) })
+        Ok(Self { counters, samples, ..Self::new(film, pass_samples, key) })
     }
 }
 

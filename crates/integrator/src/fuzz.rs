@@ -26,7 +26,7 @@ fn check_picture(picture: &Picture) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CheckpointError, Film, Settings};
+    use crate::{CheckpointError, Film, PathReuse, Settings};
 
     #[test]
     fn the_fuzzers_corpus() {
@@ -36,9 +36,13 @@ mod tests {
         assert!(good > 0, "not one file is good");
     }
 
+    fn picture(width: u32, height: u32) -> Picture {
+        Picture::new(Film::new(width, height, PathReuse::Off), 1, 0)
+    }
+
     /// A checkpoint of one pixel: its blocks hold one pass each, with these sums and spreads.
     fn checkpoint(passes: impl IntoIterator<Item = (u32, f64, f64)>) -> Vec<u8> {
-        let empty = Picture { film: Film::new(1, 1), ..Picture::new(1, 1, 1, 0) }.to_bytes();
+        let empty = picture(1, 1).to_bytes();
         let (mut bytes, mut count) = (empty[..empty.len() - 12].to_vec(), 0_u32);
         let mut blocks = Vec::new();
         for (first, sum, spread) in passes {
@@ -67,9 +71,9 @@ mod tests {
             let result = Picture::from_bytes(&checkpoint(passes.iter().copied()));
             assert_eq!(result, Err(CheckpointError::Malformed("radiance")), "{passes:?}");
         }
-        let mut huge = Picture::new(1 << 20, 1 << 20, 1, 0).to_bytes();
+        let mut huge = picture(1 << 20, 1 << 20).to_bytes();
         assert_eq!(Picture::from_bytes(&huge), Err(CheckpointError::Malformed("size")));
-        huge = Picture::new(Settings::MAX_PIXELS as u32, 1, 1, 0).to_bytes();
+        huge = picture(Settings::MAX_PIXELS as u32, 1).to_bytes();
         assert!(Picture::from_bytes(&huge).is_ok(), "a large picture without passes is small");
     }
 }

@@ -75,7 +75,7 @@ impl Key {
             MirrorSampling::Off => 0,
             MirrorSampling::Planes => 1,
         };
-        let kinds = [sampler, filter, estimator, light_sampling, mirror_sampling];
+        let kinds = [sampler, filter, estimator, light_sampling, mirror_sampling, settings.path_reuse.code()];
         for part in [width, height, pass_samples].into_iter().chain(kinds) {
             self.add(part.into());
         }

@@ -33,6 +33,7 @@ mod film;
 mod filter;
 #[cfg(any(test, feature = "fuzz"))]
 mod fuzz;
+mod groups;
 mod hash;
 mod key;
 mod lamp;
@@ -67,5 +68,5 @@ pub use picture::{Ending, Picture};
 pub use render::{Render, render};
 pub use sampler::{Sampler, Stream};
 pub use scene::{Interaction, Scene};
-pub use settings::{MirrorSampling, Roulette, Settings};
+pub use settings::{MirrorSampling, PathReuse, Roulette, Settings};
 pub use stop::{PixelGoal, Stop};

@@ -59,8 +59,7 @@ pub enum Ending {
 }
 
 impl Picture {
-    pub(crate) fn new(width: u32, height: u32, pass_samples: u32, key: u64) -> Self {
-        let film = Film::new(width, height);
+    pub(crate) fn new(film: Film, pass_samples: u32, key: u64) -> Self {
         Self { film, counters: Counters::default(), samples: 0, pass_samples, key, ending: Ending::Open }
     }
 

@@ -3,7 +3,7 @@ use crate::meter::Meter;
 use crate::pass::PassJob;
 use crate::path::View;
 use crate::run::Run;
-use crate::{Camera, CheckpointError, Monitor, Picture, RenderError, Scene, Settings, Stop};
+use crate::{Camera, CheckpointError, Film, Monitor, Picture, RenderError, Scene, Settings, Stop};
 use globillum_geom::Accel;
 use std::ops::Range;
 
@@ -120,10 +120,10 @@ impl<'a, A: Accel> Render<'a, A> {
 
     /// The picture to go on from.
     fn start(&mut self) -> Result<Picture, RenderError> {
-        let Settings { width, height, pass_samples, .. } = *self.settings;
+        let Settings { width, height, pass_samples, path_reuse, .. } = *self.settings;
         let key = picture_key(self.scene, self.camera, self.settings);
         let Some(picture) = self.before.take() else {
-            return Ok(Picture::new(width, height, pass_samples, key));
+            return Ok(Picture::new(Film::new(width, height, path_reuse), pass_samples, key));
         };
         if picture.key != key {
             return Err(CheckpointError::Mismatch("scene, camera or settings").into());

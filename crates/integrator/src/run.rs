@@ -70,8 +70,7 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
         picture: &Picture,
         pilot: Range<u32>,
     ) -> Result<ControlFlow<Ending, Option<f64>>, RenderError> {
-        let mut trial =
-            Picture::new(picture.film.width(), picture.film.height(), picture.pass_samples, picture.key);
+        let mut trial = Picture::new(picture.film.emptied(), picture.pass_samples, picture.key);
         for pass in pilot.clone() {
             self.expect(&trial, pass..pilot.end, None);
             match self.add(&mut trial, pass)? {

@@ -89,7 +89,8 @@ pub struct Errors {
     /// Mean squared error over pixels and components, less what of it is the truth's own; may be
     /// below zero where that is all there is.
     pub mse: f64,
-    /// Standard error of `mse`, from the spread over the pixels, whose errors are independent.
+    /// Standard error of `mse`, from the spread over the pixels; where these share paths, the largest that it
+    /// can be.
     pub mse_std_err: f64,
     /// Mean error over its standard error, both over pixels: that of the film and that of the
     /// truth are in it alike. Normal for an unbiased film of many pixels.
@@ -115,8 +116,11 @@ impl Errors {
         let square = |x: f64| x * x;
         let squares = || apart().map(|e| e.map(square).mean());
         let own = || truth.of_counted(truth.variances.iter()).map(|v| v.mean() / square(scale));
+        // Errors of as many pixels may be alike.
+        let alike = f64::from(film.path_reuse().dependent_pixels()).sqrt();
         let (mse, mse_std_err) = mean(squares().zip(own()).map(|(square, own)| square - own));
         let (error, std_err) = mean(apart().map(|e| e.mean()));
+        let (mse_std_err, std_err) = (alike * mse_std_err, alike * std_err);
         let (sum, largest) = squares().fold((0.0, 0.0_f64), |(sum, max), e| (sum + e, max.max(e)));
         let over = |x: f64, y: f64| if x == 0.0 { 0.0 } else { x / y };
         Self {
@@ -179,13 +183,13 @@ mod tests {
     use super::*;
     use crate::accelerators::STRUCTURES;
     use crate::scenes::{furnace, scene, stare};
-    use crate::stats::Z_LIMIT;
+    use crate::stats::{Z_LIMIT, independent_pixels};
     use glam::DVec3;
     use globillum_integrator::{Estimator, Sampler, Settings, render};
 
     /// Of a furnace of albedo 0.5, roulette from the first bounce on: mean 2, variance 2 (C2).
     fn film(samples: u32, max_bounces: Option<u32>) -> Film {
-        let mut settings = Settings::new(64, 64, samples);
+        let mut settings = independent_pixels(64, 64, samples);
         (settings.sampler, settings.estimator) = (Sampler::Independent, Estimator::Bsdf);
         (settings.max_bounces, settings.roulette.start, settings.roulette.threshold) = (max_bounces, 0, 1.0);
         settings.seed = samples.into();

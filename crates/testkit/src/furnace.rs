@@ -2,8 +2,9 @@
 
 use crate::accelerators::Builder;
 use crate::scenes::{furnace, scene};
+use crate::stats::independent_pixels;
 use glam::DVec3;
-use globillum_integrator::{Camera, Estimator, Settings, render};
+use globillum_integrator::{Camera, Estimator, render};
 use globillum_material::Rgb;
 
 /// What a path of a furnace of radiance 1 and albedo `rho` gathers in `bounces` bounces, added up as
@@ -42,7 +43,7 @@ pub fn loss(build: Builder, half: f64, center: DVec3, side: u32) -> Loss {
     let up = toward.any_orthogonal_vector();
     let camera = Camera::look_at(eye, eye + toward, up, 2.5).expect("eye and target are apart");
     // One sample a pixel: the sum of several equal ones would be rounded.
-    let mut settings = Settings::new(side, side, 1);
+    let mut settings = independent_pixels(side, side, 1);
     (settings.estimator, settings.max_bounces) = (Estimator::Bsdf, Some(BOUNCES));
     settings.roulette.start = u32::MAX;
     let scene = scene(&furnace(RHO, half, center), build);

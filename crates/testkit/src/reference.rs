@@ -85,17 +85,18 @@ impl Reference {
         deviation
     }
 
-    /// Mean of a block and the variance of that mean.
+    /// Mean of a block and the variance of that mean, the largest that its pixels' allow.
     fn block_of(&self, film: &Film, column: u32, row: u32) -> ([f64; 3], [f64; 3]) {
         let side = 0..self.block;
         let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
         let pixels = f64::from(self.block * self.block);
+        let dependent = f64::from(film.path_reuse().dependent_pixels());
         for (x, y) in side.clone().flat_map(|y| side.clone().map(move |x| (x, y))) {
             let (x, y) = (column * self.block + x, row * self.block + y);
             let (m, v) = (film.mean(x, y).to_array(), film.variance_of_mean(x, y).to_array());
             for c in 0..3 {
                 mean[c] += m[c] / pixels;
-                variance[c] += v[c] / (pixels * pixels);
+                variance[c] += v[c] * dependent / (pixels * pixels);
             }
         }
         (mean, variance)

@@ -4,7 +4,7 @@
 //! 5e-9 each (Sidak), which a normal variate exceeds at 5.85 standard deviations. A test of a
 //! mean must also be precise: with too few samples any mean would pass.
 
-use globillum_integrator::Film;
+use globillum_integrator::{Film, PathReuse, Settings};
 use globillum_material::Rgb;
 
 /// Standard deviations beyond which a mean is wrong, at the suite's risk of false alarm.
@@ -12,6 +12,13 @@ pub const Z_LIMIT: f64 = 5.85;
 
 /// The widest interval, relative to the truth, that still means something.
 pub const PRECISION: f64 = 0.005;
+
+/// [`Settings::new`], but each pixel rests on its own paths: over independent pixels a mean is known best.
+pub fn independent_pixels(width: u32, height: u32, samples: u32) -> Settings {
+    let mut settings = Settings::new(width, height, samples);
+    settings.path_reuse = PathReuse::Off;
+    settings
+}
 
 /// A mean and its standard error.
 #[derive(Clone, Copy, Debug)]
@@ -25,18 +32,20 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The mean of one colour component over all pixels of `film`, which are to show the same.
+    /// The mean of one colour component over all pixels of `film`, which are to show the same. Where they share
+    /// paths, `std_err` is the largest that their variances allow.
     pub fn of_film(film: &Film, component: impl Fn(Rgb) -> f64) -> Self {
         let pixels = || (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
         let n = pixels().count() as f64;
         let mean = pixels().map(|(x, y)| component(film.mean(x, y))).sum::<f64>() / n;
-        // All pixels show the same, so their variances add up to that of the sum.
+        // Where pixels are independent, their variances add up to that of the sum.
         let within: f64 = pixels().map(|(x, y)| component(film.variance_of_mean(x, y))).sum();
+        let within = within * f64::from(film.path_reuse().dependent_pixels());
         let count = n * film.samples() as f64;
         Self { mean, std_err: within.sqrt() / n, count }
     }
 
-    /// Variance of a single sample, of the independent sampler.
+    /// Variance of a single sample, of the independent sampler and of independent pixels.
     pub fn sample_variance(&self) -> f64 {
         self.std_err * self.std_err * self.count
     }

@@ -12,7 +12,7 @@ pub struct ImageError {
     pub relative_rmse: f64,
     /// The interval that holds `relative_rmse` with a probability of 95 %, from the spread of the
     /// pixels' estimates. Since part of that spread is that some pixels are truly noisier, it is
-    /// rather too wide.
+    /// rather too wide. Where pixels share paths, it is twice as wide for that.
     pub interval_95: [f64; 2],
 }
 
@@ -32,8 +32,8 @@ impl ImageError {
             deviations += apart * (variance - mse);
         }
         // Of one pixel's spread nothing is known.
-        let margin =
-            if count < 2.0 { f64::INFINITY } else { 1.96 * (deviations / (count * (count - 1.0))).sqrt() };
+        let independent = if count < 2.0 { f64::INFINITY } else { deviations / (count * (count - 1.0)) };
+        let margin = 1.96 * (independent * f64::from(film.path_reuse().dependent_pixels())).sqrt();
         let mean = film.image_mean().mean();
         let relative = |mse: f64| if mse == 0.0 { 0.0 } else { mse.sqrt() / mean };
         Self {

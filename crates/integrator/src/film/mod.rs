@@ -9,7 +9,7 @@ pub(crate) use block::Block;
 pub use error::ImageError;
 pub(crate) use moments::{Moments, Tally};
 
-use crate::CheckpointError;
+use crate::{CheckpointError, PathReuse};
 use globillum_material::Rgb;
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ use std::ops::Range;
 ///
 /// The standard error comes from the spread of independent observations: of samples where those
 /// are independent, of the means of passes where the samples of a pass are stratified. Errors of
-/// different pixels are independent.
+/// different pixels are independent, unless their paths are shared ([`Film::path_reuse`]).
 ///
 /// ```
 /// use globillum_integrator::Film;
@@ -35,13 +35,19 @@ use std::ops::Range;
 pub struct Film {
     width: u32,
     height: u32,
+    path_reuse: PathReuse,
     /// In the order of their passes; no two that could be joined.
     blocks: Vec<Block>,
 }
 
 impl Film {
-    pub(crate) fn new(width: u32, height: u32) -> Self {
-        Self { width, height, blocks: Vec::new() }
+    pub(crate) fn new(width: u32, height: u32, path_reuse: PathReuse) -> Self {
+        Self { width, height, path_reuse, blocks: Vec::new() }
+    }
+
+    /// One of the same kind, without passes.
+    pub(crate) fn emptied(&self) -> Self {
+        Self::new(self.width, self.height, self.path_reuse)
     }
 
     /// Width in pixels.
@@ -52,6 +58,12 @@ impl Film {
     /// Height in pixels.
     pub fn height(&self) -> u32 {
         self.height
+    }
+
+    /// Whether pixels share paths, so that their errors depend on each other: the variance of a sum
+    /// over pixels is then at most [`PathReuse::dependent_pixels`] times the sum of their variances.
+    pub fn path_reuse(&self) -> PathReuse {
+        self.path_reuse
     }
 
     /// Mean radiance of a pixel; black before the first sample.
@@ -221,7 +233,7 @@ mod tests {
     }
 
     fn film(passes: impl IntoIterator<Item = u32>) -> Film {
-        let mut film = Film::new(1, 1);
+        let mut film = Film::new(1, 1, PathReuse::Off);
         passes.into_iter().for_each(|first| film.insert(pass(first)));
         film
     }
@@ -233,7 +245,7 @@ mod tests {
         assert_eq!(film((0..37).map(|i| 5 * i % 37)), whole);
         assert_eq!(film((0..37).rev()), whole);
         let parts = [film(16..29), film(0..5), film(29..37), film(5..16)];
-        let mut merged = Film::new(1, 1);
+        let mut merged = Film::new(1, 1, PathReuse::Off);
         for part in parts {
             merged.merge(part).unwrap();
         }
@@ -262,7 +274,7 @@ mod tests {
             tally: Tally { samples: samples.into(), observations: 1 },
             pixels: vec![Moments { sum: Rgb::splat(mean * f64::from(samples)), spread: Rgb::BLACK }],
         };
-        let mut film = Film::new(1, 1);
+        let mut film = Film::new(1, 1, PathReuse::Off);
         film.insert(block(0, 16, 1.0));
         film.insert(block(1, 4, 2.0));
         assert_eq!((film.blocks.len(), film.samples()), (1, 20));
@@ -273,7 +285,7 @@ mod tests {
 
     #[test]
     fn an_empty_film_is_black_and_knows_nothing() {
-        let film = Film::new(2, 1);
+        let film = Film::new(2, 1, PathReuse::Off);
         assert_eq!((film.mean(1, 0), film.samples()), (Rgb::BLACK, 0));
         assert_eq!(film.variance_of_mean(0, 0).r, f64::INFINITY);
         assert_eq!(film.margin_95(0, 0).r, f64::INFINITY);
@@ -283,7 +295,7 @@ mod tests {
     fn what_does_not_fit_is_refused_and_nothing_changes() {
         let (mut a, before) = (film(0..6), film(0..6));
         assert_eq!(a.merge(film(5..8)), Err(CheckpointError::Overlap { pass: 5 }));
-        assert_eq!(a.merge(Film::new(1, 2)), Err(CheckpointError::Mismatch("size")));
+        assert_eq!(a.merge(Film::new(1, 2, PathReuse::Off)), Err(CheckpointError::Mismatch("size")));
         assert_eq!(a, before);
         a.merge(film(9..11)).unwrap();
         assert_eq!(a.passes(), [0..6, 9..11]);

@@ -4,6 +4,7 @@ mod counters;
 mod estimator;
 mod next_event;
 mod replay;
+mod reuse;
 mod wave;
 
 pub use counters::Counters;

@@ -15,7 +15,11 @@ pub struct Replay {
     pub vertices: Vec<Vertex>,
     /// What arrives from the environment, if that is where the path ended; already weighted.
     pub environment: Rgb,
-    /// The sample's radiance, to the bit what the picture got.
+    /// What the path brings by itself: the sum of all that.
+    pub alone: Rgb,
+    /// The sample's radiance, to the bit what the picture got: differs from [`Replay::alone`] where the
+    /// path shares what it found with those of other pixels, and they with it
+    /// ([`PathReuse`](crate::PathReuse)).
     pub radiance: Rgb,
 }
 
@@ -41,7 +45,7 @@ pub struct Vertex {
     pub mirrored: Rgb,
 }
 
-/// Traces sample `sample` of pixel (`x`, `y`) of a picture alone, and tells what it met.
+/// Traces sample `sample` of pixel (`x`, `y`) of a picture again, and tells what it met.
 ///
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture
@@ -62,16 +66,29 @@ pub fn replay<A: Accel>(
     if let Some((name, value, _, range)) = within.into_iter().find(|(_, value, end, _)| value >= end) {
         return Err(RenderError::Param { name, value: value.into(), range });
     }
-    let tile = Tile { x, y, width: 1, height: 1 };
-    let mut wave = Wave::default();
-    wave.start(camera, settings, tile, WaveSamples { first: sample, count: 1 });
-    let mut replay = Replay { vertices: Vec::new(), environment: Rgb::BLACK, radiance: Rgb::BLACK };
     let view = View { scene, camera, settings };
+    let samples = WaveSamples { first: sample, count: 1 };
+    let radiance = view.shared_radiance((x, y), samples);
+    let black = Rgb::BLACK;
+    let mut replay = Replay { vertices: Vec::new(), environment: black, alone: black, radiance };
+    let mut wave = Wave::default();
+    wave.start(&view, Tile { x, y, width: 1, height: 1 }, samples);
     for bounce in 0.. {
         let Some(step) = wave.step_alone(&view, bounce) else { break };
         replay.add(step);
     }
     Ok(replay)
+}
+
+impl<A: Accel> View<'_, A> {
+    /// The radiance of one sample, after all pixels with which it shares have been traced.
+    fn shared_radiance(&self, (x, y): (u32, u32), sample: WaveSamples) -> Rgb {
+        let block = Tile::block_around(x, y, self.settings.width, self.settings.height);
+        let mut wave = Wave::default();
+        // Nothing cancels it.
+        wave.trace(self, block, sample, || false);
+        wave.radiance[((y - block.y) * block.width + (x - block.x)) as usize]
+    }
 }
 
 /// What one bounce came to.
@@ -86,13 +103,13 @@ impl Replay {
     fn add(&mut self, step: Step) {
         match step {
             Step::Met(vertex) => {
-                self.radiance += vertex.emitted;
-                self.radiance += vertex.direct;
-                self.radiance += vertex.mirrored;
+                self.alone += vertex.emitted;
+                self.alone += vertex.direct;
+                self.alone += vertex.mirrored;
                 self.vertices.push(vertex);
             }
             Step::Left(environment) => {
-                self.radiance += environment;
+                self.alone += environment;
                 self.environment = environment;
             }
         }
@@ -104,25 +121,29 @@ impl Wave {
     fn step_alone<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32) -> Option<Step> {
         let (path, ray) = (*self.paths.first()?, *self.rays.first()?);
         // What the wave adds to nothing is what this bounce adds.
-        self.radiance[0] = Rgb::BLACK;
+        self.radiance.fill(Rgb::BLACK);
         self.find_hits(view);
         self.shade(view, bounce, &mut Counters::default());
-        let emitted = self.radiance[0];
+        let emitted = path.before * self.radiance[path.account as usize];
         let Some(hit) = self.hits[0] else { return Some(Step::Left(emitted)) };
         // What mirrors throw comes after the rest.
         let direct_count = self.arriving.len();
         self.reflect(view);
         self.find_light(view);
         let brought = |arriving: Range<usize>| {
-            let unoccluded = arriving.filter(|&i| !self.occluded[i]);
-            unoccluded.fold(Rgb::BLACK, |sum, i| sum + self.arriving[i].radiance)
+            let unoccluded = arriving.filter(|&i| !self.occluded[i]).map(|i| &self.arriving[i]);
+            unoccluded.fold(Rgb::BLACK, |sum, light| {
+                let of_tail = light.account > 0;
+                let before = if of_tail { self.stems.throughput(0) } else { Rgb::WHITE };
+                sum + before * light.radiance
+            })
         };
         let at = view.scene.interaction(&ray, &hit);
         Some(Step::Met(Vertex {
             point: at.point,
             triangle: hit.triangle,
             material: *at.material,
-            throughput: path.throughput,
+            throughput: path.before * path.throughput,
             emitted,
             direct: brought(0..direct_count),
             mirrored: brought(direct_count..self.arriving.len()),
@@ -144,6 +165,7 @@ impl fmt::Display for Replay {
         if !self.environment.is_black() {
             writeln!(f, "environment {}", self.environment)?;
         }
+        writeln!(f, "alone {}", self.alone)?;
         writeln!(f, "radiance {}", self.radiance)
     }
 }

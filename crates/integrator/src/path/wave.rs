@@ -1,5 +1,6 @@
 use super::Counters;
 use super::next_event::{Choice, Shaded, Thrown};
+use super::reuse::{Stage, Stems};
 use crate::film::Moments;
 use crate::sampler::{BounceNumbers, Numbers};
 use crate::tile::Tile;
@@ -37,8 +38,10 @@ pub(crate) struct Wave {
     mirror_rays: Vec<Ray>,
     mirror_hits: Vec<Option<Hit>>,
     pub(super) occluded: Vec<bool>,
-    /// What each sample has gathered, in the order in which the samples are taken.
+    /// What each sample has gathered, in the order in which the samples are taken; then, as many again,
+    /// what their tails have, until it is dealt out.
     pub(super) radiance: Vec<Rgb>,
+    pub(super) stems: Stems,
 }
 
 /// Which instructions a wave is shaded with; the bits are the same with any.
@@ -57,17 +60,22 @@ const SIDE_BY_SIDE: usize = 8;
 /// One path under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
-    /// Its place in [`Wave::radiance`].
-    sample: u32,
+    /// Where in [`Wave::radiance`] its light goes: at first, the number of its sample.
+    pub(super) account: u32,
+    pub(super) stage: Stage,
     pub(super) numbers: Numbers,
+    /// The factor on what arrives, up to where its tail begins.
     pub(super) throughput: Rgb,
+    /// The factor on that: what came before the tail.
+    pub(super) before: Rgb,
     /// How the direction of its ray was chosen.
     pub(super) choice: Choice,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arriving {
-    sample: u32,
+    /// Where it goes, as [`Path::account`].
+    pub(super) account: u32,
     pub(super) radiance: Rgb,
 }
 
@@ -89,7 +97,7 @@ impl Wave {
         cancelled: impl Fn() -> bool,
     ) -> Option<Counters> {
         let mut counters = Counters::default();
-        self.start(view.camera, view.settings, tile, samples);
+        self.start(view, tile, samples);
         counters.camera_rays = self.rays.len() as u64;
         for bounce in 0.. {
             if cancelled() {
@@ -100,6 +108,8 @@ impl Wave {
                 break;
             }
         }
+        let Level(level) = self.level;
+        self.stems.deal(view, level, tile, samples, &mut self.radiance, &mut counters);
         Some(counters)
     }
 
@@ -124,10 +134,10 @@ impl Wave {
             return;
         }
         view.scene.accel().intersect_batch(&self.mirror_rays, &mut self.mirror_hits);
-        for ((sample, thrown), &hit) in self.thrown.iter().zip(&self.mirror_hits) {
+        for ((account, thrown), &hit) in self.thrown.iter().zip(&self.mirror_hits) {
             let Some((shadow_ray, radiance)) = view.reflected(thrown, hit) else { continue };
             self.shadow_rays.push(shadow_ray);
-            self.arriving.push(Arriving { sample: *sample, radiance });
+            self.arriving.push(Arriving { account: *account, radiance });
         }
     }
 
@@ -136,13 +146,14 @@ impl Wave {
         view.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
         for (arriving, &occluded) in self.arriving.iter().zip(&self.occluded) {
             if !occluded {
-                self.radiance[arriving.sample as usize] += arriving.radiance;
+                self.radiance[arriving.account as usize] += arriving.radiance;
             }
         }
     }
 
     /// Camera rays, `samples.count` for each pixel of the tile.
-    pub(super) fn start(&mut self, camera: &Camera, settings: &Settings, tile: Tile, samples: WaveSamples) {
+    pub(super) fn start<A>(&mut self, view: &View<'_, A>, tile: Tile, samples: WaveSamples) {
+        let View { camera, settings, .. } = *view;
         self.paths.clear();
         self.rays.clear();
         let (width, height) = (f64::from(settings.width), f64::from(settings.height));
@@ -165,7 +176,9 @@ impl Wave {
             }
         }
         self.radiance.clear();
-        self.radiance.resize(self.paths.len(), Rgb::BLACK);
+        let stems = if view.reuses_paths() { self.paths.len() } else { 0 };
+        self.stems.clear(stems);
+        self.radiance.resize(self.paths.len() + stems, Rgb::BLACK);
     }
 
     /// Adds what the hits emit, chooses points on lights, and scatters; keeps the paths that go
@@ -198,30 +211,39 @@ impl Wave {
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.drawn[i]);
             let Some(hit) = self.hits[i] else {
-                self.radiance[path.sample as usize] += path.throughput * view.scene.environment();
+                self.radiance[path.account as usize] += path.throughput * view.scene.environment();
                 continue;
             };
             let at = view.scene.interaction(&ray, &hit);
             if !at.point.position.is_finite() {
                 // No ray could leave it: the sample would seem black instead of wrong.
-                self.radiance[path.sample as usize] = Rgb::splat(f64::NAN);
+                self.radiance[path.account as usize] = Rgb::splat(f64::NAN);
                 continue;
             }
-            self.radiance[path.sample as usize] += path.throughput * view.emitted(&path, &hit, &at);
+            self.radiance[path.account as usize] += path.throughput * view.emitted(&path, &hit, &at);
             if view.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
             }
             let shaded = Shaded::new(at, bounce, numbers);
+            if path.stage == Stage::Scattered {
+                path.stage = Stage::Beyond;
+                if !at.material.bsdf.is_delta() {
+                    self.stems.begin_tail(&mut path, &shaded);
+                }
+            }
             if let Some((shadow_ray, light)) = view.next_event(&path, &shaded) {
                 self.shadow_rays.push(shadow_ray);
-                self.arriving.push(Arriving { sample: path.sample, radiance: light });
+                self.arriving.push(Arriving { account: path.account, radiance: light });
             }
             if let Some((mirror_ray, thrown)) = view.next_event_in_mirror(&path, &shaded) {
                 self.mirror_rays.push(mirror_ray);
-                self.thrown.push((path.sample, thrown));
+                self.thrown.push((path.account, thrown));
             }
             let Some(next) = path.scatter(view, &hit, &shaded) else { continue };
+            if path.stage == Stage::Stem && view.ends_stem(bounce) && !at.material.bsdf.is_delta() {
+                self.stems.end(&mut path, &shaded);
+            }
             if numbers.roulette.is_some_and(|u| !path.survives(view.settings.roulette, u)) {
                 counters.roulette_ends += 1;
                 continue;
@@ -279,7 +301,14 @@ fn side_by_side<T: Copy>(
 
 impl Path {
     pub(super) fn from_camera(sample: u32, numbers: Numbers, eye: DVec3) -> Self {
-        Self { sample, numbers, throughput: Rgb::WHITE, choice: Choice::of_camera(eye) }
+        Self {
+            account: sample,
+            stage: Stage::Stem,
+            numbers,
+            throughput: Rgb::WHITE,
+            before: Rgb::WHITE,
+            choice: Choice::of_camera(eye),
+        }
     }
 
     /// Chooses where the path goes on; `None` if nothing is reflected.
@@ -298,7 +327,7 @@ impl Path {
     /// Whether roulette, by `u` in `[0, 1)`, lets the path go on.
     #[inline(always)]
     fn survives(&mut self, roulette: Roulette, u: f64) -> bool {
-        let uncapped = self.throughput.max_component() / roulette.threshold;
+        let uncapped = (self.before * self.throughput).max_component() / roulette.threshold;
         let survive_prob = uncapped.min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;
         u < survive_prob

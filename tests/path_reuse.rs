@@ -1,0 +1,166 @@
+//! Paths that are shared by the pixels of a group: the mean is that of each pixel's own paths, the variance a
+//! fraction of theirs.
+#![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
+
+use glam::DVec3;
+use globillum::integrator::{Camera, Estimator, Film, Model, PathReuse, Render, Sampler, Settings, render};
+use globillum::material::{Emission, Material, Rgb, Sides};
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::cornell;
+use globillum_testkit::scenes::{self, stare};
+use globillum_testkit::shapes::{cuboid, inside_out, quad};
+use globillum_testkit::stats::Estimate;
+
+use Estimator::{Bsdf, Light, Mis};
+
+/// Pixels along each side of most pictures: so few that those of a group see different things.
+const SIDE: u32 = 24;
+
+/// Standard errors beyond which a pixel is wrong: of all components of all pixels, by 256 passes of each of two
+/// pictures, one is so with a probability of 5e-9 (Student's distribution, as many degrees of freedom).
+const PIXEL_LIMIT: f64 = 7.2;
+
+const PASSES: u32 = 256;
+
+fn film(model: &Model, camera: &Camera, settings: &Settings) -> Film {
+    let scene = scenes::scene(model, STRUCTURES[0].1);
+    render(&scene, camera, settings, &()).expect("the scene is good").film
+}
+
+/// Largest distance of a component of a pixel, in standard errors.
+fn largest_z(a: &Film, b: &Film) -> f64 {
+    let pixels = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
+    let z = |(x, y): (u32, u32)| {
+        let apart = a.mean(x, y) + b.mean(x, y) * -1.0;
+        let variance = a.variance_of_mean(x, y) + b.variance_of_mean(x, y);
+        let component = |(d, v): (f64, f64)| if d == 0.0 { 0.0 } else { d.abs() / v.sqrt() };
+        apart.to_array().into_iter().zip(variance.to_array()).map(component).fold(0.0, f64::max)
+    };
+    pixels.map(z).fold(0.0, f64::max)
+}
+
+/// Asserts that each pixel has the same mean whether paths are shared or not, and that sharing changed them.
+fn assert_same_mean(what: &str, model: &Model, camera: &Camera, change: impl Fn(&mut Settings)) {
+    let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
+        let mut settings = Settings::new(SIDE, SIDE, 8 * PASSES);
+        (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
+        settings.pass_samples = 8;
+        change(&mut settings);
+        film(model, camera, &settings)
+    });
+    let z = largest_z(&alone, &shared);
+    let [before, after] = [&alone, &shared].map(|film| film.error().relative_rmse);
+    let mean = shared.image_mean().mean() / alone.image_mean().mean() - 1.0;
+    println!("{what}: z {z:.2}, error {before:.4} becomes {after:.4}, mean {:+.4} %", 100.0 * mean);
+    assert!(z < PIXEL_LIMIT, "{what}: {z}");
+    // What the errors tell of the mean, where those of four pixels may be alike.
+    let margin = 5.85 * before.hypot(2.0 * after) / f64::from(SIDE);
+    assert!(mean.abs() < margin && margin < 0.01, "{what}: {mean}, margin {margin}");
+    assert_ne!(before, after, "{what}: paths were not shared");
+}
+
+#[test]
+fn pixels_of_a_box_have_the_mean_of_their_own_paths() {
+    // Past the lamp, whose edge would be most of the error.
+    let (eye, target) = (DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0));
+    let camera = Camera::look_at(eye, target, DVec3::Y, 0.6).expect("they are apart");
+    for (what, specular, estimator) in [("diffuse", false, Mis), ("a mirror", true, Light)] {
+        let model = cornell::with_blocks(specular).expect("the box is good");
+        assert_same_mean(&format!("{what}, {estimator:?}"), &model, &camera, |s| s.estimator = estimator);
+    }
+}
+
+/// A room that shines, of another albedo on each side, with thin sheets that cross each other before the camera
+/// and a mirror behind them: stems end on both sides of a sheet, before and behind it, and at different
+/// bounces.
+fn sheets() -> (Model, Camera) {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    let shine = Emission::new(Rgb::new(1.0, 0.7, 0.4), Sides::Front).expect("finite");
+    let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
+    for (i, wall) in walls.chunks(2).enumerate() {
+        let wall = wall.iter().copied();
+        let albedo = 0.3 + 0.1 * i as f64;
+        let material = Material::lambert(Rgb::new(albedo, 0.9, 1.0 - albedo)).expect("an albedo");
+        model.add(if i == 0 { material.emitting(shine) } else { material }, wall);
+    }
+    let sheet = Material::lambert(Rgb::new(0.9, 0.2, 0.6)).expect("an albedo");
+    model.add(sheet, quad(p(-0.6, -0.6, 0.1), p(0.5, -0.5, -0.2), p(0.6, 0.6, 0.0), p(-0.5, 0.4, -0.1)));
+    model.add(sheet, quad(p(0.05, -0.7, 0.4), p(-0.1, -0.7, -0.4), p(0.0, 0.7, -0.5), p(0.1, 0.6, 0.5)));
+    let mirror = Material::mirror(Rgb::splat(0.9)).expect("a reflectance");
+    model.add(mirror, quad(p(-0.9, -0.9, -0.8), p(0.9, -0.9, -0.8), p(0.9, 0.2, -0.9), p(-0.9, 0.3, -0.9)));
+    let camera = Camera::look_at(p(0.2, 0.3, 0.95), p(0.0, 0.0, 0.0), DVec3::Y, 1.5).expect("they are apart");
+    (model, camera)
+}
+
+#[test]
+fn pixels_of_crossing_sheets_have_the_mean_of_their_own_paths() {
+    let (model, camera) = sheets();
+    for estimator in [Bsdf, Mis] {
+        assert_same_mean(&format!("{estimator:?}"), &model, &camera, |s| s.estimator = estimator);
+    }
+    assert_same_mean("at most 2 bounces", &model, &camera, |s| s.max_bounces = Some(2));
+    assert_same_mean("roulette from bounce 1", &model, &camera, |s| s.roulette.start = 1);
+    assert_same_mean("independent samples", &model, &camera, |s| s.sampler = Sampler::Independent);
+}
+
+/// C1, of which every estimator knows the radiance; four pixels' worth of paths in each.
+#[test]
+fn c1_a_furnace_of_shared_paths() {
+    let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
+    let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
+    for (limit, truth) in [(Some(2), 1.75), (Some(5), 2.0 - f64::powi(0.5, 5)), (None, 2.0)] {
+        for estimator in [Bsdf, Mis] {
+            let mut settings = Settings::new(64, 64, 64);
+            (settings.max_bounces, settings.estimator) = (limit, estimator);
+            let film = film(&model, &camera, &settings);
+            let what = format!("limit {limit:?}, {estimator:?}");
+            Estimate::of_film(&film, |c| c.g).assert_is(truth, &what);
+        }
+    }
+}
+
+/// Nothing to share: what light comes comes at once, or not at all.
+#[test]
+fn without_second_surfaces_nothing_changes() {
+    let (sheets, inside) = sheets();
+    let above = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
+    for (model, camera, limit) in [(&scenes::lamp_over_floor(), above, None), (&sheets, inside, Some(1))] {
+        let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
+            let mut settings = Settings::new(SIDE, SIDE, 32);
+            (settings.path_reuse, settings.max_bounces) = (path_reuse, limit);
+            film(model, &camera, &settings)
+        });
+        assert!(alone.means().eq(shared.means()) && !shared.image_mean().is_black());
+    }
+}
+
+/// The variance of the picture's mean over what it would be if pixels were independent, by 256 passes.
+fn likeness(path_reuse: PathReuse) -> f64 {
+    // The ceiling, where all light was scattered before: by tails that all pixels of a group could have found.
+    let model = cornell::with_blocks(false).expect("the box is good");
+    let camera = stare(DVec3::new(0.2, 0.1, 0.9), DVec3::new(0.5, 1.0, 0.5));
+    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let mut settings = Settings::new(SIDE, SIDE, PASSES);
+    (settings.path_reuse, settings.pass_samples) = (path_reuse, 1);
+    let means = (0..PASSES).map(|pass| {
+        let picture = Render::new(&scene, &camera, &settings).passes(pass..pass + 1).run(&());
+        picture.expect("the scene is good").film.image_mean().g
+    });
+    let means: Vec<f64> = means.collect();
+    let whole = film(&model, &camera, &settings);
+    let n = f64::from(PASSES);
+    let variance =
+        means.iter().map(|mean| (mean - whole.image_mean().g).powi(2)).sum::<f64>() / (n - 1.0) / n;
+    let pixels = f64::from(SIDE * SIDE);
+    variance / (whole.variances_of_mean().map(|v| v.g).sum::<f64>() / (pixels * pixels))
+}
+
+/// A variance by 256 observations has a relative standard deviation of 8.9 %: 5.85 of them are accepted.
+#[test]
+fn the_errors_of_four_pixels_are_alike() {
+    let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(likeness);
+    println!("alone {alone:.2}, shared {shared:.2}");
+    assert!((alone - 1.0).abs() < 0.52, "{alone}");
+    assert!((shared / 4.0 - 1.0).abs() < 0.52, "{shared}");
+}
