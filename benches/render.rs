@@ -4,9 +4,12 @@
 //! squared error times that of one more run is printed: the inverse of the efficiency.
 #![allow(clippy::print_stdout, reason = "benches talk to people")]
 
+use Estimator::{Light, Mis};
+use PathReuse::{Fours, Off};
+use Sampler::{Independent, Sobol};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use globillum::geom::Accel;
-use globillum::integrator::{Camera, Estimator, Film, Sampler, Scene, Settings, render};
+use globillum::integrator::{Camera, Estimator, Film, PathReuse, Sampler, Scene, Settings, render};
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::scenes::scene;
 use globillum_testkit::{cornell, hash};
@@ -17,10 +20,11 @@ const SAMPLES: u32 = 32;
 
 /// The hash of each picture of the Cornell box with two blocks, whatever renders it. A change that
 /// is meant to change pictures changes these too.
-const PICTURES: [(&str, Estimator, Sampler, u64); 3] = [
-    ("Mis, Sobol'", Estimator::Mis, Sampler::Sobol, 0x1ddb_4585_94b1_503a),
-    ("Mis, independent", Estimator::Mis, Sampler::Independent, 0x585c_4e0a_3292_9915),
-    ("Light, Sobol'", Estimator::Light, Sampler::Sobol, 0x521a_a4e2_3e78_2d7b),
+const PICTURES: [(&str, Estimator, Sampler, PathReuse, u64); 4] = [
+    ("Mis, Sobol', shared", Mis, Sobol, Fours, 0x62ce_f2c9_46a4_ab13),
+    ("Mis, Sobol'", Mis, Sobol, Off, 0x1ddb_4585_94b1_503a),
+    ("Mis, independent", Mis, Independent, Off, 0x585c_4e0a_3292_9915),
+    ("Light, Sobol'", Light, Sobol, Off, 0x521a_a4e2_3e78_2d7b),
 ];
 
 fn film(scene: &Scene<Box<dyn Accel>>, camera: &Camera, settings: &Settings) -> Film {
@@ -30,9 +34,9 @@ fn film(scene: &Scene<Box<dyn Accel>>, camera: &Camera, settings: &Settings) -> 
 fn pictures(criterion: &mut Criterion) {
     let model = cornell::with_blocks(false).expect("the box is good");
     let camera = cornell::camera().expect("the camera is good");
-    for (name, estimator, sampler, expected) in PICTURES {
+    for (name, estimator, sampler, path_reuse, expected) in PICTURES {
         let mut settings = Settings::new(SIDE, SIDE, SAMPLES);
-        (settings.estimator, settings.sampler) = (estimator, sampler);
+        (settings.estimator, settings.sampler, settings.path_reuse) = (estimator, sampler, path_reuse);
         let mut group = criterion.benchmark_group(format!("render/{name}"));
         group.sample_size(10).throughput(Throughput::Elements(u64::from(SIDE * SIDE * SAMPLES)));
         // Brute force comes first among them, and is slow.

@@ -57,7 +57,7 @@ fn what_is_biased_on_purpose_is_found_and_nothing_else() {
     };
     for (scene, biased) in [("c3", 0), ("cornell", 1)] {
         let verdicts = verdicts(scene);
-        assert_eq!(verdicts.len(), 7, "{report}");
+        assert_eq!(verdicts.len(), 8, "{report}");
         let [right @ .., cut_short] = &verdicts[..] else { panic!("no rows") };
         assert!(right.iter().all(|row| row.contains("no bias found")), "{scene}: {right:#?}");
         assert_eq!(usize::from(cut_short.contains("**biased**: the mean")), biased, "{scene}: {cut_short}");
@@ -79,8 +79,8 @@ fn a_file_is_measured_and_all_accelerators_have_one_hash() {
     let csv = std::fs::read_to_string(folder.path().join("convergence/samples.csv")).expect("a table");
     let mut rows = csv::Reader::from_reader(csv.as_bytes());
     let rows: Vec<csv::StringRecord> = rows.records().map(|row| row.expect("a row")).collect();
-    // Five numbers of samples, six combinations in three accelerators, and one in one.
-    assert_eq!(rows.len(), 5 * (6 * 3 + 1), "{csv}");
+    // Five numbers of samples, seven combinations in three accelerators, and one in one.
+    assert_eq!(rows.len(), 5 * (7 * 3 + 1), "{csv}");
     let key = |row: &csv::StringRecord| [2, 3, 4].map(|column| row[column].to_owned());
     for row in &rows {
         let first = rows.iter().find(|other| key(other) == key(row)).expect("itself at least");

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use globillum::geom::Triangle;
-use globillum::integrator::{Camera, Estimator, Model, Settings, render};
+use globillum::integrator::{Camera, Estimator, Model, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::polygon;

@@ -5,7 +5,7 @@ use crate::ladder::{Ladder, Level};
 use crate::plot::{self, Drawing, failed};
 use crate::study::Study;
 use anyhow::Result;
-use globillum::integrator::{Estimator, Sampler};
+use globillum::integrator::{Estimator, PathReuse, Sampler};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::series::DashedLineSeries;
@@ -116,19 +116,22 @@ fn short(x: f64) -> String {
 struct Style {
     colour: RGBColor,
     estimator: Estimator,
+    shared: bool,
     dashed: bool,
     filled: bool,
 }
 
 impl Style {
-    fn of(Combination { estimator, sampler, max_bounces }: Combination) -> Self {
+    fn of(Combination { estimator, sampler, path_reuse, max_bounces }: Combination) -> Self {
+        let shared = path_reuse != PathReuse::Off;
         let colour = match (estimator, max_bounces) {
             (_, Some(_)) => RGBColor(110, 110, 110),
+            _ if shared => RGBColor(40, 100, 210),
             (Estimator::Bsdf, _) => RGBColor(230, 120, 20),
             (Estimator::Light, _) => RGBColor(20, 140, 130),
             _ => RGBColor(68, 1, 84),
         };
-        Self { colour, estimator, dashed: sampler == Sampler::Sobol, filled: max_bounces.is_none() }
+        Self { colour, estimator, shared, dashed: sampler == Sampler::Sobol, filled: max_bounces.is_none() }
     }
 
     /// A line through `points`, dashed for Sobol' points.
@@ -139,9 +142,10 @@ impl Style {
     }
 
     /// The corners around a point: (nearly) a circle for `Bsdf`, a triangle for `Light`, a square for
-    /// `Mis`.
+    /// `Mis`, on its tip where paths are shared.
     fn corners(&self) -> Vec<(i32, i32)> {
         match self.estimator {
+            _ if self.shared => vec![(0, -6), (6, 0), (0, 6), (-6, 0)],
             Estimator::Bsdf => vec![(5, 0), (4, 4), (0, 5), (-4, 4), (-5, 0), (-4, -4), (0, -5), (4, -4)],
             Estimator::Light => vec![(0, -6), (6, 4), (-6, 4)],
             _ => vec![(-4, -4), (4, -4), (4, 4), (-4, 4)],

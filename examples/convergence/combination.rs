@@ -1,13 +1,15 @@
 //! What is compared.
 
 use crate::common::AccelKind;
-use globillum::integrator::{Estimator, Sampler, Settings};
+use globillum::integrator::{Estimator, PathReuse, Sampler, Settings};
 
 /// A way to make a picture, but for what finds the triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Combination {
     pub(crate) estimator: Estimator,
     pub(crate) sampler: Sampler,
+    /// Whether pixels share what their paths find.
+    pub(crate) path_reuse: PathReuse,
     /// `None` but for the one that is biased on purpose.
     pub(crate) max_bounces: Option<u32>,
 }
@@ -17,23 +19,37 @@ const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
 
 impl Combination {
     /// How many [`Combination::unbiased`] there are.
-    pub(crate) const UNBIASED: usize = ESTIMATORS.len() * SAMPLERS.len();
+    pub(crate) const UNBIASED: usize = ESTIMATORS.len() * SAMPLERS.len() + 1;
 
     /// Biased where light of more bounces matters; it shows that the report notices.
-    pub(crate) const CUT_SHORT: Self =
-        Self { estimator: Estimator::Mis, sampler: Sampler::Independent, max_bounces: Some(2) };
+    pub(crate) const CUT_SHORT: Self = Self {
+        estimator: Estimator::Mis,
+        sampler: Sampler::Independent,
+        path_reuse: PathReuse::Off,
+        max_bounces: Some(2),
+    };
+
+    /// What is usual.
+    const SHARED: Self = Self {
+        estimator: Estimator::Mis,
+        sampler: Sampler::Sobol,
+        path_reuse: PathReuse::Fours,
+        max_bounces: None,
+    };
 
     /// All that is right on average.
     pub(crate) fn unbiased() -> impl Iterator<Item = Self> {
-        let with =
-            |estimator| SAMPLERS.map(|sampler| Self { estimator, sampler, max_bounces: None }).into_iter();
-        ESTIMATORS.into_iter().flat_map(with)
+        let path_reuse = PathReuse::Off;
+        let with = move |estimator| {
+            SAMPLERS.map(|sampler| Self { estimator, sampler, path_reuse, max_bounces: None })
+        };
+        ESTIMATORS.into_iter().flat_map(with).chain([Self::SHARED])
     }
 
     /// Puts it into settings.
     pub(crate) fn apply(self, settings: &mut Settings) {
         (settings.estimator, settings.sampler) = (self.estimator, self.sampler);
-        settings.max_bounces = self.max_bounces;
+        (settings.path_reuse, settings.max_bounces) = (self.path_reuse, self.max_bounces);
     }
 
     /// The estimator in words.
@@ -44,9 +60,10 @@ impl Combination {
             Estimator::Mis => "Mis",
             _ => "another",
         };
-        match self.max_bounces {
-            Some(limit) => format!("{name}, at most {limit} bounces"),
-            None => name.to_owned(),
+        match (self.max_bounces, self.path_reuse) {
+            (Some(limit), _) => format!("{name}, at most {limit} bounces"),
+            (None, PathReuse::Off) => name.to_owned(),
+            (None, _) => format!("{name}, shared paths"),
         }
     }
 

@@ -5,7 +5,7 @@ use crate::common::AccelKind;
 use crate::plan::Plan;
 use crate::subject::Subject;
 use anyhow::{Result, ensure};
-use globillum::integrator::{Estimator, Sampler, render};
+use globillum::integrator::{Estimator, PathReuse, Sampler, render};
 use globillum_testkit::convergence::Truth;
 
 /// The picture as it should be.
@@ -47,6 +47,7 @@ impl Reference {
             let mut settings = plan.settings(plan.reference_samples);
             (settings.estimator, settings.sampler) = (estimator, Sampler::Sobol);
             (settings.pass_samples, settings.seed) = (PASS, SEED ^ plan.seed ^ seed);
+            settings.path_reuse = PathReuse::Off;
             let picture = render(&scene, &subject.camera, &settings, &())?;
             done();
             Ok(Truth::of_film(&picture.film).counting(counted.clone()))

@@ -36,7 +36,8 @@ fn head(text: &mut String, plan: &Plan) -> Result<()> {
         "# Speed against error\n\n`{}`, {}\n\n{cpu}, {threads} threads; pictures of {side} x {side} pixels. The figures \
          are also in `samples.csv` and `time.csv`.\n\n\
          - **RMSE**: root of the mean squared error over pixels and components, in percent of their mean \
-         radiance; behind it the interval of 95 %, from the spread over the pixels.\n\
+         radiance; behind it the interval of 95 %, from the spread over the pixels; twice as wide where these share \
+         their paths, as errors of four may be alike.\n\
          - **slope** of the logarithm of the RMSE over that of the samples, every number of samples with random \
          numbers of its own: -0.5 for independent samples without bias, less for Sobol' points (here stratified \
          over all samples of a picture).\n\

@@ -1,7 +1,7 @@
 /// How a pixel weighs the light around its centre.
 ///
 /// Samples are placed with the filter's own density, so all count alike and each belongs to one
-/// pixel: neighbours share no sample, and their errors are independent.
+/// pixel: neighbours share no sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PixelFilter {

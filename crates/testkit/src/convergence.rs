@@ -185,7 +185,7 @@ mod tests {
     use crate::scenes::{furnace, scene, stare};
     use crate::stats::{Z_LIMIT, independent_pixels};
     use glam::DVec3;
-    use globillum_integrator::{Estimator, Sampler, Settings, render};
+    use globillum_integrator::{Estimator, Sampler, render};
 
     /// Of a furnace of albedo 0.5, roulette from the first bounce on: mean 2, variance 2 (C2).
     fn film(samples: u32, max_bounces: Option<u32>) -> Film {

@@ -8,7 +8,8 @@ pub struct Counters {
     pub camera_rays: u64,
     /// Rays along scattered directions.
     pub bounce_rays: u64,
-    /// Segments between a surface and a light; by way of a mirror, both parts of it.
+    /// Segments between a surface and a light; by way of a mirror, both parts of it. Where pixels share
+    /// paths, those between their surfaces too.
     pub shadow_rays: u64,
     /// Paths that roulette ended.
     pub roulette_ends: u64,

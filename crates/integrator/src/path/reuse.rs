@@ -3,7 +3,7 @@
 //! Where a path is first scattered, at `x`, its *stem* ends; where it goes on from the next surface,
 //! `y`, its *tail* begins. If `y` is diffuse, what the tail brings leaves `y` alike in all directions,
 //! so that each stem of a group could have been the one to find it: it is dealt out among them by the
-//! balance heuristic. What any of them could have found counts once in all.
+//! balance heuristic, in shares that add up to one.
 
 use super::Counters;
 use super::next_event::Shaded;
@@ -110,7 +110,8 @@ impl Stems {
         path.account += self.all.len() as u32;
     }
 
-    /// Deals out what the tails of this tile brought: in `radiance` it is what follows on the samples' own.
+    /// Deals out what the tails of this tile brought: in `radiance` it follows what the samples have of
+    /// their own, which is then all.
     pub(super) fn deal<A: Accel>(
         &mut self,
         view: &View<'_, A>,
@@ -123,47 +124,50 @@ impl Stems {
         if !view.reuses_paths() {
             return;
         }
-        let tails = radiance.split_off(self.all.len());
+        let (own, tails) = radiance.split_at_mut(self.all.len());
+        let pass = samples.first / view.settings.pass_samples;
         self.offers.clear();
         self.rays.clear();
-        let pass = samples.first / view.settings.pass_samples;
         level.run(
             #[inline(always)]
             || {
                 for group in tile.groups(pass) {
                     for sample in 0..samples.count {
-                        let members = group.map(|pixel| pixel.map(|p| p * samples.count + sample));
-                        self.offer(members, &tails);
+                        let members = group.map(|pixel| pixel.map(|pixel| pixel * samples.count + sample));
+                        self.offer(members, tails);
                     }
                 }
             },
         );
         view.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
-        self.accept(&tails, radiance);
+        self.accept(tails, own);
+        radiance.truncate(self.all.len());
     }
 
     /// Offers the tails of these samples to each of their stems.
     #[inline(always)]
     fn offer(&mut self, members: [Option<u32>; 4], tails: &[Rgb]) {
+        let Self { all, offers, rays, .. } = self;
         for tail in members.into_iter().flatten() {
             let light = tails[tail as usize];
-            let Some(own) = self.all[tail as usize] else { continue };
-            let Some(start) = own.tail.filter(|_| !light.is_black()) else { continue };
-            let density = own.end.density_of(&start).filter(|_| light.is_finite());
-            self.offers.push(Offer { stem: tail, tail, density: density.unwrap_or(1.0) });
+            let Some(own) = &all[tail as usize] else { continue };
+            let Some(start) = own.tail.as_ref().filter(|_| !light.is_black()) else { continue };
+            let density = own.end.density_of(start).filter(|_| light.is_finite());
+            offers.push(Offer { stem: tail, tail, density: density.unwrap_or(1.0) });
             if density.is_none() {
                 // What is not finite stays with its own sample, so that an error names that one.
                 continue;
             }
             for stem in members.into_iter().flatten().filter(|&stem| stem != tail) {
-                let Some(other) = self.all[stem as usize].filter(|other| other.bounce == own.bounce) else {
+                let Some(other) = &all[stem as usize] else { continue };
+                if other.bounce != own.bounce {
                     continue;
-                };
-                let Some(density) = other.end.density_of(&start) else { continue };
+                }
+                let Some(density) = other.end.density_of(start) else { continue };
                 let Some(ray) = other.end.point.segment_to(&start.point) else { continue };
-                self.rays.push(ray);
-                self.offers.push(Offer { stem, tail, density });
+                rays.push(ray);
+                offers.push(Offer { stem, tail, density });
             }
         }
     }
