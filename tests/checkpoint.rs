@@ -3,8 +3,8 @@
 use glam::DVec3;
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, CheckpointError, Ending, Estimator, Monitor, Picture, PixelFilter, Render, RenderError, Sampler,
-    Scene, Settings, render,
+    Camera, CheckpointError, Ending, Estimator, Monitor, PathReuse, Picture, PixelFilter, Render,
+    RenderError, Sampler, Scene, Settings, render,
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
@@ -119,7 +119,7 @@ fn another_picture_is_refused() {
     let base = settings(Sampler::Sobol);
     let picture = passes(0..2, &base);
     type Change = fn(&mut Settings);
-    let changes: [Change; 9] = [
+    let changes: [Change; 10] = [
         |s| s.seed += 1,
         |s| s.pass_samples = 4,
         |s| s.sampler = Sampler::Independent,
@@ -127,6 +127,7 @@ fn another_picture_is_refused() {
         |s| s.estimator = Estimator::Light,
         |s| s.max_bounces = Some(1),
         |s| s.roulette.start += 1,
+        |s| s.path_reuse = PathReuse::Off,
         |s| s.roulette.threshold = 0.5,
         |s| (s.width, s.height) = (s.height, s.width),
     ];

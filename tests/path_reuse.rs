@@ -14,7 +14,7 @@ use globillum_testkit::stats::Estimate;
 use Estimator::{Bsdf, Light, Mis};
 
 /// Pixels along each side of most pictures: so few that those of a group see different things.
-const SIDE: u32 = 24;
+const SIDE: u32 = 16;
 
 /// Standard errors beyond which a pixel is wrong: of all components of all pixels, by 256 passes of each of two
 /// pictures, one is so with a probability of 5e-9 (Student's distribution, as many degrees of freedom).
@@ -55,7 +55,7 @@ fn assert_same_mean(what: &str, model: &Model, camera: &Camera, change: impl Fn(
     assert!(z < PIXEL_LIMIT, "{what}: {z}");
     // What the errors tell of the mean, where those of four pixels may be alike.
     let margin = 5.85 * before.hypot(2.0 * after) / f64::from(SIDE);
-    assert!(mean.abs() < margin && margin < 0.01, "{what}: {mean}, margin {margin}");
+    assert!(mean.abs() < margin && margin < 0.015, "{what}: {mean}, margin {margin}");
     assert_ne!(before, after, "{what}: paths were not shared");
 }
 
@@ -104,18 +104,24 @@ fn pixels_of_crossing_sheets_have_the_mean_of_their_own_paths() {
     assert_same_mean("independent samples", &model, &camera, |s| s.sampler = Sampler::Independent);
 }
 
-/// C1, of which every estimator knows the radiance; four pixels' worth of paths in each.
+/// C1: the mean of all pixels, and the share of their intervals of 95 % that hold it. Of 4096 pixels whose errors
+/// are alike by fours that varies by up to 0.68 %; 5.85 times that is accepted.
 #[test]
 fn c1_a_furnace_of_shared_paths() {
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
     for (limit, truth) in [(Some(2), 1.75), (Some(5), 2.0 - f64::powi(0.5, 5)), (None, 2.0)] {
         for estimator in [Bsdf, Mis] {
-            let mut settings = Settings::new(64, 64, 64);
+            let mut settings = Settings::new(64, 64, 128);
             (settings.max_bounces, settings.estimator) = (limit, estimator);
             let film = film(&model, &camera, &settings);
             let what = format!("limit {limit:?}, {estimator:?}");
             Estimate::of_film(&film, |c| c.g).assert_is(truth, &what);
+            let pixels = (0..64).flat_map(|y| (0..64).map(move |x| (x, y)));
+            let holds = |&(x, y): &(u32, u32)| (film.mean(x, y).g - truth).abs() <= film.margin_95(x, y).g;
+            let share = pixels.filter(holds).count() as f64 / 4096.0;
+            println!("{what}: {share:.4} of the intervals hold it");
+            assert!((share - 0.95).abs() < 0.04, "{what}: {share}");
         }
     }
 }

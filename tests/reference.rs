@@ -1,14 +1,15 @@
 //! The Cornell box beside pictures by an independent renderer (Mitsuba 3.9.1).
 
 use globillum::geom::WideKdTree;
-use globillum::integrator::{Estimator, Scene, Settings, render};
+use globillum::integrator::{Estimator, PathReuse, Scene, Settings, render};
 use globillum_testkit::cornell;
 use globillum_testkit::reference::{Deviation, Reference};
 
 use Estimator::{Bsdf, Light, Mis};
+use PathReuse::{Fours, Off};
 
-/// Largest distance of a block in standard errors: six pictures of 256 blocks and three channels
-/// may raise a false alarm with probability 2.3e-5 together.
+/// Largest distance of a block in standard errors: seven pictures of 256 blocks and three channels
+/// may raise a false alarm with probability 2.7e-5 together.
 const Z_LIMIT: f64 = 5.85;
 
 /// Largest relative error of the image mean.
@@ -18,7 +19,7 @@ const MEAN_LIMIT: f64 = 0.003;
 fn deviation(
     reference: &str,
     specular: bool,
-    estimator: Estimator,
+    (estimator, path_reuse): (Estimator, PathReuse),
     max_bounces: Option<u32>,
     samples: u32,
 ) -> Deviation {
@@ -27,7 +28,7 @@ fn deviation(
     let model = cornell::with_blocks(specular).expect("the box is good");
     let scene = Scene::build(&model, WideKdTree::build).expect("the box is good");
     let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
-    (settings.estimator, settings.max_bounces) = (estimator, max_bounces);
+    (settings.estimator, settings.path_reuse, settings.max_bounces) = (estimator, path_reuse, max_bounces);
     let camera = cornell::camera().expect("the camera is good");
     let film = render(&scene, &camera, &settings, &()).expect("the box is good").film;
     let deviation = reference.deviation(&film, blocks);
@@ -36,8 +37,14 @@ fn deviation(
 }
 
 /// Asserts it by the error that the film tells, which knows of all light where lamps are sampled.
-fn check(reference: &str, specular: bool, estimator: Estimator, max_bounces: Option<u32>, samples: u32) {
-    let deviation = deviation(reference, specular, estimator, max_bounces, samples);
+fn check(
+    reference: &str,
+    specular: bool,
+    how: (Estimator, PathReuse),
+    max_bounces: Option<u32>,
+    samples: u32,
+) {
+    let deviation = deviation(reference, specular, how, max_bounces, samples);
     assert!(deviation.largest_told_z < Z_LIMIT, "{deviation:?}");
 }
 
@@ -46,25 +53,27 @@ const BOX_MIRROR: &str = include_str!("reference/box_mirror.json");
 
 #[test]
 fn the_box_in_full_light() {
-    check(BOX, false, Mis, None, 1024);
+    for path_reuse in [Off, Fours] {
+        check(BOX, false, (Mis, path_reuse), None, 1024);
+    }
 }
 
 #[test]
 fn the_box_in_direct_light() {
-    check(BOX, false, Mis, Some(1), 1024);
+    check(BOX, false, (Mis, Off), Some(1), 1024);
 }
 
 #[test]
 fn the_box_with_a_mirror_in_full_light() {
-    for estimator in [Light, Mis] {
-        check(BOX_MIRROR, true, estimator, None, 512);
+    for how in [(Light, Off), (Mis, Fours)] {
+        check(BOX_MIRROR, true, how, None, 512);
     }
     // The lamp is met rarely, by way of a mirror most of all: fewer samples would not be nearly normal.
-    let scattered = deviation(BOX_MIRROR, true, Bsdf, None, 4096);
+    let scattered = deviation(BOX_MIRROR, true, (Bsdf, Off), None, 4096);
     assert!(scattered.largest_z < Z_LIMIT, "{scattered:?}");
 }
 
 #[test]
 fn the_box_with_a_mirror_in_direct_light() {
-    check(BOX_MIRROR, true, Mis, Some(1), 1024);
+    check(BOX_MIRROR, true, (Mis, Off), Some(1), 1024);
 }

@@ -120,10 +120,11 @@ impl<'a, A: Accel> Render<'a, A> {
 
     /// The picture to go on from.
     fn start(&mut self) -> Result<Picture, RenderError> {
-        let Settings { width, height, pass_samples, path_reuse, .. } = *self.settings;
         let key = picture_key(self.scene, self.camera, self.settings);
         let Some(picture) = self.before.take() else {
-            return Ok(Picture::new(Film::new(width, height, path_reuse), pass_samples, key));
+            let Settings { width, height, pass_samples, .. } = *self.settings;
+            let film = Film::new(width, height, self.settings.path_reuse_in_effect());
+            return Ok(Picture::new(film, pass_samples, key));
         };
         if picture.key != key {
             return Err(CheckpointError::Mismatch("scene, camera or settings").into());

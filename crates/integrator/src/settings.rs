@@ -181,6 +181,11 @@ impl Settings {
         self.samples_of(pass..pass + 1)
     }
 
+    /// What [`Settings::path_reuse`] comes to: there is nothing to share in light of less than two bounces.
+    pub(crate) fn path_reuse_in_effect(&self) -> PathReuse {
+        if self.max_bounces.is_none_or(|max| max >= 2) { self.path_reuse } else { PathReuse::Off }
+    }
+
     /// How many bounces a path takes whatever roulette says, if it finds something to bounce off.
     fn certain_bounces(&self) -> u32 {
         self.max_bounces.unwrap_or(self.roulette.start)

@@ -60,7 +60,7 @@ impl Film {
         self.height
     }
 
-    /// Whether pixels share paths, so that their errors depend on each other: the variance of a sum
+    /// Whether pixels share paths in effect, so that their errors depend on each other: the variance of a sum
     /// over pixels is then at most [`PathReuse::dependent_pixels`] times the sum of their variances.
     pub fn path_reuse(&self) -> PathReuse {
         self.path_reuse

@@ -68,9 +68,9 @@ pub(super) struct Stems {
 }
 
 impl<A> View<'_, A> {
-    /// Whether there can be tails to deal out: light of two bounces and more.
+    /// Whether there are tails to deal out.
     pub(super) fn reuses_paths(&self) -> bool {
-        self.settings.path_reuse == PathReuse::Fours && self.settings.max_bounces.is_none_or(|max| max >= 2)
+        self.settings.path_reuse_in_effect() == PathReuse::Fours
     }
 
     /// Whether a path that is first scattered at this bounce ends its stem there. Roulette that could refuse
