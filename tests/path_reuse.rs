@@ -115,6 +115,39 @@ fn pixels_of_crossing_sheets_have_the_mean_of_their_own_paths() {
     assert_same_mean("independent samples", &model, &camera, |s| s.sampler = Sampler::Independent);
 }
 
+/// A dark pixel's tail is worth as much to a bright one of its group as its own: roulette must not
+/// make it rare and strong.
+#[test]
+fn dark_neighbours_make_no_noise() {
+    let (mut model, p) = (Model::default(), DVec3::new);
+    let shine = Emission::new(Rgb::WHITE, Sides::Front).expect("finite");
+    let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
+    let wall = Material::lambert(Rgb::splat(0.8)).expect("an albedo");
+    model.add(wall.emitting(shine), walls[..2].iter().copied());
+    model.add(wall, walls[2..].iter().copied());
+    let [dark, bright] = [0.01, 0.9].map(|albedo| Material::lambert(Rgb::splat(albedo)).expect("an albedo"));
+    let cells = SIDE as i32 / 2;
+    for (i, k) in (-cells..cells).flat_map(|i| (-cells..cells).map(move |k| (i, k))) {
+        let [x0, x1, z0, z1] = [i, i + 1, k, k + 1].map(|n| f64::from(n) * 0.05);
+        let material = if i % 2 == 0 && k % 2 == 0 { bright } else { dark };
+        model.add(material, quad(p(x0, -0.9, z1), p(x1, -0.9, z1), p(x1, -0.9, z0), p(x0, -0.9, z0)));
+    }
+    // A pixel a cell.
+    let fov = 2.0 * (0.4_f64 / 1.5).atan();
+    let camera = Camera::look_at(p(0.0, 0.6, 0.0), p(0.0, -0.9, 0.0), DVec3::Z, fov).expect("they are apart");
+    let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
+        let mut settings = Settings::new(SIDE, SIDE, 1024);
+        (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
+        let film = film(&model, &camera, &settings);
+        let bright = film.means().zip(film.variances_of_mean()).filter(|(mean, _)| mean.g > 0.3);
+        let (count, sum) = bright.fold((0, 0.0), |(n, sum), (_, variance)| (n + 1, sum + variance.g));
+        assert_eq!(count, SIDE * SIDE / 4, "{path_reuse:?}");
+        sum
+    });
+    println!("variance of bright pixels: {:.3} of what it is alone", shared / alone);
+    assert!(shared < 0.5 * alone, "{shared} {alone}");
+}
+
 /// C1: the mean of all pixels, and the share of their intervals of 95 % that hold it. Of 4096 pixels whose errors
 /// are alike by fours that varies by up to 0.68 %; 5.85 times that is accepted.
 #[test]

@@ -77,6 +77,25 @@ fn what_the_picture_does_not_have_is_refused() {
     }
 }
 
+/// What a mirror shows depends on where it is seen from.
+#[test]
+fn what_a_mirror_shows_is_kept() {
+    let scene = the_box();
+    let mut settings = Settings::new(64, 64, 64);
+    settings.sampler = Sampler::Independent;
+    let mut seen = 0;
+    for sample in 0..64 {
+        let path = replayed(&scene, &settings, (12, 52), sample);
+        let [first, second, ..] = &path.vertices[..] else { continue };
+        let [from, to] = [first, second].map(|vertex| matches!(vertex.material.bsdf, Bsdf::Mirror(_)));
+        if !from && to {
+            assert!(path.radiance.g >= path.alone.g * (1.0 - 1e-12), "{path}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 3, "{seen}");
+}
+
 #[test]
 fn a_path_that_is_not_shared_brings_all_there_is() {
     let scene = the_box();

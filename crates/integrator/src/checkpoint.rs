@@ -1,9 +1,9 @@
 //! Pictures as bytes.
 //!
 //! All numbers are little-endian. A header (magic, version, key, width, height, samples in a pass,
-//! kind of path reuse, counters, number of blocks) is followed by the blocks of the film (first pass, passes, samples, observations, then
-//! for each pixel the sum and the spread of three components as `f64`), and by a checksum of all
-//! bytes before it.
+//! kind of path reuse, counters, number of blocks) is followed by the blocks of the film (first pass,
+//! passes, samples, observations, then for each pixel the sum and the spread of three components as
+//! `f64`), and by a checksum of all bytes before it.
 
 use crate::film::{Block, Moments, Tally};
 use crate::hash::fold;
@@ -86,8 +86,8 @@ impl Picture {
         let mut reader = Reader { bytes: &content[MAGIC.len() + 4..] };
         let (key, width, height) = (reader.u64()?, reader.u32()?, reader.u32()?);
         let (pass_samples, path_reuse) = (reader.u32()?, reader.u32()?);
-        let path_reuse = PathReuse::ALL.get(path_reuse as usize).copied();
-        let path_reuse = path_reuse.ok_or(CheckpointError::Malformed("kind of path reuse"))?;
+        let path_reuse =
+            PathReuse::of_code(path_reuse).ok_or(CheckpointError::Malformed("kind of path reuse"))?;
         let counters = reader.counters()?;
         let count = reader.u32()?;
         let pixels = u64::from(width) * u64::from(height);

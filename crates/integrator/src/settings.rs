@@ -60,7 +60,7 @@ pub struct Settings {
 #[non_exhaustive]
 pub enum PathReuse {
     /// No: each pixel rests on its own paths, and pixels are independent.
-    Off,
+    Off = 0,
     /// In each pass every pixel is in a group with three others of its block of 4 x 4, and another group in
     /// the next. Where paths of a group go on from a second diffuse surface, what they find there is dealt
     /// out among all four by the balance heuristic (Bekaert, Sbert and Halton 2002), at three shadow rays a
@@ -68,13 +68,17 @@ pub enum PathReuse {
     ///
     /// The errors of a group are alike: a mean over many pixels is no better for it, and its variance
     /// is up to four times what it would be if the pixels were independent.
+    ///
+    /// Paths that roulette might have refused before ([`Roulette::start`]) are not shared.
     #[default]
-    Fours,
+    Fours = 1,
 }
 
 impl PathReuse {
-    /// All, each at the place of its [`code`](PathReuse::code).
-    pub(crate) const ALL: [Self; 2] = [Self::Off, Self::Fours];
+    /// That of a [`code`](PathReuse::code).
+    pub(crate) fn of_code(code: u32) -> Option<Self> {
+        [Self::Off, Self::Fours].into_iter().find(|kind| kind.code() == code)
+    }
 
     /// A number for it that stays.
     pub(crate) fn code(self) -> u32 {
@@ -181,9 +185,11 @@ impl Settings {
         self.samples_of(pass..pass + 1)
     }
 
-    /// What [`Settings::path_reuse`] comes to: there is nothing to share in light of less than two bounces.
+    /// What [`Settings::path_reuse`] comes to: nothing is shared of light of less than two bounces, nor if
+    /// roulette may refuse any path.
     pub(crate) fn path_reuse_in_effect(&self) -> PathReuse {
-        if self.max_bounces.is_none_or(|max| max >= 2) { self.path_reuse } else { PathReuse::Off }
+        let shared = self.max_bounces.is_none_or(|max| max >= 2) && self.roulette.start > 0;
+        if shared { self.path_reuse } else { PathReuse::Off }
     }
 
     /// How many bounces a path takes whatever roulette says, if it finds something to bounce off.

@@ -84,6 +84,12 @@ impl Bsdf {
         }
     }
 
+    /// Whether its value is alike in all directions, and directions are chosen by the cosine.
+    #[inline(always)]
+    pub fn is_diffuse(&self) -> bool {
+        matches!(self, Self::Lambert(_))
+    }
+
     /// Whether all of its light goes to single directions, so that sampling lights is no use.
     #[inline(always)]
     pub fn is_delta(&self) -> bool {

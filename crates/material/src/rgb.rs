@@ -40,6 +40,12 @@ impl Rgb {
         Self::new(f(self.r), f(self.g), f(self.b))
     }
 
+    /// The larger one of each component.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self::new(self.r.max(other.r), self.g.max(other.g), self.b.max(other.b))
+    }
+
     /// The largest component.
     #[inline(always)]
     pub fn max_component(self) -> f64 {

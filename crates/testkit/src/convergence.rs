@@ -11,20 +11,23 @@ pub struct Truth {
     variances: Vec<Rgb>,
     /// Which pixels count.
     counted: Vec<bool>,
+    /// Errors of as many pixels may be alike.
+    alike: u32,
 }
 
 impl Truth {
     /// Known in closed form, pixel by pixel.
     pub fn exact(means: Vec<Rgb>) -> Self {
         let (variances, counted) = (vec![Rgb::BLACK; means.len()], vec![true; means.len()]);
-        Self { means, variances, counted }
+        Self { means, variances, counted, alike: 1 }
     }
 
     /// Known by a long run: the film's means, and their variances as the film tells them.
     pub fn of_film(film: &Film) -> Self {
         let means: Vec<Rgb> = film.means().collect();
         let counted = vec![true; means.len()];
-        Self { means, variances: film.variances_of_mean().collect(), counted }
+        let alike = film.path_reuse().dependent_pixels();
+        Self { means, variances: film.variances_of_mean().collect(), counted, alike }
     }
 
     /// Lets only those pixels count for which `counted` says so.
@@ -116,8 +119,7 @@ impl Errors {
         let square = |x: f64| x * x;
         let squares = || apart().map(|e| e.map(square).mean());
         let own = || truth.of_counted(truth.variances.iter()).map(|v| v.mean() / square(scale));
-        // Errors of as many pixels may be alike.
-        let alike = f64::from(film.path_reuse().dependent_pixels()).sqrt();
+        let alike = f64::from(film.path_reuse().dependent_pixels().max(truth.alike)).sqrt();
         let (mse, mse_std_err) = mean(squares().zip(own()).map(|(square, own)| square - own));
         let (error, std_err) = mean(apart().map(|e| e.mean()));
         let (mse_std_err, std_err) = (alike * mse_std_err, alike * std_err);

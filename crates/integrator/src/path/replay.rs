@@ -36,16 +36,17 @@ pub struct Vertex {
     /// The factor on what leaves the vertex toward the one before it: products of `f cos / pdf`,
     /// divided by the chances of surviving.
     pub throughput: Rgb,
-    /// What the vertex's own emission adds to the sample.
+    /// What the vertex's own emission adds to [`Replay::alone`].
     pub emitted: Rgb,
-    /// What the light sample taken at the vertex adds to the sample; black if it was occluded.
+    /// What the light sample taken at the vertex adds to it; black if it was occluded.
     pub direct: Rgb,
     /// What the light sample taken there in a plane mirror adds; black if either of its segments, to
     /// the mirror and from it to the light, was occluded.
     pub mirrored: Rgb,
 }
 
-/// Traces sample `sample` of pixel (`x`, `y`) of a picture again, and tells what it met.
+/// Traces sample `sample` of pixel (`x`, `y`) of a picture again, and tells what it met; of the pixels with
+/// which it shares paths, the same sample is traced too.
 ///
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture
@@ -67,28 +68,21 @@ pub fn replay<A: Accel>(
         return Err(RenderError::Param { name, value: value.into(), range });
     }
     let view = View { scene, camera, settings };
-    let samples = WaveSamples { first: sample, count: 1 };
-    let radiance = view.shared_radiance((x, y), samples);
-    let black = Rgb::BLACK;
-    let mut replay = Replay { vertices: Vec::new(), environment: black, alone: black, radiance };
+    let one = WaveSamples { first: sample, count: 1 };
+    // Together with all pixels with which it shares what is found.
+    let block = Tile::block_around(x, y, settings.width, settings.height);
+    let place = (y - block.y) * block.width + (x - block.x);
     let mut wave = Wave::default();
-    wave.start(&view, Tile { x, y, width: 1, height: 1 }, samples);
+    // Nothing cancels it.
+    wave.trace(&view, block, one, || false);
+    let radiance = wave.radiance[place as usize];
+    let mut replay = Replay { vertices: Vec::new(), environment: Rgb::BLACK, alone: Rgb::BLACK, radiance };
+    wave.start(&view, block, one);
     for bounce in 0.. {
-        let Some(step) = wave.step_alone(&view, bounce) else { break };
+        let Some(step) = wave.step(&view, place, bounce) else { break };
         replay.add(step);
     }
     Ok(replay)
-}
-
-impl<A: Accel> View<'_, A> {
-    /// The radiance of one sample, after all pixels with which it shares have been traced.
-    fn shared_radiance(&self, (x, y): (u32, u32), sample: WaveSamples) -> Rgb {
-        let block = Tile::block_around(x, y, self.settings.width, self.settings.height);
-        let mut wave = Wave::default();
-        // Nothing cancels it.
-        wave.trace(self, block, sample, || false);
-        wave.radiance[((y - block.y) * block.width + (x - block.x)) as usize]
-    }
 }
 
 /// What one bounce came to.
@@ -117,33 +111,32 @@ impl Replay {
 }
 
 impl Wave {
-    /// Takes the only path through one bounce; `None` if it has ended.
-    fn step_alone<A: Accel>(&mut self, view: &View<'_, A>, bounce: u32) -> Option<Step> {
-        let (path, ray) = (*self.paths.first()?, *self.rays.first()?);
+    /// Takes all paths through one bounce, and tells what `sample` met; `None` if its path has ended.
+    fn step<A: Accel>(&mut self, view: &View<'_, A>, sample: u32, bounce: u32) -> Option<Step> {
+        let i = self.paths.iter().position(|path| self.stems.sample(path.account) == sample)?;
+        let (path, ray) = (self.paths[i], self.rays[i]);
         // What the wave adds to nothing is what this bounce adds.
         self.radiance.fill(Rgb::BLACK);
         self.find_hits(view);
+        let hit = self.hits[i];
         self.shade(view, bounce, &mut Counters::default());
-        let emitted = path.before * self.radiance[path.account as usize];
-        let Some(hit) = self.hits[0] else { return Some(Step::Left(emitted)) };
+        let emitted = self.stems.before(path.account) * self.radiance[path.account as usize];
+        let Some(hit) = hit else { return Some(Step::Left(emitted)) };
         // What mirrors throw comes after the rest.
         let direct_count = self.arriving.len();
         self.reflect(view);
         self.find_light(view);
         let brought = |arriving: Range<usize>| {
             let unoccluded = arriving.filter(|&i| !self.occluded[i]).map(|i| &self.arriving[i]);
-            unoccluded.fold(Rgb::BLACK, |sum, light| {
-                let of_tail = light.account > 0;
-                let before = if of_tail { self.stems.throughput(0) } else { Rgb::WHITE };
-                sum + before * light.radiance
-            })
+            let own = unoccluded.filter(|light| self.stems.sample(light.account) == sample);
+            own.fold(Rgb::BLACK, |sum, light| sum + self.stems.before(light.account) * light.radiance)
         };
         let at = view.scene.interaction(&ray, &hit);
         Some(Step::Met(Vertex {
             point: at.point,
             triangle: hit.triangle,
             material: *at.material,
-            throughput: path.before * path.throughput,
+            throughput: self.stems.before(path.account) * path.throughput,
             emitted,
             direct: brought(0..direct_count),
             mirrored: brought(direct_count..self.arriving.len()),

@@ -9,15 +9,16 @@ use super::Counters;
 use super::next_event::Shaded;
 use super::wave::{Path, View, WaveSamples};
 use crate::PathReuse;
+use crate::groups::Group;
 use crate::tile::Tile;
 use glam::DVec3;
 use globillum_geom::{Accel, Ray, SimdLevel, SurfacePoint};
 use globillum_material::Rgb;
 
-/// How much of a path has been traced.
+/// How much of a path has been traced, where paths are shared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// Part of its stem: mirrors only.
+    /// Nothing that ends a stem.
     Stem,
     /// Its stem, and no more.
     Scattered,
@@ -41,6 +42,8 @@ struct Stem {
     bounce: u32,
     /// The factor on what arrives at the end from where the path goes on.
     throughput: Rgb,
+    /// The largest factors of all stems of its group that end at this bounce.
+    largest: Rgb,
     /// Where its tail begins.
     tail: Option<Met>,
 }
@@ -60,6 +63,10 @@ struct Offer {
 pub(super) struct Stems {
     /// One for each sample; `None` while it has not been scattered.
     all: Vec<Option<Stem>>,
+    /// The samples that share their tails.
+    groups: Vec<Group>,
+    /// Whether stems have ended since [`Stem::largest`] was found.
+    fresh: bool,
     /// Those of one tail side by side, its own stem's first.
     offers: Vec<Offer>,
     /// For each offer but the first ones: what must be free.
@@ -81,14 +88,33 @@ impl<A> View<'_, A> {
 }
 
 impl Stems {
-    /// Forgets all, and makes room for so many samples.
-    pub(super) fn clear(&mut self, samples: usize) {
+    /// Forgets all, and makes room for these samples; returns how many tails there may be.
+    pub(super) fn start<A>(&mut self, view: &View<'_, A>, tile: Tile, samples: WaveSamples) -> usize {
         self.all.clear();
-        self.all.resize(samples, None);
+        self.groups.clear();
+        if view.reuses_paths() {
+            self.all.resize(tile.pixel_count() * samples.count as usize, None);
+            let of_sample = |group: Group, sample| group.map(|pixel| Some(pixel? * samples.count + sample));
+            let groups = tile.groups(samples.first / view.settings.pass_samples);
+            let groups = groups.flat_map(|group| (0..samples.count).map(move |i| of_sample(group, i)));
+            self.groups.extend(groups);
+        }
+        self.all.len()
     }
 
-    /// The factor on what the tail of `sample` brings by its own stem.
-    pub(super) fn throughput(&self, sample: usize) -> Rgb {
+    /// The sample whose light goes to `account`.
+    pub(super) fn sample(&self, account: u32) -> u32 {
+        account.checked_sub(self.all.len() as u32).unwrap_or(account)
+    }
+
+    /// The factor, by its sample's own stem, on the light that goes to `account`.
+    pub(super) fn before(&self, account: u32) -> Rgb {
+        let is_tail = self.sample(account) != account;
+        if is_tail { self.throughput(self.sample(account) as usize) } else { Rgb::WHITE }
+    }
+
+    /// The factor on what a tail brings by the stem of `sample`.
+    fn throughput(&self, sample: usize) -> Rgb {
         self.all[sample].map_or(Rgb::WHITE, |stem| stem.throughput)
     }
 
@@ -96,8 +122,28 @@ impl Stems {
     #[inline(always)]
     pub(super) fn end(&mut self, path: &mut Path, shaded: &Shaded<'_>) {
         let (end, bounce, throughput) = (Met::at(shaded), shaded.bounce, path.throughput);
-        self.all[path.account as usize] = Some(Stem { end, bounce, throughput, tail: None });
+        self.all[path.account as usize] =
+            Some(Stem { end, bounce, throughput, largest: throughput, tail: None });
         path.stage = Stage::Scattered;
+        self.fresh = true;
+    }
+
+    /// After all paths have been through `bounce`: what a tail is worth to all who may share it.
+    pub(super) fn compare(&mut self, bounce: u32) {
+        if !std::mem::take(&mut self.fresh) {
+            return;
+        }
+        for group in &self.groups {
+            let members = || group.iter().flatten().map(|&sample| sample as usize);
+            let ended = |stem: &&Stem| stem.bounce == bounce;
+            let stems = members().filter_map(|sample| self.all[sample].as_ref()).filter(ended);
+            let largest = stems.fold(Rgb::BLACK, |largest, stem| largest.max(stem.throughput));
+            for sample in members() {
+                if let Some(stem) = self.all[sample].as_mut().filter(|stem| stem.bounce == bounce) {
+                    stem.largest = largest;
+                }
+            }
+        }
     }
 
     /// The path goes on from a diffuse surface: what it brings from now on is its tail's.
@@ -106,7 +152,7 @@ impl Stems {
         let sample = path.account as usize;
         let Some(stem) = &mut self.all[sample] else { return };
         stem.tail = Some(Met::at(shaded));
-        (path.before, path.throughput) = (path.throughput, Rgb::WHITE);
+        (path.before, path.throughput) = (stem.largest, Rgb::WHITE);
         path.account += self.all.len() as u32;
     }
 
@@ -116,8 +162,6 @@ impl Stems {
         &mut self,
         view: &View<'_, A>,
         level: SimdLevel,
-        tile: Tile,
-        samples: WaveSamples,
         radiance: &mut Vec<Rgb>,
         counters: &mut Counters,
     ) {
@@ -125,19 +169,11 @@ impl Stems {
             return;
         }
         let (own, tails) = radiance.split_at_mut(self.all.len());
-        let pass = samples.first / view.settings.pass_samples;
         self.offers.clear();
         self.rays.clear();
         level.run(
             #[inline(always)]
-            || {
-                for group in tile.groups(pass) {
-                    for sample in 0..samples.count {
-                        let members = group.map(|pixel| pixel.map(|pixel| pixel * samples.count + sample));
-                        self.offer(members, tails);
-                    }
-                }
-            },
+            || self.offer(tails),
         );
         view.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
@@ -145,29 +181,30 @@ impl Stems {
         radiance.truncate(self.all.len());
     }
 
-    /// Offers the tails of these samples to each of their stems.
+    /// Offers each tail to all stems of its group.
     #[inline(always)]
-    fn offer(&mut self, members: [Option<u32>; 4], tails: &[Rgb]) {
-        let Self { all, offers, rays, .. } = self;
-        for tail in members.into_iter().flatten() {
-            let light = tails[tail as usize];
-            let Some(own) = &all[tail as usize] else { continue };
-            let Some(start) = own.tail.as_ref().filter(|_| !light.is_black()) else { continue };
-            let density = own.end.density_of(start).filter(|_| light.is_finite());
-            offers.push(Offer { stem: tail, tail, density: density.unwrap_or(1.0) });
-            if density.is_none() {
-                // What is not finite stays with its own sample, so that an error names that one.
-                continue;
-            }
-            for stem in members.into_iter().flatten().filter(|&stem| stem != tail) {
-                let Some(other) = &all[stem as usize] else { continue };
-                if other.bounce != own.bounce {
+    fn offer(&mut self, tails: &[Rgb]) {
+        let Self { all, groups, offers, rays, .. } = self;
+        for group in groups {
+            for tail in group.iter().copied().flatten() {
+                let light = tails[tail as usize];
+                let Some(own) = &all[tail as usize] else { continue };
+                let Some(start) = own.tail.as_ref().filter(|_| !light.is_black()) else { continue };
+                let seen = own.end.sees(start).filter(|_| light.is_finite());
+                offers.push(Offer { stem: tail, tail, density: seen.map_or(1.0, |(density, _)| density) });
+                if seen.is_none() {
+                    // What is not finite stays with its own sample, so that an error names that one.
                     continue;
                 }
-                let Some(density) = other.end.density_of(start) else { continue };
-                let Some(ray) = other.end.point.segment_to(&start.point) else { continue };
-                rays.push(ray);
-                offers.push(Offer { stem, tail, density });
+                for stem in group.iter().copied().flatten().filter(|&stem| stem != tail) {
+                    let Some(other) = &all[stem as usize] else { continue };
+                    if other.bounce != own.bounce {
+                        continue;
+                    }
+                    let Some((density, ray)) = other.end.sees(start) else { continue };
+                    rays.push(ray);
+                    offers.push(Offer { stem, tail, density });
+                }
             }
         }
     }
@@ -195,14 +232,18 @@ impl Met {
         Self { point, normal: point.normal * 1.0_f64.copysign(shaded.wo.z) }
     }
 
-    /// The density per area, times pi, with which a direction by the cosine from here meets `other`; `None`
-    /// if one of them lies behind the other.
+    /// The density per area, times pi, with which a direction by the cosine from here meets `other`, and the
+    /// segment that must be free. `None` if one of them lies behind the other or can not be told from
+    /// that, or if the density is not a normal number.
     #[inline(always)]
-    fn density_of(&self, other: &Self) -> Option<f64> {
+    fn sees(&self, other: &Self) -> Option<(f64, Ray)> {
         let between = other.point.position - self.point.position;
         let [near, far] = [self.normal.dot(between), -other.normal.dot(between)];
         let square = between.length_squared();
         let density = (near / square) * (far / square);
-        (near > 0.0 && far > 0.0 && density.is_normal()).then_some(density)
+        if !(near > 0.0 && far > 0.0 && density.is_normal()) {
+            return None;
+        }
+        Some((density, self.point.segment_to(&other.point)?))
     }
 }

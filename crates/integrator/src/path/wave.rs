@@ -66,7 +66,7 @@ pub(super) struct Path {
     pub(super) numbers: Numbers,
     /// The factor on what arrives, up to where its tail begins.
     pub(super) throughput: Rgb,
-    /// The factor on that: what came before the tail.
+    /// The largest factor that this has in any sample that may share the tail.
     pub(super) before: Rgb,
     /// How the direction of its ray was chosen.
     pub(super) choice: Choice,
@@ -109,7 +109,7 @@ impl Wave {
             }
         }
         let Level(level) = self.level;
-        self.stems.deal(view, level, tile, samples, &mut self.radiance, &mut counters);
+        self.stems.deal(view, level, &mut self.radiance, &mut counters);
         Some(counters)
     }
 
@@ -176,9 +176,8 @@ impl Wave {
             }
         }
         self.radiance.clear();
-        let stems = if view.reuses_paths() { self.paths.len() } else { 0 };
-        self.stems.clear(stems);
-        self.radiance.resize(self.paths.len() + stems, Rgb::BLACK);
+        let tails = self.stems.start(view, tile, samples);
+        self.radiance.resize(self.paths.len() + tails, Rgb::BLACK);
     }
 
     /// Adds what the hits emit, chooses points on lights, and scatters; keeps the paths that go
@@ -201,6 +200,7 @@ impl Wave {
             #[inline(always)]
             || self.shade_all(view, bounce, counters),
         );
+        self.stems.compare(bounce);
     }
 
     /// What is called here for most paths is inlined, so that it is compiled for the machine's
@@ -228,7 +228,7 @@ impl Wave {
             let shaded = Shaded::new(at, bounce, numbers);
             if path.stage == Stage::Scattered {
                 path.stage = Stage::Beyond;
-                if !at.material.bsdf.is_delta() {
+                if at.material.bsdf.is_diffuse() {
                     self.stems.begin_tail(&mut path, &shaded);
                 }
             }
@@ -241,7 +241,7 @@ impl Wave {
                 self.thrown.push((path.account, thrown));
             }
             let Some(next) = path.scatter(view, &hit, &shaded) else { continue };
-            if path.stage == Stage::Stem && view.ends_stem(bounce) && !at.material.bsdf.is_delta() {
+            if path.stage == Stage::Stem && view.ends_stem(bounce) && at.material.bsdf.is_diffuse() {
                 self.stems.end(&mut path, &shaded);
             }
             if numbers.roulette.is_some_and(|u| !path.survives(view.settings.roulette, u)) {
