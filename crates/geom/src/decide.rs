@@ -71,13 +71,15 @@ impl Shear {
     /// comes last.
     #[inline(always)]
     pub(crate) fn of_permuted(main_axis: usize, origin: DVec3, direction: DVec3) -> Self {
-        Self {
-            main_axis,
-            origin: origin.map(flush),
-            slope_x: flush(direction.x / direction.z),
-            slope_y: flush(direction.y / direction.z),
-            direction_z: direction.z,
-        }
+        let DVec3 { x, y, z } = direction;
+        Self::of_slopes(main_axis, origin, [x / z, y / z], z)
+    }
+
+    /// The same for a direction given by what it goes along x and y for each unit along z, and along z.
+    #[inline(always)]
+    pub(crate) fn of_slopes(main_axis: usize, origin: DVec3, [x, y]: [f64; 2], direction_z: f64) -> Self {
+        let origin = origin.map(flush);
+        Self { main_axis, origin, slope_x: flush(x), slope_y: flush(y), direction_z }
     }
 
     /// Where the ray's line meets `triangle`, edges and vertices included.

@@ -5,7 +5,7 @@ use crate::search::Search;
 use crate::{Ray, Triangles};
 
 /// How many are kept before they are decided.
-const CAPACITY: usize = 8;
+pub(super) const CAPACITY: usize = 8;
 
 /// Triangles, each with a lower bound of its `t`.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,11 +6,11 @@
 //! - [`collapse`]: they become the up to eight cells of a [`node`], in the scene's own [`space`];
 //! - [`course`]: a ray in that space, with a bound for every error;
 //! - [`step`] finds the cells of a node that a ray meets, [`filter`] the triangles of a block;
-//! - a ray is searched for [`alone`]; of a [`batch`], coherent ones in a [`packet`], whose [`frustum`]
-//!   meets nodes for all of them on its [`descent`], and others in a [`wave`] of many that take their
-//!   steps in turn;
-//! - [`candidates`]: what is left, a triangle a hit and mostly none otherwise, is decided, for a
-//!   packet eight rays at a time ([`verdicts`]).
+//! - a ray is searched for [`alone`]; of a [`batch`], coherent ones from one point in a [`pencil`], other
+//!   coherent ones in a [`packet`], whose [`frustum`] meets nodes for all of them on its [`descent`], and
+//!   others in a [`wave`] of many that take their steps in turn;
+//! - [`candidates`]: what is left, a triangle a hit and mostly none otherwise, is decided, for
+//!   coherent rays eight at a time ([`verdicts`]).
 //!
 //! All of it is written once, over the vectors of [`simd`], for the [`level`] that the machine has.
 
@@ -29,6 +29,7 @@ mod leaf;
 mod level;
 mod node;
 mod packet;
+mod pencil;
 mod scratch;
 #[allow(unsafe_code)]
 mod simd;
@@ -197,19 +198,11 @@ impl Accel for WideKdTree {
     }
 
     fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        hits.clear();
-        hits.resize(rays.len(), None);
-        vectorized!(self, |simd| {
-            search_batch(simd, self, rays, |i, search: Closest| hits[i] = search.hit());
-        });
+        vectorized!(self, |simd| search_batch(simd, self, rays, hits, |search: Closest| search.hit()));
     }
 
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
-        occluded.clear();
-        occluded.resize(rays.len(), false);
-        vectorized!(self, |simd| {
-            search_batch(simd, self, rays, |i, search: Any| occluded[i] = search.found());
-        });
+        vectorized!(self, |simd| search_batch(simd, self, rays, occluded, |search: Any| search.found()));
     }
 
     fn bounds(&self) -> Aabb {

@@ -1,7 +1,7 @@
 //! 64 coherent rays, that is ones that take nearly the same way, searched for together.
 
 use super::WideKdTree;
-use super::candidates::Candidates;
+use super::candidates::{CAPACITY, Candidates};
 use super::course::Courses;
 use super::descent::Descent;
 use super::frustum::Frustum;
@@ -9,7 +9,7 @@ use super::goal::Goal;
 use super::scratch::WIDTH;
 use super::simd::{LANES, Simd};
 use super::slots::Slots;
-use super::verdicts::decide_all;
+use super::verdicts::{Shears, Verdicts};
 use crate::Ray;
 
 /// The rays of a packet come eight by eight.
@@ -24,6 +24,7 @@ pub(super) struct Packet {
     /// How far each ray goes along its main axis for each unit of its parameter.
     pub(super) rates: [[f32; LANES]; GROUPS],
     pub(super) candidates: [[Candidates; LANES]; GROUPS],
+    verdicts: [Verdicts; CAPACITY],
     /// What is still to be visited, the nearest last.
     pub(super) cells: Vec<Cell>,
 }
@@ -46,6 +47,7 @@ impl Packet {
             t_end: [[0.0; LANES]; GROUPS],
             rates: [[0.0; LANES]; GROUPS],
             candidates: [[Candidates::default(); LANES]; GROUPS],
+            verdicts: [Verdicts::NONE; CAPACITY],
             cells: Vec::new(),
         }
     }
@@ -77,8 +79,12 @@ impl Packet {
         Descent { simd, tree, rays: groups, packet, frustum, live, searches: &mut searches }.run();
         for (g, group) in groups.iter().enumerate() {
             let (candidates, t_end) = (&self.candidates[g], &self.t_end[g]);
-            decide_all(main_axis, group, candidates, t_end, &tree.triangles, &mut searches[g]);
-            for (i, search) in searches[g].into_iter().enumerate() {
+            let shears = Shears::of(main_axis, group);
+            let turns = shears.decide(candidates, t_end, &tree.triangles, &mut self.verdicts);
+            for (i, mut search) in searches[g].into_iter().enumerate() {
+                for verdicts in &self.verdicts[..turns] {
+                    verdicts.offer(i, &mut search);
+                }
                 report(g * LANES + i, search);
             }
         }

@@ -1,6 +1,7 @@
 //! The memory that searches work in, kept from one to the next so that queries do not allocate.
 
 use super::packet::Packet;
+use super::pencil::Pencil;
 use super::trace::Trace;
 use std::cell::Cell;
 
@@ -11,6 +12,7 @@ pub(super) const WIDTH: usize = 64;
 pub(super) struct Scratch {
     /// One for each of [`WIDTH`] rays; on the heap, since they are large.
     pub(super) traces: Box<[Trace; WIDTH]>,
+    pub(super) pencil: Pencil,
     pub(super) packet: Packet,
     /// Where in a batch the rays start that are searched for in turn, [`WIDTH`] from each.
     pub(super) starts: Vec<u32>,
@@ -35,6 +37,6 @@ impl Scratch {
         let traces: Vec<Trace> = (0..WIDTH).map(|_| Trace::idle()).collect();
         // By way of a vector, since an array of them would be made on the stack, half a megabyte of it.
         let traces = traces.into_boxed_slice().try_into().expect("as many as were made");
-        Box::new(Self { traces, packet: Packet::idle(), starts: Vec::new() })
+        Box::new(Self { traces, pencil: Pencil::idle(), packet: Packet::idle(), starts: Vec::new() })
     }
 }

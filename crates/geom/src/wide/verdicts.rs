@@ -1,6 +1,7 @@
 //! Decisions for eight rays with one main axis, side by side.
 
 use super::candidates::Candidates;
+use super::course::AXES;
 use super::simd::LANES;
 use crate::decide::{Intersection, Shear, permute};
 use crate::search::Search;
@@ -22,48 +23,125 @@ fn get(columns: &Columns, lane: usize) -> DVec3 {
     DVec3::new(columns[0][lane], columns[1][lane], columns[2][lane])
 }
 
-/// Decides for each ray that is searched for what may be hit before `t_end`.
-///
-/// All rays have the main axis `main_axis`.
-#[inline(always)]
-pub(super) fn decide_all<Q: Search>(
-    main_axis: usize,
-    rays: &[Ray; LANES],
-    candidates: &[Candidates; LANES],
-    t_end: &[f32; LANES],
-    triangles: &Triangles,
-    searches: &mut [Q; LANES],
-) {
-    let (mut origins, mut directions) = ([[0.0; LANES]; 3], [[1.0; LANES]; 3]);
-    for (i, ray) in rays.iter().enumerate() {
-        set(&mut origins, i, permute(ray.origin, main_axis));
-        set(&mut directions, i, permute(ray.direction, main_axis));
+/// The [`Shear`]s of eight rays, number by number. Components are in its order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shears {
+    pub(super) main_axis: usize,
+    pub(super) origin: Columns,
+    /// What the directions go along x and y for each unit along z.
+    pub(super) slopes: [[f64; LANES]; 2],
+    pub(super) direction_z: [f64; LANES],
+}
+
+/// What was decided about one triangle for each of eight rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Verdicts {
+    t: [f64; LANES],
+    u: [f64; LANES],
+    v: [f64; LANES],
+    indices: [u32; LANES],
+    is_met: [bool; LANES],
+}
+
+impl Shears {
+    pub(super) const NONE: Self = {
+        let zero = [0.0; LANES];
+        Self { main_axis: 0, origin: [zero; 3], slopes: [zero; 2], direction_z: zero }
+    };
+
+    /// Those of rays that have the main axis `main_axis`, all of them.
+    #[inline(always)]
+    pub(super) fn of(main_axis: usize, rays: &[Ray; LANES]) -> Self {
+        let (mut origin, mut direction) = ([[0.0; LANES]; 3], [[1.0; LANES]; 3]);
+        for (i, ray) in rays.iter().enumerate() {
+            set(&mut origin, i, permute(ray.origin, main_axis));
+            set(&mut direction, i, permute(ray.direction, main_axis));
+        }
+        let [x, y, direction_z] = direction;
+        let mut slopes = [x, y];
+        for slopes in &mut slopes {
+            for i in 0..LANES {
+                slopes[i] /= direction_z[i];
+            }
+        }
+        Self { main_axis, origin, slopes, direction_z }
     }
-    let most = candidates.iter().map(Candidates::count).max().unwrap_or(0);
-    let mut vertices = [[[0.0; LANES]; 3]; 3];
-    for turn in 0..most {
-        let mut indices = [None; LANES];
+
+    /// Decides for each ray about its candidates that may be hit before `t_end`, and returns how many verdicts
+    /// there are for each.
+    #[inline(always)]
+    pub(super) fn decide(
+        &self,
+        candidates: &[Candidates; LANES],
+        t_end: &[f32; LANES],
+        triangles: &Triangles,
+        verdicts: &mut [Verdicts],
+    ) -> usize {
+        let most = candidates.iter().map(Candidates::count).max().unwrap_or(0);
+        let turns = most.min(verdicts.len());
+        for (turn, verdicts) in verdicts.iter_mut().take(turns).enumerate() {
+            self.decide_one(turn, candidates, t_end, triangles, verdicts);
+        }
+        turns
+    }
+
+    #[inline(always)]
+    fn decide_one(
+        &self,
+        turn: usize,
+        candidates: &[Candidates; LANES],
+        t_end: &[f32; LANES],
+        triangles: &Triangles,
+        verdicts: &mut Verdicts,
+    ) {
+        let mut vertices = [[[0.0_f32; LANES]; 3]; 3];
+        let mut is_asked = [false; LANES];
+        for (i, is_asked) in is_asked.iter_mut().enumerate() {
+            let index = candidates[i].get(turn, t_end[i]);
+            *is_asked = index.is_some();
+            // Where none is asked about, any will do.
+            verdicts.indices[i] = index.unwrap_or(0);
+            for (columns, vertex) in vertices.iter_mut().zip(&triangles.get(verdicts.indices[i]).vertices) {
+                let vertex: &[f32; 3] = vertex.as_ref();
+                for (column, x) in columns.iter_mut().zip(vertex) {
+                    column[i] = *x;
+                }
+            }
+        }
+        let axes = AXES[self.main_axis % 3];
+        let mut permuted = [[[0.0; LANES]; 3]; 3];
+        for (permuted, vertices) in permuted.iter_mut().zip(&vertices) {
+            for (to, axis) in permuted.iter_mut().zip(axes) {
+                for (to, x) in to.iter_mut().zip(&vertices[usize::from(axis) % 3]) {
+                    *to = f64::from(*x);
+                }
+            }
+        }
         for i in 0..LANES {
-            indices[i] = candidates[i].get(turn, t_end[i]);
-            let Some(index) = indices[i] else { continue };
-            for (columns, vertex) in vertices.iter_mut().zip(triangles.get(index).vertices) {
-                set(columns, i, permute(vertex.as_dvec3(), main_axis));
-            }
+            let slopes = [self.slopes[0][i], self.slopes[1][i]];
+            let shear = Shear::of_slopes(self.main_axis, get(&self.origin, i), slopes, self.direction_z[i]);
+            let [a, b, c] = &permuted;
+            let (at, is_met) = shear.decide_permuted([get(a, i), get(b, i), get(c, i)]);
+            (verdicts.t[i], verdicts.u[i], verdicts.v[i]) = (at.t, at.u, at.v);
+            verdicts.is_met[i] = is_met;
         }
-        let mut found = [[0.0; LANES]; 3];
-        let mut is_met = [false; LANES];
-        for (i, is_met) in is_met.iter_mut().enumerate() {
-            let shear = Shear::of_permuted(main_axis, get(&origins, i), get(&directions, i));
-            let [a, b, c] = &vertices;
-            let (at, met) = shear.decide_permuted([get(a, i), get(b, i), get(c, i)]);
-            set(&mut found, i, DVec3::new(at.t, at.u, at.v));
-            *is_met = met;
+        for (is_met, is_asked) in verdicts.is_met.iter_mut().zip(is_asked) {
+            *is_met &= is_asked;
         }
-        for (i, search) in searches.iter_mut().enumerate() {
-            if let (Some(index), true) = (indices[i], is_met[i]) {
-                let DVec3 { x: t, y: u, z: v } = get(&found, i);
-                search.offer(Intersection { t, u, v }, index);
-            }
+    }
+}
+
+impl Verdicts {
+    pub(super) const NONE: Self = {
+        let zero = [0.0; LANES];
+        Self { t: zero, u: zero, v: zero, indices: [0; LANES], is_met: [false; LANES] }
+    };
+
+    /// Offers a ray's triangle, if it is met.
+    #[inline(always)]
+    pub(super) fn offer<Q: Search>(&self, i: usize, search: &mut Q) {
+        if self.is_met[i] {
+            search.offer(Intersection { t: self.t[i], u: self.u[i], v: self.v[i] }, self.indices[i]);
         }
     }
 }

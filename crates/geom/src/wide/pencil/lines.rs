@@ -1,0 +1,135 @@
+//! The rays of a pencil, number by number.
+
+use super::super::packet::{GROUPS, range};
+use super::super::simd::{LANES, Simd};
+use super::super::slots::Slots;
+use super::super::verdicts::Shears;
+use super::view::View;
+use crate::Ray;
+
+/// Slopes further apart than this have too few cells in common.
+const WIDEST: f32 = 0.125;
+/// Beyond all that is in the scene.
+const BEYOND: f64 = 2.0;
+
+#[derive(Debug)]
+pub(super) struct Lines {
+    /// How far the slopes are from the middle ray's.
+    pub(super) aside: [[[f32; LANES]; GROUPS]; 2],
+    /// Where the rays' ranges begin and end, ahead.
+    pub(super) begin: [[f32; LANES]; GROUPS],
+    pub(super) range_end: [[f32; LANES]; GROUPS],
+    /// What begins beyond this can not matter.
+    pub(super) end: [[f32; LANES]; GROUPS],
+    pub(super) shears: [Shears; GROUPS],
+}
+
+impl Lines {
+    pub(super) fn idle() -> Self {
+        let zero = [[0.0; LANES]; GROUPS];
+        Self { aside: [zero; 2], begin: zero, range_end: zero, end: zero, shears: [Shears::NONE; GROUPS] }
+    }
+
+    /// Makes the rays ready, and finds out by how much they deviate from the view's middle. Returns false if
+    /// they are not coherent, or not from its point.
+    #[inline(always)]
+    pub(super) fn set<S: Simd>(&mut self, simd: S, view: &mut View, groups: &[[Ray; LANES]]) -> bool {
+        let mut fit: Slots = 0;
+        for (g, group) in groups.iter().enumerate() {
+            fit |= Slots::from(self.set_group(g, view, group)) << (g * LANES);
+        }
+        if fit != Slots::MAX {
+            return false;
+        }
+        let [x, y] = [bounds(simd, &self.aside[0]), bounds(simd, &self.aside[1])];
+        [view.low, view.high] = [[x[0], y[0]], [x[1], y[1]]];
+        view.begin = bounds(simd, &self.begin)[0];
+        (x[1] - x[0] <= WIDEST) & (y[1] - y[0] <= WIDEST)
+    }
+
+    /// Makes a group ready; returns those that are of the pencil, a bit each.
+    #[inline(always)]
+    fn set_group(&mut self, g: usize, view: &View, group: &[Ray; LANES]) -> u8 {
+        let Columns { across: [dx, dy], along: dz, t_min, t_max, apart } = Columns::of(view, group);
+        let shears = &mut self.shears[g];
+        let origin = view.ray_origin;
+        shears.main_axis = view.main_axis;
+        shears.origin = [[origin.x; LANES], [origin.y; LANES], [origin.z; LANES]];
+        shears.direction_z = dz;
+        // No branch in the loops: the compiler makes vectors of them.
+        for (axis, across) in [dx, dy].into_iter().enumerate() {
+            let (mut slopes, mut aside) = ([0.0; LANES], [0.0; LANES]);
+            let middle = f64::from(view.middle[axis]);
+            for i in 0..LANES {
+                slopes[i] = across[i] / dz[i];
+                aside[i] = (slopes[i] * view.sense - middle) as f32;
+            }
+            shears.slopes[axis] = slopes;
+            self.aside[axis][g] = aside;
+        }
+        let (mut begins, mut ends) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let rate = dz[i].abs() * view.scale;
+            let (begin, end) = (view.origin.z + t_min[i] * rate, view.origin.z + t_max[i] * rate);
+            begins[i] = begin as f32;
+            ends[i] = (if end < BEYOND { end } else { BEYOND }) as f32;
+        }
+        (self.begin[g], self.range_end[g], self.end[g]) = (begins, ends, ends);
+        let domain = Ray::DIRECTION_DOMAIN;
+        let mut fits = 0;
+        for i in 0..LANES {
+            let along = dz[i].abs();
+            // Comparisons with NaN are false. Where two components are largest the main axis is not looked for.
+            let fit = (along > dx[i].abs())
+                & (along > dy[i].abs())
+                & (dz[i] * view.sense > 0.0)
+                & (along >= *domain.start())
+                & (along <= *domain.end())
+                & (t_min[i] >= 0.0)
+                & (t_min[i] < t_max[i])
+                & (apart[i] == 0);
+            fits |= u8::from(fit) << i;
+        }
+        fits
+    }
+}
+
+/// A group of rays, number by number; directions in the view's order.
+struct Columns {
+    across: [[f64; LANES]; 2],
+    along: [f64; LANES],
+    t_min: [f64; LANES],
+    t_max: [f64; LANES],
+    /// 0 where the origin is the view's.
+    apart: [u64; LANES],
+}
+
+impl Columns {
+    #[inline(always)]
+    fn of(view: &View, group: &[Ray; LANES]) -> Self {
+        let zero = [0.0; LANES];
+        let (mut x, mut y, mut along, mut t_min, mut t_max) = (zero, zero, zero, zero, zero);
+        let mut apart = [0; LANES];
+        let [first, second, third] = view.axes;
+        for (i, ray) in group.iter().enumerate() {
+            let d: &[f64; 3] = ray.direction.as_ref();
+            (x[i], y[i], along[i]) = (d[first % 3], d[second % 3], d[third % 3]);
+            (t_min[i], t_max[i]) = (ray.t_min, ray.t_max);
+            let (o, p) = (ray.origin, view.given);
+            apart[i] = (o.x.to_bits() ^ p.x.to_bits())
+                | (o.y.to_bits() ^ p.y.to_bits())
+                | (o.z.to_bits() ^ p.z.to_bits());
+        }
+        Self { across: [x, y], along, t_min, t_max, apart }
+    }
+}
+
+/// Smallest and largest of the rays' numbers.
+#[inline(always)]
+pub(super) fn bounds<S: Simd>(simd: S, numbers: &[[f32; LANES]; GROUPS]) -> [f32; 2] {
+    let mut vectors = [simd.splat(0.0); GROUPS];
+    for (vector, numbers) in vectors.iter_mut().zip(numbers) {
+        *vector = simd.load(numbers);
+    }
+    range(simd, &vectors, Slots::MAX)
+}
