@@ -133,7 +133,8 @@ impl Regime {
 }
 
 /// Rays that take nearly the same way as `ray`: side by side, from one point, or from so far away that
-/// this is all one. Each has a range of its own, and a few are no rays.
+/// this is all one. Each has a range of its own, and in half of
+/// the cases a few are no rays.
 fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray> {
     let vertices = triangles.iter().flat_map(|triangle| triangle.vertices);
     let reach = f64::from(vertices.map(|v| v.abs().max_element()).fold(1e-6, f32::max));
@@ -142,6 +143,8 @@ fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray
     let target = if triangles.is_empty() { DVec3::ZERO } else { point_of(&source.pick(triangles), source) };
     let away = ray.direction / speed * reach * 2.0_f64.powi(source.below(46) as i32);
     let kind = source.below(4);
+    // As a camera sends them out: every one can be traced, and none begins behind the point.
+    let is_plain = source.one_in(2);
     let member = |i: usize| {
         let offset = spread * DVec3::new(source.signed(), source.signed(), source.signed());
         let ray = match kind {
@@ -150,10 +153,11 @@ fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray
             _ => Ray::new(target - away, away + reach * offset),
         };
         // Those by which a packet might be told stay what they are.
-        if !i.is_multiple_of(21) && source.one_in(32) {
+        if !is_plain && !i.is_multiple_of(21) && source.one_in(32) {
             return Ray { direction: DVec3::splat(source.pick(&[f64::NAN, 0.0])), ..ray };
         }
-        with_some_range(ray, source)
+        let ranged = with_some_range(ray, source);
+        Ray { t_min: if is_plain { ranged.t_min.max(0.0) } else { ranged.t_min }, ..ranged }
     };
     (0..PENCIL).map(member).collect()
 }

@@ -4,11 +4,9 @@ use super::super::packet::{GROUPS, range};
 use super::super::simd::{LANES, Simd};
 use super::super::slots::Slots;
 use super::super::verdicts::Shears;
-use super::view::View;
+use super::view::{View, WIDEST};
 use crate::Ray;
 
-/// Slopes further apart than this have too few cells in common.
-const WIDEST: f32 = 0.125;
 /// Beyond all that is in the scene.
 const BEYOND: f64 = 2.0;
 
@@ -44,7 +42,7 @@ impl Lines {
         let [x, y] = [bounds(simd, &self.aside[0]), bounds(simd, &self.aside[1])];
         [view.low, view.high] = [[x[0], y[0]], [x[1], y[1]]];
         view.begin = bounds(simd, &self.begin)[0];
-        (x[1] - x[0] <= WIDEST) & (y[1] - y[0] <= WIDEST)
+        [x, y].iter().all(|[least, greatest]| f64::from(greatest - least) <= WIDEST)
     }
 
     /// Makes a group ready; returns those that are of the pencil, a bit each.

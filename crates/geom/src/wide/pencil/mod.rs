@@ -6,6 +6,7 @@
 
 mod descent;
 mod facets;
+mod focus;
 mod lines;
 mod view;
 mod window;
@@ -85,6 +86,8 @@ impl Pencil {
     }
 }
 
+/// Whether a set of rays has this one.
+#[inline(always)]
 fn is_in(slots: Slots, slot: usize) -> bool {
     slots >> slot & 1 != 0
 }

@@ -9,6 +9,8 @@ use glam::DVec3;
 
 /// Where a point is from which the scene, 2 wide, is too small to be seen in `f32`.
 const FAR: f64 = 64.0;
+/// Slopes further apart than this have too few cells in common.
+pub(super) const WIDEST: f64 = 0.125;
 
 /// A point and a middle ray from it.
 ///
@@ -59,6 +61,9 @@ impl View {
         let is_near = origin.abs().max_element() <= FAR;
         let other = permute(last.direction, main_axis);
         let (first_slopes, last_slopes) = (direction / direction.z.abs(), other / other.z.abs());
+        if (first_slopes - last_slopes).abs().max_element() > WIDEST {
+            return None;
+        }
         let DVec3 { x, y, .. } = 0.5 * (first_slopes + last_slopes);
         let middle = [x as f32, y as f32];
         let negative = |x: f64| (x.to_bits() >> 63) as u8;
