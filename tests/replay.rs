@@ -1,4 +1,4 @@
-//! Any sample can be traced alone, and is then the one that the picture holds.
+//! Any sample can be traced again, and is then the one that the picture holds.
 
 use globillum::geom::Accel;
 use globillum::integrator::{
