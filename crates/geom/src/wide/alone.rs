@@ -20,7 +20,9 @@ pub(super) fn search_alone<S: Simd, Q: Goal, P: Probe>(
 ) -> Q {
     let mut search = Q::begin(ray);
     let mut courses = Courses::idle();
-    courses.set(std::array::from_ref(ray), &tree.triangles.bounds(), &tree.space);
+    let Ray { origin: o, direction: d, t_min, t_max } = *ray;
+    let columns = [o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max].map(|x| [x]);
+    courses.set(&columns, &tree.triangles.bounds(), &tree.space);
     let Some(course) = courses.get(0) else { return search };
     Scratch::lend(
         #[inline(always)]

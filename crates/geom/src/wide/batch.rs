@@ -28,8 +28,13 @@ pub(super) fn search_batch<S: Simd, Q: Goal, T: Clone + Default>(
                 let coherent = rays[start..].first_chunk().is_some_and(
                     #[inline(always)]
                     |set| {
-                        pencil.search(simd, tree, set, |i, search| answers[start + i] = answer(search))
-                            || packet.search(simd, tree, set, |i, search| answers[start + i] = answer(search))
+                        let mut report = |i: usize, search| {
+                            answers[start + i] = answer(search);
+                            // The next rays come from far away, and soon.
+                            simd.prefetch(rays.as_ptr().wrapping_add(start + WIDTH + i));
+                        };
+                        pencil.search(simd, tree, set, &mut report)
+                            || packet.search(simd, tree, set, &mut report)
                     },
                 );
                 if !coherent {

@@ -2,6 +2,7 @@
 //!
 //! Everything a search compares with follows from here; docs/numerics.md derives the bounds.
 
+use super::simd::Columns;
 use super::space::{Space, power_of_two_below, power_of_two_inverse};
 use crate::decide::{main_axis, permute};
 use crate::prune::Pruner;
@@ -79,25 +80,17 @@ pub(super) struct Courses<const N: usize> {
 }
 
 impl<const N: usize> Courses<N> {
-    /// Finds the courses of `rays` through a scene within `bounds`.
+    /// Finds the courses of rays, of which `columns` are the numbers, through a scene within `bounds`.
     #[inline(always)]
-    pub(super) fn set(&mut self, rays: &[Ray; N], bounds: &Aabb, space: &Space) {
+    pub(super) fn set(&mut self, columns: &Columns<N>, bounds: &Aabb, space: &Space) {
         let scene_is_empty = bounds.is_empty();
-        let mut columns = [[0.0; N]; 8];
-        for (i, ray) in rays.iter().enumerate() {
-            let Ray { origin: o, direction: d, t_min, t_max } = *ray;
-            for (column, x) in columns.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max]) {
-                column[i] = x;
-            }
-        }
-        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = columns;
         // No branch in here: the compiler finds several courses at once.
         for i in 0..N {
-            let (origin, direction) = (DVec3::new(ox[i], oy[i], oz[i]), DVec3::new(dx[i], dy[i], dz[i]));
-            self.find(i, &Ray { origin, direction, t_min: t_min[i], t_max: t_max[i] }, bounds, space);
+            self.find(i, &ray(columns, i), bounds, space);
         }
-        for (i, ray) in rays.iter().enumerate() {
-            self.is_any[i] = ray.is_traceable() & !scene_is_empty & (self.start[i] <= self.end[i]);
+        for i in 0..N {
+            self.is_any[i] =
+                ray(columns, i).is_traceable() & !scene_is_empty & (self.start[i] <= self.end[i]);
         }
     }
 
@@ -200,4 +193,14 @@ impl<const N: usize> Courses<N> {
             certain_end: self.certain_end[i],
         })
     }
+}
+
+/// One of the rays of which `columns` are the numbers.
+#[inline(always)]
+fn ray<const N: usize>(columns: &Columns<N>, i: usize) -> Ray {
+    let [ox, oy, oz, dx, dy, dz, t_min, t_max] = columns.each_ref().map(
+        #[inline(always)]
+        |column| column[i],
+    );
+    Ray { origin: DVec3::new(ox, oy, oz), direction: DVec3::new(dx, dy, dz), t_min, t_max }
 }

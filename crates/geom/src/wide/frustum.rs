@@ -194,7 +194,7 @@ mod tests {
                 Ray::new(origin + spread * vector(), direction + spread * vector())
             });
             let (groups, _) = rays.as_chunks();
-            let live = packet.set(&tree, groups);
+            let live = packet.set(Portable, &tree, groups);
             let Some(mut frustum) = Frustum::around(Portable, &packet, live) else { continue };
             frustum.end_within([-2.0, 2.0]);
             for _ in 0..16 {

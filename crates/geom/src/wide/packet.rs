@@ -66,7 +66,7 @@ impl Packet {
             return false;
         }
         let (groups, _) = rays.as_chunks::<LANES>();
-        let live = self.set(tree, groups);
+        let live = self.set(simd, tree, groups);
         let Some(frustum) = Frustum::around(simd, self, live) else { return false };
         let main_axis = frustum.main_axis();
         let mut searches = [[Q::begin(&rays[0]); LANES]; GROUPS];
@@ -93,11 +93,11 @@ impl Packet {
 
     /// Makes the rays ready; returns those that may meet anything.
     #[inline(always)]
-    pub(super) fn set(&mut self, tree: &WideKdTree, groups: &[[Ray; LANES]]) -> Slots {
+    pub(super) fn set<S: Simd>(&mut self, simd: S, tree: &WideKdTree, groups: &[[Ray; LANES]]) -> Slots {
         let mut live = 0;
         for (g, group) in groups.iter().enumerate() {
             let courses = &mut self.courses[g];
-            courses.set(group, &tree.triangles.bounds(), &tree.space);
+            courses.set(&simd.columns(group), &tree.triangles.bounds(), &tree.space);
             self.t_end[g] = courses.end;
             for i in 0..LANES {
                 self.rates[g][i] = 1.0 / courses.depth_scale[i];

@@ -60,7 +60,7 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
         let mut found = [Found::nothing(simd); WIDTH];
         let mut waiting = Waiting { ended: Slots::MAX >> (64 - WIDTH), ..Waiting::default() };
         loop {
-            waiting.nodes |= self.turn_over(waiting.ended);
+            waiting.nodes |= self.turn_over(simd, waiting.ended);
             if waiting.nodes | waiting.blocks == 0 {
                 break;
             }
@@ -72,7 +72,7 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
 
     /// The next ray to be taken in hand.
     #[inline(always)]
-    fn next_ray(&mut self) -> Option<usize> {
+    fn next_ray<S: Simd>(&mut self, simd: S) -> Option<usize> {
         if self.next == self.end {
             self.next = *self.starts.next()? as usize;
             self.end = self.rays.len().min(self.next + WIDTH);
@@ -81,7 +81,11 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
             let WideKdTree { triangles, space, .. } = self.tree;
             let group = self.rays[self.next..].first_chunk::<LANES>();
             let group = group.copied().unwrap_or_else(|| self.last_group());
-            self.courses.set(&group, &triangles.bounds(), space);
+            // Rays come from far away, and soon.
+            for i in 0..LANES {
+                simd.prefetch(self.rays.as_ptr().wrapping_add(self.next + 2 * LANES + i));
+            }
+            self.courses.set(&simd.columns(&group), &triangles.bounds(), space);
         }
         self.next += 1;
         Some(self.next - 1)
@@ -95,7 +99,7 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
 
     /// Ends the searches of the slots `ended`, and begins others there; returns where it did.
     #[inline(always)]
-    fn turn_over(&mut self, ended: Slots) -> Slots {
+    fn turn_over<S: Simd>(&mut self, simd: S, ended: Slots) -> Slots {
         let mut begun = 0;
         for slot in Each(ended) {
             let trace = &mut self.traces[slot];
@@ -104,15 +108,15 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
                 trace.candidates.decide(trace.t_end, &self.rays[id], &self.tree.triangles, &mut search);
                 (self.report)(id, search);
             }
-            begun |= Slots::from(self.begin_next(slot)) << slot;
+            begun |= Slots::from(self.begin_next(simd, slot)) << slot;
         }
         begun
     }
 
     /// Begins a search, unless there is none left.
     #[inline(always)]
-    fn begin_next(&mut self, slot: usize) -> bool {
-        while let Some(id) = self.next_ray() {
+    fn begin_next<S: Simd>(&mut self, simd: S, slot: usize) -> bool {
+        while let Some(id) = self.next_ray(simd) {
             let ray = &self.rays[id];
             let search = Q::begin(ray);
             if let Some(course) = self.courses.get(id % LANES) {

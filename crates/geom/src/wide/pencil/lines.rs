@@ -34,7 +34,7 @@ impl Lines {
     pub(super) fn set<S: Simd>(&mut self, simd: S, view: &mut View, groups: &[[Ray; LANES]]) -> bool {
         let mut fit: Slots = 0;
         for (g, group) in groups.iter().enumerate() {
-            fit |= Slots::from(self.set_group(g, view, group)) << (g * LANES);
+            fit |= Slots::from(self.set_group(simd, g, view, group)) << (g * LANES);
         }
         if fit != Slots::MAX {
             return false;
@@ -47,13 +47,15 @@ impl Lines {
 
     /// Makes a group ready; returns those that are of the pencil, a bit each.
     #[inline(always)]
-    fn set_group(&mut self, g: usize, view: &View, group: &[Ray; LANES]) -> u8 {
-        let Columns { across: [dx, dy], along: dz, t_min, t_max, apart } = Columns::of(view, group);
+    fn set_group<S: Simd>(&mut self, simd: S, g: usize, view: &View, group: &[Ray; LANES]) -> u8 {
+        let columns = simd.columns(group);
+        let [ox, oy, oz, .., t_min, t_max] = &columns;
+        let [dx, dy, dz] = view.axes.map(|axis| &columns[3 + axis % 3]);
         let shears = &mut self.shears[g];
         let origin = view.ray_origin;
         shears.main_axis = view.main_axis;
         shears.origin = [[origin.x; LANES], [origin.y; LANES], [origin.z; LANES]];
-        shears.direction_z = dz;
+        shears.direction_z = *dz;
         // No branch in the loops: the compiler makes vectors of them.
         for (axis, across) in [dx, dy].into_iter().enumerate() {
             let (mut slopes, mut aside) = ([0.0; LANES], [0.0; LANES]);
@@ -74,51 +76,22 @@ impl Lines {
         }
         (self.begin[g], self.range_end[g], self.end[g]) = (begins, ends, ends);
         let domain = Ray::DIRECTION_DOMAIN;
-        let mut fits = 0;
+        let mut fits = [0.0; LANES];
         for i in 0..LANES {
-            let along = dz[i].abs();
+            let along = dz[i] * view.sense;
             // Comparisons with NaN are false. Where two components are largest the main axis is not looked for.
             let fit = (along > dx[i].abs())
                 & (along > dy[i].abs())
-                & (dz[i] * view.sense > 0.0)
                 & (along >= *domain.start())
                 & (along <= *domain.end())
                 & (t_min[i] >= 0.0)
                 & (t_min[i] < t_max[i])
-                & (apart[i] == 0);
-            fits |= u8::from(fit) << i;
+                & (ox[i].to_bits() == view.given.x.to_bits())
+                & (oy[i].to_bits() == view.given.y.to_bits())
+                & (oz[i].to_bits() == view.given.z.to_bits());
+            fits[i] = if fit { 1.0 } else { 0.0 };
         }
-        fits
-    }
-}
-
-/// A group of rays, number by number; directions in the view's order.
-struct Columns {
-    across: [[f64; LANES]; 2],
-    along: [f64; LANES],
-    t_min: [f64; LANES],
-    t_max: [f64; LANES],
-    /// 0 where the origin is the view's.
-    apart: [u64; LANES],
-}
-
-impl Columns {
-    #[inline(always)]
-    fn of(view: &View, group: &[Ray; LANES]) -> Self {
-        let zero = [0.0; LANES];
-        let (mut x, mut y, mut along, mut t_min, mut t_max) = (zero, zero, zero, zero, zero);
-        let mut apart = [0; LANES];
-        let [first, second, third] = view.axes;
-        for (i, ray) in group.iter().enumerate() {
-            let d: &[f64; 3] = ray.direction.as_ref();
-            (x[i], y[i], along[i]) = (d[first % 3], d[second % 3], d[third % 3]);
-            (t_min[i], t_max[i]) = (ray.t_min, ray.t_max);
-            let (o, p) = (ray.origin, view.given);
-            apart[i] = (o.x.to_bits() ^ p.x.to_bits())
-                | (o.y.to_bits() ^ p.y.to_bits())
-                | (o.z.to_bits() ^ p.z.to_bits());
-        }
-        Self { across: [x, y], along, t_min, t_max, apart }
+        simd.lt(simd.splat(0.0), simd.load(&fits))
     }
 }
 

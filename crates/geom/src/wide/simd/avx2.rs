@@ -1,6 +1,7 @@
 //! AVX2 with FMA.
 
-use super::{LANES, Simd};
+use super::{Columns, LANES, Simd, numbers};
+use crate::Ray;
 use std::arch::x86_64::*;
 
 /// The machine has AVX2 and FMA.
@@ -150,6 +151,32 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn permute_i(self, table: __m256i, index: __m256i) -> __m256i {
         call!(_mm256_permutevar8x32_epi32(table, index))
+    }
+
+    #[inline(always)]
+    fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES> {
+        let rows = numbers(rays);
+        let mut columns = [[0.0; LANES]; 8];
+        // Four rows and four columns at once.
+        for (r, c) in [(0, 0), (0, 4), (4, 0), (4, 4)] {
+            call!({
+                let (a0, a1) =
+                    (_mm256_loadu_pd(rows[r][c..].as_ptr()), _mm256_loadu_pd(rows[r + 1][c..].as_ptr()));
+                let (a2, a3) =
+                    (_mm256_loadu_pd(rows[r + 2][c..].as_ptr()), _mm256_loadu_pd(rows[r + 3][c..].as_ptr()));
+                // Columns 0 and 2 of rows two by two, and columns 1 and 3.
+                let (even, even2) = (_mm256_unpacklo_pd(a0, a1), _mm256_unpacklo_pd(a2, a3));
+                let (odd, odd2) = (_mm256_unpackhi_pd(a0, a1), _mm256_unpackhi_pd(a2, a3));
+                _mm256_storeu_pd(columns[c][r..].as_mut_ptr(), _mm256_permute2f128_pd::<0x20>(even, even2));
+                _mm256_storeu_pd(columns[c + 1][r..].as_mut_ptr(), _mm256_permute2f128_pd::<0x20>(odd, odd2));
+                _mm256_storeu_pd(
+                    columns[c + 2][r..].as_mut_ptr(),
+                    _mm256_permute2f128_pd::<0x31>(even, even2),
+                );
+                _mm256_storeu_pd(columns[c + 3][r..].as_mut_ptr(), _mm256_permute2f128_pd::<0x31>(odd, odd2));
+            });
+        }
+        columns
     }
 
     #[inline(always)]

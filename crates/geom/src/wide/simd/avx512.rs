@@ -1,6 +1,7 @@
 //! AVX-512, with vectors of 256 bits: its masks, compression and permutations are what pays.
 
-use super::{LANES, Simd};
+use super::{Columns, LANES, Simd, numbers};
+use crate::Ray;
 use std::arch::x86_64::*;
 
 /// The machine has AVX-512 F, DQ, VL and BW.
@@ -146,6 +147,32 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn permute_i(self, table: __m256i, index: __m256i) -> __m256i {
         call!(_mm256_permutevar8x32_epi32(table, index))
+    }
+
+    #[inline(always)]
+    fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES> {
+        let rows = numbers(rays);
+        let mut columns = [[0.0; LANES]; 8];
+        call!({
+            // Columns 0, 2, 4 and 6 of rows two by two, and columns 1, 3, 5 and 7.
+            let mut pairs = [[_mm512_setzero_pd(); 4]; 2];
+            for i in 0..4 {
+                let a = _mm512_loadu_pd(rows[2 * i].as_ptr());
+                let b = _mm512_loadu_pd(rows[2 * i + 1].as_ptr());
+                pairs[0][i] = _mm512_unpacklo_pd(a, b);
+                pairs[1][i] = _mm512_unpackhi_pd(a, b);
+            }
+            for (odd, [a, b, c, d]) in pairs.into_iter().enumerate() {
+                // Columns 0 and 4 of four rows, and columns 2 and 6.
+                let (ab, cd) = (_mm512_shuffle_f64x2::<0x88>(a, b), _mm512_shuffle_f64x2::<0x88>(c, d));
+                let (ab2, cd2) = (_mm512_shuffle_f64x2::<0xdd>(a, b), _mm512_shuffle_f64x2::<0xdd>(c, d));
+                _mm512_storeu_pd(columns[odd].as_mut_ptr(), _mm512_shuffle_f64x2::<0x88>(ab, cd));
+                _mm512_storeu_pd(columns[odd + 4].as_mut_ptr(), _mm512_shuffle_f64x2::<0xdd>(ab, cd));
+                _mm512_storeu_pd(columns[odd + 2].as_mut_ptr(), _mm512_shuffle_f64x2::<0x88>(ab2, cd2));
+                _mm512_storeu_pd(columns[odd + 6].as_mut_ptr(), _mm512_shuffle_f64x2::<0xdd>(ab2, cd2));
+            }
+        });
+        columns
     }
 
     #[inline(always)]

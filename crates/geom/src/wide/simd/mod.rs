@@ -15,6 +15,9 @@ pub(super) use avx2::Avx2;
 pub(super) use avx512::Avx512;
 pub(super) use portable::Portable;
 
+use crate::Ray;
+use std::mem::offset_of;
+
 /// How many lanes a vector has.
 pub(super) const LANES: usize = 8;
 
@@ -52,6 +55,22 @@ impl<'a> Rows<'a> {
     pub(super) fn lanes(self) -> u8 {
         (0xff_u32 >> (LANES - self.count)) as u8
     }
+}
+
+/// The numbers of rays, one of each: origin, direction, `t_min`, `t_max`.
+pub(super) type Columns<const N: usize> = [[f64; N]; 8];
+
+/// The numbers of each ray, in a row.
+#[cfg(target_arch = "x86_64")]
+fn numbers(rays: &[Ray; LANES]) -> &[[f64; 8]; LANES] {
+    const {
+        assert!(size_of::<Ray>() == size_of::<[f64; 8]>() && align_of::<Ray>() == align_of::<f64>());
+        assert!(offset_of!(Ray, origin) == 0 && offset_of!(Ray, direction) == 3 * size_of::<f64>());
+        assert!(offset_of!(Ray, t_min) == 6 * size_of::<f64>());
+        assert!(offset_of!(Ray, t_max) == 7 * size_of::<f64>());
+    }
+    // SAFETY: a ray is eight `f64`, in this order.
+    unsafe { &*std::ptr::from_ref(rays).cast() }
 }
 
 /// Vectors of eight `f32` or `u32`. Masks are bytes, bit `i` for lane `i`.
@@ -102,6 +121,37 @@ pub(super) trait Simd: Copy {
     /// [`Simd::permute`] for integers.
     fn permute_i(self, table: Self::I, index: Self::I) -> Self::I;
 
+    /// The numbers of eight rays, side by side.
+    fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES>;
+
     /// Asks for the cache line at `x`, whatever is there.
     fn prefetch<T>(self, x: *const T);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::level::{SimdLevel, Token};
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn columns_are_what_rays_are_made_of() {
+        let number = |ray: usize, column: usize| (8 * ray + column) as f64;
+        let rays: [Ray; LANES] = std::array::from_fn(|i| {
+            let [ox, oy, oz, dx, dy, dz, t_min, t_max] = std::array::from_fn(|column| number(i, column));
+            Ray { origin: DVec3::new(ox, oy, oz), direction: DVec3::new(dx, dy, dz), t_min, t_max }
+        });
+        let expected: Columns<LANES> =
+            std::array::from_fn(|column| std::array::from_fn(|i| number(i, column)));
+        for level in SimdLevel::ALL {
+            let columns = match Token::new(level) {
+                Token::Portable(simd) => simd.columns(&rays),
+                #[cfg(target_arch = "x86_64")]
+                Token::Avx2(simd) => simd.columns(&rays),
+                #[cfg(target_arch = "x86_64")]
+                Token::Avx512(simd) => simd.columns(&rays),
+            };
+            assert_eq!(columns, expected, "{level:?}");
+        }
+    }
 }

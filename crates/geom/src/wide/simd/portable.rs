@@ -1,6 +1,7 @@
 //! Plain Rust, for machines without the instructions the others need.
 
-use super::{LANES, Simd};
+use super::{Columns, LANES, Simd};
+use crate::Ray;
 use std::array::from_fn;
 
 /// Any machine.
@@ -116,6 +117,18 @@ impl Simd for Portable {
     #[inline(always)]
     fn permute_i(self, table: I, index: I) -> I {
         index.map(|i| table[i as usize % LANES])
+    }
+
+    #[inline(always)]
+    fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES> {
+        let mut columns = [[0.0; LANES]; 8];
+        for (i, ray) in rays.iter().enumerate() {
+            let Ray { origin: o, direction: d, t_min, t_max } = *ray;
+            for (column, x) in columns.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max]) {
+                column[i] = x;
+            }
+        }
+        columns
     }
 
     #[inline(always)]
