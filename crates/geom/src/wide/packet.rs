@@ -80,7 +80,7 @@ impl Packet {
         for (g, group) in groups.iter().enumerate() {
             let (candidates, t_end) = (&self.candidates[g], &self.t_end[g]);
             let shears = Shears::of(main_axis, group);
-            let turns = shears.decide(candidates, t_end, &tree.triangles, &mut self.verdicts);
+            let turns = shears.decide(simd, candidates, t_end, &tree.triangles, &mut self.verdicts);
             for (i, mut search) in searches[g].into_iter().enumerate() {
                 for verdicts in &self.verdicts[..turns] {
                     verdicts.offer(i, &mut search);

@@ -2,7 +2,7 @@
 
 use super::candidates::Candidates;
 use super::course::AXES;
-use super::simd::LANES;
+use super::simd::{LANES, Simd};
 use crate::decide::{Intersection, Shear, permute};
 use crate::search::Search;
 use crate::{Ray, Triangles};
@@ -70,8 +70,9 @@ impl Shears {
     /// Decides for each ray about its candidates that may be hit before `t_end`, and returns how many verdicts
     /// there are for each.
     #[inline(always)]
-    pub(super) fn decide(
+    pub(super) fn decide<S: Simd>(
         &self,
+        simd: S,
         candidates: &[Candidates; LANES],
         t_end: &[f32; LANES],
         triangles: &Triangles,
@@ -80,37 +81,34 @@ impl Shears {
         let most = candidates.iter().map(Candidates::count).max().unwrap_or(0);
         let turns = most.min(verdicts.len());
         for (turn, verdicts) in verdicts.iter_mut().take(turns).enumerate() {
-            self.decide_one(turn, candidates, t_end, triangles, verdicts);
+            self.decide_one(simd, turn, candidates, t_end, triangles, verdicts);
         }
         turns
     }
 
     #[inline(always)]
-    fn decide_one(
+    fn decide_one<S: Simd>(
         &self,
+        simd: S,
         turn: usize,
         candidates: &[Candidates; LANES],
         t_end: &[f32; LANES],
         triangles: &Triangles,
         verdicts: &mut Verdicts,
     ) {
-        let mut vertices = [[[0.0_f32; LANES]; 3]; 3];
+        let mut asked = [triangles.get(0); LANES];
         let mut is_asked = [false; LANES];
         for (i, is_asked) in is_asked.iter_mut().enumerate() {
             let index = candidates[i].get(turn, t_end[i]);
             *is_asked = index.is_some();
             // Where none is asked about, any will do.
             verdicts.indices[i] = index.unwrap_or(0);
-            for (columns, vertex) in vertices.iter_mut().zip(&triangles.get(verdicts.indices[i]).vertices) {
-                let vertex: &[f32; 3] = vertex.as_ref();
-                for (column, x) in columns.iter_mut().zip(vertex) {
-                    column[i] = *x;
-                }
-            }
+            asked[i] = triangles.get(verdicts.indices[i]);
         }
+        let corners = simd.corners(asked);
         let axes = AXES[self.main_axis % 3];
         let mut permuted = [[[0.0; LANES]; 3]; 3];
-        for (permuted, vertices) in permuted.iter_mut().zip(&vertices) {
+        for (permuted, vertices) in permuted.iter_mut().zip(corners.as_chunks::<3>().0) {
             for (to, axis) in permuted.iter_mut().zip(axes) {
                 for (to, x) in to.iter_mut().zip(&vertices[usize::from(axis) % 3]) {
                     *to = f64::from(*x);

@@ -72,7 +72,8 @@ impl Pencil {
         let sure = descent.sure;
         let Self { lines, candidates, verdicts, .. } = self;
         for (g, group) in groups.iter().enumerate() {
-            let turns = lines.shears[g].decide(&candidates[g], &lines.end[g], &tree.triangles, verdicts);
+            let turns =
+                lines.shears[g].decide(simd, &candidates[g], &lines.end[g], &tree.triangles, verdicts);
             for (i, ray) in group.iter().enumerate() {
                 let mut search = Q::begin(ray);
                 for verdicts in &verdicts[..turns] {

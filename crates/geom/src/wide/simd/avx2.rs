@@ -1,7 +1,7 @@
 //! AVX2 with FMA.
 
-use super::{Columns, LANES, Simd, numbers};
-use crate::Ray;
+use super::{Columns, Corners, LANES, Simd, coordinates, numbers};
+use crate::{Ray, Triangle};
 use std::arch::x86_64::*;
 
 /// The machine has AVX2 and FMA.
@@ -27,6 +27,41 @@ fn lanes(mask: u8) -> __m256 {
     let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     let mask = _mm256_and_si256(_mm256_set1_epi32(i32::from(mask)), bits);
     _mm256_castsi256_ps(_mm256_cmpeq_epi32(mask, bits))
+}
+
+/// The coordinates of eight triangles, side by side.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(super) fn turn(triangles: [&Triangle; LANES]) -> Corners {
+    let mut corners = [[0.0; LANES]; 9];
+    // Of two rows, coordinates 0, 1, 4 and 5, and coordinates 2, 3, 6 and 7.
+    let mut pairs = [[_mm256_setzero_pd(); 4]; 2];
+    for i in 0..4 {
+        let (a, b) = (coordinates(triangles[2 * i]), coordinates(triangles[2 * i + 1]));
+        // SAFETY: there are nine.
+        let (a, b) = unsafe { (_mm256_loadu_ps(a.as_ptr()), _mm256_loadu_ps(b.as_ptr())) };
+        pairs[0][i] = _mm256_castps_pd(_mm256_unpacklo_ps(a, b));
+        pairs[1][i] = _mm256_castps_pd(_mm256_unpackhi_ps(a, b));
+    }
+    for (at, [a, b, c, d]) in [(0, pairs[0]), (2, pairs[1])] {
+        // Of four rows, one coordinate of the first four and one of the last.
+        let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
+        let (ab1, cd1) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
+        let columns = [
+            (at, _mm256_permute2f128_pd::<0x20>(ab, cd)),
+            (at + 1, _mm256_permute2f128_pd::<0x20>(ab1, cd1)),
+            (at + 4, _mm256_permute2f128_pd::<0x31>(ab, cd)),
+            (at + 5, _mm256_permute2f128_pd::<0x31>(ab1, cd1)),
+        ];
+        for (column, x) in columns {
+            // SAFETY: a column has room for eight.
+            unsafe { _mm256_storeu_ps(corners[column].as_mut_ptr(), _mm256_castpd_ps(x)) };
+        }
+    }
+    for (i, triangle) in triangles.into_iter().enumerate() {
+        corners[8][i] = coordinates(triangle)[8];
+    }
+    corners
 }
 
 /// Calls an intrinsic in a method of the token.
@@ -177,6 +212,11 @@ impl Simd for Avx2 {
             });
         }
         columns
+    }
+
+    #[inline(always)]
+    fn corners(self, triangles: [&Triangle; LANES]) -> Corners {
+        call!(turn(triangles))
     }
 
     #[inline(always)]

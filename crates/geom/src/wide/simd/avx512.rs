@@ -1,7 +1,8 @@
 //! AVX-512, with vectors of 256 bits: its masks, compression and permutations are what pays.
 
-use super::{Columns, LANES, Simd, numbers};
-use crate::Ray;
+use super::avx2::turn;
+use super::{Columns, Corners, LANES, Simd, numbers};
+use crate::{Ray, Triangle};
 use std::arch::x86_64::*;
 
 /// The machine has AVX-512 F, DQ, VL and BW.
@@ -173,6 +174,11 @@ impl Simd for Avx512 {
             }
         });
         columns
+    }
+
+    #[inline(always)]
+    fn corners(self, triangles: [&Triangle; LANES]) -> Corners {
+        call!(turn(triangles))
     }
 
     #[inline(always)]

@@ -15,7 +15,8 @@ pub(super) use avx2::Avx2;
 pub(super) use avx512::Avx512;
 pub(super) use portable::Portable;
 
-use crate::Ray;
+use crate::{Ray, Triangle};
+use glam::Vec3;
 use std::mem::offset_of;
 
 /// How many lanes a vector has.
@@ -73,6 +74,18 @@ fn numbers(rays: &[Ray; LANES]) -> &[[f64; 8]; LANES] {
     unsafe { &*std::ptr::from_ref(rays).cast() }
 }
 
+/// The coordinates of triangles, one of each: those of the first vertex, the second and the third.
+pub(super) type Corners = [[f32; LANES]; 9];
+
+/// The coordinates of a triangle, in a row.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn coordinates(triangle: &Triangle) -> &[f32; 9] {
+    const { assert!(size_of::<Triangle>() == size_of::<[f32; 9]>() && size_of::<Vec3>() == 12) }
+    // SAFETY: a triangle is an array of vertices, and nothing else; these are three `f32` each, in this order.
+    unsafe { &*std::ptr::from_ref(triangle).cast() }
+}
+
 /// Vectors of eight `f32` or `u32`. Masks are bytes, bit `i` for lane `i`.
 ///
 /// Comparisons with NaN are false. `mul_add` may round once or twice.
@@ -123,6 +136,8 @@ pub(super) trait Simd: Copy {
 
     /// The numbers of eight rays, side by side.
     fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES>;
+    /// The coordinates of eight triangles, side by side.
+    fn corners(self, triangles: [&Triangle; LANES]) -> Corners;
 
     /// Asks for the cache line at `x`, whatever is there.
     fn prefetch<T>(self, x: *const T);

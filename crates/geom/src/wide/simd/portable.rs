@@ -1,7 +1,7 @@
 //! Plain Rust, for machines without the instructions the others need.
 
-use super::{Columns, LANES, Simd};
-use crate::Ray;
+use super::{Columns, Corners, LANES, Simd};
+use crate::{Ray, Triangle};
 use std::array::from_fn;
 
 /// Any machine.
@@ -129,6 +129,11 @@ impl Simd for Portable {
             }
         }
         columns
+    }
+
+    #[inline(always)]
+    fn corners(self, triangles: [&Triangle; LANES]) -> Corners {
+        from_fn(|at| triangles.map(|triangle| triangle.vertices[at / 3][at % 3]))
     }
 
     #[inline(always)]
