@@ -684,7 +684,7 @@ fn what_building_takes_over_closed_meshes() {
         }
         for build in [WideKdTree::build, WideKdTree::build_quickly] {
             let wide = wide_within_bounds(&triangles, build).1 / n;
-            assert!((150..=200).contains(&wide), "{wide} n");
+            assert!((150..=220).contains(&wide), "{wide} n");
         }
     }
 }
@@ -703,7 +703,7 @@ fn what_building_a_wide_tree_takes_over_long_triangles_and_in_small_cells() {
         for options in [KdOptions::default(), tiny] {
             let build = |triangles: &Triangles| WideKdTree::build_with(triangles, &options);
             let peak = wide_within_bounds(&triangles, build).1 / n;
-            assert!((200..=1500).contains(&peak), "{peak} n, {options:?}");
+            assert!((200..=1700).contains(&peak), "{peak} n, {options:?}");
         }
     }
 }

@@ -4,7 +4,7 @@ use super::blocks::Blocks;
 use super::node::{Child, Node};
 use super::simd::LANES;
 use super::space::Space;
-use super::subtrees::{Content, Subtree, Subtrees};
+use super::subtrees::{Block, Parts, Subtree, Subtrees};
 use crate::kdtree::Member;
 use crate::{Aabb, Triangles};
 
@@ -75,9 +75,7 @@ impl<'a> Collapse<'a> {
     fn lay_out(&self, root: u32, lanes: usize, must_open: bool, cells: &mut Vec<Cell>) -> usize {
         let at = cells.len();
         cells.push(Cell::Whole(root));
-        if let Content::Parts { axis, upper } = self.subtrees.get(root).content
-            && let Some(first) = self.subtrees.opening(root, lanes, must_open)
-        {
+        if let Some((Parts { axis, upper }, first)) = self.subtrees.opening(root, lanes, must_open) {
             let lower = self.lay_out(root + 1, first, false, cells);
             let upper = self.lay_out(upper, lanes - first, false, cells);
             cells[at] = Cell::Opened { axis, parts: [lower, upper] };
@@ -93,9 +91,9 @@ impl<'a> Collapse<'a> {
         if bounds.is_empty() {
             return None;
         }
-        let child = match content {
-            Content::Parts { .. } => Child::Node(self.add_node(at)),
-            Content::Block { first, count } => {
+        let child = match content.block() {
+            None => Child::Node(self.add_node(at)),
+            Some(Block { first, count }) => {
                 let members = &self.members[first as usize..][..count as usize];
                 let listed = members.iter().map(|m| m.index);
                 Child::Block { first: self.blocks.push(self.triangles, &self.space, listed), count }
@@ -175,8 +173,8 @@ mod tests {
     /// If one cell comes before another, some plane across an axis has it on the nearer side.
     #[test]
     fn every_octant_meets_cells_from_near_to_far() {
-        // Planes cost nothing, so that no leaf is too large for a block: nothing parts its blocks.
-        let options = KdOptions { leaf_size: 8, traversal_cost: 0.0, ..KdOptions::default() };
+        // Planes cost nothing, so that a leaf holds what no plane parts, and nothing else parts it.
+        let options = KdOptions { leaf_size: 1, traversal_cost: 0.0, ..KdOptions::default() };
         let (nodes, _) = collapsed(&options, 0.02);
         let mut pairs = 0;
         for (node, octant) in nodes.iter().flat_map(|node| (0..8).map(move |octant| (node, octant))) {

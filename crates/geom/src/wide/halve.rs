@@ -1,4 +1,4 @@
-//! Triangles that are too many for a block, parted by where they are.
+//! Triangles, parted by where they are.
 
 use super::simd::LANES;
 use crate::Aabb;
@@ -88,29 +88,30 @@ fn center(member: &Member) -> glam::Vec3 {
     0.5 * (member.bounds.min + member.bounds.max)
 }
 
-/// Reorders `members`, more than a block holds, so that a lower part of them comes first. Returns
-/// along which axis, and how many these are.
-///
-/// Where the blocks' expected cost is least (Wald, "On fast construction of SAH-based bounding volume
-/// hierarchies", 2007); if `must_balance`, as many as possible in either part.
-pub(super) fn halve(members: &mut [Member], must_balance: bool) -> (u8, usize) {
+/// Reorders `members` so that a lower part of them comes first, where the blocks' expected cost is least (Wald,
+/// "On fast construction of SAH-based bounding volume hierarchies", 2007). Returns along which axis, and how
+/// many these are; `None` if all are in one place.
+pub(super) fn part(members: &mut [Member]) -> Option<(u8, usize)> {
     let centers = Aabb::around(members.iter().map(center));
     let halvings = (0..3).filter_map(|axis| Classes::new(axis, &centers).best(members));
-    match cheapest(halvings) {
-        Some(Halving { axis, bin, .. }) if !must_balance => {
-            let classes = Classes::new(axis, &centers);
-            let (lower, upper): (Vec<_>, Vec<_>) = members.iter().partition(|m| classes.of(m) < bin);
-            let (first, second) = members.split_at_mut(lower.len());
-            first.copy_from_slice(&lower);
-            second.copy_from_slice(&upper);
-            (axis as u8, lower.len())
-        }
-        _ => {
-            let axis = main_axis(centers.extent());
-            members.sort_by(|a, b| center(a)[axis].total_cmp(&center(b)[axis]));
-            (axis as u8, members.len().div_ceil(2).next_multiple_of(LANES))
-        }
-    }
+    let Halving { axis, bin, .. } = cheapest(halvings)?;
+    let classes = Classes::new(axis, &centers);
+    let (lower, upper): (Vec<_>, Vec<_>) = members.iter().partition(|m| classes.of(m) < bin);
+    let (first, second) = members.split_at_mut(lower.len());
+    first.copy_from_slice(&lower);
+    second.copy_from_slice(&upper);
+    Some((axis as u8, lower.len()))
+}
+
+/// [`part`] for members that are more than a block holds: if `must_balance`, or if all are in one place, into
+/// whole blocks, as many as possible in either part.
+pub(super) fn halve(members: &mut [Member], must_balance: bool) -> (u8, usize) {
+    let parted = if must_balance { None } else { part(members) };
+    parted.unwrap_or_else(|| {
+        let axis = main_axis(Aabb::around(members.iter().map(center)).extent());
+        members.sort_by(|a, b| center(a)[axis].total_cmp(&center(b)[axis]));
+        (axis as u8, members.len().div_ceil(2).next_multiple_of(LANES))
+    })
 }
 
 #[cfg(test)]

@@ -76,7 +76,7 @@ pub struct WideKdTree {
 impl WideKdTree {
     /// Builds the tree by the surface area heuristic, with options that suit it.
     ///
-    /// Over `n` live triangles a closed mesh takes about `190 n` bytes on one thread, beside the triangles; long
+    /// Over `n` live triangles a closed mesh takes about `200 n` bytes on one thread, beside the triangles; long
     /// triangles at random, or many that overlap, up to `1000 n` (measured). The bound that
     /// [`WideKdTree::build_with`] states holds for all.
     ///
@@ -108,10 +108,10 @@ impl WideKdTree {
     /// references (see [`KdTree::build`]), and it takes at most `296 b + 576` bytes: a block of one and a
     /// node of two cells for each. Building takes at most `1100 b + 2^17` bytes beside the triangles, on up
     /// to a hundred threads: for each of `b`, two of the k-d tree's nodes, a reference, and a box in a list
-    /// that may hold twice its content, 84 bytes; two subtrees, 136; a block of one, twice, 80; and a node,
+    /// that may hold twice its content, 84 bytes; two subtrees, 152; a block of one, twice, 80; and a node,
     /// in a list that holds up to three times its content while it grows, 768. The rest is for the way down to
     /// a node. What comes before takes less: building the k-d tree, and parting its leaves. Blocks and nodes
-    /// are fuller than that: in the smallest cells, meshes and triangles at random take 200 to 1500 `n`
+    /// are fuller than that: in the smallest cells, meshes and triangles at random take 200 to 1700 `n`
     /// (measured).
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! The binary tree that is made a wide one: the cells of a k-d tree, and below its leaves parts of
 //! what they hold, down to what fits into a block.
 
-use super::halve::halve;
+use super::halve::{halve, part};
 use super::simd::LANES;
 use super::space::{power_of_two_below, power_of_two_inverse};
 use crate::kdtree::{KdTree, Member, Node as Binary};
@@ -11,13 +11,20 @@ use rayon::prelude::*;
 /// Most levels below a leaf of the k-d tree. Half of them are enough to halve any number of triangles.
 pub(super) const MAX_LEVELS: u32 = 60;
 
+/// A box is flat that is thinner than this part of its longest side.
+const FLAT: f64 = 1.0 / 256.0;
+/// What a ray's visit to a block costs, in visits to a node (measured, docs/performance.md).
+const BLOCK_COST: f64 = 4.0;
+/// Blocks that fewer rays visit than this, as a share of those that meet the scene, are not parted further.
+const FEW: f64 = 1.0 / 1024.0;
+
 /// A subtree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Subtree {
     /// The box of what it holds.
     pub(super) bounds: Aabb,
     pub(super) content: Content,
-    /// The least expected number of nodes that a ray visits, in proportion, if the subtree is given
+    /// The least expected cost of a ray, in visits to nodes and in proportion, if the subtree is given
     /// 1, 2, .. 8 lanes of a node (Ylitie, Karras and Laine, 2017, section 3).
     costs: [f32; LANES],
 }
@@ -26,9 +33,52 @@ pub(super) struct Subtree {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     /// Triangles for one block; none only where the whole tree has none.
-    Block { first: u32, count: u32 },
-    /// Two parts: the next subtree, which is lower along the axis, and subtree `upper`.
-    Parts { axis: u8, upper: u32 },
+    Block(Block),
+    /// Triangles for a node.
+    Parts(Parts),
+    /// Triangles for one block, or for several in lanes of their own.
+    Either(Block, Parts),
+}
+
+/// The triangles of so many members, from number `first` on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Block {
+    pub(super) first: u32,
+    pub(super) count: u32,
+}
+
+/// Two parts: the next subtree, which is lower along the axis, and subtree `upper`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Parts {
+    pub(super) axis: u8,
+    pub(super) upper: u32,
+}
+
+impl Content {
+    /// What goes in a block, if it is given one lane; `None` if that is a node's.
+    pub(super) fn block(self) -> Option<Block> {
+        match self {
+            Self::Block(block) | Self::Either(block, _) => Some(block),
+            Self::Parts(_) => None,
+        }
+    }
+
+    /// What goes in its lanes, if it is given several.
+    pub(super) fn parts(self) -> Option<Parts> {
+        match self {
+            Self::Parts(parts) | Self::Either(_, parts) => Some(parts),
+            Self::Block(_) => None,
+        }
+    }
+
+    /// The same with parts, the upper of which is at `upper`.
+    fn with_upper(self, upper: u32) -> Self {
+        match self {
+            Self::Block(_) => self,
+            Self::Parts(parts) => Self::Parts(Parts { upper, ..parts }),
+            Self::Either(block, parts) => Self::Either(block, Parts { upper, ..parts }),
+        }
+    }
 }
 
 /// Subtrees, depth first. Where a cell of the tree has nothing in one half, its other half alone is here.
@@ -81,20 +131,21 @@ impl Subtrees {
     /// How many lanes the lower part of a subtree gets, if it is opened into `lanes` of them, at
     /// least 2, and what that costs.
     fn share(&self, at: u32, lanes: usize) -> (usize, f32) {
-        let Content::Parts { upper, .. } = self.get(at).content else { return (0, 0.0) };
+        let Some(Parts { upper, .. }) = self.get(at).content.parts() else { return (0, 0.0) };
         let (low, high) = (self.get(at + 1), self.get(upper));
         let cost = |first: usize| (first, low.costs[first - 1] + high.costs[lanes - first - 1]);
         (2..lanes).map(cost).fold(cost(1), |best, next| if next.1 < best.1 { next } else { best })
     }
 
-    /// How many lanes the lower part of a subtree of two gets, if opening it into up to `lanes` of them is
-    /// better than to give it one; the upper part gets the others. Either gets one at least.
-    pub(super) fn opening(&self, at: u32, lanes: usize, must_open: bool) -> Option<usize> {
-        if lanes < 2 {
-            return None;
-        }
+    /// How many lanes the lower part of a subtree gets, if opening it into up to `lanes` of them is better than
+    /// to give it one, or if it is a node's and must be opened; the upper part gets the others. Either gets one
+    /// at least.
+    pub(super) fn opening(&self, at: u32, lanes: usize, must_open: bool) -> Option<(Parts, usize)> {
+        let Subtree { content, costs, .. } = self.get(at);
+        let parts = content.parts().filter(|_| lanes >= 2)?;
         let (lower, cost) = self.share(at, lanes);
-        (must_open || cost < self.get(at).costs[0]).then_some(lower)
+        let is_forced = must_open && content.block().is_none();
+        (is_forced || cost < costs[0]).then_some((parts, lower))
     }
 
     /// Adds a cell of the tree, one with something in it, and all below; the next of `leaves` are those
@@ -121,20 +172,16 @@ impl Subtrees {
     /// Adds all of `other`.
     fn append(&mut self, other: &Self) {
         let start = self.all.len() as u32;
-        self.all.extend(other.all.iter().map(|subtree| match subtree.content {
-            Content::Block { .. } => *subtree,
-            Content::Parts { axis, upper } => {
-                Subtree { content: Content::Parts { axis, upper: upper + start }, ..*subtree }
-            }
+        self.all.extend(other.all.iter().map(|&subtree| {
+            let upper = subtree.content.parts().map_or(0, |parts| parts.upper + start);
+            Subtree { content: subtree.content.with_upper(upper), ..subtree }
         }));
     }
 
     /// Adds members, of which the first is number `first` of all, parted into blocks.
     fn add_members(&mut self, first: u32, members: &mut [Member], levels_left: u32) {
         if members.len() <= LANES {
-            let bounds = members.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
-            let content = Content::Block { first, count: members.len() as u32 };
-            self.all.push(Subtree { bounds, content, costs: [0.0; LANES] });
+            self.add_block(first, members);
             return;
         }
         let (axis, lower) = halve(members, levels_left <= MAX_LEVELS / 2);
@@ -146,9 +193,31 @@ impl Subtrees {
         self.finish(at);
     }
 
+    /// Adds members for a block; if many rays visit it, with parts for smaller blocks that fewer do.
+    fn add_block(&mut self, first: u32, members: &mut [Member]) {
+        let bounds = members.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
+        let block = Block { first, count: members.len() as u32 };
+        let visits = rays(&bounds) * self.area_scale;
+        let (at, costs) = (self.all.len(), [(BLOCK_COST * visits) as f32; LANES]);
+        self.all.push(Subtree { bounds, content: Content::Block(block), costs });
+        if visits < FEW {
+            return;
+        }
+        let Some((axis, lower)) = part(members) else { return };
+        let (low, high) = members.split_at_mut(lower);
+        self.add_block(first, low);
+        self.all[at].content = Content::Either(block, Parts { axis, upper: self.all.len() as u32 });
+        self.add_block(first + lower as u32, high);
+        self.share_lanes(at);
+        if self.all[at].costs[LANES - 1] >= costs[0] {
+            self.all.truncate(at + 1);
+            self.all[at].content = Content::Block(block);
+        }
+    }
+
     /// Adds a subtree of two parts, and returns where it is.
     fn begin(&mut self, axis: u8) -> usize {
-        let content = Content::Parts { axis, upper: 0 };
+        let content = Content::Parts(Parts { axis, upper: 0 });
         self.all.push(Subtree { bounds: Aabb::EMPTY, content, costs: [0.0; LANES] });
         self.all.len() - 1
     }
@@ -156,22 +225,37 @@ impl Subtrees {
     /// Makes the subtree that is added next the upper part of the one at `at`.
     fn point_to_upper(&mut self, at: usize) {
         let next = self.all.len() as u32;
-        if let Content::Parts { upper, .. } = &mut self.all[at].content {
-            *upper = next;
-        }
+        self.all[at].content = self.all[at].content.with_upper(next);
     }
 
     /// Finds the box and the costs of the subtree at `at`, now that its parts are there.
     fn finish(&mut self, at: usize) {
-        let Content::Parts { upper, .. } = self.all[at].content else { return };
+        let Some(Parts { upper, .. }) = self.all[at].content.parts() else { return };
         let bounds = self.all[at + 1].bounds.union(&self.get(upper).bounds);
-        let mut costs = [0.0; LANES];
-        costs[0] = (bounds.half_area() * self.area_scale) as f32 + self.share(at as u32, LANES).1;
-        for lanes in 2..=LANES {
-            costs[lanes - 1] = self.share(at as u32, lanes).1.min(costs[lanes - 2]);
-        }
-        (self.all[at].bounds, self.all[at].costs) = (bounds, costs);
+        let visits = rays(&bounds) * self.area_scale;
+        self.all[at].bounds = bounds;
+        self.all[at].costs[0] = visits as f32 + self.share(at as u32, LANES).1;
+        self.share_lanes(at);
     }
+
+    /// Finds the costs of a subtree in several lanes, now that its parts and that in one lane are known.
+    fn share_lanes(&mut self, at: usize) {
+        for lanes in 2..=LANES {
+            let cost = self.share(at as u32, lanes).1;
+            let costs = &mut self.all[at].costs;
+            costs[lanes - 1] = cost.min(costs[lanes - 2]);
+        }
+    }
+}
+
+/// How many rays meet a box, in proportion: half its surface (Goldsmith and Salmon, 1987).
+///
+/// A flat one counts half. Of the lines that meet a wall or a table's top, half are rays that start there, and
+/// leave it behind.
+fn rays(bounds: &Aabb) -> f64 {
+    let extent = bounds.extent();
+    let is_flat = extent.min_element() < FLAT * extent.max_element();
+    bounds.half_area() * if is_flat { 0.5 } else { 1.0 }
 }
 
 /// Whether nothing is in a cell of the tree.
@@ -195,6 +279,11 @@ mod tests {
 
     fn nothing() -> Subtrees {
         Subtrees { all: Vec::new(), area_scale: 1.0 }
+    }
+
+    /// How many of so many lanes the lower part of all gets.
+    fn opening(all: &Subtrees, lanes: usize, must_open: bool) -> Option<usize> {
+        all.opening(0, lanes, must_open).map(|(_, lower)| lower)
     }
 
     /// Adds a subtree of the parts that `lower` and `upper` add.
@@ -235,12 +324,14 @@ mod tests {
         for is_mirrored in [false, true] {
             let mut row = nothing();
             add_row(&mut row, 0, is_mirrored);
-            assert_eq!(row.get(0).costs, [28.0, 24.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0]);
+            let blocks = 10.0 * 3.0 * BLOCK_COST as f32;
+            let nodes = [28.0, 24.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0];
+            assert_eq!(row.get(0).costs, nodes.map(|visits| visits + blocks));
             for lanes in 2..=LANES {
                 let first = if is_mirrored { lanes - 1 } else { 1 };
-                assert_eq!(row.opening(0, lanes, false), Some(first), "{lanes} lanes");
+                assert_eq!(opening(&row, lanes, false), Some(first), "{lanes} lanes");
             }
-            assert_eq!(row.opening(0, 1, false), None);
+            assert_eq!(opening(&row, 1, false), None);
         }
     }
 
@@ -249,9 +340,48 @@ mod tests {
         let mut pairs = nothing();
         add_parts(&mut pairs, add_pair, add_pair);
         // Another node instead of this one saves nothing.
-        assert_eq!([2, 3].map(|lanes| pairs.opening(0, lanes, false)), [None; 2]);
-        assert_eq!([2, 3].map(|lanes| pairs.opening(0, lanes, true)), [Some(1); 2]);
-        assert_eq!(pairs.opening(0, 4, false), Some(2));
+        assert_eq!([2, 3].map(|lanes| opening(&pairs, lanes, false)), [None; 2]);
+        assert_eq!([2, 3].map(|lanes| opening(&pairs, lanes, true)), [Some(1); 2]);
+        assert_eq!(opening(&pairs, 4, false), Some(2));
+    }
+
+    /// What a ray costs that meets a box of half the surface 1.
+    const UNIT: f32 = BLOCK_COST as f32;
+
+    #[test]
+    fn walls_are_boxed_apart_where_lanes_are_free() {
+        let wall = |axis: usize| {
+            let mut max = Vec3::ONE;
+            max[axis] = 0.0;
+            member(Vec3::ZERO, max)
+        };
+        let mut corner = nothing();
+        corner.add_members(0, &mut [0, 1, 2, 0, 1, 2].map(wall), MAX_LEVELS);
+        // Any two have the box of all.
+        let [all, apart] = [3.0 * UNIT, 1.5 * UNIT];
+        assert_eq!(corner.get(0).costs, [all, all, apart, apart, apart, apart, apart, apart]);
+        assert_eq!([1, 2].map(|lanes| opening(&corner, lanes, true)), [None; 2]);
+        assert!(corner.opening(0, 3, false).is_some());
+    }
+
+    #[test]
+    fn what_fills_its_box_stays_together() {
+        let cube = |i: u8| {
+            let min = Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into());
+            member(min, min + 1.0)
+        };
+        let mut cubes = nothing();
+        cubes.add_members(0, &mut [0, 1, 2, 3, 4, 5, 6, 7].map(cube), MAX_LEVELS);
+        assert_eq!(cubes.get(0).costs, [12.0 * UNIT; LANES]);
+        assert_eq!(cubes.get(0).content, Content::Block(Block { first: 0, count: 8 }));
+        assert_eq!(cubes.all.len(), 1);
+    }
+
+    #[test]
+    fn what_few_rays_visit_is_not_parted() {
+        let mut all = Subtrees { all: Vec::new(), area_scale: 0.5 * FEW };
+        all.add_members(0, &mut [0.0, 1.0].map(|x| member(x * Vec3::X, x * Vec3::X)), MAX_LEVELS);
+        assert_eq!(all.get(0).content, Content::Block(Block { first: 0, count: 2 }));
     }
 
     fn contents(nodes: Vec<Binary>, members: &mut [Member]) -> Vec<Content> {
@@ -265,7 +395,7 @@ mod tests {
     fn an_empty_half_is_no_subtree() {
         let split = |axis, upper| Binary::Split { axis, position: 0.0, upper };
         let leaf = |first, count| Binary::Leaf { first, count };
-        let block = |first, count| Content::Block { first, count };
+        let block = |first, count| Content::Block(Block { first, count });
         let nodes = vec![
             split(0, 4),
             split(1, 3),
@@ -279,7 +409,7 @@ mod tests {
             leaf(2, 3),
             leaf(5, 0),
         ];
-        let parts = Content::Parts { axis: 2, upper: 2 };
+        let parts = Content::Parts(Parts { axis: 2, upper: 2 });
         let five = &mut [member(Vec3::ZERO, Vec3::ONE); 5];
         assert_eq!(contents(nodes, five), [parts, block(0, 2), block(2, 3)]);
         for nodes in [vec![leaf(0, 0)], vec![split(1, 2), leaf(0, 0), leaf(0, 0)]] {
@@ -289,8 +419,8 @@ mod tests {
 
     fn levels(all: &Subtrees, at: u32) -> u32 {
         match all.get(at).content {
-            Content::Block { .. } => 0,
-            Content::Parts { upper, .. } => 1 + levels(all, at + 1).max(levels(all, upper)),
+            Content::Parts(Parts { upper, .. }) => 1 + levels(all, at + 1).max(levels(all, upper)),
+            _ => 0,
         }
     }
 
