@@ -150,9 +150,8 @@ impl WideKdTree {
     fn address(&self, child: u32) -> *const u8 {
         let (nodes, blocks) = (self.nodes.as_ptr().cast::<u8>(), self.blocks.as_ptr());
         let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) as usize);
-        let apart = (blocks as usize).wrapping_sub(nodes as usize) & is_block.wrapping_neg();
-        let size = size_of::<Node>() - is_block * (size_of::<Node>() - Blocks::STRIDE);
-        nodes.wrapping_add(apart).wrapping_add(place * size)
+        let (starts, sizes) = ([nodes, blocks], [size_of::<Node>(), Blocks::STRIDE]);
+        starts[is_block & 1].wrapping_add(place * sizes[is_block & 1])
     }
 }
 
