@@ -1,6 +1,6 @@
 use super::branch::Branch;
 use super::cost::CostModel;
-use super::events::{Event, Events, Move};
+use super::events::{Events, Move};
 use super::member::Member;
 use super::plane::{Place, Split};
 use super::rules::choose_plane;
@@ -115,13 +115,6 @@ struct Builder<'a> {
     slack: f64,
 }
 
-/// Lists that each halving needs anew.
-#[derive(Default)]
-struct Scratch {
-    moves: Vec<Move>,
-    events: [Vec<Event>; 3],
-}
-
 /// The halves of a cell with so many members are built side by side. Part of what a tree is: they
 /// do not pass on room to each other.
 const SIDE_BY_SIDE: usize = 4096;
@@ -130,12 +123,12 @@ impl Builder<'_> {
     /// Builds a branch of its own out of `cell`.
     fn grow(&self, cell: Cell) -> (Branch, Built) {
         let mut branch = Branch::default();
-        let built = self.subdivide(cell, &mut branch, &mut Scratch::default());
+        let built = self.subdivide(cell, &mut branch, &mut Vec::new());
         (branch, built)
     }
 
     /// Adds the nodes of `cell` to `branch`.
-    fn subdivide(&self, cell: Cell, branch: &mut Branch, scratch: &mut Scratch) -> Built {
+    fn subdivide(&self, cell: Cell, branch: &mut Branch, moves: &mut Vec<Move>) -> Built {
         let (area, count, room) = (cell.bounds.half_area(), cell.members.len(), cell.room);
         let as_leaf = Built { room_left: room - room_of_leaf(count), cost: area * count as f64 };
         let start = branch.len();
@@ -143,13 +136,13 @@ impl Builder<'_> {
             branch.add_leaf(cell.members);
             return as_leaf;
         };
-        let halves = self.halve(cell, &split, unpaid, scratch);
+        let halves = self.halve(cell, &split, unpaid, moves);
         branch.add_split(&split.plane);
         let Built { room_left, cost } = if count < SIDE_BY_SIDE {
-            self.one_by_one(halves, branch, scratch)
+            self.one_by_one(halves, branch, moves)
         } else {
             // Freed for those below, who have their own.
-            *scratch = Scratch::default();
+            *moves = Vec::new();
             self.side_by_side(halves, branch)
         };
         let cost = area * self.costs.traversal + cost;
@@ -161,12 +154,12 @@ impl Builder<'_> {
     }
 
     /// Adds the nodes of both halves of a cell whose own node comes last in `branch`.
-    fn one_by_one(&self, [lower, mut upper]: [Cell; 2], branch: &mut Branch, scratch: &mut Scratch) -> Built {
+    fn one_by_one(&self, [lower, mut upper]: [Cell; 2], branch: &mut Branch, moves: &mut Vec<Move>) -> Built {
         let parent = branch.nodes.len() - 1;
-        let lower = self.subdivide(lower, branch, scratch);
+        let lower = self.subdivide(lower, branch, moves);
         branch.point_to_upper(parent);
         upper.room += lower.room_left;
-        let upper = self.subdivide(upper, branch, scratch);
+        let upper = self.subdivide(upper, branch, moves);
         Built { room_left: upper.room_left, cost: lower.cost + upper.cost }
     }
 
@@ -198,19 +191,16 @@ impl Builder<'_> {
         (fits && unpaid <= self.options.lookahead).then_some(Choice { split, unpaid })
     }
 
-    fn halve(&self, cell: Cell, split: &Split, unpaid: u32, scratch: &mut Scratch) -> [Cell; 2] {
+    fn halve(&self, cell: Cell, split: &Split, unpaid: u32, moves: &mut Vec<Move>) -> [Cell; 2] {
         let needed = split.counts.map(room_of_leaf);
         let spare = cell.room - needed[0] - needed[1];
         // Shared in proportion; what the lower cell leaves goes to the upper one later.
         let share = (spare as f64 * needed[0] as f64 / (needed[0] + needed[1]) as f64) as usize;
         let [lower_room, upper_room] = [needed[0] + share, needed[1] + (spare - share)];
         let halves = split.plane.halves(&cell.bounds);
-        let ([lower, upper], parts) = self.distribute(&cell, split, scratch);
+        let ([lower, upper], parts) = self.distribute(&cell, split, moves);
         let [lower_events, upper_events] = match &cell.events {
-            Some(events) => {
-                let Scratch { moves, events: lists } = scratch;
-                events.divide(moves, [&lower, &upper], parts, lists).map(Some)
-            }
+            Some(events) => events.divide(moves, [&lower, &upper], parts).map(Some),
             None => [None, None],
         };
         let child = |bounds, members, events, room| Cell {
@@ -226,14 +216,14 @@ impl Builder<'_> {
 
     /// What is in each half, at most as many as the split counts: the members on its side of the
     /// plane, and, from the returned places on, the parts of those that straddle it. Notes in
-    /// `scratch` where they went.
+    /// `moves` where they went.
     fn distribute(
         &self,
         cell: &Cell,
         split: &Split,
-        scratch: &mut Scratch,
+        moves: &mut Vec<Move>,
     ) -> ([Vec<Member>; 2], [usize; 2]) {
-        scratch.moves.clear();
+        moves.clear();
         let mut sides = split.counts.map(Vec::with_capacity);
         for member in &cell.members {
             let place = split.plane.place(member);
@@ -245,7 +235,7 @@ impl Builder<'_> {
                     side.len() - 1
                 }
             };
-            scratch.moves.push(Move::to(place, end));
+            moves.push(Move::to(place, end));
         }
         let parts = sides.each_ref().map(Vec::len);
         for member in cell.members.iter().filter(|member| split.plane.place(member) == Place::Both) {

@@ -114,25 +114,21 @@ impl Events {
 
     /// The events of both sides: those of `moves` keep their order; into them those of straddling
     /// members are sorted, which are listed last among the members of each side: from `parts` on.
-    pub(super) fn divide(
-        &self,
-        moves: &[Move],
-        members: [&[Member]; 2],
-        parts: [usize; 2],
-        scratch: &mut [Vec<Event>; 3],
-    ) -> [Self; 2] {
-        let mut sides = members.map(|m| Self { all: Vec::with_capacity(6 * m.len()), ends: [0; 3] });
+    pub(super) fn divide(&self, moves: &[Move], members: [&[Member]; 2], parts: [usize; 2]) -> [Self; 2] {
+        // One more than there may be, see `distribute`.
+        let mut sides = members.map(|m| Self { all: Vec::with_capacity(6 * m.len() + 1), ends: [0; 3] });
+        let mut fresh = Vec::new();
         for axis in 0..3 {
-            let [lower, upper, fresh] = scratch;
-            let ends = distribute(self.along(axis), moves, [lower, upper]);
-            let kept = [&lower[..ends[0]], &upper[..ends[1]]];
+            let starts = sides.each_ref().map(|side| side.all.len());
+            let [lower, upper] = &mut sides;
+            distribute(self.along(axis), moves, [&mut lower.all, &mut upper.all], parts);
             for (side, events) in sides.iter_mut().enumerate() {
                 fresh.clear();
                 for (member, place) in members[side].iter().zip(0..).skip(parts[side]) {
-                    push_events(member, place, axis, fresh);
+                    push_events(member, place, axis, &mut fresh);
                 }
                 fresh.sort_unstable();
-                merge(kept[side], fresh, &mut events.all);
+                merge(&mut events.all, starts[side], &fresh);
                 events.ends[axis] = events.all.len();
             }
         }
@@ -140,17 +136,16 @@ impl Events {
     }
 }
 
-/// Copies `events` into the list of their side, and returns how many came to each; those of
-/// straddling members come to neither.
+/// Appends `events` to the list of their side, which takes those of so many members; those of straddling members
+/// come to neither.
 ///
 /// Sides change at random, which no processor foresees: so there is no branch. Every event is
 /// written at the end of both lists, and stays where the end moves on.
-fn distribute(events: &[Event], moves: &[Move], lists: [&mut Vec<Event>; 2]) -> [usize; 2] {
-    let [lower, upper] = lists.map(|list| {
-        list.resize(events.len() + 1, Event(0));
-        &mut list[..=events.len()]
-    });
-    let mut ends = [0, 0];
+fn distribute(events: &[Event], moves: &[Move], lists: [&mut Vec<Event>; 2], counts: [usize; 2]) {
+    let [lower, upper] = lists;
+    let mut ends = [lower.len(), upper.len()];
+    lower.resize(ends[0] + 2 * counts[0] + 1, Event(0));
+    upper.resize(ends[1] + 2 * counts[1] + 1, Event(0));
     for event in events {
         let to = moves[event.member() as usize];
         let moved = event.of_member(to.place());
@@ -159,28 +154,31 @@ fn distribute(events: &[Event], moves: &[Move], lists: [&mut Vec<Event>; 2]) -> 
         ends[0] += usize::from(to.is_to(Place::Lower));
         ends[1] += usize::from(to.is_to(Place::Upper));
     }
-    ends
+    lower.truncate(ends[0]);
+    upper.truncate(ends[1]);
 }
 
-/// Appends both sorted lists, merged, to `merged`; `fresh` is the short one.
-fn merge(mut kept: &[Event], fresh: &[Event], merged: &mut Vec<Event>) {
-    for &event in fresh {
-        let (before, after) = kept.split_at(first_at_or_after(kept, event));
-        merged.extend_from_slice(before);
-        merged.push(event);
-        kept = after;
+/// Merges the sorted list `fresh`, a short one, into what is in `events` from `start` on, the last first.
+fn merge(events: &mut Vec<Event>, start: usize, fresh: &[Event]) {
+    let mut kept = events.len();
+    events.resize(kept + fresh.len(), Event(0));
+    let mut end = events.len();
+    for &event in fresh.iter().rev() {
+        let after = start + first_at_or_after(&events[start..kept], event);
+        let to = end - (kept - after);
+        events.copy_within(after..kept, to);
+        events[to - 1] = event;
+        (kept, end) = (after, to - 1);
     }
-    merged.extend_from_slice(kept);
 }
 
-/// How many of `kept` come before `event`, by steps that double and then halve.
+/// How many of `kept` come before `event`, by steps from the end that double and then halve.
 fn first_at_or_after(kept: &[Event], event: Event) -> usize {
     let mut reach = 1;
-    while reach < kept.len() && kept[reach].key() < event.key() {
+    while reach <= kept.len() && kept[kept.len() - reach].key() >= event.key() {
         reach *= 2;
     }
-    let start = reach / 2;
-    let end = kept.len().min(reach + 1);
+    let (start, end) = (kept.len().saturating_sub(reach), kept.len() - reach / 2);
     start + kept[start..end].partition_point(|e| e.key() < event.key())
 }
 
@@ -250,7 +248,7 @@ mod tests {
                 sides[1].push(member([-i % 7, i % 3]));
             }
             let lists = sides.each_ref().map(Vec::as_slice);
-            let divided = Events::new(&members).divide(&moves, lists, parts, &mut Default::default());
+            let divided = Events::new(&members).divide(&moves, lists, parts);
             for (side, members) in divided.iter().zip(lists) {
                 let fresh = Events::new(members);
                 for axis in 0..3 {
