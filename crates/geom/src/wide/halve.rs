@@ -4,27 +4,54 @@ use super::simd::LANES;
 use crate::Aabb;
 use crate::decide::main_axis;
 use crate::kdtree::Member;
+use glam::Vec3;
 
 /// Boxes are sorted into so many classes along each axis, by their centers.
 const BINS: usize = 16;
 
+/// A box by its lower corner and the opposite of its upper one: the least of both numbers, eight times, makes
+/// the box around two.
+#[derive(Clone, Copy)]
+struct Corners([f32; 8]);
+
+impl Corners {
+    const EMPTY: Self = Self([f32::INFINITY; 8]);
+
+    fn of(bounds: &Aabb) -> Self {
+        let Aabb { min, max } = *bounds;
+        Self([min.x, min.y, min.z, 0.0, -max.x, -max.y, -max.z, 0.0])
+    }
+
+    fn unite(&mut self, other: &Self) {
+        for (least, &x) in self.0.iter_mut().zip(&other.0) {
+            *least = if x < *least { x } else { *least };
+        }
+    }
+
+    fn bounds(&self) -> Aabb {
+        let [x, y, z, _, minus_x, minus_y, minus_z, _] = self.0;
+        Aabb { min: Vec3::new(x, y, z), max: -Vec3::new(minus_x, minus_y, minus_z) }
+    }
+}
+
 /// What is in a class, or in several.
 #[derive(Clone, Copy)]
 struct Bin {
-    bounds: Aabb,
+    corners: Corners,
     count: usize,
 }
 
 impl Bin {
-    const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
+    const EMPTY: Self = Self { corners: Corners::EMPTY, count: 0 };
 
-    fn add(&mut self, bounds: &Aabb, count: usize) {
-        *self = Self { bounds: self.bounds.union(bounds), count: self.count + count };
+    fn add(&mut self, corners: &Corners, count: usize) {
+        self.corners.unite(corners);
+        self.count += count;
     }
 
     /// Blocks that a ray which meets the scene opens here, times the scene's surface.
     fn cost(&self) -> f64 {
-        self.bounds.half_area() * self.count.div_ceil(LANES) as f64
+        self.corners.bounds().half_area() * self.count.div_ceil(LANES) as f64
     }
 }
 
@@ -60,20 +87,23 @@ impl Classes {
     fn best(&self, members: &[Member]) -> Option<Halving> {
         let mut bins = [Bin::EMPTY; BINS];
         for member in members {
-            bins[self.of(member)].add(&member.bounds, 1);
+            bins[self.of(member)].add(&Corners::of(&member.bounds), 1);
         }
         let mut upper_costs = [0.0; BINS];
-        let mut upper = Bin::EMPTY;
+        let (mut upper, mut upper_cost) = (Bin::EMPTY, 0.0);
         for (bin, cost) in bins.iter().zip(&mut upper_costs).rev() {
-            upper.add(&bin.bounds, bin.count);
-            *cost = upper.cost();
+            if bin.count > 0 {
+                upper.add(&bin.corners, bin.count);
+                upper_cost = upper.cost();
+            }
+            *cost = upper_cost;
         }
         let mut lower = Bin::EMPTY;
-        let halvings = (1..BINS).filter_map(|bin| {
-            lower.add(&bins[bin - 1].bounds, bins[bin - 1].count);
+        // Beyond an empty class there is nothing new to try.
+        let halvings = (1..BINS).filter(|bin| bins[bin - 1].count > 0).filter_map(|bin| {
+            lower.add(&bins[bin - 1].corners, bins[bin - 1].count);
             let cost = lower.cost() + upper_costs[bin];
-            let is_proper = 0 < lower.count && lower.count < members.len();
-            is_proper.then_some(Halving { axis: self.axis, bin, cost })
+            (lower.count < members.len()).then_some(Halving { axis: self.axis, bin, cost })
         });
         cheapest(halvings)
     }
@@ -84,7 +114,7 @@ fn cheapest(halvings: impl Iterator<Item = Halving>) -> Option<Halving> {
 }
 
 /// The center of a member's box.
-fn center(member: &Member) -> glam::Vec3 {
+fn center(member: &Member) -> Vec3 {
     0.5 * (member.bounds.min + member.bounds.max)
 }
 
@@ -117,7 +147,6 @@ pub(super) fn halve(members: &mut [Member], must_balance: bool) -> (u8, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
     use proptest::prelude::*;
 
     fn member(index: usize, [x, y, z]: [i8; 3], size: u8) -> Member {
@@ -128,7 +157,7 @@ mod tests {
     /// Half the surface of the box of all, times the blocks that they fill.
     fn cost(members: &[Member]) -> f64 {
         let mut all = Bin::EMPTY;
-        members.iter().for_each(|m| all.add(&m.bounds, 1));
+        members.iter().for_each(|m| all.add(&Corners::of(&m.bounds), 1));
         all.cost()
     }
 
