@@ -36,10 +36,10 @@ impl KdTree {
     /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `200 n + 240 b + 1024`
     /// bytes beside the triangles: for each triangle in the cell that is being halved, and for each of
     /// `b`, a box and its six events, 76 bytes; and for each of `b` a box and two nodes, 52 bytes, in
-    /// vectors that hold up to three times their content while they grow; this on any number of threads, since
-    /// each halves cells of its own. Closed meshes take
-    /// 170 to 300 `n` on one thread by the surface area heuristic, and up to 410 `n` by other rules;
-    /// long triangles up to 800 `n` (measured).
+    /// vectors that hold up to three times their content while they grow; this on any number of threads,
+    /// since what is being halved, its halves and what is finished never take a reference's room at once.
+    /// Closed meshes take 170 to 300 `n` on one thread by the surface area heuristic, and up to 410 `n` by
+    /// other rules; long triangles up to 800 `n` (measured).
     ///
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range.

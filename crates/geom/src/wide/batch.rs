@@ -30,7 +30,7 @@ pub(super) fn search_batch<S: Simd, Q: Goal, T: Clone + Default>(
                     |set| {
                         let mut report = |i: usize, search| {
                             answers[start + i] = answer(search);
-                            // The next rays come from far away, and soon.
+                            // The next rays are needed soon, and not at hand yet.
                             simd.prefetch(rays.as_ptr().wrapping_add(start + WIDTH + i));
                         };
                         pencil.search(simd, tree, set, &mut report)

@@ -2,7 +2,7 @@
 //!
 //! Everything a search compares with follows from here; docs/numerics.md derives the bounds.
 
-use super::simd::Columns;
+use super::simd::RayColumns;
 use super::space::{Space, power_of_two_below, power_of_two_inverse};
 use crate::decide::{main_axis, permute};
 use crate::prune::Pruner;
@@ -82,7 +82,7 @@ pub(super) struct Courses<const N: usize> {
 impl<const N: usize> Courses<N> {
     /// Finds the courses of rays, of which `columns` are the numbers, through a scene within `bounds`.
     #[inline(always)]
-    pub(super) fn set(&mut self, columns: &Columns<N>, bounds: &Aabb, space: &Space) {
+    pub(super) fn set(&mut self, columns: &RayColumns<N>, bounds: &Aabb, space: &Space) {
         let scene_is_empty = bounds.is_empty();
         // No branch in here: the compiler finds several courses at once.
         for i in 0..N {
@@ -197,7 +197,7 @@ impl<const N: usize> Courses<N> {
 
 /// One of the rays of which `columns` are the numbers.
 #[inline(always)]
-fn ray<const N: usize>(columns: &Columns<N>, i: usize) -> Ray {
+fn ray<const N: usize>(columns: &RayColumns<N>, i: usize) -> Ray {
     let [ox, oy, oz, dx, dy, dz, t_min, t_max] = columns.each_ref().map(
         #[inline(always)]
         |column| column[i],

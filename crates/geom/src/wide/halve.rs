@@ -12,9 +12,9 @@ const BINS: usize = 16;
 /// A box by its lower corner and the opposite of its upper one: the least of both numbers, eight times, makes
 /// the box around two.
 #[derive(Clone, Copy)]
-struct Corners([f32; 8]);
+struct Extremes([f32; 8]);
 
-impl Corners {
+impl Extremes {
     const EMPTY: Self = Self([f32::INFINITY; 8]);
 
     fn of(bounds: &Aabb) -> Self {
@@ -37,21 +37,21 @@ impl Corners {
 /// What is in a class, or in several.
 #[derive(Clone, Copy)]
 struct Bin {
-    corners: Corners,
+    extremes: Extremes,
     count: usize,
 }
 
 impl Bin {
-    const EMPTY: Self = Self { corners: Corners::EMPTY, count: 0 };
+    const EMPTY: Self = Self { extremes: Extremes::EMPTY, count: 0 };
 
-    fn add(&mut self, corners: &Corners, count: usize) {
-        self.corners.unite(corners);
+    fn add(&mut self, extremes: &Extremes, count: usize) {
+        self.extremes.unite(extremes);
         self.count += count;
     }
 
     /// Blocks that a ray which meets the scene opens here, times the scene's surface.
     fn cost(&self) -> f64 {
-        self.corners.bounds().half_area() * self.count.div_ceil(LANES) as f64
+        self.extremes.bounds().half_area() * self.count.div_ceil(LANES) as f64
     }
 }
 
@@ -87,13 +87,13 @@ impl Classes {
     fn best(&self, members: &[Member]) -> Option<Halving> {
         let mut bins = [Bin::EMPTY; BINS];
         for member in members {
-            bins[self.of(member)].add(&Corners::of(&member.bounds), 1);
+            bins[self.of(member)].add(&Extremes::of(&member.bounds), 1);
         }
         let mut upper_costs = [0.0; BINS];
         let (mut upper, mut upper_cost) = (Bin::EMPTY, 0.0);
         for (bin, cost) in bins.iter().zip(&mut upper_costs).rev() {
             if bin.count > 0 {
-                upper.add(&bin.corners, bin.count);
+                upper.add(&bin.extremes, bin.count);
                 upper_cost = upper.cost();
             }
             *cost = upper_cost;
@@ -101,7 +101,7 @@ impl Classes {
         let mut lower = Bin::EMPTY;
         // Beyond an empty class there is nothing new to try.
         let halvings = (1..BINS).filter(|bin| bins[bin - 1].count > 0).filter_map(|bin| {
-            lower.add(&bins[bin - 1].corners, bins[bin - 1].count);
+            lower.add(&bins[bin - 1].extremes, bins[bin - 1].count);
             let cost = lower.cost() + upper_costs[bin];
             (lower.count < members.len()).then_some(Halving { axis: self.axis, bin, cost })
         });
@@ -157,7 +157,7 @@ mod tests {
     /// Half the surface of the box of all, times the blocks that they fill.
     fn cost(members: &[Member]) -> f64 {
         let mut all = Bin::EMPTY;
-        members.iter().for_each(|m| all.add(&Corners::of(&m.bounds), 1));
+        members.iter().for_each(|m| all.add(&Extremes::of(&m.bounds), 1));
         all.cost()
     }
 

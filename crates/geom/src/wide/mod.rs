@@ -2,7 +2,7 @@
 //! decided in `f64`.
 //!
 //! - [`subtrees`]: the cells of a binary tree; what a leaf holds is [halved](halve) until it fits
-//!   into [`blocks`];
+//!   into [`blocks`], and what many rays visit into smaller ones;
 //! - [`collapse`]: they become the up to eight cells of a [`node`], in the scene's own [`space`];
 //! - [`course`]: a ray in that space, with a bound for every error;
 //! - [`step`] finds the cells of a node that a ray meets, [`filter`] the triangles of a block;

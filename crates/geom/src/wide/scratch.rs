@@ -5,7 +5,7 @@ use super::pencil::Pencil;
 use super::trace::Trace;
 use std::cell::Cell;
 
-/// How many rays are advanced in turn.
+/// How many rays make a set: those of a packet, and at most so many are in hand at once.
 pub(super) const WIDTH: usize = 64;
 
 #[derive(Debug)]

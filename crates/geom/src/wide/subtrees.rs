@@ -8,7 +8,8 @@ use crate::kdtree::{KdTree, Member, Node as Binary};
 use crate::{Aabb, Accel};
 use rayon::prelude::*;
 
-/// Most levels below a leaf of the k-d tree. Half of them are enough to halve any number of triangles.
+/// Most levels below a leaf of the k-d tree that may be nodes. Half of them are enough to halve any number of
+/// triangles. (What a block may be parted into is never a node.)
 pub(super) const MAX_LEVELS: u32 = 60;
 
 /// A box is flat that is thinner than this part of its longest side.
@@ -88,6 +89,8 @@ pub(super) struct Subtrees {
     /// What makes the scene's surface, times it, a number for which `f32` has range enough: a power of
     /// two, so that costs do not depend on the unit of length.
     area_scale: f64,
+    /// [`FEW`] of the rays that meet the scene, in proportion.
+    few: f64,
 }
 
 impl Subtrees {
@@ -98,6 +101,7 @@ impl Subtrees {
     pub(super) fn new(tree: &KdTree, members: &mut [Member]) -> Self {
         let area = tree.bounds().half_area();
         let area_scale = if area > 0.0 { power_of_two_inverse(power_of_two_below(area)) } else { 1.0 };
+        let few = FEW * area * area_scale;
         let (mut leaves, mut rest) = (Vec::new(), members);
         for node in &tree.nodes {
             if let Binary::Leaf { first, count: count @ 1.. } = *node {
@@ -107,7 +111,7 @@ impl Subtrees {
             }
         }
         let part = |(first, leaf): (u32, &mut [Member])| {
-            let mut parts = Self { all: Vec::new(), area_scale };
+            let mut parts = Self { all: Vec::new(), area_scale, few };
             parts.add_members(first, leaf, MAX_LEVELS);
             parts
         };
@@ -115,7 +119,7 @@ impl Subtrees {
         // Each plane has something on both sides.
         let planes = leaves.len().saturating_sub(1);
         let count = planes + leaves.iter().map(|leaf| leaf.all.len()).sum::<usize>();
-        let mut this = Self { all: Vec::with_capacity(count), area_scale };
+        let mut this = Self { all: Vec::with_capacity(count), area_scale, few };
         if leaves.is_empty() {
             this.add_members(0, &mut [], MAX_LEVELS);
         } else {
@@ -200,7 +204,7 @@ impl Subtrees {
         let visits = rays(&bounds) * self.area_scale;
         let (at, costs) = (self.all.len(), [(BLOCK_COST * visits) as f32; LANES]);
         self.all.push(Subtree { bounds, content: Content::Block(block), costs });
-        if visits < FEW {
+        if visits < self.few {
             return;
         }
         let Some((axis, lower)) = part(members) else { return };
@@ -251,7 +255,7 @@ impl Subtrees {
 /// How many rays meet a box, in proportion: half its surface (Goldsmith and Salmon, 1987).
 ///
 /// A flat one counts half. Of the lines that meet a wall or a table's top, half are rays that start there, and
-/// leave it behind.
+/// leave it behind. (A needle counts as flat, too; few rays meet it.)
 fn rays(bounds: &Aabb) -> f64 {
     let extent = bounds.extent();
     let is_flat = extent.min_element() < FLAT * extent.max_element();
@@ -278,7 +282,7 @@ mod tests {
     }
 
     fn nothing() -> Subtrees {
-        Subtrees { all: Vec::new(), area_scale: 1.0 }
+        Subtrees { all: Vec::new(), area_scale: 1.0, few: FEW }
     }
 
     /// How many of so many lanes the lower part of all gets.
@@ -348,20 +352,24 @@ mod tests {
     /// What a ray costs that meets a box of half the surface 1.
     const UNIT: f32 = BLOCK_COST as f32;
 
-    #[test]
-    fn walls_are_boxed_apart_where_lanes_are_free() {
-        let wall = |axis: usize| {
+    /// Two triangles of each of three walls of a unit cube.
+    fn corner() -> [Member; 6] {
+        [0, 1, 2, 0, 1, 2].map(|axis: usize| {
             let mut max = Vec3::ONE;
             max[axis] = 0.0;
             member(Vec3::ZERO, max)
-        };
-        let mut corner = nothing();
-        corner.add_members(0, &mut [0, 1, 2, 0, 1, 2].map(wall), MAX_LEVELS);
+        })
+    }
+
+    #[test]
+    fn walls_are_boxed_apart_where_lanes_are_free() {
+        let mut walls = nothing();
+        walls.add_members(0, &mut corner(), MAX_LEVELS);
         // Any two have the box of all.
         let [all, apart] = [3.0 * UNIT, 1.5 * UNIT];
-        assert_eq!(corner.get(0).costs, [all, all, apart, apart, apart, apart, apart, apart]);
-        assert_eq!([1, 2].map(|lanes| opening(&corner, lanes, true)), [None; 2]);
-        assert!(corner.opening(0, 3, false).is_some());
+        assert_eq!(walls.get(0).costs, [all, all, apart, apart, apart, apart, apart, apart]);
+        assert_eq!([1, 2].map(|lanes| opening(&walls, lanes, true)), [None; 2]);
+        assert!(walls.opening(0, 3, false).is_some());
     }
 
     #[test]
@@ -379,9 +387,11 @@ mod tests {
 
     #[test]
     fn what_few_rays_visit_is_not_parted() {
-        let mut all = Subtrees { all: Vec::new(), area_scale: 0.5 * FEW };
-        all.add_members(0, &mut [0.0, 1.0].map(|x| member(x * Vec3::X, x * Vec3::X)), MAX_LEVELS);
-        assert_eq!(all.get(0).content, Content::Block(Block { first: 0, count: 2 }));
+        for (few, count) in [(3.0, 5), (3.1, 1)] {
+            let mut walls = Subtrees { few, ..nothing() };
+            walls.add_members(0, &mut corner(), MAX_LEVELS);
+            assert_eq!(walls.all.len(), count, "{few}");
+        }
     }
 
     fn contents(nodes: Vec<Binary>, members: &mut [Member]) -> Vec<Content> {
@@ -442,5 +452,19 @@ mod tests {
             WideKdTree::build(&Triangles::new(mesh.triangles()).unwrap()).unwrap().bytes()
         });
         assert_eq!(bytes, [bytes[1]; 3]);
+    }
+
+    /// Coordinates are rounded elsewhere then, so that boxes are not quite the same.
+    #[test]
+    fn nor_does_it_by_other_factors_than_powers_of_two() {
+        let subtrees = [1.0, 1.1, 1.2, 1.4, 1.7].map(|scale| {
+            let mesh = icosphere(5).placed(scale, DVec3::ZERO);
+            let triangles = Triangles::new(mesh.triangles()).unwrap();
+            let options = KdOptions { traversal_cost: 400.0, ..KdOptions::default() };
+            let (tree, mut members) = KdTree::build_with_members(&triangles, &options).unwrap();
+            Subtrees::new(&tree, &mut members).all.len()
+        });
+        let near = |count: &usize| count.abs_diff(subtrees[0]) < subtrees[0] / 100;
+        assert!(subtrees.iter().all(near), "{subtrees:?}");
     }
 }

@@ -16,6 +16,11 @@ use super::step::step;
 use super::trace::Trace;
 use crate::Ray;
 
+/// So many rays are in hand: enough that none waits, and few enough that what they need stays in the first
+/// cache (measured, docs/performance.md).
+const IN_HAND: usize = 40;
+const _: () = assert!(IN_HAND <= WIDTH);
+
 /// What rays in hand are waiting for.
 #[derive(Default)]
 struct Waiting {
@@ -58,7 +63,7 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let mut found = [Found::nothing(simd); WIDTH];
-        let mut waiting = Waiting { ended: Slots::MAX >> (64 - WIDTH), ..Waiting::default() };
+        let mut waiting = Waiting { ended: Slots::MAX >> (64 - IN_HAND), ..Waiting::default() };
         loop {
             waiting.nodes |= self.turn_over(simd, waiting.ended);
             if waiting.nodes | waiting.blocks == 0 {
@@ -81,7 +86,7 @@ impl<Q: Goal, R: FnMut(usize, Q)> Wave<'_, Q, R> {
             let WideKdTree { triangles, space, .. } = self.tree;
             let group = self.rays[self.next..].first_chunk::<LANES>();
             let group = group.copied().unwrap_or_else(|| self.last_group());
-            // Rays come from far away, and soon.
+            // They are needed soon, and not at hand yet.
             for i in 0..LANES {
                 simd.prefetch(self.rays.as_ptr().wrapping_add(self.next + 2 * LANES + i));
             }

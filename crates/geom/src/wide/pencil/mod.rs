@@ -153,8 +153,10 @@ mod tests {
             |rays: &[Ray; WIDTH]| Pencil::idle().search(Portable, &tree, rays, |_, _: Closest| {});
         let rays = pencil(&mut source);
         assert!(is_pencil(&rays));
-        let spoil: [fn(&mut Ray); 8] = [
+        let spoil: [fn(&mut Ray); 10] = [
             |ray| ray.origin.x = ray.origin.x.next_up(),
+            |ray| ray.origin.y = ray.origin.y.next_up(),
+            |ray| ray.origin.z = ray.origin.z.next_up(),
             |ray| ray.direction = -ray.direction,
             |ray| ray.direction = DVec3::new(ray.direction.y, ray.direction.z, ray.direction.x),
             |ray| ray.direction.y = f64::NAN,

@@ -1,6 +1,7 @@
 //! AVX2 with FMA.
 
-use super::{Columns, Corners, LANES, Simd, coordinates, numbers};
+use super::rows::{coordinates, numbers};
+use super::{CornerColumns, LANES, RayColumns, Simd};
 use crate::{Ray, Triangle};
 use std::arch::x86_64::*;
 
@@ -32,7 +33,7 @@ fn lanes(mask: u8) -> __m256 {
 /// The coordinates of eight triangles, side by side.
 #[inline]
 #[target_feature(enable = "avx2")]
-pub(super) fn turn(triangles: [&Triangle; LANES]) -> Corners {
+pub(super) fn turn(triangles: [&Triangle; LANES]) -> CornerColumns {
     let mut corners = [[0.0; LANES]; 9];
     // Of two rows, coordinates 0, 1, 4 and 5, and coordinates 2, 3, 6 and 7.
     let mut pairs = [[_mm256_setzero_pd(); 4]; 2];
@@ -189,8 +190,8 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES> {
-        let rows = numbers(rays);
+    fn columns(self, rays: &[Ray; LANES]) -> RayColumns<LANES> {
+        let rows = rays.each_ref().map(numbers);
         let mut columns = [[0.0; LANES]; 8];
         // Four rows and four columns at once.
         for (r, c) in [(0, 0), (0, 4), (4, 0), (4, 4)] {
@@ -215,7 +216,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn corners(self, triangles: [&Triangle; LANES]) -> Corners {
+    fn corners(self, triangles: [&Triangle; LANES]) -> CornerColumns {
         call!(turn(triangles))
     }
 

@@ -1,7 +1,8 @@
 //! AVX-512, with vectors of 256 bits: its masks, compression and permutations are what pays.
 
 use super::avx2::turn;
-use super::{Columns, Corners, LANES, Simd, numbers};
+use super::rows::numbers;
+use super::{CornerColumns, LANES, RayColumns, Simd};
 use crate::{Ray, Triangle};
 use std::arch::x86_64::*;
 
@@ -151,15 +152,14 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES> {
-        let rows = numbers(rays);
+    fn columns(self, rays: &[Ray; LANES]) -> RayColumns<LANES> {
         let mut columns = [[0.0; LANES]; 8];
         call!({
             // Columns 0, 2, 4 and 6 of rows two by two, and columns 1, 3, 5 and 7.
             let mut pairs = [[_mm512_setzero_pd(); 4]; 2];
             for i in 0..4 {
-                let a = _mm512_loadu_pd(rows[2 * i].as_ptr());
-                let b = _mm512_loadu_pd(rows[2 * i + 1].as_ptr());
+                let a = _mm512_loadu_pd(numbers(&rays[2 * i]).as_ptr());
+                let b = _mm512_loadu_pd(numbers(&rays[2 * i + 1]).as_ptr());
                 pairs[0][i] = _mm512_unpacklo_pd(a, b);
                 pairs[1][i] = _mm512_unpackhi_pd(a, b);
             }
@@ -177,7 +177,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn corners(self, triangles: [&Triangle; LANES]) -> Corners {
+    fn corners(self, triangles: [&Triangle; LANES]) -> CornerColumns {
         call!(turn(triangles))
     }
 

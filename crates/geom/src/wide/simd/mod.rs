@@ -8,6 +8,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod rows;
 
 #[cfg(target_arch = "x86_64")]
 pub(super) use avx2::Avx2;
@@ -16,8 +18,6 @@ pub(super) use avx512::Avx512;
 pub(super) use portable::Portable;
 
 use crate::{Ray, Triangle};
-use glam::Vec3;
-use std::mem::offset_of;
 
 /// How many lanes a vector has.
 pub(super) const LANES: usize = 8;
@@ -59,32 +59,10 @@ impl<'a> Rows<'a> {
 }
 
 /// The numbers of rays, one of each: origin, direction, `t_min`, `t_max`.
-pub(super) type Columns<const N: usize> = [[f64; N]; 8];
-
-/// The numbers of each ray, in a row.
-#[cfg(target_arch = "x86_64")]
-fn numbers(rays: &[Ray; LANES]) -> &[[f64; 8]; LANES] {
-    const {
-        assert!(size_of::<Ray>() == size_of::<[f64; 8]>() && align_of::<Ray>() == align_of::<f64>());
-        assert!(offset_of!(Ray, origin) == 0 && offset_of!(Ray, direction) == 3 * size_of::<f64>());
-        assert!(offset_of!(Ray, t_min) == 6 * size_of::<f64>());
-        assert!(offset_of!(Ray, t_max) == 7 * size_of::<f64>());
-    }
-    // SAFETY: a ray is eight `f64`, in this order.
-    unsafe { &*std::ptr::from_ref(rays).cast() }
-}
+pub(super) type RayColumns<const N: usize> = [[f64; N]; 8];
 
 /// The coordinates of triangles, one of each: those of the first vertex, the second and the third.
-pub(super) type Corners = [[f32; LANES]; 9];
-
-/// The coordinates of a triangle, in a row.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn coordinates(triangle: &Triangle) -> &[f32; 9] {
-    const { assert!(size_of::<Triangle>() == size_of::<[f32; 9]>() && size_of::<Vec3>() == 12) }
-    // SAFETY: a triangle is an array of vertices, and nothing else; these are three `f32` each, in this order.
-    unsafe { &*std::ptr::from_ref(triangle).cast() }
-}
+pub(super) type CornerColumns = [[f32; LANES]; 9];
 
 /// Vectors of eight `f32` or `u32`. Masks are bytes, bit `i` for lane `i`.
 ///
@@ -135,9 +113,9 @@ pub(super) trait Simd: Copy {
     fn permute_i(self, table: Self::I, index: Self::I) -> Self::I;
 
     /// The numbers of eight rays, side by side.
-    fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES>;
+    fn columns(self, rays: &[Ray; LANES]) -> RayColumns<LANES>;
     /// The coordinates of eight triangles, side by side.
-    fn corners(self, triangles: [&Triangle; LANES]) -> Corners;
+    fn corners(self, triangles: [&Triangle; LANES]) -> CornerColumns;
 
     /// Asks for the cache line at `x`, whatever is there.
     fn prefetch<T>(self, x: *const T);
@@ -147,26 +125,39 @@ pub(super) trait Simd: Copy {
 mod tests {
     use super::super::level::{SimdLevel, Token};
     use super::*;
-    use glam::DVec3;
+    use glam::{DVec3, Vec3};
 
-    #[test]
-    fn columns_are_what_rays_are_made_of() {
-        let number = |ray: usize, column: usize| (8 * ray + column) as f64;
+    fn at_every_level(check: impl Fn(SimdLevel, RayColumns<LANES>, CornerColumns)) {
+        let number = |at: usize, column: usize| (9 * at + column) as f64;
         let rays: [Ray; LANES] = std::array::from_fn(|i| {
             let [ox, oy, oz, dx, dy, dz, t_min, t_max] = std::array::from_fn(|column| number(i, column));
             Ray { origin: DVec3::new(ox, oy, oz), direction: DVec3::new(dx, dy, dz), t_min, t_max }
         });
-        let expected: Columns<LANES> =
-            std::array::from_fn(|column| std::array::from_fn(|i| number(i, column)));
+        let triangles: [Triangle; LANES] = std::array::from_fn(|i| {
+            let corner = |at: usize| Vec3::from_array([0, 1, 2].map(|axis| number(i, 3 * at + axis) as f32));
+            Triangle::new(corner(0), corner(1), corner(2))
+        });
         for level in SimdLevel::ALL {
-            let columns = match Token::new(level) {
-                Token::Portable(simd) => simd.columns(&rays),
+            let (columns, corners) = match Token::new(level) {
+                Token::Portable(simd) => (simd.columns(&rays), simd.corners(triangles.each_ref())),
                 #[cfg(target_arch = "x86_64")]
-                Token::Avx2(simd) => simd.columns(&rays),
+                Token::Avx2(simd) => (simd.columns(&rays), simd.corners(triangles.each_ref())),
                 #[cfg(target_arch = "x86_64")]
-                Token::Avx512(simd) => simd.columns(&rays),
+                Token::Avx512(simd) => (simd.columns(&rays), simd.corners(triangles.each_ref())),
             };
-            assert_eq!(columns, expected, "{level:?}");
+            check(level, columns, corners);
         }
+    }
+
+    #[test]
+    fn columns_are_what_rays_and_triangles_are_made_of() {
+        at_every_level(|level, columns, corners| {
+            for (column, numbers) in columns.iter().enumerate() {
+                assert_eq!(*numbers, std::array::from_fn(|i| (9 * i + column) as f64), "{level:?}");
+            }
+            for (column, numbers) in corners.iter().enumerate() {
+                assert_eq!(*numbers, std::array::from_fn(|i| (9 * i + column) as f32), "{level:?}");
+            }
+        });
     }
 }

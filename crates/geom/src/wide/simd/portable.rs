@@ -1,6 +1,6 @@
 //! Plain Rust, for machines without the instructions the others need.
 
-use super::{Columns, Corners, LANES, Simd};
+use super::{CornerColumns, LANES, RayColumns, Simd};
 use crate::{Ray, Triangle};
 use std::array::from_fn;
 
@@ -120,7 +120,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn columns(self, rays: &[Ray; LANES]) -> Columns<LANES> {
+    fn columns(self, rays: &[Ray; LANES]) -> RayColumns<LANES> {
         let mut columns = [[0.0; LANES]; 8];
         for (i, ray) in rays.iter().enumerate() {
             let Ray { origin: o, direction: d, t_min, t_max } = *ray;
@@ -132,7 +132,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn corners(self, triangles: [&Triangle; LANES]) -> Corners {
+    fn corners(self, triangles: [&Triangle; LANES]) -> CornerColumns {
         from_fn(|at| triangles.map(|triangle| triangle.vertices[at / 3][at % 3]))
     }
 
