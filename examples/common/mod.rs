@@ -98,7 +98,8 @@ pub(crate) fn report_and_exit<O>(
     let result = match options {
         Ok(options) => run(&options),
         Err(error) if !error.use_stderr() => {
-            print!("{error}");
+            // A reader who has seen enough is no reason to complain.
+            let _ = error.print();
             return ExitCode::SUCCESS;
         }
         Err(error) => Err(anyhow::anyhow!(first_paragraph(&error.to_string()))),
