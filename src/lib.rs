@@ -9,3 +9,6 @@ pub use globillum_integrator as integrator;
 pub use globillum_io as io;
 #[doc(inline)]
 pub use globillum_material as material;
+#[cfg(feature = "scenes")]
+#[doc(inline)]
+pub use globillum_scenes as scenes;

@@ -1,8 +1,6 @@
 //! A picture's bits depend on scene, camera and settings, and on nothing else.
 #![allow(clippy::print_stderr, reason = "a skipped test says so")]
 
-mod scans;
-
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{Camera, Film, Model, Scene, Settings, render};
@@ -49,7 +47,7 @@ fn every_accelerator_and_thread_count_makes_the_same_statue() {
 
 #[test]
 fn every_accelerator_and_thread_count_makes_the_same_scanned_mesh() {
-    for (_, mesh) in scans::scans() {
+    for (_, mesh) in crate::scans::scans() {
         for specular in [false, true] {
             let model = cornell::with_mesh(&mesh, specular).expect("the box is good");
             assert_one_picture(&model, false);

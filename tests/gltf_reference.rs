@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 const Z_LIMIT: f64 = 5.85;
 
 fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference").join(name)
 }
 
 /// The scene and its reference, if they are there.

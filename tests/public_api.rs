@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Fails unless the listing of the crate in `folder` is the one that is kept as `name`.
 fn assert_listed(folder: &str, name: &str) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let found = listing::of_crate(&root.join(folder).join("src/lib.rs"));
     let path = root.join("tests/public_api").join(name);
     if std::env::var_os("GLOBILLUM_BLESS").is_some() {

@@ -1,8 +1,6 @@
 //! The splitting rules beside each other: what the surface area heuristic promises.
 #![allow(clippy::print_stderr, reason = "a skipped test says so")]
 
-mod scans;
-
 use globillum::geom::{KdOptions, KdStats, KdTree, SplitRule, Triangle, Triangles};
 use globillum_testkit::accelerators::rule_options;
 use globillum_testkit::shapes;
@@ -33,7 +31,7 @@ fn the_surface_area_heuristic_is_best_on_a_statue() {
 
 #[test]
 fn the_surface_area_heuristic_is_best_on_scanned_meshes() {
-    for (name, mesh) in scans::scans() {
+    for (name, mesh) in crate::scans::scans() {
         assert_surface_area_is_best(name, &mesh);
     }
 }

@@ -1,0 +1,232 @@
+//! `examples/render.rs` as a person meets it: what it writes, and what it says when it can not.
+#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+
+use globillum_testkit::bad_input::{self, Outcome};
+use globillum_testkit::program::Program;
+use std::path::Path;
+
+const RENDER: Program = Program { path: env!("CARGO_BIN_EXE_globillum"), first: &["render"] };
+
+/// A lamp over a floor, seen by nobody yet.
+const ROOM: &str = "mtllib room.mtl
+v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -0.2 1 -0.2\nv 0.2 1 -0.2\nv 0.2 1 0.2\nv -0.2 1 0.2
+usemtl floor\nf 1 2 3 4\nusemtl lamp\nf 5 6 7 8\n";
+const MATERIALS: &str = "newmtl floor\nKd 0.7 0.6 0.5\nnewmtl lamp\nKd 0\nKe 10 10 10\n";
+
+fn fill(folder: &Path) {
+    std::fs::create_dir(folder.join("folder.png")).expect("an empty folder can be filled");
+    for (name, content) in [("room.obj", ROOM), ("room.mtl", MATERIALS)] {
+        std::fs::write(folder.join(name), content).expect("likewise");
+    }
+}
+
+fn assert_refused(arguments: &[&str], words: &[&str]) {
+    RENDER.assert_refused(fill, arguments, words);
+}
+
+/// What rows 1 to 82 must print is in one table with what the loaders must return.
+#[test]
+fn rows_1_to_82_bad_scenes_are_one_line_that_names_file_and_place() {
+    let size = ["--width", "1", "--height", "1", "--spp", "1", "--threads", "1"];
+    for case in bad_input::cases() {
+        let (row, folder) = (case.row, tempfile::tempdir().expect("a temporary folder"));
+        if !case.write(folder.path()).expect("an empty folder can be filled") {
+            eprintln!("SKIPPED: row {row} needs a pipe or a link, which can not be made here");
+            continue;
+        }
+        let output = RENDER.run(folder.path(), &[&[case.scene()], &size[..]].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        let (code, lines) = match case.outcome {
+            Outcome::Refused { message, .. } => (1, vec![format!("error: {message}")]),
+            Outcome::Loaded { warnings } => {
+                let nothing_shines = format!("{}: nothing emits light", case.files[0].0);
+                let all = warnings.into_iter().chain([nothing_shines]);
+                (0, all.map(|warning| format!("warning: {warning}")).collect())
+            }
+        };
+        assert_eq!(output.status.code(), Some(code), "row {row}: {said}");
+        assert_eq!(said.lines().collect::<Vec<_>>(), lines, "row {row}");
+        assert_eq!(folder.path().join("render.png").exists(), code == 0, "row {row}");
+    }
+}
+
+#[test]
+fn scenes_that_are_not_there_and_of_other_formats_are_named() {
+    assert_refused(&[], &["SCENE"]);
+    assert_refused(&["none.obj"], &["none.obj: can not be read"]);
+    assert_refused(&["folder.png"], &["folder.png: unknown scene format"]);
+    assert_refused(&["room.obj", "--max-triangles", "3"], &["room.obj:13: more than 3 triangles"]);
+}
+
+#[test]
+fn row_83_no_samples() {
+    assert_refused(&["room.obj", "--spp", "0"], &["--spp"]);
+}
+
+#[test]
+fn row_84_no_width_or_height() {
+    assert_refused(&["room.obj", "--width", "0"], &["--width"]);
+    assert_refused(&["room.obj", "--height", "0"], &["--height"]);
+}
+
+#[test]
+fn row_85_too_many_pixels() {
+    assert_refused(&["room.obj", "--width", "1000000", "--height", "1000000"], &["width x height", "2^27"]);
+    assert_refused(&["room.obj", "--width", "4294967296"], &["--width"]);
+}
+
+#[test]
+fn row_86_field_of_view() {
+    for fov in ["0", "-1", "180", "nan"] {
+        let camera = format!("0,0,4/0,0,0/0,1,0/{fov}");
+        assert_refused(&["room.obj", "--camera", &camera], &["--camera", "fov_y"]);
+    }
+}
+
+#[test]
+fn row_87_a_camera_that_looks_at_itself() {
+    assert_refused(&["room.obj", "--camera", "1,2,3/1,2,3"], &["eye and target must be finite and apart"]);
+    assert_refused(&["room.obj", "--camera", "0,0,inf/0,0,0"], &["eye and target must be finite and apart"]);
+    assert_refused(&["room.obj", "--camera", "0,9/0,0,0"], &["`0,9` is not 3 numbers"]);
+}
+
+#[test]
+fn row_88_up_along_the_view() {
+    assert_refused(&["room.obj", "--camera", "0,9,0/0,0,0"], &["up must be finite and not parallel"]);
+}
+
+#[test]
+fn rows_89_and_90_any_number_of_threads_and_any_seed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fill(folder.path());
+    let picture = |flags: &[&str]| {
+        let size = ["room.obj", "--width", "8", "--height", "8", "--spp", "1", "--out", "a.exr"];
+        let output = RENDER.run(folder.path(), &[&size[..], flags].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        std::fs::read(folder.path().join("a.exr")).expect("it was written")
+    };
+    let seeds = ["0", "1", "18446744073709551615"].map(|seed| picture(&["--seed", seed]));
+    assert!(seeds[0] != seeds[1] && seeds[1] != seeds[2], "each seed has numbers of its own");
+    for threads in ["0", "1", "3"] {
+        assert_eq!(picture(&["--threads", threads]), seeds[0], "{threads} threads");
+    }
+    assert_refused(&["room.obj", "--threads", "1025"], &["threads = 1025"]);
+    assert_refused(&["room.obj", "--seed=-1"], &["--seed"]);
+}
+
+/// Tiles are not for users to choose; what they choose is a pass.
+#[test]
+fn row_91_passes_of_no_samples() {
+    assert_refused(&["room.obj", "--pass-spp", "0"], &["pass_samples = 0"]);
+    assert_refused(&["room.obj", "--passes", "2..2"], &["passes"]);
+}
+
+#[test]
+fn row_92_no_bounces_leave_what_is_emitted() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fill(folder.path());
+    let flags = ["--max-bounces", "0", "--environment", "0.25", "--spp", "4", "--stats", "stats.json"];
+    let output =
+        RENDER.run(folder.path(), &[&["room.obj", "--width", "16", "--height", "8"], &flags[..]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let stats = std::fs::read(folder.path().join("stats.json")).expect("it was written");
+    let stats: serde_json::Value = serde_json::from_slice(&stats).expect("it is JSON");
+    assert_eq!((&stats["bounce_rays"], &stats["shadow_rays"]), (&0.into(), &0.into()));
+    assert!(stats["image_mean"][0].as_f64().is_some_and(|mean| mean > 0.0));
+    assert_refused(&["room.obj", "--max-bounces=-1"], &["--max-bounces"]);
+}
+
+#[test]
+fn colours_and_exposures_are_numbers() {
+    assert_refused(&["room.obj", "--environment", "-1"], &["radiance (-1, -1, -1)"]);
+    assert_refused(&["room.obj", "--environment", "nan"], &["radiance (NaN, NaN, NaN)"]);
+    assert_refused(&["room.obj", "--exposure", "inf"], &["--exposure inf"]);
+}
+
+#[test]
+fn row_93_a_picture_that_is_a_folder() {
+    assert_refused(&["room.obj", "--out", "folder.png"], &["folder.png: can not be written: is a directory"]);
+}
+
+#[test]
+fn row_94_pictures_where_nothing_can_be_written() {
+    assert_refused(&["room.obj", "--out", "nowhere/a.png"], &["nowhere/a.png: can not be written"]);
+    assert_refused(&["room.obj", "--out", "room.obj/a.png"], &["room.obj/a.png: can not be written"]);
+    assert_refused(
+        &["room.obj", "--stats", "nowhere/stats.json"],
+        &["nowhere/stats.json: can not be written"],
+    );
+    assert_refused(&["room.obj", "--checkpoint", "nowhere/cp"], &["nowhere/cp: can not be written"]);
+}
+
+/// No room is left while the picture, the figures or the checkpoint are being written: what was
+/// there before stays, and nothing else.
+#[cfg(unix)]
+#[test]
+fn row_95_a_disk_that_fills_up() {
+    let size = ["room.obj", "--width", "64", "--height", "64", "--spp", "1"];
+    for (flag, name) in [("--out", "old.exr"), ("--checkpoint", "old.cp")] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        fill(folder.path());
+        let old = folder.path().join("old.exr");
+        std::fs::write(&old, "old").expect("likewise");
+        let names = || std::fs::read_dir(folder.path()).expect("it is there").count();
+        let before = names();
+        // A limit on the size of files stands for the end of the disk.
+        let output = std::process::Command::new("sh")
+            .args(["-c", "trap '' XFSZ; ulimit -f 1; exec \"$@\"", "sh"])
+            .arg(RENDER.path)
+            .args(size)
+            .args([flag, name])
+            .current_dir(folder.path())
+            .output()
+            .expect("there is a shell");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.starts_with(&format!("error: {name}: can not be written: ")), "{message}");
+        assert_eq!((message.lines().count(), names()), (1, before), "{message}");
+        assert_eq!(std::fs::read(&old).expect("it is there"), b"old");
+    }
+}
+
+#[test]
+fn row_96_formats_that_are_not_written() {
+    assert_refused(&["room.obj", "--out", "a.bmp"], &["a.bmp: unknown picture format"]);
+    assert_refused(&["room.obj", "--out", "a"], &["a: unknown picture format"]);
+    assert_refused(&["room.obj", "--out", "a.png", "--out", "b.gif"], &["b.gif: unknown picture format"]);
+}
+
+#[test]
+fn a_scene_becomes_several_pictures_and_figures() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fill(folder.path());
+    let size = ["room.obj", "--width", "24", "--height", "16", "--spp", "4", "--exposure", "-1"];
+    let out = ["--out", "a.png", "--out", "a.exr", "--stats", "stats.json", "--environment", "0.5,0.5,0.25"];
+    let output = RENDER.run(folder.path(), &[&size[..], &out].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "", "there is nothing to warn of");
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("a.png") && said.contains("a.exr"), "{said}");
+    let read = |name| std::fs::read(folder.path().join(name)).expect("it was written");
+    let stats: serde_json::Value = serde_json::from_slice(&read("stats.json")).expect("it is JSON");
+    assert_eq!(stats["triangles"], 4);
+    assert_eq!(stats["camera_rays"], 24 * 16 * 4);
+    let exr = image::load_from_memory(&read("a.exr")).expect("a picture").into_rgb32f();
+    let png = image::load_from_memory(&read("a.png")).expect("a picture").into_rgb8();
+    // The corner sees the environment, which the PNG shows at half its brightness.
+    assert_eq!(exr.get_pixel(0, 0).0, [0.5, 0.5, 0.25]);
+    assert_eq!(png.get_pixel(0, 0).0, [137, 137, 99]);
+}
+
+#[test]
+fn what_is_passed_over_is_said() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("a.obj"), "mtllib no.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        .expect("an empty folder can be filled");
+    let output = RENDER.run(folder.path(), &["a.obj", "--width", "4", "--height", "4", "--spp", "1"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("warning: a.obj:1: material library `no.mtl` does not exist"), "{said}");
+    assert!(said.contains("warning: a.obj: nothing emits light"), "{said}");
+    assert!(folder.path().join("render.png").exists());
+}

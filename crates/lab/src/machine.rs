@@ -1,0 +1,32 @@
+//! Where figures come from: what those who repeat them need to know.
+
+/// What the machine calls its processor, where that is known.
+pub fn cpu_model() -> Option<String> {
+    let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = info.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// The command that runs this example once more.
+pub fn command(example: &str) -> String {
+    let options: Vec<_> = std::env::args().skip(1).collect();
+    let separator = if options.is_empty() { "" } else { " -- " };
+    format!("cargo run --release -p globillum-lab --bin {example}{separator}{}", options.join(" "))
+}
+
+/// Today in Greenwich, as year, month and day (Hinnant, "chrono-compatible low-level date algorithms",
+/// 2013).
+#[allow(dead_code, reason = "not every example says when it ran")]
+pub fn date() -> String {
+    let since_1970 = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    // Days since 1 March of the year 0: leap days come last in a year, and 400 years are 146097 days.
+    let days = since_1970.as_secs() / 86_400 + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = (month_from_march + 2) % 12 + 1;
+    let year = 400 * era + year_of_era + u64::from(month <= 2);
+    format!("{year}-{month:02}-{day:02}")
+}

@@ -1,0 +1,66 @@
+//! Charts, drawn once and written as SVG and PNG.
+
+use anyhow::{Result, anyhow};
+use epaint_default_fonts::UBUNTU_LIGHT;
+use globillum::io::AtomicFile;
+use image::{ImageFormat, RgbImage};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::{FontStyle, register_font};
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// Something to be drawn in any format.
+pub trait Drawing {
+    /// In pixels.
+    fn size(&self) -> (u32, u32);
+
+    /// Draws it on a white area of that size.
+    fn draw<'a, B: DrawingBackend + 'a>(&self, area: &DrawingArea<B, Shift>) -> Result<()>;
+}
+
+/// Writes `drawing` as SVG.
+pub fn write_svg(path: &Path, drawing: &impl Drawing) -> Result<()> {
+    let mut svg = String::new();
+    draw_on(SVGBackend::with_string(&mut svg, drawing.size()), drawing)?;
+    Ok(AtomicFile::create(path)?.commit(|file| file.write_all(svg.as_bytes()))?)
+}
+
+/// Writes `drawing` as `name.svg` and `name.png` in `folder`.
+pub fn write_both(folder: &Path, name: &str, drawing: &impl Drawing) -> Result<[PathBuf; 2]> {
+    let paths = ["svg", "png"].map(|extension| folder.join(format!("{name}.{extension}")));
+    write_svg(&paths[0], drawing)?;
+    write_as_png(&paths[1], drawing)?;
+    Ok(paths)
+}
+
+/// Writes `drawing` as PNG.
+pub fn write_as_png(path: &Path, drawing: &impl Drawing) -> Result<()> {
+    let (width, height) = drawing.size();
+    let mut picture = RgbImage::new(width, height);
+    draw_on(BitMapBackend::with_buffer(&mut picture, (width, height)), drawing)?;
+    write_png(path, &picture)
+}
+
+/// Writes a picture as PNG.
+pub fn write_png(path: &Path, picture: &RgbImage) -> Result<()> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, ImageFormat::Png)?;
+    Ok(AtomicFile::create(path)?.commit(|file| file.write_all(bytes.get_ref()))?)
+}
+
+fn draw_on<B: DrawingBackend>(backend: B, drawing: &impl Drawing) -> Result<()> {
+    // Letters of our own: the same on every machine, whatever fonts it has.
+    for style in [FontStyle::Normal, FontStyle::Bold] {
+        register_font("sans-serif", style, UBUNTU_LIGHT).map_err(|_| anyhow!("the font is damaged"))?;
+    }
+    let area = backend.into_drawing_area();
+    area.fill(&WHITE).map_err(failed)?;
+    drawing.draw(&area)?;
+    area.present().map_err(failed)
+}
+
+/// What plotters says, as an error that can be passed on.
+pub fn failed(error: impl std::fmt::Display) -> anyhow::Error {
+    anyhow!("a chart can not be drawn: {error}")
+}

@@ -1,0 +1,113 @@
+//! The Cornell box: a white room with a red and a green wall under a warm lamp.
+//!
+//! Two units wide, high and deep around the origin, open toward +z, whence the camera looks.
+
+mod hall;
+mod sculptures;
+mod statues;
+
+use glam::{DQuat, DVec3};
+use globillum_geom::conformance::shapes::{cuboid, quad};
+use globillum_geom::{Aabb, Triangle};
+use globillum_integrator::{Camera, Model, RenderError};
+use globillum_material::{Material, MaterialError, Rgb};
+
+pub use hall::{camera as hall_camera, with_statues as hall_with_statues};
+pub use sculptures::{knot, pine_cone};
+pub use statues::with_two;
+
+const WHITE: Rgb = Rgb::splat(0.73);
+const RED: Rgb = Rgb::new(0.63, 0.065, 0.05);
+const GREEN: Rgb = Rgb::new(0.14, 0.45, 0.091);
+const LAMP: Rgb = Rgb::new(17.0, 12.0, 4.0);
+
+/// The albedo of a diffuse mesh in the box.
+pub const CLAY: Rgb = Rgb::new(0.6, 0.5, 0.4);
+/// The reflectance of whatever in the box is a mirror.
+pub const SILVER: Rgb = Rgb::splat(0.95);
+
+/// The camera that looks into the box.
+///
+/// # Errors
+/// None in fact; the type is that of [`Camera::look_at`].
+pub fn camera() -> Result<Camera, RenderError> {
+    Camera::look_at(DVec3::new(0.0, 0.0, 3.9), DVec3::ZERO, DVec3::Y, 39.3_f64.to_radians())
+}
+
+/// The five walls and the lamp.
+///
+/// # Errors
+/// None in fact; the type is that of the materials' constructors.
+pub fn room() -> Result<Model, MaterialError> {
+    let mut model = walls()?;
+    model.add(Material::lamp(LAMP)?, lamp(DVec3::new(0.0, 0.995, 0.0), 0.25, 0.2));
+    Ok(model)
+}
+
+/// A rectangle around `center` that faces down, given its half sides along x and z.
+fn lamp(center: DVec3, x: f64, z: f64) -> [Triangle; 2] {
+    let corner = |dx: f64, dz: f64| center + DVec3::new(dx * x, 0.0, dz * z);
+    quad(corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0))
+}
+
+fn walls() -> Result<Model, MaterialError> {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    let mut wall = |albedo, a, b, c, d| -> Result<(), MaterialError> {
+        model.add(Material::lambert(albedo)?, quad(a, b, c, d));
+        Ok(())
+    };
+    let (lo, hi) = (-1.0, 1.0);
+    wall(WHITE, p(lo, lo, hi), p(hi, lo, hi), p(hi, lo, lo), p(lo, lo, lo))?; // floor
+    wall(WHITE, p(lo, hi, lo), p(hi, hi, lo), p(hi, hi, hi), p(lo, hi, hi))?; // ceiling
+    wall(WHITE, p(lo, lo, lo), p(hi, lo, lo), p(hi, hi, lo), p(lo, hi, lo))?; // back
+    wall(RED, p(lo, lo, hi), p(lo, lo, lo), p(lo, hi, lo), p(lo, hi, hi))?; // left
+    wall(GREEN, p(hi, lo, lo), p(hi, lo, hi), p(hi, hi, hi), p(hi, hi, lo))?; // right
+    Ok(model)
+}
+
+/// The room with a tall block, a mirror if `specular`, and a short one.
+///
+/// # Errors
+/// None in fact; the type is that of the materials' constructors.
+pub fn with_blocks(specular: bool) -> Result<Model, MaterialError> {
+    let mut model = room()?;
+    let tall = cuboid(DVec3::new(-0.33, -0.4, -0.28), DVec3::new(0.3, 0.6, 0.3), 0.32);
+    model.add(object_material(specular, WHITE)?, tall);
+    let short = cuboid(DVec3::new(0.335, -0.7, 0.38), DVec3::splat(0.3), -0.3);
+    model.add(Material::lambert(WHITE)?, short);
+    Ok(model)
+}
+
+/// The room with `mesh` standing in it, 1.1 units along its longest side and turned a little;
+/// a mirror if `specular`.
+///
+/// # Errors
+/// None in fact; the type is that of the materials' constructors.
+pub fn with_mesh(mesh: &[Triangle], specular: bool) -> Result<Model, MaterialError> {
+    let mut model = room()?;
+    let placed = stand(mesh, 1.1, DVec3::new(0.0, -1.0, 0.0), 0.3);
+    model.add(object_material(specular, CLAY)?, placed);
+    Ok(model)
+}
+
+fn object_material(specular: bool, albedo: Rgb) -> Result<Material, MaterialError> {
+    if specular { Material::mirror(SILVER) } else { Material::lambert(albedo) }
+}
+
+/// Whether `mesh` has a size that [`stand`] can scale.
+pub fn has_extent(mesh: &[Triangle]) -> bool {
+    Aabb::around(mesh.iter().flat_map(|t| t.vertices)).extent().max_element() > 0.0
+}
+
+/// `mesh` scaled to `size` along its longest side, turned by `yaw` radians about the y axis, its
+/// middle above `place` and its lowest point at the height of `place`.
+pub fn stand(mesh: &[Triangle], size: f64, place: DVec3, yaw: f64) -> Vec<Triangle> {
+    let bounds = Aabb::around(mesh.iter().flat_map(|t| t.vertices));
+    let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    let (middle, scale) = ((min + max) / 2.0, size / (max - min).max_element());
+    let turn = DQuat::from_rotation_y(yaw);
+    let lift = place + DVec3::Y * (scale * (middle.y - min.y));
+    let at = |v: glam::Vec3| (lift + turn * ((v.as_dvec3() - middle) * scale)).as_vec3();
+    mesh.iter().map(|t| Triangle { vertices: t.vertices.map(at) }).collect()
+}

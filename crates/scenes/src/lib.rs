@@ -1,0 +1,3 @@
+//! Built-in scenes: the Cornell box, sculptures of any fineness, and a hall of statues.
+
+pub mod cornell;

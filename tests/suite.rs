@@ -1,0 +1,25 @@
+//! Tests of the crates together. `cargo test --test suite NAME::` runs those of one file.
+#![allow(clippy::unwrap_used, reason = "a panic is the message of a test")]
+
+mod api;
+mod cancel;
+mod checkpoint;
+mod closed_form;
+mod determinism;
+mod error_bars;
+mod finite_form_factors;
+mod form_factors;
+mod gltf_reference;
+mod light_leaks;
+mod mirrors;
+mod pairwise;
+mod path_reuse;
+mod public_api;
+mod reference;
+mod replay;
+mod rules;
+mod same_scene;
+mod scans;
+mod solid_angle;
+mod stop;
+mod warps;
