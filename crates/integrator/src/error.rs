@@ -1,4 +1,3 @@
-use crate::CheckpointError;
 use globillum_geom::GeomError;
 use globillum_material::MaterialError;
 use thiserror::Error;
@@ -54,3 +53,36 @@ pub enum RenderError {
     #[error("worker threads: {0}")]
     Threads(String),
 }
+
+/// Why a checkpoint can not be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// It does not begin as a checkpoint does.
+    #[error("is no checkpoint")]
+    NoCheckpoint,
+    /// It was written by another version of the format.
+    #[error("is a checkpoint of version {0}; this program reads version {CHECKPOINT_VERSION}")]
+    Version(u32),
+    /// It has another length than its header says: it was cut short, or more was added.
+    #[error("has another length than its header says")]
+    Length,
+    /// Its bytes are not those that were written.
+    #[error("is damaged: its checksum is wrong")]
+    Checksum,
+    /// It holds what no render writes.
+    #[error("holds an impossible {0}")]
+    Malformed(&'static str),
+    /// It is of another picture: what is named here differs.
+    #[error("belongs to another picture: the {0} differs")]
+    Mismatch(&'static str),
+    /// A pass that is there already.
+    #[error("pass {pass} is held twice")]
+    Overlap {
+        /// The first such pass.
+        pass: u32,
+    },
+}
+
+/// The version of the checkpoint format that this library writes and reads.
+pub(crate) const CHECKPOINT_VERSION: u32 = 1;

@@ -24,49 +24,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod alias;
-mod camera;
-mod checkpoint;
-mod emitters;
 mod error;
 mod film;
-mod filter;
-#[cfg(any(test, feature = "fuzz"))]
-mod fuzz;
-mod groups;
 mod hash;
-mod key;
-mod lamp;
-mod meter;
-mod mirrors;
-mod model;
-mod monitor;
-mod pass;
+mod light;
 mod path;
-mod picture;
-mod render;
 mod run;
 mod sampler;
 mod scene;
 mod settings;
-mod stop;
-mod tile;
 
-pub use camera::Camera;
-pub use checkpoint::CheckpointError;
-pub use emitters::Emitters;
-pub use error::RenderError;
-pub use film::{Film, ImageError};
-pub use filter::PixelFilter;
+pub use error::{CheckpointError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
-pub use fuzz::check_checkpoint;
-pub use lamp::LightSampling;
-pub use model::{MaterialId, Model};
-pub use monitor::{Monitor, Progress};
-pub use path::{Counters, Estimator, Replay, Vertex, replay};
-pub use picture::{Ending, Picture};
-pub use render::{Render, render};
+pub use film::check_checkpoint;
+pub use film::{Ending, Film, ImageError, Picture};
+pub use light::{Emitters, LightSampling};
+pub use path::{Counters, Replay, Vertex, replay};
+pub use run::{Monitor, PixelGoal, Progress, Render, Stop, render};
 pub use sampler::{Sampler, Stream};
-pub use scene::{Interaction, Scene};
-pub use settings::{MirrorSampling, PathReuse, Roulette, Settings};
-pub use stop::{PixelGoal, Stop};
+pub use scene::{Camera, Interaction, MaterialId, Model, Scene};
+pub use settings::{Estimator, MirrorSampling, PathReuse, PixelFilter, Roulette, Settings};

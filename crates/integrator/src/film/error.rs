@@ -16,11 +16,18 @@ pub struct ImageError {
     pub interval_95: [f64; 2],
 }
 
+impl Film {
+    /// How far the whole picture is from the truth.
+    pub fn error(&self) -> ImageError {
+        ImageError::of(self)
+    }
+}
+
 impl ImageError {
     /// What is known before there are two observations: nothing.
     const UNKNOWN: Self = Self { relative_rmse: f64::INFINITY, interval_95: [0.0, f64::INFINITY] };
 
-    pub(super) fn of(film: &Film) -> Self {
+    fn of(film: &Film) -> Self {
         if film.observations() < 2 {
             return Self::UNKNOWN;
         }

@@ -1,13 +1,20 @@
 //! What the samples add up to.
 
 mod block;
+mod checkpoint;
 mod error;
+#[cfg(any(test, feature = "fuzz"))]
+mod fuzz;
 mod moments;
+mod picture;
 mod student;
 
 pub(crate) use block::Block;
 pub use error::ImageError;
+#[cfg(any(test, feature = "fuzz"))]
+pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally};
+pub use picture::{Ending, Picture};
 
 use crate::{CheckpointError, PathReuse};
 use globillum_material::Rgb;
@@ -137,11 +144,6 @@ impl Film {
             sum += mean;
         }
         sum / self.pixel_count() as f64
-    }
-
-    /// How far the whole picture is from the truth.
-    pub fn error(&self) -> ImageError {
-        ImageError::of(self)
     }
 
     /// Takes in the passes of `other`, a film of the same picture.

@@ -1,13 +1,18 @@
 //! Path tracing (Kajiya 1986): each sample follows one path of light back from the camera.
 
 mod counters;
-mod estimator;
+mod job;
 mod next_event;
 mod replay;
 mod reuse;
-mod wave;
+mod reuse_groups;
+mod state;
+mod tile;
+mod vertex;
+mod wavefront;
 
 pub use counters::Counters;
-pub use estimator::Estimator;
+pub(crate) use job::{View, WaveSamples};
 pub use replay::{Replay, Vertex, replay};
-pub(crate) use wave::{View, Wave, WaveSamples};
+pub(crate) use tile::Tile;
+pub(crate) use wavefront::Wave;

@@ -1,56 +1,11 @@
-use super::wave::{Path, View};
-use crate::lamp::LampSampler;
-use crate::mirrors::Image;
-use crate::sampler::BounceNumbers;
+use super::job::View;
+use super::state::Path;
+use super::vertex::{Choice, Shaded};
+use crate::light::{Image, LampSampler};
 use crate::{Estimator, Interaction, MirrorSampling};
 use glam::DVec3;
-use globillum_geom::{Frame, Hit, PdfSolidAngle, Ray, SurfacePoint};
+use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
-
-/// A surface that is shaded, with its own frame.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Shaded<'a> {
-    pub(super) at: Interaction<'a>,
-    pub(super) frame: Frame,
-    /// Unit direction back along the path, in that frame.
-    pub(super) wo: DVec3,
-    pub(super) bounce: u32,
-    /// What decides this bounce.
-    pub(super) numbers: BounceNumbers,
-}
-
-impl<'a> Shaded<'a> {
-    #[inline(always)]
-    pub(super) fn new(at: Interaction<'a>, bounce: u32, numbers: BounceNumbers) -> Self {
-        let frame = Frame::around(at.point.normal);
-        Self { at, frame, wo: frame.to_local(at.wo), bounce, numbers }
-    }
-}
-
-/// How the direction of a path's ray was chosen, and how a light sample would have chosen it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Choice {
-    /// A delta where no light sample could have found what the ray meets: the camera's directions,
-    /// and those from most mirrors.
-    density: Density,
-    /// Where the light sample would have been taken: the surface that scattered, or its image in the
-    /// mirror that the path met since.
-    from: DVec3,
-    /// The probability with which it would have been taken there.
-    from_prob: f64,
-    /// Whether it would have been taken in a mirror.
-    in_mirror: bool,
-}
-
-impl Choice {
-    pub(super) fn of_camera(position: DVec3) -> Self {
-        Self { density: Density::Delta, from: position, from_prob: 1.0, in_mirror: false }
-    }
-
-    pub(super) fn at_surface(density: Density, position: DVec3) -> Self {
-        Self { density, from: position, from_prob: 1.0, in_mirror: false }
-    }
-}
 
 /// Light that a mirror throws, if the ray toward the mirror meets nothing before it, and the lamp is to
 /// be seen from there.
@@ -187,6 +142,7 @@ impl<A> View<'_, A> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampler::BounceNumbers;
     use crate::{Camera, Model, Scene, Settings};
     use globillum_geom::conformance::shapes::quad;
     use globillum_geom::{Accel, KdOptions, KdTree};

@@ -1,6 +1,7 @@
-use super::Counters;
-use super::wave::{View, Wave, WaveSamples};
-use crate::tile::Tile;
+use super::counters::Counters;
+use super::job::{View, WaveSamples};
+use super::tile::Tile;
+use super::wavefront::Wave;
 use crate::{Camera, RenderError, Scene, Settings};
 use globillum_geom::{Accel, SurfacePoint};
 use globillum_material::{Material, Rgb};

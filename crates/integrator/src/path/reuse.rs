@@ -5,26 +5,16 @@
 //! so that each stem of a group could have been the one to find it: it is dealt out among them by the
 //! balance heuristic, in shares that add up to one.
 
-use super::Counters;
-use super::next_event::Shaded;
-use super::wave::{Path, View, WaveSamples};
+use super::counters::Counters;
+use super::job::{View, WaveSamples};
+use super::reuse_groups::Group;
+use super::state::{Path, Stage};
+use super::tile::Tile;
+use super::vertex::Shaded;
 use crate::PathReuse;
-use crate::groups::Group;
-use crate::tile::Tile;
 use glam::DVec3;
 use globillum_geom::{Accel, Ray, SimdLevel, SurfacePoint};
 use globillum_material::Rgb;
-
-/// How much of a path has been traced, where paths are shared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
-    /// Nothing that ends a stem.
-    Stem,
-    /// Its stem, and no more.
-    Scattered,
-    /// More than that.
-    Beyond,
-}
 
 /// A surface point as a path meets it.
 #[derive(Clone, Copy, Debug)]

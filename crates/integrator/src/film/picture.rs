@@ -1,4 +1,5 @@
-use crate::{CheckpointError, Counters, Film};
+use super::Film;
+use crate::{CheckpointError, Counters};
 
 /// A picture, whole or in parts, with the bookkeeping that makes it fit others.
 ///

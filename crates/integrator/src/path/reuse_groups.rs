@@ -1,4 +1,4 @@
-use crate::tile::Tile;
+use super::tile::Tile;
 
 /// Pixels along each side of the blocks that are divided into groups.
 const SIDE: u32 = 4;

@@ -1,9 +1,11 @@
-use crate::key::picture_key;
-use crate::meter::Meter;
-use crate::pass::PassJob;
+use super::key::picture_key;
+use super::meter::Meter;
+use super::monitor::Monitor;
+use super::pass::PassJob;
+use super::pass_loop::Run;
+use super::stop::Stop;
 use crate::path::View;
-use crate::run::Run;
-use crate::{Camera, CheckpointError, Film, Monitor, Picture, RenderError, Scene, Settings, Stop};
+use crate::{Camera, CheckpointError, Film, Picture, RenderError, Scene, Settings};
 use globillum_geom::Accel;
 use std::ops::Range;
 

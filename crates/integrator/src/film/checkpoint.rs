@@ -5,44 +5,15 @@
 //! passes, samples, observations, then for each pixel the sum and the spread of three components as
 //! `f64`), and by a checksum of all bytes before it.
 
-use crate::film::{Block, Moments, Tally};
+use super::block::Block;
+use super::moments::{Moments, Tally};
+use super::{Film, Picture};
+use crate::error::CHECKPOINT_VERSION;
 use crate::hash::fold;
-use crate::{Counters, Film, PathReuse, Picture, Settings};
+use crate::{CheckpointError, Counters, PathReuse, Settings};
 use globillum_material::Rgb;
-use thiserror::Error;
-
-/// Why a checkpoint can not be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum CheckpointError {
-    /// It does not begin as a checkpoint does.
-    #[error("is no checkpoint")]
-    NoCheckpoint,
-    /// It was written by another version of the format.
-    #[error("is a checkpoint of version {0}; this program reads version {VERSION}")]
-    Version(u32),
-    /// It has another length than its header says: it was cut short, or more was added.
-    #[error("has another length than its header says")]
-    Length,
-    /// Its bytes are not those that were written.
-    #[error("is damaged: its checksum is wrong")]
-    Checksum,
-    /// It holds what no render writes.
-    #[error("holds an impossible {0}")]
-    Malformed(&'static str),
-    /// It is of another picture: what is named here differs.
-    #[error("belongs to another picture: the {0} differs")]
-    Mismatch(&'static str),
-    /// A pass that is there already.
-    #[error("pass {pass} is held twice")]
-    Overlap {
-        /// The first such pass.
-        pass: u32,
-    },
-}
 
 const MAGIC: [u8; 8] = *b"GLBLPASS";
-const VERSION: u32 = 1;
 
 /// Bytes of a pixel in a block: six numbers.
 const PIXEL_BYTES: u64 = 48;
@@ -60,7 +31,7 @@ impl Picture {
             128 + blocks.len() * (BLOCK_BYTES + PIXEL_BYTES * self.film.pixel_count() as u64) as usize,
         );
         bytes.extend(MAGIC);
-        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(CHECKPOINT_VERSION.to_le_bytes());
         bytes.extend(self.key.to_le_bytes());
         bytes.extend(self.film.width().to_le_bytes());
         bytes.extend(self.film.height().to_le_bytes());
@@ -131,7 +102,7 @@ impl Picture {
 fn check(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     let rest = bytes.strip_prefix(&MAGIC).ok_or(CheckpointError::NoCheckpoint)?;
     let version = Reader { bytes: rest }.u32()?;
-    if version != VERSION {
+    if version != CHECKPOINT_VERSION {
         return Err(CheckpointError::Version(version));
     }
     let (content, end) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Length)?;

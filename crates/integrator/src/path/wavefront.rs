@@ -1,20 +1,15 @@
-use super::Counters;
-use super::next_event::{Choice, Shaded, Thrown};
-use super::reuse::{Stage, Stems};
+use super::counters::Counters;
+use super::job::{View, WaveSamples};
+use super::next_event::Thrown;
+use super::reuse::Stems;
+use super::state::{Path, Stage};
+use super::tile::Tile;
+use super::vertex::{Choice, Shaded};
 use crate::film::Moments;
 use crate::sampler::{BounceNumbers, Numbers};
-use crate::tile::Tile;
-use crate::{Camera, RenderError, Roulette, Scene, Settings};
-use glam::DVec3;
+use crate::{RenderError, Roulette};
 use globillum_geom::{Accel, Hit, Ray, SimdLevel};
 use globillum_material::{Density, Rgb};
-
-/// The samples of each pixel that one wave takes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WaveSamples {
-    pub(crate) first: u32,
-    pub(crate) count: u32,
-}
 
 /// All paths of one tile's next samples, advanced together one bounce at a time, so that the
 /// accelerator gets many rays at once. Its buffers are kept from tile to tile.
@@ -57,34 +52,11 @@ impl Default for Level {
 /// How many paths' numbers are computed side by side.
 const SIDE_BY_SIDE: usize = 8;
 
-/// One path under way.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Path {
-    /// Where in [`Wave::radiance`] its light goes: at first, the number of its sample.
-    pub(super) account: u32,
-    pub(super) stage: Stage,
-    pub(super) numbers: Numbers,
-    /// The factor on what arrives, up to where its tail begins.
-    pub(super) throughput: Rgb,
-    /// The largest factor that this has in any sample that may share the tail.
-    pub(super) before: Rgb,
-    /// How the direction of its ray was chosen.
-    pub(super) choice: Choice,
-}
-
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arriving {
     /// Where it goes, as [`Path::account`].
     pub(super) account: u32,
     pub(super) radiance: Rgb,
-}
-
-/// What is rendered: all that the steps of a wave share.
-#[derive(Debug)]
-pub(crate) struct View<'a, A> {
-    pub(crate) scene: &'a Scene<A>,
-    pub(crate) camera: &'a Camera,
-    pub(crate) settings: &'a Settings,
 }
 
 impl Wave {
@@ -300,17 +272,6 @@ fn side_by_side<T: Copy>(
 }
 
 impl Path {
-    pub(super) fn from_camera(sample: u32, numbers: Numbers, eye: DVec3) -> Self {
-        Self {
-            account: sample,
-            stage: Stage::Stem,
-            numbers,
-            throughput: Rgb::WHITE,
-            before: Rgb::WHITE,
-            choice: Choice::of_camera(eye),
-        }
-    }
-
     /// Chooses where the path goes on; `None` if nothing is reflected.
     #[inline(always)]
     pub(super) fn scatter<A>(&mut self, view: &View<'_, A>, hit: &Hit, shaded: &Shaded<'_>) -> Option<Ray> {
@@ -337,7 +298,8 @@ impl Path {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Estimator, Model, Sampler};
+    use crate::{Camera, Estimator, Model, Sampler, Scene, Settings};
+    use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
     use globillum_geom::{KdOptions, KdTree};
     use globillum_material::Material;

@@ -1,4 +1,4 @@
-use crate::Emitters;
+use super::lights::Emitters;
 use glam::DVec3;
 use globillum_geom::{PdfSolidAngle, SphericalTriangle, SurfacePoint, Triangle, Triangles};
 use globillum_material::{Emission, Rgb};

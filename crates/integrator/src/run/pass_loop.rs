@@ -1,5 +1,7 @@
-use crate::pass::PassJob;
-use crate::{Ending, Monitor, Picture, RenderError, Stop};
+use super::monitor::Monitor;
+use super::pass::PassJob;
+use super::stop::Stop;
+use crate::{Ending, Picture, RenderError};
 use globillum_geom::Accel;
 use std::ops::{ControlFlow, Range};
 

@@ -1,4 +1,12 @@
-use crate::{Estimator, LightSampling, PixelFilter, RenderError, Sampler};
+//! How a picture is rendered.
+
+mod estimator;
+mod pixel_filter;
+
+pub use estimator::Estimator;
+pub use pixel_filter::PixelFilter;
+
+use crate::{LightSampling, RenderError, Sampler};
 use std::ops::Range;
 
 /// How a picture is rendered. Together with scene and camera it decides the picture's bits,

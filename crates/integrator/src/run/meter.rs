@@ -1,4 +1,5 @@
-use crate::{Counters, Progress};
+use super::monitor::Progress;
+use crate::Counters;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 

@@ -1,5 +1,5 @@
-use crate::Picture;
-use crate::checkpoint::resealed;
+use super::checkpoint::resealed;
+use super::picture::Picture;
 
 /// Reads `bytes` as a checkpoint, as they are and with their checksum made right, which nobody
 /// guesses; returns whether the latter is one.

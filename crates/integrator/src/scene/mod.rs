@@ -1,6 +1,13 @@
-use crate::lamp::LampSampler;
-use crate::mirrors::PlaneMirrors;
-use crate::{Emitters, LightSampling, Model, RenderError};
+//! What is rendered: the model, the scene built from it, and the camera.
+
+mod camera;
+mod model;
+
+pub use camera::Camera;
+pub use model::{MaterialId, Model};
+
+use crate::RenderError;
+use crate::light::{Emitters, LampSampler, LightSampling, PlaneMirrors};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, SurfacePoint, Triangles};
 use globillum_material::{Emission, Material, Rgb, Sides};

@@ -1,8 +1,8 @@
+use super::meter::Meter;
+use super::monitor::Monitor;
 use crate::film::{Block, Moments, Tally};
-use crate::meter::Meter;
-use crate::path::{View, Wave, WaveSamples};
-use crate::tile::Tile;
-use crate::{Counters, Monitor, RenderError, Sampler};
+use crate::path::{Tile, View, Wave, WaveSamples};
+use crate::{Counters, RenderError, Sampler};
 use globillum_geom::Accel;
 use globillum_material::Rgb;
 use rayon::prelude::*;

@@ -1,5 +1,5 @@
+use super::alias_table::AliasTable;
 use crate::Model;
-use crate::alias::AliasTable;
 use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;

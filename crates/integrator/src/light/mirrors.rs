@@ -1,15 +1,11 @@
 //! Lamps in plane mirrors.
 
-mod plane;
-
-use crate::emitters::Lamp;
-use crate::{Emitters, Model, Stream};
+use super::lights::{Emitters, Lamp};
+use super::mirror_plane::{PlaneMirror, Sphere};
+use crate::{Model, Stream};
 use glam::DVec3;
 use globillum_geom::{Accel, Triangle, Triangles};
 use globillum_material::Bsdf;
-use plane::Sphere;
-
-pub(crate) use plane::PlaneMirror;
 
 /// The plane mirrors of a scene, in which lamps are looked for.
 ///

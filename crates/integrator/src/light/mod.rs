@@ -1,0 +1,12 @@
+//! The lights of a scene, and how points on them are chosen, directly and in plane mirrors.
+
+mod alias_table;
+mod lights;
+mod mirror_plane;
+mod mirrors;
+mod sampling;
+
+pub use lights::Emitters;
+pub(crate) use mirrors::{Image, PlaneMirrors};
+pub(crate) use sampling::LampSampler;
+pub use sampling::LightSampling;
