@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a panic is the message of a test")]
 
 mod api;
+mod architecture;
 mod cancel;
 mod checkpoint;
 mod closed_form;

@@ -19,12 +19,16 @@
 //! ```
 
 mod bsdf;
+mod emission;
 mod error;
 mod material;
+mod reflectance;
 mod rgb;
 pub mod warp;
 
 pub use bsdf::{Bsdf, BsdfSample, Density};
+pub use emission::{Emission, Sides};
 pub use error::MaterialError;
-pub use material::{Emission, Material, Reflectance, Sides};
+pub use material::Material;
+pub use reflectance::Reflectance;
 pub use rgb::Rgb;

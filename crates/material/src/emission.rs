@@ -1,0 +1,56 @@
+use crate::{MaterialError, Rgb};
+
+/// From which side of a triangle something happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sides {
+    /// The front, from which the vertices run counter-clockwise.
+    Front,
+    /// Front and back alike.
+    Both,
+}
+
+/// Light that a surface emits evenly in all directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission {
+    radiance: Rgb,
+    sides: Sides,
+}
+
+impl Emission {
+    /// No light at all.
+    pub const NONE: Self = Self { radiance: Rgb::BLACK, sides: Sides::Front };
+
+    /// The largest radiance: sums and squares of it stay finite.
+    pub const MAX_RADIANCE: f64 = 1e100;
+
+    /// Emits `radiance`, in power per area and steradian, from `sides`.
+    ///
+    /// # Errors
+    /// [`MaterialError::Emission`] for a component outside `[0, MAX_RADIANCE]` or NaN.
+    pub fn new(radiance: Rgb, sides: Sides) -> Result<Self, MaterialError> {
+        let valid = radiance.to_array().iter().all(|x| (0.0..=Self::MAX_RADIANCE).contains(x));
+        if valid { Ok(Self { radiance, sides }) } else { Err(MaterialError::Emission(radiance)) }
+    }
+
+    /// The radiance emitted toward a direction whose cosine with the front normal is `cos`;
+    /// black along the surface.
+    #[inline(always)]
+    pub fn toward(&self, cos: f64) -> Rgb {
+        let emits = match self.sides {
+            Sides::Front => cos > 0.0,
+            Sides::Both => cos != 0.0,
+        };
+        if emits { self.radiance } else { Rgb::BLACK }
+    }
+
+    /// Radiant exitance: the power that leaves one unit of area, all emitting sides together.
+    pub fn exitance(&self) -> Rgb {
+        let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
+        self.radiance * (sides * std::f64::consts::PI)
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        self.radiance.is_black()
+    }
+}

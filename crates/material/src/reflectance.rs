@@ -1,0 +1,22 @@
+use crate::{MaterialError, Rgb};
+
+/// A reflectance: each component in `[0, 1]`, so that no surface makes light of nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reflectance(Rgb);
+
+impl Reflectance {
+    /// Takes `rgb`.
+    ///
+    /// # Errors
+    /// [`MaterialError::Reflectance`] for a component outside `[0, 1]` or NaN.
+    pub fn new(rgb: Rgb) -> Result<Self, MaterialError> {
+        let valid = rgb.to_array().iter().all(|x| (0.0..=1.0).contains(x));
+        if valid { Ok(Self(rgb)) } else { Err(MaterialError::Reflectance(rgb)) }
+    }
+
+    /// The components.
+    #[inline(always)]
+    pub const fn rgb(self) -> Rgb {
+        self.0
+    }
+}
