@@ -71,7 +71,7 @@ fn h62_cancelling_reaches_into_a_tile() {
 #[test]
 fn senseless_settings_are_refused() {
     let mut model = Model::default();
-    model.add(Material::lamp(Rgb::WHITE).expect("a lamp"), [Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)]);
+    model.add(Material::light(Rgb::WHITE).expect("a light"), [Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)]);
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let camera = cornell::camera().expect("the camera is good");
     let good = Settings::new(2, 2, 1);

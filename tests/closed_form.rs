@@ -103,22 +103,22 @@ fn furnace_variance(rho: f64, threshold: f64) -> f64 {
 }
 
 #[test]
-fn c3_a_square_lamp_above_a_floor() {
+fn c3_a_square_light_above_a_floor() {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     for estimator in ALL {
         let mut s = settings(320);
         s.estimator = estimator;
-        in_every_accelerator(&scenes::lamp_over_floor(), &camera, &s, |estimate, what| {
+        in_every_accelerator(&scenes::light_over_floor(), &camera, &s, |estimate, what| {
             estimate.assert_is(0.277_063_212, what);
         });
     }
 }
 
-/// The lamp is so near that points on it are chosen by solid angle unless they must not be.
+/// The light is so near that points on it are chosen by solid angle unless they must not be.
 #[test]
 fn c3_by_points_of_equal_area() {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
-    let scene = scenes::scene(&scenes::lamp_over_floor(), STRUCTURES[0].1);
+    let scene = scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1);
     for estimator in [Estimator::Light, Estimator::Mis] {
         let mut s = settings(128);
         (s.estimator, s.light_sampling) = (estimator, LightSampling::Area);
@@ -127,14 +127,14 @@ fn c3_by_points_of_equal_area() {
     }
 }
 
-/// H55, and one lamp not quite as far: seen from there, a lamp is a point.
+/// H55, and one light not quite as far: seen from there, a light is a point.
 #[test]
-fn h55_a_small_lamp_far_away() {
+fn h55_a_small_light_far_away() {
     for (side, height) in [(1.0, 100.0), (1e-3, 1e3)] {
-        let model = scenes::distant_lamp(side, height);
+        let model = scenes::distant_light(side, height);
         let eye = DVec3::new(0.1 * height, -0.5 * height, 0.2 * height);
         let camera = stare(eye, DVec3::new(0.0, -height, 0.0));
-        // Half of the irradiance over pi; the lamp's extent is a correction of second order.
+        // Half of the irradiance over pi; the light's extent is a correction of second order.
         let solid_angle = (side / height) * (side / height);
         let truth = 0.5 / std::f64::consts::PI * solid_angle * (1.0 - solid_angle / 3.0);
         for estimator in [Estimator::Light, Estimator::Mis] {
@@ -155,7 +155,7 @@ fn c8_a_kaleidoscope_of_mirrors() {
     let targets = [(DVec3::new(0.3, 1.0, 0.6), 1.0 / 0.6), (DVec3::new(0.3, 0.0, 0.6), 0.5 / 0.6)];
     for (target, truth) in targets {
         for estimator in ALL {
-            // By `Light` one of four mirrors is chosen for a lamp as large as a wall.
+            // By `Light` one of four mirrors is chosen for a light as large as a wall.
             let mut s = settings(if estimator == Estimator::Light { 48 } else { 32 });
             // Roulette would end many paths between the mirrors, at a high variance.
             (s.estimator, s.roulette.start) = (estimator, 64);

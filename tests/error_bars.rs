@@ -40,7 +40,7 @@ fn variance_of(estimator: Estimator, sampling: LightSampling) -> f64 {
 
 fn scene() -> (Scene<Box<dyn Accel>>, Camera) {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
-    (scenes::scene(&scenes::lamp_over_floor(), STRUCTURES[0].1), camera)
+    (scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1), camera)
 }
 
 fn settings(samples: u32, sampler: Sampler, estimator: Estimator) -> Settings {
@@ -83,10 +83,10 @@ fn c3v_one_sample_has_the_known_variance() {
     }
 }
 
-/// Where area sampling all but fails, a hundredth of a lamp's half side below its middle: variances of
+/// Where area sampling all but fails, a hundredth of a light's half side below its middle: variances of
 /// one sample, by quadrature, are 1060.8 and 0.0804.
 #[test]
-fn c5_beside_a_lamp_solid_angles_tame_the_variance() {
+fn c5_beside_a_light_solid_angles_tame_the_variance() {
     let model = scenes::rectangle_over_floor([-1.0, 1.0], [-1.0, 1.0], 0.01);
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let camera = stare(DVec3::new(0.001, 0.005, 0.002), DVec3::ZERO);
@@ -200,7 +200,7 @@ fn coverage_of_draws(pass_means: &[f64], passes: u32, quantile: f64) -> f64 {
 }
 
 /// Means of passes are not normal: by `Mis` they lie in lumps, one for each number of a pass's 16
-/// scattered rays that meet the lamp. Of a few such means Student's interval holds the truth in a share
+/// scattered rays that meet the light. Of a few such means Student's interval holds the truth in a share
 /// near 95 % (Brown, Cai and DasGupta 2001), which independent draws of the same means tell.
 #[test]
 fn of_sobol_passes_the_interval_holds_the_truth_as_of_independent_draws() {

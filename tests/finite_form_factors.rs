@@ -40,10 +40,10 @@ fn c7_discs_and_spheres_of_triangles() {
         ("a sphere", sphere, 1.0 / 9.0),
     ];
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
-    for (what, lamp, limit) in cases {
-        let truth = polygon::form_factor(DVec3::ZERO, DVec3::Y, &lamp);
+    for (what, light, limit) in cases {
+        let truth = polygon::form_factor(DVec3::ZERO, DVec3::Y, &light);
         assert!((truth / limit - 1.0).abs() < 0.01, "{what}: {truth}");
-        let model = scenes::lamp_above_floor(lamp, 0.5);
+        let model = scenes::light_above_floor(light, 0.5);
         for estimator in [Bsdf, Light, Mis] {
             // Such small light is met too seldom by scattering alone.
             if estimator == Bsdf && truth < 0.2 {
@@ -80,9 +80,9 @@ fn c14_squares_and_discs_as_a_whole() {
         ("squares at 10", square(10.0), 0.003_162_057),
         ("squares at a right angle", wall, 0.200_043_776),
     ];
-    for (what, lamp, truth) in cases {
-        let height = lamp[0].vertices[0].y.max(1.0) as f64;
-        let model = scenes::lamp_above_floor(lamp, 1.0);
+    for (what, light, truth) in cases {
+        let height = light[0].vertices[0].y.max(1.0) as f64;
+        let model = scenes::light_above_floor(light, 1.0);
         for estimator in [Light, Mis] {
             let camera = above_square(0.5, 0.05 * height);
             let what = format!("{what}, {estimator:?}");
@@ -91,7 +91,7 @@ fn c14_squares_and_discs_as_a_whole() {
     }
     // A white disc on a black floor fills pi / 4 of the picture; polygons of so many sides are smaller
     // than circles by a ten-thousandth each.
-    let mut model = scenes::lamp_above_floor(disc(1.0, 256, true), 0.0);
+    let mut model = scenes::light_above_floor(disc(1.0, 256, true), 0.0);
     model.add(Material::lambert(Rgb::WHITE).expect("an albedo"), disc(0.0, 256, false));
     let truth = std::f64::consts::FRAC_PI_4 * 0.381_966_011;
     for estimator in [Light, Mis] {
@@ -111,15 +111,15 @@ fn c15_the_form_factors_of_a_box_add_up_to_one() {
     let mut model = Model::default();
     for wall in inside_out(cuboid(DVec3::new(0.0, 0.5, 0.0), DVec3::splat(0.5), 0.0)) {
         let floor = Material::lambert(Rgb::splat(0.5)).expect("an albedo");
-        let lamp = Material::lambert(Rgb::BLACK).expect("an albedo").emitting(glow);
-        model.add(if wall.normal().y > 0.5 { floor } else { lamp }, [wall]);
+        let light = Material::lambert(Rgb::BLACK).expect("an albedo").emitting(glow);
+        model.add(if wall.normal().y > 0.5 { floor } else { light }, [wall]);
     }
     // A little less than all of the floor: the walls begin at its edge.
     let camera = above_square(0.499_999, 0.5);
     for estimator in [Bsdf, Light, Mis] {
         let found = estimate(&model, &camera, estimator, 256);
         found.assert_is(0.5, &format!("{estimator:?}"));
-        assert!(estimator != Bsdf || found.std_err < 1e-12, "every direction leads to a lamp: {found:?}");
+        assert!(estimator != Bsdf || found.std_err < 1e-12, "every direction leads to a light: {found:?}");
     }
 }
 
@@ -128,7 +128,7 @@ fn c15_the_form_factors_of_a_box_add_up_to_one() {
 #[test]
 fn c19_an_integrating_sphere() {
     let model = scenes::integrating_sphere(4);
-    // The middle of a wall that is no lamp.
+    // The middle of a wall that is no light.
     let middle = model.triangles()[0].vertices.map(|v| v.as_dvec3()).iter().sum::<DVec3>() / 3.0;
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let mut settings = independent_pixels(64, 64, 64);

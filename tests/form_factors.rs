@@ -59,7 +59,7 @@ fn c5_rectangles_above_a_floor() {
         ([0.0, 1.0], 1.0, corner(1.0, 1.0), &ALL[..]),
         ([-0.5, 0.5], 1.0, centred(0.5, 1.0), &ALL),
         ([-1.0, 1.0], 0.01, centred(1.0, 0.01), &ALL),
-        // A direction scattered meets a lamp so small almost never.
+        // A direction scattered meets a light so small almost never.
         ([-1.0, 1.0], 100.0, centred(1.0, 100.0), &[Light, Mis]),
     ];
     for (span, height, factor, estimators) in cases {
@@ -74,21 +74,21 @@ fn c5_rectangles_above_a_floor() {
 }
 
 #[test]
-fn c9_a_lamp_and_its_image_in_a_mirror() {
-    // Floor, mirror, lamp: light of more bounces comes from the floor itself.
-    assert_floor(&scenes::lamp_beside_mirror(), DVec3::ZERO, 2, &ALL, 0.284_169_084, "C9");
+fn c9_a_light_and_its_image_in_a_mirror() {
+    // Floor, mirror, light: light of more bounces comes from the floor itself.
+    assert_floor(&scenes::light_beside_mirror(), DVec3::ZERO, 2, &ALL, 0.284_169_084, "C9");
 }
 
 #[test]
-fn c10_half_of_a_lamp() {
-    assert_floor(&scenes::lamp_half_hidden(), DVec3::ZERO, 1, &ALL, 0.138_531_606, "C10");
+fn c10_half_of_a_light() {
+    assert_floor(&scenes::light_half_hidden(), DVec3::ZERO, 1, &ALL, 0.138_531_606, "C10");
 }
 
-/// H56: near a lamp that stands on the floor, points chosen by area have a variance without bound; by
+/// H56: near a light that stands on the floor, points chosen by area have a variance without bound; by
 /// solid angle they do not.
 #[test]
-fn c12_a_lamp_that_stands_on_the_floor() {
-    let model = scenes::lamp_on_floor();
+fn c12_a_light_that_stands_on_the_floor() {
+    let model = scenes::light_on_floor();
     let cases = [
         // A direction scattered meets it too seldom.
         (1.0, 0.071_093_439, &[Light, Mis][..]),
@@ -98,7 +98,7 @@ fn c12_a_lamp_that_stands_on_the_floor() {
     ];
     for (x, factor, estimators) in cases {
         let target = DVec3::new(x, 0.0, 0.0);
-        assert_floor(&model, target, 1, estimators, 0.5 * factor, &format!("{x} before the lamp"));
+        assert_floor(&model, target, 1, estimators, 0.5 * factor, &format!("{x} before the light"));
     }
     // What is not tested against the truth must still be a number: NaN would be an error.
     for x in [0.0, 1e-12, 1e-6, 0.01] {
@@ -132,21 +132,21 @@ fn lambert(albedo: f64) -> Material {
 }
 
 #[test]
-fn h54_a_lamp_that_can_not_be_seen_gives_nothing() {
+fn h54_a_light_that_can_not_be_seen_gives_nothing() {
     let p = DVec3::new;
     let floor = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
     let below = quad(p(-1.0, -1.0, -1.0), p(1.0, -1.0, -1.0), p(1.0, -1.0, 1.0), p(-1.0, -1.0, 1.0));
     let facing_up = quad(p(-1.0, 1.0, 1.0), p(1.0, 1.0, 1.0), p(1.0, 1.0, -1.0), p(-1.0, 1.0, -1.0));
     let in_its_plane = quad(p(2.0, 0.0, 1.0), p(3.0, 0.0, 1.0), p(3.0, 0.0, -1.0), p(2.0, 0.0, -1.0));
-    for lamp in [below, facing_up, in_its_plane] {
+    for light in [below, facing_up, in_its_plane] {
         let mut model = Model::default();
         model.add(lambert(0.5), floor);
-        model.add(Material::lamp(Rgb::WHITE).expect("a lamp"), lamp);
+        model.add(Material::light(Rgb::WHITE).expect("a light"), light);
         for estimator in ALL {
             let mut settings = independent_pixels(32, 32, 16);
             settings.estimator = estimator;
             let film = film(&model, &stare(p(0.1, 0.5, 0.2), p(0.05, 0.0, -0.1)), &settings);
-            assert!(film.means().all(|mean| mean == Rgb::BLACK), "{estimator:?}, {lamp:?}");
+            assert!(film.means().all(|mean| mean == Rgb::BLACK), "{estimator:?}, {light:?}");
         }
     }
 }

@@ -32,8 +32,8 @@ fn shining(radiance: f64) -> Emission {
     Emission::new(Rgb::splat(radiance), Sides::Front).expect("a finite radiance")
 }
 
-fn lamp() -> Material {
-    Material::lamp(Rgb::WHITE).expect("a finite radiance")
+fn light() -> Material {
+    Material::light(Rgb::WHITE).expect("a finite radiance")
 }
 
 /// A camera that sees nearly half of everything.
@@ -230,12 +230,12 @@ fn h51_a_cover_sheet_stops_all_light() {
 
 const GAPS: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
-/// A lamp over a floor, without a sheet and with one, `spread` times as wide as the lamp, that
-/// lies `gap` before it. The lamp is at height 0, where `f32` resolves any gap.
+/// A light over a floor, without a sheet and with one, `spread` times as wide as the light, that
+/// lies `gap` before it. The light is at height 0, where `f32` resolves any gap.
 fn cover(size: f64, gap: f64, spread: f64, axes: usize) -> (Model, Model) {
     let mut lit = Model::default();
     lit.add(lambert(0.5), turned(square(size, -size, false), axes));
-    lit.add(lamp(), turned(square(size, 0.0, true), axes));
+    lit.add(light(), turned(square(size, 0.0, true), axes));
     let mut covered = lit.clone();
     covered.add(lambert(0.0), turned(square(spread * size, -gap * size, true), axes));
     (lit, covered)
@@ -248,7 +248,7 @@ fn assert_covered(lit: &Model, covered: &Model, size: f64, axes: usize, what: &s
     for estimator in ALL {
         settings.estimator = estimator;
         let what = format!("{what}, {estimator:?}");
-        assert!(one_film(&scenes_of(lit), &floor, &settings, &what).image_mean().g > 0.1, "{what}: no lamp");
+        assert!(one_film(&scenes_of(lit), &floor, &settings, &what).image_mean().g > 0.1, "{what}: no light");
         assert_black(&one_film(&scenes_of(covered), &floor, &settings, &what), &what);
     }
 }
@@ -260,9 +260,9 @@ fn corner_factor(a: f64, b: f64) -> f64 {
     (part(a, b) + part(b, a)) / std::f64::consts::TAU
 }
 
-/// What a floor of albedo 0.5 reflects at `x`, `z` under a lamp of half side 1 and radiance 1 at
+/// What a floor of albedo 0.5 reflects at `x`, `z` under a light of half side 1 and radiance 1 at
 /// height 1: C3.
-fn under_a_square_lamp(x: f64, z: f64) -> f64 {
+fn under_a_square_light(x: f64, z: f64) -> f64 {
     let sides = |x: f64| [1.0 - x, 1.0 + x];
     let corners = sides(x).into_iter().flat_map(|a| sides(z).map(|b| corner_factor(a, b)));
     0.5 * corners.sum::<f64>()
@@ -270,16 +270,16 @@ fn under_a_square_lamp(x: f64, z: f64) -> f64 {
 
 #[test]
 fn the_view_factor_is_that_of_the_table() {
-    assert!((under_a_square_lamp(0.0, 0.0) - 0.277_063_212).abs() < 1e-9);
+    assert!((under_a_square_light(0.0, 0.0) - 0.277_063_212).abs() < 1e-9);
 }
 
-/// A lamp of half side 1, `drop` below a black ceiling of half side `half` at height 0, and a
+/// A light of half side 1, `drop` below a black ceiling of half side `half` at height 0, and a
 /// floor 1 below; and the same without the ceiling. The floor makes both equally wide, so that
 /// nothing depends on the scene's size.
-fn lamp_in_ceiling(drop: f64, half: f64, ceiling_first: bool) -> (Model, Model) {
+fn light_in_ceiling(drop: f64, half: f64, ceiling_first: bool) -> (Model, Model) {
     let mut open = Model::default();
     open.add(lambert(0.5), square(half.max(4.0), -1.0, false));
-    open.add(lamp(), square(1.0, -drop, true));
+    open.add(light(), square(1.0, -drop, true));
     let mut ceiling = Model::default();
     ceiling.add(lambert(0.0), square(half, 0.0, true));
     let (mut closed, last) = if ceiling_first { (ceiling, &open) } else { (open.clone(), &ceiling) };
@@ -287,7 +287,7 @@ fn lamp_in_ceiling(drop: f64, half: f64, ceiling_first: bool) -> (Model, Model) 
     (open, closed)
 }
 
-/// Points of the floor: amid the lamp's shadow, and where its light comes aslant.
+/// Points of the floor: amid the light's shadow, and where its light comes aslant.
 const PLACES: [(f64, f64); 2] = [(0.0, 0.0), (2.5, 0.7)];
 
 fn toward_floor((x, z): (f64, f64)) -> Camera {
@@ -309,10 +309,10 @@ fn assert_takes_nothing(models: &(Model, Model), estimator: Estimator, what: &st
 }
 
 #[test]
-fn h52_a_ceiling_takes_no_light_from_the_lamp_in_its_plane() {
+fn h52_a_ceiling_takes_no_light_from_the_light_in_its_plane() {
     for half in [1.0, 3.0, 10.0, 100.0, 1e4] {
         for ceiling_first in [false, true] {
-            let models = lamp_in_ceiling(0.0, half, ceiling_first);
+            let models = light_in_ceiling(0.0, half, ceiling_first);
             let what = format!("ceiling {half}, first {ceiling_first}");
             assert_takes_nothing(&models, Estimator::Light, &what);
         }
@@ -320,9 +320,9 @@ fn h52_a_ceiling_takes_no_light_from_the_lamp_in_its_plane() {
 }
 
 #[test]
-fn h52_a_ceiling_takes_no_light_from_the_lamp_just_below_it() {
+fn h52_a_ceiling_takes_no_light_from_the_light_just_below_it() {
     for (drop, half) in [(1e-9, 1.0), (1e-9, 3.0), (1e-12, 3.0), (1e-9, 1e3)] {
-        let models = lamp_in_ceiling(drop, half, true);
+        let models = light_in_ceiling(drop, half, true);
         for estimator in ALL {
             assert_takes_nothing(&models, estimator, &format!("drop {drop}, ceiling {half}"));
         }
@@ -330,7 +330,7 @@ fn h52_a_ceiling_takes_no_light_from_the_lamp_just_below_it() {
 }
 
 #[test]
-fn h52_a_lamp_in_a_ceiling_gives_the_light_that_it_should() {
+fn h52_a_light_in_a_ceiling_gives_the_light_that_it_should() {
     let (center, aslant) = (PLACES[0], PLACES[1]);
     let cases = [
         (0.0, Estimator::Light, center, 100),
@@ -339,17 +339,17 @@ fn h52_a_lamp_in_a_ceiling_gives_the_light_that_it_should() {
         (1e-9, Estimator::Light, aslant, 260),
         (1e-9, Estimator::Mis, center, 80),
         (1e-9, Estimator::Mis, aslant, 260),
-        // From aslant, scattering finds the lamp too seldom.
+        // From aslant, scattering finds the light too seldom.
         (1e-9, Estimator::Bsdf, center, 320),
     ];
     for (drop, estimator, (x, z), samples) in cases {
         let mut settings = independent_pixels(64, 64, samples);
         settings.estimator = estimator;
         let what = format!("{estimator:?}, drop {drop}, at {x}, {z}");
-        let (_, model) = lamp_in_ceiling(drop, 3.0, true);
+        let (_, model) = light_in_ceiling(drop, 3.0, true);
         // That all accelerators give one film is shown above, with fewer samples.
         let film = one_film(&scenes_of(&model)[..1], &toward_floor((x, z)), &settings, &what);
-        Estimate::of_film(&film, |c| c.g).assert_is(under_a_square_lamp(x, z), &what);
+        Estimate::of_film(&film, |c| c.g).assert_is(under_a_square_light(x, z), &what);
     }
 }
 

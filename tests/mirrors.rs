@@ -1,5 +1,5 @@
 //! Light that plane mirrors throw on a diffuse floor: a point sees in a mirror what its image sees
-//! through the mirror as through a window, so form factors tell it. The lamps themselves are hidden, so
+//! through the mirror as through a window, so form factors tell it. The lights themselves are hidden, so
 //! that all of what is seen was mirrored.
 
 use glam::{DVec3, Vec3};
@@ -36,25 +36,25 @@ fn level(y: f64, [x0, x1]: [f64; 2], [z0, z1]: [f64; 2]) -> [Triangle; 2] {
 }
 
 /// One at height 1, from -2 to 2 along z.
-fn lamp(across: [f64; 2]) -> [Triangle; 2] {
+fn light(across: [f64; 2]) -> [Triangle; 2] {
     level(1.0, across, [-2.0, 2.0])
 }
 
-fn whole_lamp() -> [Triangle; 2] {
-    lamp([-1.5, 0.25])
+fn whole_light() -> [Triangle; 2] {
+    light([-1.5, 0.25])
 }
 
 /// What the target sees of it in a mirror at [`WALL`] in directions steeper than (1, 1).
 fn nearer_part() -> [Triangle; 2] {
-    lamp([-0.5, 0.25])
+    light([-0.5, 0.25])
 }
 
-/// Hides [`whole_lamp`] from the target, and nothing of its image in a mirror at [`WALL`].
+/// Hides [`whole_light`] from the target, and nothing of its image in a mirror at [`WALL`].
 fn shade() -> [Triangle; 2] {
     level(0.05, [-0.2, 0.11], [-0.5, 0.2])
 }
 
-/// Where most mirrors stand: the target sees [`whole_lamp`] in them in directions from (0.25, 1) to (2, 1).
+/// Where most mirrors stand: the target sees [`whole_light`] in them in directions from (0.25, 1) to (2, 1).
 const WALL: f64 = 0.3;
 
 fn wall() -> [Triangle; 2] {
@@ -67,15 +67,15 @@ fn mirrored(triangles: &[Triangle], x: f64) -> Vec<Triangle> {
     inside_out(triangles.iter().map(|t| Triangle { vertices: t.vertices.map(image) }))
 }
 
-/// A floor, lamps of radiance 1, mirrors, and black sheets.
-fn model(lamps: &[Triangle], mirrors: &[Triangle], sheets: &[Triangle]) -> Model {
+/// A floor, lights of radiance 1, mirrors, and black sheets.
+fn model(lights: &[Triangle], mirrors: &[Triangle], sheets: &[Triangle]) -> Model {
     let mut model = Model::default();
     let material = |albedo| Material::lambert(Rgb::splat(albedo)).expect("an albedo");
     let p = |x, z| DVec3::new(x, 0.0, z);
     model.add(material(ALBEDO), quad(p(-1.0, 1.0), p(1.0, 1.0), p(1.0, -1.0), p(-1.0, -1.0)));
     model.add(material(0.0), sheets.iter().copied());
     model.add(Material::mirror(Rgb::splat(REFLECTANCE)).expect("a reflectance"), mirrors.iter().copied());
-    model.add(Material::lamp(Rgb::WHITE).expect("a lamp"), lamps.iter().copied());
+    model.add(Material::light(Rgb::WHITE).expect("a light"), lights.iter().copied());
     model
 }
 
@@ -118,14 +118,14 @@ fn assert_radiance(what: &str, model: &Model, truth: f64, estimators: &[(Estimat
 }
 
 #[test]
-fn a_lamp_and_its_whole_image() {
-    let lamp = whole_lamp();
-    let truth = radiance(&[(REFLECTANCE, &mirrored(&lamp, WALL))]);
-    let facing = model(&lamp, &wall(), &shade());
+fn a_light_and_its_whole_image() {
+    let light = whole_light();
+    let truth = radiance(&[(REFLECTANCE, &mirrored(&light, WALL))]);
+    let facing = model(&light, &wall(), &shade());
     assert_radiance("a whole image", &facing, truth, &[(Bsdf, 512), (Light, 128), (Mis, 128)]);
     assert_radiance(
         "its back",
-        &model(&lamp, &inside_out(wall()), &shade()),
+        &model(&light, &inside_out(wall()), &shade()),
         truth,
         &[(Light, 128), (Mis, 128)],
     );
@@ -135,23 +135,23 @@ fn a_lamp_and_its_whole_image() {
 
 #[test]
 fn accelerators_agree_on_what_mirrors_show() {
-    let model = model(&whole_lamp(), &wall(), &shade());
+    let model = model(&whole_light(), &wall(), &shade());
     let [first, others @ ..] = ACCELERATORS.map(|(_, build)| film(&model, build, &settings(Mis, Planes, 16)));
     assert!(others.iter().all(|other| *other == first));
 }
 
-/// The chance of either mirror is a half, and the two show the lamp differently. They are low enough to let
+/// The chance of either mirror is a half, and the two show the light differently. They are low enough to let
 /// in what the other one shows.
 #[test]
 fn an_image_in_each_of_two_mirrors() {
-    let (lamp, places) = (lamp([-0.3, 0.45]), [0.6, -0.4]);
+    let (light, places) = (light([-0.3, 0.45]), [0.6, -0.4]);
     let walls = places.map(|x| upright(x, [0.0, 0.9], [-3.0, 3.0])).concat();
-    let images = places.map(|x| mirrored(&lamp, x));
+    let images = places.map(|x| mirrored(&light, x));
     let shade = level(0.05, [0.075, 0.125], [-0.5, 0.2]);
     let truth = radiance(&[(REFLECTANCE, &images[0]), (REFLECTANCE, &images[1])]);
     assert_radiance(
         "two mirrors",
-        &model(&lamp, &walls, &shade),
+        &model(&light, &walls, &shade),
         truth,
         &[(Bsdf, 1024), (Light, 256), (Mis, 256)],
     );
@@ -159,12 +159,12 @@ fn an_image_in_each_of_two_mirrors() {
 
 #[test]
 fn a_mirrors_edge_cuts_the_image() {
-    // All of the mirror shows the lamp, so it is as bright as that.
+    // All of the mirror shows the light, so it is as bright as that.
     let small = upright(WALL, [0.15, 0.6], [-0.4, 0.0]);
     let truth = radiance(&[(REFLECTANCE, &small)]);
     assert_radiance(
         "a small mirror",
-        &model(&whole_lamp(), &small, &shade()),
+        &model(&whole_light(), &small, &shade()),
         truth,
         &[(Bsdf, 512), (Light, 512), (Mis, 512)],
     );
@@ -173,7 +173,7 @@ fn a_mirrors_edge_cuts_the_image() {
     let truth = radiance(&[(REFLECTANCE, &mirrored(&nearer_part(), WALL))]);
     assert_radiance(
         "a high mirror",
-        &model(&whole_lamp(), &high, &shade()),
+        &model(&whole_light(), &high, &shade()),
         truth,
         &[(Bsdf, 512), (Light, 128), (Mis, 256)],
     );
@@ -184,7 +184,7 @@ fn a_mirrors_edge_cuts_the_image() {
 fn a_mirror_aslant_shows_what_scattering_finds() {
     let p = Vec3::new;
     let aslant = [Triangle::new(p(0.3, 0.1, 0.3), p(0.25, 0.6, -0.1), p(0.35, 0.1, -0.7))];
-    let model = model(&whole_lamp(), &aslant, &shade());
+    let model = model(&whole_light(), &aslant, &shade());
     let scattered = estimate(&model, 1, &settings(Bsdf, Off, 1024));
     for (turn, estimator) in [(2, Light), (3, Mis)] {
         let mut settings = settings(estimator, Planes, 256);
@@ -197,38 +197,43 @@ fn a_mirror_aslant_shows_what_scattering_finds() {
     }
 }
 
-/// One lamp on each side of a wall of mirror: nothing of the one behind is to be seen, in the mirror or
+/// One light on each side of a wall of mirror: nothing of the one behind is to be seen, in the mirror or
 /// through it, though the wall is met in the directions in which the target's image sees that one, above
 /// it, and is free there.
 #[test]
-fn a_lamp_behind_a_mirror_is_not_in_it() {
-    let (front, behind) = (lamp([-1.5, -0.3]), lamp([0.32, 0.42]));
+fn a_light_behind_a_mirror_is_not_in_it() {
+    let (front, behind) = (light([-1.5, -0.3]), light([0.32, 0.42]));
     let shade = level(0.05, [-0.2, 0.085], [-0.5, 0.2]);
     let truth = radiance(&[(REFLECTANCE, &mirrored(&front, WALL))]);
     assert_radiance(
-        "a lamp behind",
+        "a light behind",
         &model(&[front, behind].concat(), &wall(), &shade),
         truth,
         &[(Bsdf, 1024), (Light, 128), (Mis, 256)],
     );
 }
 
-/// A black sheet stands between the floor and the mirror, or between the mirror and the lamp, or another
+/// A black sheet stands between the floor and the mirror, or between the mirror and the light, or another
 /// mirror before it, and hides what the target sees in directions flatter than (1, 1).
 #[test]
 fn either_way_can_be_barred() {
-    let lamp_and_wall = |sheets: &[Triangle]| model(&whole_lamp(), &wall(), sheets);
+    let light_and_wall = |sheets: &[Triangle]| model(&whole_light(), &wall(), sheets);
     let truth = radiance(&[(REFLECTANCE, &mirrored(&nearer_part(), WALL))]);
-    for (what, x, heights) in [("floor to mirror", 0.2, [0.04, 0.1]), ("mirror to lamp", 0.0, [0.2, 0.5])] {
+    for (what, x, heights) in [("floor to mirror", 0.2, [0.04, 0.1]), ("mirror to light", 0.0, [0.2, 0.5])] {
         let sheet = upright(x, heights, [-3.0, 3.0]);
-        assert_radiance(what, &lamp_and_wall(&[sheet, shade()].concat()), truth, &[(Light, 128), (Mis, 256)]);
+        assert_radiance(
+            what,
+            &light_and_wall(&[sheet, shade()].concat()),
+            truth,
+            &[(Light, 128), (Mis, 256)],
+        );
     }
-    // From below, this one shows no lamp.
+    // From below, this one shows no light.
     let level_mirror = level(0.1, [0.2, WALL], [-3.0, 3.0]);
     let mirrors = [level_mirror, wall()].concat();
-    let hidden = model(&whole_lamp(), &mirrors, &shade());
+    let hidden = model(&whole_light(), &mirrors, &shade());
     assert_radiance("a mirror to another", &hidden, truth, &[(Light, 128), (Mis, 256)]);
     // Where two triangles coincide, rays meet the one that comes first.
-    let direct = radiance(&[(1.0, &whole_lamp())]);
-    assert_radiance("a mirror under a sheet", &lamp_and_wall(&wall()), direct, &[(Light, 128), (Mis, 128)]);
+    let direct = radiance(&[(1.0, &whole_light())]);
+    assert_radiance("a mirror under a sheet", &light_and_wall(&wall()), direct, &[(Light, 128), (Mis, 128)]);
 }

@@ -43,11 +43,11 @@ fn estimators_agree_in_pairs() {
     let cases = [
         ("C1", scenes::furnace(0.5, 1.0, DVec3::ZERO), furnace, Some(5), 3, 64),
         ("C2", scenes::furnace(0.5, 1.0, DVec3::ZERO), furnace, None, 0, 64),
-        ("C3", scenes::lamp_over_floor(), floor, Some(1), 3, 64),
+        ("C3", scenes::light_over_floor(), floor, Some(1), 3, 64),
         ("C5", scenes::rectangle_over_floor([0.0, 1.0], [0.0, 1.0], 1.0), floor, Some(1), 3, 192),
         ("C8", scenes::kaleidoscope(0.5, 0.8), box_floor, None, 64, 64),
-        ("C9", scenes::lamp_beside_mirror(), floor, Some(2), 3, 64),
-        ("C10", scenes::lamp_half_hidden(), floor, Some(1), 3, 128),
+        ("C9", scenes::light_beside_mirror(), floor, Some(2), 3, 64),
+        ("C10", scenes::light_half_hidden(), floor, Some(1), 3, 128),
     ];
     for (turn, (what, model, camera, max_bounces, roulette, samples)) in cases.into_iter().enumerate() {
         (settings.max_bounces, settings.roulette.start, settings.samples) = (max_bounces, roulette, samples);

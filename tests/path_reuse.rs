@@ -61,7 +61,7 @@ fn assert_same_mean(what: &str, model: &Model, camera: &Camera, change: impl Fn(
 
 #[test]
 fn pixels_of_a_box_have_the_mean_of_their_own_paths() {
-    // Past the lamp, whose edge would be most of the error.
+    // Past the light, whose edge would be most of the error.
     let (eye, target) = (DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0));
     let camera = Camera::look_at(eye, target, DVec3::Y, 0.6).expect("they are apart");
     for (what, specular, estimator) in [("diffuse", false, Mis), ("a mirror", true, Light)] {
@@ -175,7 +175,7 @@ fn c1_a_furnace_of_shared_paths() {
 fn without_second_surfaces_nothing_changes() {
     let (sheets, inside) = sheets();
     let above = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
-    for (model, camera, limit) in [(&scenes::lamp_over_floor(), above, None), (&sheets, inside, Some(1))] {
+    for (model, camera, limit) in [(&scenes::light_over_floor(), above, None), (&sheets, inside, Some(1))] {
         let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
             let mut settings = Settings::new(SIDE, SIDE, 32);
             (settings.path_reuse, settings.max_bounces) = (path_reuse, limit);

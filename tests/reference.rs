@@ -36,7 +36,7 @@ fn deviation(
     deviation
 }
 
-/// Asserts it by the error that the film tells, which knows of all light where lamps are sampled.
+/// Asserts it by the error that the film tells, which knows of all light where lights are sampled.
 fn check(
     reference: &str,
     specular: bool,
@@ -68,7 +68,7 @@ fn the_box_with_a_mirror_in_full_light() {
     for how in [(Light, Off), (Mis, Off), (Mis, Fours)] {
         check(BOX_MIRROR, true, how, None, 512);
     }
-    // The lamp is met rarely, by way of a mirror most of all: fewer samples would not be nearly normal.
+    // The light is met rarely, by way of a mirror most of all: fewer samples would not be nearly normal.
     let scattered = deviation(BOX_MIRROR, true, (Bsdf, Off), None, 4096);
     assert!(scattered.largest_z < Z_LIMIT, "{scattered:?}");
 }

@@ -21,7 +21,7 @@ usemtl floor
 f 1 2 3 4
 usemtl mirror
 f -7 -8 -5 -6
-usemtl lamp
+usemtl light
 f 7/ 8 9 10 # faces down
 ";
 
@@ -31,7 +31,7 @@ Kd 0.75 0.5 0.25
 newmtl mirror
 Ks 0.9 0.9 0.9
 illum 3
-newmtl lamp
+newmtl light
 Kd 0
 Ke 12 10 8
 ";
@@ -50,7 +50,7 @@ const GLTF: &str = r#"{
   "materials": [
     {"name": "floor", "pbrMetallicRoughness":
       {"baseColorFactor": [0.75, 0.5, 0.25, 1], "metallicFactor": 0, "roughnessFactor": 1}},
-    {"name": "lamp", "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0},
+    {"name": "light", "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0},
       "emissiveFactor": [0.75, 0.625, 0.5],
       "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 16}}},
     {"name": "mirror", "pbrMetallicRoughness":

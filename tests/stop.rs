@@ -13,9 +13,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 /// C3.
-fn lamp_over_floor() -> (Scene<Box<dyn Accel>>, Camera) {
+fn light_over_floor() -> (Scene<Box<dyn Accel>>, Camera) {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
-    (scenes::scene(&scenes::lamp_over_floor(), STRUCTURES[0].1), camera)
+    (scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1), camera)
 }
 
 const TRUTH: f64 = 0.277_063_212;
@@ -32,7 +32,7 @@ fn with_samples(mut settings: Settings, samples: u32) -> Settings {
 }
 
 fn run(settings: &Settings, stop: Stop, monitor: &impl Monitor) -> Picture {
-    let (scene, camera) = lamp_over_floor();
+    let (scene, camera) = light_over_floor();
     Render::new(&scene, &camera, settings).until(stop).run(monitor).expect("the scene is good")
 }
 
@@ -94,7 +94,7 @@ fn two_stages_render_what_the_pilot_asks_for() {
     assert_eq!(picture.film.passes()[0].start, 4);
     let error = picture.film.error().relative_rmse;
     assert!((error / 0.01 - 1.0).abs() < 0.15, "{error}");
-    let (scene, camera) = lamp_over_floor();
+    let (scene, camera) = light_over_floor();
     let passes = picture.film.passes()[0].clone();
     let same = Render::new(&scene, &camera, &settings).passes(passes).run(&()).expect("the scene is good");
     assert_eq!(same.film, picture.film);
@@ -107,7 +107,7 @@ fn two_stages_render_what_the_pilot_asks_for() {
 /// The mean radiance over many seeds of a picture of one pixel that stops at an error, and its
 /// standard error.
 fn mean_of_stopped(pilot: Option<u32>) -> (f64, f64) {
-    let (scene, camera) = lamp_over_floor();
+    let (scene, camera) = light_over_floor();
     let mut settings = Settings::new(1, 1, 1 << 12);
     (settings.pass_samples, settings.estimator, settings.threads) = (1, Estimator::Bsdf, 1);
     let stop = stop(|s| (s.pixels, s.pilot) = (Some(PixelGoal { error: 0.2, share: 1.0 }), pilot));
@@ -134,7 +134,7 @@ fn two_stages_have_no_stopping_bias() {
 
 #[test]
 fn senseless_conditions_are_refused() {
-    let (scene, camera) = lamp_over_floor();
+    let (scene, camera) = light_over_floor();
     let settings = Settings::new(2, 2, 1);
     let goal = |error, share| Some(PixelGoal { error, share });
     for (bad, name) in [
@@ -253,7 +253,7 @@ impl Accel for Failing {
 }
 
 fn failing(rays: u32, how: Failure) -> (Scene<Failing>, Camera) {
-    (failing_in(&scenes::lamp_over_floor(), rays, how), lamp_over_floor().1)
+    (failing_in(&scenes::light_over_floor(), rays, how), light_over_floor().1)
 }
 
 fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Failing> {

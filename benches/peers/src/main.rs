@@ -79,7 +79,7 @@ fn measure_mesh(
     let rays = rays::generate(&scene, &tree, options.rays);
     ensure!(
         rays.iter().all(|rays| !rays.is_empty()),
-        "mesh {name}: the camera or the lamp sees nothing of it"
+        "mesh {name}: the camera or the light sees nothing of it"
     );
     progress.inc_length(3 * u64::from(options.repeats) * entries.len() as u64);
     let outcomes = [0, 1, 2].map(|i| {

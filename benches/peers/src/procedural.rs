@@ -1,6 +1,6 @@
 //! Scenes that need no file.
 
-use crate::scenes::{Lamp, Scene, View};
+use crate::scenes::{Light, Scene, View};
 use anyhow::Result;
 use globillum::geom::{Triangle, Triangles};
 use globillum::glam::DVec3;
@@ -24,7 +24,7 @@ pub(crate) fn room() -> Result<Scene> {
         name: "room".to_owned(),
         triangles: Triangles::new(triangles)?,
         view: View { eye: p(0.5, 1.7, 4.6), target: p(3.2, 1.1, 1.8), width: 4.5 },
-        lamp: Lamp { center: p(3.0, 2.95, 2.5), side: 1.2 },
+        light: Light { center: p(3.0, 2.95, 2.5), side: 1.2 },
     })
 }
 
@@ -73,7 +73,7 @@ pub(crate) fn terrain(side: u32) -> Result<Scene> {
         name: "terrain".to_owned(),
         triangles: Triangles::new(cells.flat_map(split).collect())?,
         view: View { eye: DVec3::new(0.55, 0.5, 1.2), target: DVec3::new(0.5, 0.1, 0.55), width: 0.7 },
-        lamp: Lamp { center: DVec3::new(0.9, 0.6, 0.2), side: 0.3 },
+        light: Light { center: DVec3::new(0.9, 0.6, 0.2), side: 0.3 },
     })
 }
 

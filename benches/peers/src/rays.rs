@@ -3,7 +3,7 @@
 //! Every number in them is rounded to `f32` when they are made, so that peers in `f32` trace the
 //! very rays that this library traces in `f64`.
 
-use crate::scenes::{Lamp, Scene, View};
+use crate::scenes::{Light, Scene, View};
 use globillum::geom::{Accel, Frame, Hit, Ray};
 use globillum::glam::DVec3;
 use globillum::integrator::Stream;
@@ -18,7 +18,7 @@ pub(crate) enum Kind {
     Camera,
     /// No two take the same way.
     Bounce,
-    /// From the same points toward one lamp; any hit will do.
+    /// From the same points toward one light; any hit will do.
     Shadow,
 }
 
@@ -31,7 +31,7 @@ pub(crate) fn generate(scene: &Scene, accel: &dyn Accel, count: u32) -> [Vec<Ray
     let camera = camera_rays(&scene.view, count);
     let starts = starts(scene, accel, &camera);
     let bounce = starts.iter().map(Start::bounce).collect();
-    let shadow = starts.iter().filter_map(|start| start.shadow(&scene.lamp)).collect();
+    let shadow = starts.iter().filter_map(|start| start.shadow(&scene.light)).collect();
     [camera, bounce, shadow]
 }
 
@@ -40,7 +40,7 @@ const SEED: u64 = 5;
 /// Which random numbers are for what.
 const PIXEL: u32 = 0;
 const DIRECTION: u32 = 2;
-const LAMP: u32 = 4;
+const LIGHT: u32 = 4;
 
 /// A tile's side, in pixels.
 const TILE: u32 = 8;
@@ -93,10 +93,10 @@ impl Start {
         rounded(Ray::new(self.position, Frame::around(self.normal).to_world(local)))
     }
 
-    /// To a point of the lamp, chosen uniformly; `None` if the surface is turned away from it.
-    fn shadow(&self, lamp: &Lamp) -> Option<Ray> {
-        let [a, b] = self.stream.uniform_pair(LAMP).map(|u| (u - 0.5) * lamp.side);
-        let target = lamp.center + DVec3::new(a, 0.0, b);
+    /// To a point of the light, chosen uniformly; `None` if the surface is turned away from it.
+    fn shadow(&self, light: &Light) -> Option<Ray> {
+        let [a, b] = self.stream.uniform_pair(LIGHT).map(|u| (u - 0.5) * light.side);
+        let target = light.center + DVec3::new(a, 0.0, b);
         let ray = Ray::segment(self.position, target);
         (ray.direction.dot(self.normal) > 0.0).then(|| rounded(ray))
     }

@@ -9,12 +9,12 @@ use globillum_testkit::shapes;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A mesh with a camera and a lamp; the lamp is a place for shadow rays to go, not part of the mesh.
+/// A mesh with a camera and a light; the light is a place for shadow rays to go, not part of the mesh.
 pub(crate) struct Scene {
     pub(crate) name: String,
     pub(crate) triangles: Triangles,
     pub(crate) view: View,
-    pub(crate) lamp: Lamp,
+    pub(crate) light: Light,
 }
 
 /// A pinhole camera.
@@ -27,7 +27,7 @@ pub(crate) struct View {
 }
 
 /// A horizontal square.
-pub(crate) struct Lamp {
+pub(crate) struct Light {
     pub(crate) center: DVec3,
     pub(crate) side: f64,
 }
@@ -60,10 +60,10 @@ impl Scene {
         }
     }
 
-    /// The largest coordinate in magnitude, of the mesh, the eye and the lamp.
+    /// The largest coordinate in magnitude, of the mesh, the eye and the light.
     pub(crate) fn reach(&self) -> f64 {
         let Aabb { min, max } = self.triangles.bounds();
-        let points = [min.as_dvec3(), max.as_dvec3(), self.view.eye, self.lamp.center];
+        let points = [min.as_dvec3(), max.as_dvec3(), self.view.eye, self.light.center];
         points.into_iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
     }
 }
@@ -80,7 +80,7 @@ fn around(name: &str, triangles: Vec<Triangle>) -> Result<Scene> {
         name: name.to_owned(),
         triangles,
         view: View { eye, target: middle, width: size },
-        lamp: Lamp { center: middle + 1.5 * size * DVec3::Y, side: size },
+        light: Light { center: middle + 1.5 * size * DVec3::Y, side: size },
     })
 }
 

@@ -14,7 +14,7 @@ pub fn load(path: &Path, limits: Limits) -> Result<Loaded> {
 /// Loads the triangles of a file whose materials do not matter, and says what was passed over.
 pub fn load_mesh(path: &Path) -> Result<Vec<Triangle>> {
     let loaded = globillum::io::load(path)?;
-    let matters = |kind: &WarningKind| !matches!(kind, WarningKind::NoEmitter);
+    let matters = |kind: &WarningKind| !matches!(kind, WarningKind::NoLight);
     loaded.report.warnings.iter().filter(|warning| matters(&warning.kind)).for_each(warn);
     Ok(loaded.model.triangles().to_vec())
 }

@@ -21,7 +21,7 @@ pub struct Summary {
     limit_ends: u64,
     triangles: usize,
     degenerate_triangles: usize,
-    emitters: usize,
+    lights: usize,
     accelerator_bytes: usize,
     image_mean: [f64; 3],
     /// Root mean squared error of the pixels over the picture's mean, and the interval that holds it
@@ -57,7 +57,7 @@ impl Summary {
             limit_ends: counters.limit_ends,
             triangles: scene.triangles().len(),
             degenerate_triangles: scene.triangles().degenerate_count(),
-            emitters: scene.emitters().len(),
+            lights: scene.lights().len(),
             accelerator_bytes: scene.accel().bytes(),
             image_mean: picture.film.image_mean().to_array(),
             relative_rmse: known.then_some(error.relative_rmse),
@@ -77,7 +77,7 @@ impl Summary {
         let [r, g, b] = self.image_mean;
         println!(
             "triangles     {} ({} emit, {} degenerate)",
-            self.triangles, self.emitters, self.degenerate_triangles
+            self.triangles, self.lights, self.degenerate_triangles
         );
         println!(
             "accelerator   {:.1} kB, built in {:.3} s",

@@ -7,11 +7,11 @@ use std::path::Path;
 
 const RENDER: Program = Program { path: env!("CARGO_BIN_EXE_globillum"), first: &["render"] };
 
-/// A lamp over a floor, seen by nobody yet.
+/// A light over a floor, seen by nobody yet.
 const ROOM: &str = "mtllib room.mtl
 v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -0.2 1 -0.2\nv 0.2 1 -0.2\nv 0.2 1 0.2\nv -0.2 1 0.2
-usemtl floor\nf 1 2 3 4\nusemtl lamp\nf 5 6 7 8\n";
-const MATERIALS: &str = "newmtl floor\nKd 0.7 0.6 0.5\nnewmtl lamp\nKd 0\nKe 10 10 10\n";
+usemtl floor\nf 1 2 3 4\nusemtl light\nf 5 6 7 8\n";
+const MATERIALS: &str = "newmtl floor\nKd 0.7 0.6 0.5\nnewmtl light\nKd 0\nKe 10 10 10\n";
 
 fn fill(folder: &Path) {
     std::fs::create_dir(folder.join("folder.png")).expect("an empty folder can be filled");

@@ -1,7 +1,7 @@
 //! How light adds up: Monte-Carlo path tracing over waves of rays.
 //!
 //! In the order the data flows: a [`Model`] (triangles with materials) becomes a [`Scene`] with
-//! an accelerator and its [`Emitters`]; a [`Camera`] sends rays; [`render`] traces paths tile by
+//! an accelerator and its [`Lights`]; a [`Camera`] sends rays; [`render`] traces paths tile by
 //! tile, wave by wave, with random numbers from a [`Sampler`]; a [`Film`] sums what they carry and
 //! tells its own error; a [`Stop`] says when that is enough.
 //!
@@ -16,7 +16,7 @@
 //!
 //! let mut model = Model::default();
 //! let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
-//! model.add(Material::lamp(Rgb::new(1.0, 0.5, 0.25))?, [Triangle::new(a, b, c)]);
+//! model.add(Material::light(Rgb::new(1.0, 0.5, 0.25))?, [Triangle::new(a, b, c)]);
 //! let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
 //! let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 40.0_f64.to_radians())?;
 //! let picture = render(&scene, &camera, &Settings::new(8, 8, 4), &())?;
@@ -38,7 +38,7 @@ pub use error::{CheckpointError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;
 pub use film::{Ending, Film, ImageError, Picture};
-pub use light::{Emitters, LightSampling};
+pub use light::{LightSampling, Lights};
 pub use path::{Counters, Replay, Vertex, replay};
 pub use run::{Monitor, PixelGoal, Progress, Render, Stop, render};
 pub use sampler::{Sampler, Stream};

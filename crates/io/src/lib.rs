@@ -32,7 +32,7 @@ mod gltf;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod jail;
 #[cfg(any(feature = "obj", feature = "gltf"))]
-mod lamps;
+mod lights;
 mod limits;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod loader;

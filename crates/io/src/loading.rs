@@ -1,5 +1,5 @@
 use crate::jail::Jail;
-use crate::lamps;
+use crate::lights;
 use crate::loader::{LoadMonitor, LoadProgress, Loaded};
 use crate::{IoError, Limits, LoadReport, Location, Place, Warning, WarningKind};
 use globillum_geom::Triangle;
@@ -134,13 +134,13 @@ impl<'a> Loading<'a> {
         if count > 0 {
             self.warn(Place::File, WarningKind::Degenerate { count });
         }
-        let emitting = lamps::all(&self.model);
+        let emitting = lights::all(&self.model);
         if emitting.is_empty() {
-            self.warn(Place::File, WarningKind::NoEmitter);
+            self.warn(Place::File, WarningKind::NoLight);
         } else {
-            let count = lamps::coplanar(&self.model, &emitting);
+            let count = lights::coplanar(&self.model, &emitting);
             if count > 0 {
-                self.warn(Place::File, WarningKind::CoplanarEmitters { count });
+                self.warn(Place::File, WarningKind::CoplanarLights { count });
             }
         }
         Ok(Loaded { model: self.model, cameras, report: self.report })

@@ -67,12 +67,12 @@ pub enum WarningKind {
     /// Triangles whose corners lie on one line, dropped.
     Degenerate { count: usize },
     /// Nothing emits light: without an environment the picture is black.
-    NoEmitter,
+    NoLight,
     /// Warnings for which the report has no room left.
     LeftOut { count: usize },
     /// Emitting triangles that lie in the plane of another triangle and overlap it, so that chance
     /// decides which of the two is seen.
-    CoplanarEmitters { count: usize },
+    CoplanarLights { count: usize },
 }
 
 impl Warning {
@@ -127,8 +127,8 @@ impl fmt::Display for WarningKind {
             Self::ExtensionIgnored { name } => write!(f, "extension `{name}` ignored"),
             Self::Degenerate { count } => write!(f, "degenerate triangles dropped: {count}"),
             Self::LeftOut { count } => write!(f, "further warnings left out: {count}"),
-            Self::NoEmitter => write!(f, "nothing emits light"),
-            Self::CoplanarEmitters { count } => {
+            Self::NoLight => write!(f, "nothing emits light"),
+            Self::CoplanarLights { count } => {
                 write!(f, "emitting triangles that overlap another in their plane: {count}")
             }
         }

@@ -34,7 +34,7 @@ fn check(case: &Case) {
             assert_eq!(message.lines().count(), 1, "row {row}: {message}");
         }
         (Ok(loaded), Outcome::Loaded { warnings }) => {
-            let matters = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoEmitter);
+            let matters = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoLight);
             let found: Vec<_> = matters.map(|warning| files.shortened(warning)).collect();
             assert_eq!(found, *warnings, "row {row}");
             assert!(!loaded.model.triangles().is_empty(), "row {row}");

@@ -46,7 +46,7 @@ fn load((json, binary): (Value, Vec<u8>)) -> Loaded {
 
 /// What was warned of, but that nothing shines.
 fn warnings(loaded: &Loaded) -> Vec<(Place, WarningKind)> {
-    let warnings = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoEmitter);
+    let warnings = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoLight);
     warnings.map(|w| (w.at.place, w.kind.clone())).collect()
 }
 
@@ -237,15 +237,15 @@ fn materials_become_the_nearer_of_two() {
 }
 
 #[test]
-fn lamps_shine_with_their_strength_from_the_sides_they_have() {
+fn lights_shine_with_their_strength_from_the_sides_they_have() {
     for (double_sided, sides) in [(false, Sides::Front), (true, Sides::Both)] {
-        let lamp = json!({
+        let light = json!({
             "emissiveFactor": [1, 0.5, 0.25], "doubleSided": double_sided,
             "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}},
             "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]},
         });
         let loaded = load(square(&json!({
-            "materials": [lamp],
+            "materials": [light],
             "extensionsUsed": ["KHR_materials_emissive_strength"],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
         })));

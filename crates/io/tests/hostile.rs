@@ -29,7 +29,7 @@ const TRIANGLE: u64 = (size_of::<Triangle>() + size_of::<u32>()) as u64;
 const NAMED: u64 = 512;
 
 /// Bytes that an emitting triangle may take while those are looked for that overlap another.
-const LAMP: u64 = 256;
+const LIGHT: u64 = 256;
 
 /// Bytes that a camera which a node places takes; there are at most 65,536.
 const CAMERA: u64 = size_of::<Camera>() as u64;
@@ -43,7 +43,7 @@ struct Hostile {
     /// Triangles that it declares beside those that are loaded.
     declared: usize,
     /// Triangles that emit light.
-    lamps: usize,
+    lights: usize,
     /// Cameras that are made, and materials and libraries that it names.
     cameras: usize,
     named: usize,
@@ -58,7 +58,7 @@ impl Hostile {
             files: vec![(file, content)],
             outcome: Err("has no triangles"),
             declared: 0,
-            lamps: 0,
+            lights: 0,
             cameras: 0,
             named: 0,
             most: TIMES,
@@ -98,8 +98,8 @@ impl Hostile {
         Self { declared, ..self }
     }
 
-    fn shines(self, lamps: usize) -> Self {
-        Self { lamps, ..self }
+    fn shines(self, lights: usize) -> Self {
+        Self { lights, ..self }
     }
 
     fn sees(self, cameras: usize) -> Self {
@@ -131,7 +131,7 @@ impl Hostile {
             taken as f64 / size as f64,
             beside as f64 / 1e6,
         );
-        for (count, what) in [(self.named, "name"), (self.lamps, "lamp")] {
+        for (count, what) in [(self.named, "name"), (self.lights, "light")] {
             if let Some(each) = taken.saturating_sub(size).checked_div(count as u64) {
                 write!(line, ", {each} bytes a {what}").unwrap();
             }
@@ -145,7 +145,7 @@ impl Hostile {
         if !expected {
             return Some(format!("{}: {outcome:.200?} instead of {:?}", self.name, self.outcome));
         }
-        let allowed = self.most * size + self.named as u64 * NAMED + self.lamps as u64 * LAMP + SMALL;
+        let allowed = self.most * size + self.named as u64 * NAMED + self.lights as u64 * LIGHT + SMALL;
         (taken > allowed).then_some(line)
     }
 }
@@ -400,8 +400,8 @@ fn mtl() {
         Hostile::mtl("materials of a library, too many", lines(MANY, |i| format!("newmtl {i:x}")))
             .refused("more than 65536 materials")
             .names(65_536),
-        shining("lamps in one plane", "f 1 2 3\n".repeat(MANY)),
-        shining("lamps in planes of their own", of_their_own),
+        shining("lights in one plane", "f 1 2 3\n".repeat(MANY)),
+        shining("lights in planes of their own", of_their_own),
         Hostile::mtl("colours", "newmtl a\n".to_owned() + &"Kd 1\n".repeat(MILLION)),
         Hostile::mtl("a colour", format!("newmtl a\nKd{}\n", " 1".repeat(MILLION)))
             .refused("takes 1 or 3 numbers"),

@@ -67,7 +67,7 @@ fn faces(faces: &str) -> Vec<[usize; 3]> {
 
 /// What was warned of, but that nothing shines.
 fn warnings(loaded: &Loaded) -> Vec<(Place, WarningKind)> {
-    let warnings = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoEmitter);
+    let warnings = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoLight);
     warnings.map(|w| (w.at.place, w.kind.clone())).collect()
 }
 
@@ -197,7 +197,7 @@ fn faces_without_a_material_are_grey() {
 fn materials_mean_what_they_say() {
     let lambert = |r, g, b| Material::lambert(Rgb::new(r, g, b)).unwrap();
     let mirror = |x| Material::mirror(Rgb::splat(x)).unwrap();
-    let lamp = Emission::new(Rgb::new(9.0, 8.0, 7.0), Sides::Front).unwrap();
+    let light = Emission::new(Rgb::new(9.0, 8.0, 7.0), Sides::Front).unwrap();
     let cases = [
         ("Kd 0.1 0.2 0.3", lambert(0.1, 0.2, 0.3)),
         ("Kd 0.5", lambert(0.5, 0.5, 0.5)),
@@ -205,7 +205,7 @@ fn materials_mean_what_they_say() {
         ("Kd 0.1 0.2 0.3\nKs 0.9 0.9 0.9\nillum 3", mirror(0.9)),
         ("Ks 0.9 0.9 0.9", mirror(0.9)),
         ("Ka 7 7 7\nNs 96\nd 1", lambert(0.5, 0.5, 0.5)),
-        ("Kd 0\nKe 9 8 7", lambert(0.0, 0.0, 0.0).emitting(lamp)),
+        ("Kd 0\nKe 9 8 7", lambert(0.0, 0.0, 0.0).emitting(light)),
     ];
     for (mtl, expected) in cases {
         let loaded = load_with(&format!("newmtl m\n{mtl}\n")).unwrap();

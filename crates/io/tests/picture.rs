@@ -10,11 +10,11 @@ use globillum_material::{Material, Rgb};
 use std::fs;
 use std::path::Path;
 
-/// Upper half black, lower half a lamp that is brighter than white in red.
+/// Upper half black, lower half a light that is brighter than white in red.
 fn film() -> Film {
     let corners = [Vec3::new(-9.0, 0.0, -1.0), Vec3::new(0.0, -99.0, -1.0), Vec3::new(9.0, 0.0, -1.0)];
     let mut model = Model::default();
-    model.add(Material::lamp(Rgb::new(2.0, 0.5, 0.25)).unwrap(), [Triangle { vertices: corners }]);
+    model.add(Material::light(Rgb::new(2.0, 0.5, 0.25)).unwrap(), [Triangle { vertices: corners }]);
     let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
     let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7).unwrap();
     render(&scene, &camera, &Settings::new(3, 2, 1), &()).unwrap().film
@@ -27,8 +27,8 @@ fn a_png_is_clamped_and_encoded() {
     PictureFile::create(&path).unwrap().write(&film()).unwrap();
     let picture = image::open(&path).unwrap();
     assert_eq!(picture.color(), image::ColorType::Rgb8);
-    let [black, lamp] = [[0, 0, 0], [255, 188, 137]];
-    assert_eq!(picture.into_rgb8().into_raw(), [black, black, black, lamp, lamp, lamp].concat());
+    let [black, light] = [[0, 0, 0], [255, 188, 137]];
+    assert_eq!(picture.into_rgb8().into_raw(), [black, black, black, light, light, light].concat());
 }
 
 #[test]
@@ -49,8 +49,8 @@ fn an_exr_keeps_every_float() {
     PictureFile::create(&path).unwrap().write(&film()).unwrap();
     let picture = image::open(&path).unwrap();
     assert_eq!(picture.color(), image::ColorType::Rgb32F);
-    let [black, lamp] = [[0.0, 0.0, 0.0], [2.0, 0.5, 0.25]];
-    assert_eq!(picture.into_rgb32f().into_raw(), [black, black, black, lamp, lamp, lamp].concat());
+    let [black, light] = [[0.0, 0.0, 0.0], [2.0, 0.5, 0.25]];
+    assert_eq!(picture.into_rgb32f().into_raw(), [black, black, black, light, light, light].concat());
 }
 
 #[test]

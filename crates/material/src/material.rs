@@ -30,7 +30,7 @@ impl Material {
     ///
     /// # Errors
     /// [`MaterialError::Emission`] for a component outside `[0, Emission::MAX_RADIANCE]` or NaN.
-    pub fn lamp(radiance: Rgb) -> Result<Self, MaterialError> {
+    pub fn light(radiance: Rgb) -> Result<Self, MaterialError> {
         let bsdf = Bsdf::Lambert(Reflectance::default());
         Ok(Self { bsdf, emission: Emission::new(radiance, Sides::Front)? })
     }
@@ -53,13 +53,13 @@ mod tests {
             assert!(Material::mirror(Rgb::new(bad, 0.5, 0.5)).is_err(), "{bad}");
         }
         for bad in [-0.1, 1.1e100, f64::NAN, f64::INFINITY] {
-            assert!(Material::lamp(Rgb::new(0.5, bad, 0.5)).is_err(), "{bad}");
+            assert!(Material::light(Rgb::new(0.5, bad, 0.5)).is_err(), "{bad}");
         }
-        assert!(Material::lamp(Rgb::splat(1000.0)).is_ok());
+        assert!(Material::light(Rgb::splat(1000.0)).is_ok());
     }
 
     #[test]
-    fn a_lamp_shines_from_its_front_unless_double_sided() {
+    fn a_light_shines_from_its_front_unless_double_sided() {
         let front = Emission::new(Rgb::WHITE, Sides::Front).unwrap();
         assert_eq!((front.toward(0.1), front.toward(-0.1)), (Rgb::WHITE, Rgb::BLACK));
         let both = Emission::new(Rgb::WHITE, Sides::Both).unwrap();

@@ -13,8 +13,8 @@ pub fn corner(a: f64, b: f64) -> f64 {
     (part(a, b) + part(b, a)) / TAU
 }
 
-/// C3: the radiance of the floor of [`lamp_over_floor`](crate::scenes::lamp_over_floor) at `(x, z)`.
-pub fn floor_under_lamp(x: f64, z: f64) -> f64 {
+/// C3: the radiance of the floor of [`light_over_floor`](crate::scenes::light_over_floor) at `(x, z)`.
+pub fn floor_under_light(x: f64, z: f64) -> f64 {
     let factor = corner(1.0 - x, 1.0 - z)
         + corner(1.0 + x, 1.0 - z)
         + corner(1.0 - x, 1.0 + z)
@@ -22,7 +22,7 @@ pub fn floor_under_lamp(x: f64, z: f64) -> f64 {
     0.5 * factor
 }
 
-/// A camera under C3's lamp that sees nothing but floor, from its middle nearly to its edge, in a
+/// A camera under C3's light that sees nothing but floor, from its middle nearly to its edge, in a
 /// picture no wider than high.
 ///
 /// # Panics
@@ -54,7 +54,7 @@ fn pixel(camera: &Camera, side: u32, x: u32, y: u32) -> f64 {
         for (u, weight_u) in NODES {
             let ray = camera.ray(on_film(x, u), -on_film(y, v), 1.0);
             let point = ray.origin + ray.direction * (-ray.origin.y / ray.direction.y);
-            mean += 0.25 * weight_u * weight_v * floor_under_lamp(point.x, point.z);
+            mean += 0.25 * weight_u * weight_v * floor_under_light(point.x, point.z);
         }
     }
     mean
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_floor_is_the_number_in_the_books() {
-        assert!((floor_under_lamp(0.0, 0.0) - 0.277_063_212).abs() < 1e-9);
+        assert!((floor_under_light(0.0, 0.0) - 0.277_063_212).abs() < 1e-9);
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub struct Subject {
     /// Half the height of what is seen, as a share of its distance.
     pub half_height: f64,
     /// Where shadow rays end.
-    pub lamp: DVec3,
+    pub light: DVec3,
 }
 
 impl Subject {
@@ -34,12 +34,12 @@ impl Subject {
         let target = if empty { DVec3::ZERO } else { (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0 };
         let size = bounds.extent().max_element().max(f64::MIN_POSITIVE);
         let eye = target + DVec3::new(0.3, 0.2, 1.5) * size;
-        let lamp = target + DVec3::new(0.8, 1.5, 0.9) * size;
-        Ok(Self { name: name.into(), triangles, eye, target, half_height: 0.35, lamp })
+        let light = target + DVec3::new(0.8, 1.5, 0.9) * size;
+        Ok(Self { name: name.into(), triangles, eye, target, half_height: 0.35, light })
     }
 
-    fn seen(self, eye: DVec3, target: DVec3, half_height: f64, lamp: DVec3) -> Self {
-        Self { eye, target, half_height, lamp, ..self }
+    fn seen(self, eye: DVec3, target: DVec3, half_height: f64, light: DVec3) -> Self {
+        Self { eye, target, half_height, light, ..self }
     }
 }
 
@@ -62,8 +62,8 @@ fn stadium() -> Result<Subject, GeomError> {
     let mut mesh = statue(10_000).placed(0.1, DVec3::Y * 0.1).triangles();
     let corner = |x: f64, z: f64| 5e3 * DVec3::new(x, 0.0, z);
     mesh.extend(quad(corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)));
-    let (eye, target, lamp) = (DVec3::new(0.1, 0.3, 0.4), DVec3::Y * 0.1, DVec3::new(0.2, 0.8, 0.3));
-    Ok(Subject::new("stadium", mesh)?.seen(eye, target, 0.35, lamp))
+    let (eye, target, light) = (DVec3::new(0.1, 0.3, 0.4), DVec3::Y * 0.1, DVec3::new(0.2, 0.8, 0.3));
+    Ok(Subject::new("stadium", mesh)?.seen(eye, target, 0.35, light))
 }
 
 /// A hall with columns and furniture, everything aligned with the axes: about 50,000 triangles.
@@ -88,8 +88,8 @@ fn hall() -> Result<Subject, GeomError> {
             }
         }
     }
-    let (eye, target, lamp) = (DVec3::new(-28.0, 5.0, 16.0), DVec3::new(5.0, 1.0, -4.0), DVec3::Y * 11.0);
-    Ok(Subject::new("hall", mesh)?.seen(eye, target, 0.6, lamp))
+    let (eye, target, light) = (DVec3::new(-28.0, 5.0, 16.0), DVec3::new(5.0, 1.0, -4.0), DVec3::Y * 11.0);
+    Ok(Subject::new("hall", mesh)?.seen(eye, target, 0.6, light))
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ pub struct Rays {
     /// From what the camera rays hit, in directions that follow the cosine: no two take the same
     /// way. Closest hits are asked for.
     pub bounce: Vec<Ray>,
-    /// From what the camera rays hit to one lamp: neighbours take nearly the same way. Any hit is
+    /// From what the camera rays hit to one light: neighbours take nearly the same way. Any hit is
     /// asked for.
     pub shadow: Vec<Ray>,
 }
@@ -31,9 +31,9 @@ impl Rays {
             let normal = if point.normal.dot(ray.direction) < 0.0 { point.normal } else { -point.normal };
             let along = CosineHemisphere::sample(Stream::new(0, index, 0).uniform_pair(0));
             bounce.push(point.spawn(Frame::around(normal).to_world(along)));
-            let mut to_lamp = point.spawn(subject.lamp - point.position);
-            to_lamp.t_max = 1.0;
-            shadow.push(to_lamp);
+            let mut to_light = point.spawn(subject.light - point.position);
+            to_light.t_max = 1.0;
+            shadow.push(to_light);
         }
         Self { camera, bounce, shadow }
     }

@@ -46,26 +46,26 @@ pub fn furnace(rho: f64, half: f64, center: DVec3) -> Model {
     model
 }
 
-/// C3: a lamp of 2 x 2 and radiance 1, at height 1, centred above a floor of albedo 0.5 at
+/// C3: a light of 2 x 2 and radiance 1, at height 1, centred above a floor of albedo 0.5 at
 /// height 0.
-pub fn lamp_over_floor() -> Model {
+pub fn light_over_floor() -> Model {
     let p = DVec3::new;
     let mut model = Model::default();
     let (lo, hi) = (-1.0, 1.0);
     model.add(lambert(0.5), quad(p(lo, 0.0, hi), p(hi, 0.0, hi), p(hi, 0.0, lo), p(lo, 0.0, lo)));
-    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
-    model.add(lamp, quad(p(lo, 1.0, lo), p(hi, 1.0, lo), p(hi, 1.0, hi), p(lo, 1.0, hi)));
+    let light = Material::light(Rgb::WHITE).expect("a finite radiance");
+    model.add(light, quad(p(lo, 1.0, lo), p(hi, 1.0, lo), p(hi, 1.0, hi), p(lo, 1.0, hi)));
     model
 }
 
-/// H55: a square lamp of radiance 1 at the origin, facing down, and a floor of albedo 0.5 that lies
+/// H55: a square light of radiance 1 at the origin, facing down, and a floor of albedo 0.5 that lies
 /// `height` below it.
-pub fn distant_lamp(side: f64, height: f64) -> Model {
+pub fn distant_light(side: f64, height: f64) -> Model {
     let p = DVec3::new;
     let mut model = Model::default();
     let (h, w) = (side / 2.0, height);
-    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
-    model.add(lamp, quad(p(-h, 0.0, -h), p(h, 0.0, -h), p(h, 0.0, h), p(-h, 0.0, h)));
+    let light = Material::light(Rgb::WHITE).expect("a finite radiance");
+    model.add(light, quad(p(-h, 0.0, -h), p(h, 0.0, -h), p(h, 0.0, h), p(-h, 0.0, h)));
     model.add(lambert(0.5), quad(p(-w, -w, w), p(w, -w, w), p(w, -w, -w), p(-w, -w, -w)));
     model
 }
@@ -87,7 +87,7 @@ pub fn kaleidoscope(floor: f64, ceiling: f64) -> Model {
     model
 }
 
-/// C11: two mirrors of reflectance `r` at heights 0 and 1 along x, and a lamp of radiance 1 that
+/// C11: two mirrors of reflectance `r` at heights 0 and 1 along x, and a light of radiance 1 that
 /// closes the corridor between them at `x = length`.
 pub fn mirror_corridor(r: f64, length: f64) -> Model {
     let p = DVec3::new;
@@ -96,49 +96,49 @@ pub fn mirror_corridor(r: f64, length: f64) -> Model {
         let floor = quad(p(-1.0, y, 1.0), p(length, y, 1.0), p(length, y, -1.0), p(-1.0, y, -1.0));
         model.add(mirror(r), floor);
     }
-    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
+    let light = Material::light(Rgb::WHITE).expect("a finite radiance");
     let end = [p(length, 0.0, -1.0), p(length, 0.0, 1.0), p(length, 1.0, 1.0), p(length, 1.0, -1.0)];
-    model.add(lamp, quad(end[0], end[1], end[2], end[3]));
+    model.add(light, quad(end[0], end[1], end[2], end[3]));
     model
 }
 
-/// C5: a lamp of radiance 1 from (x0, h, z0) to (x1, h, z1), facing down, above a floor of albedo
+/// C5: a light of radiance 1 from (x0, h, z0) to (x1, h, z1), facing down, above a floor of albedo
 /// 0.5 at height 0.
 pub fn rectangle_over_floor([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> Model {
     let p = DVec3::new;
     let mut model = Model::default();
     model.add(lambert(0.5), quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0)));
-    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
-    model.add(lamp, quad(p(x0, h, z0), p(x1, h, z0), p(x1, h, z1), p(x0, h, z1)));
+    let light = Material::light(Rgb::WHITE).expect("a finite radiance");
+    model.add(light, quad(p(x0, h, z0), p(x1, h, z0), p(x1, h, z1), p(x0, h, z1)));
     model
 }
 
 /// C9: C3 and a mirror of reflectance 0.9 at x = 1.5, which faces it.
-pub fn lamp_beside_mirror() -> Model {
+pub fn light_beside_mirror() -> Model {
     let p = DVec3::new;
-    let mut model = lamp_over_floor();
+    let mut model = light_over_floor();
     let wall = quad(p(1.5, 0.0, 3.0), p(1.5, 3.0, 3.0), p(1.5, 3.0, -3.0), p(1.5, 0.0, -3.0));
     model.add(mirror(0.9), wall);
     model
 }
 
-/// C10: C3, of whose lamp a black sheet at height 0.7 hides the half where x is above zero.
-pub fn lamp_half_hidden() -> Model {
+/// C10: C3, of whose light a black sheet at height 0.7 hides the half where x is above zero.
+pub fn light_half_hidden() -> Model {
     let p = DVec3::new;
-    let mut model = lamp_over_floor();
+    let mut model = light_over_floor();
     let sheet = quad(p(0.0, 0.7, -3.0), p(3.0, 0.7, -3.0), p(3.0, 0.7, 3.0), p(0.0, 0.7, 3.0));
     model.add(lambert(0.0), sheet);
     model
 }
 
-/// C12: a lamp of radiance 1, one unit wide and high, that stands on a floor of albedo 0.5 at
+/// C12: a light of radiance 1, one unit wide and high, that stands on a floor of albedo 0.5 at
 /// x = 0 and faces +x.
-pub fn lamp_on_floor() -> Model {
+pub fn light_on_floor() -> Model {
     let p = DVec3::new;
     let mut model = Model::default();
     model.add(lambert(0.5), quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0)));
-    let lamp = Material::lamp(Rgb::WHITE).expect("a finite radiance");
-    model.add(lamp, quad(p(0.0, 0.0, 0.5), p(0.0, 0.0, -0.5), p(0.0, 1.0, -0.5), p(0.0, 1.0, 0.5)));
+    let light = Material::light(Rgb::WHITE).expect("a finite radiance");
+    model.add(light, quad(p(0.0, 0.0, 0.5), p(0.0, 0.0, -0.5), p(0.0, 1.0, -0.5), p(0.0, 1.0, 0.5)));
     model
 }
 
@@ -155,13 +155,13 @@ pub fn disc(height: f64, sides: u32, down: bool) -> Vec<Triangle> {
     if down { fan.collect() } else { inside_out(fan) }
 }
 
-/// `lamp`, of radiance 1, above a floor of albedo 0.5 at height 0, `half` its half side.
-pub fn lamp_above_floor(lamp: impl IntoIterator<Item = Triangle>, half: f64) -> Model {
+/// `light`, of radiance 1, above a floor of albedo 0.5 at height 0, `half` its half side.
+pub fn light_above_floor(light: impl IntoIterator<Item = Triangle>, half: f64) -> Model {
     let mut model = Model::default();
     let (lo, hi) = (-half, half);
     let p = DVec3::new;
     model.add(lambert(0.5), quad(p(lo, 0.0, hi), p(hi, 0.0, hi), p(hi, 0.0, lo), p(lo, 0.0, lo)));
-    model.add(Material::lamp(Rgb::WHITE).expect("a finite radiance"), lamp);
+    model.add(Material::light(Rgb::WHITE).expect("a finite radiance"), light);
     model
 }
 
@@ -169,10 +169,10 @@ pub fn lamp_above_floor(lamp: impl IntoIterator<Item = Triangle>, half: f64) -> 
 /// connected part, emits radiance 4. Light that was reflected has radiance 1.5 in all of a true sphere.
 pub fn integrating_sphere(levels: u32) -> Model {
     let mut walls = inside_out(icosphere(levels).triangles());
-    let lamp = walls.split_off(walls.len() / 4 * 3);
+    let light = walls.split_off(walls.len() / 4 * 3);
     let mut model = Model::default();
     model.add(lambert(0.6), walls);
-    model.add(lambert(0.6).emitting(glow(4.0)), lamp);
+    model.add(lambert(0.6).emitting(glow(4.0)), light);
     model
 }
 

@@ -6,16 +6,16 @@ use globillum_material::Emission;
 
 /// The triangles that emit light, chosen with probability proportional to their power.
 #[derive(Clone, Debug)]
-pub struct Emitters {
+pub struct Lights {
     /// In the order of the table.
-    lamps: Vec<Lamp>,
+    lights: Vec<Light>,
     table: AliasTable,
     total_power: f64,
 }
 
 /// A triangle that emits, and what of it is the same for every shaded point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lamp {
+pub(crate) struct Light {
     pub(crate) triangle: u32,
     pub(crate) emission: Emission,
     pub(crate) normal: DVec3,
@@ -25,7 +25,7 @@ pub(crate) struct Lamp {
     reach_sq: f64,
 }
 
-impl Lamp {
+impl Light {
     /// Whether it may be a [`SphericalTriangle`] seen from `point`.
     #[inline(always)]
     pub(crate) fn may_look_large(&self, point: DVec3) -> bool {
@@ -33,7 +33,7 @@ impl Lamp {
     }
 }
 
-impl Emitters {
+impl Lights {
     pub(crate) fn of(model: &Model, triangles: &Triangles) -> Self {
         let emission = |index: u32| model.material(index as usize).emission;
         let (emitting, powers): (Vec<_>, Vec<_>) = triangles
@@ -43,15 +43,15 @@ impl Emitters {
             .filter(|(_, power)| *power > 0.0)
             .unzip();
         let total_power = powers.iter().sum();
-        let mut this = Self { lamps: Vec::new(), table: AliasTable::new(&powers), total_power };
-        let lamp = |index| this.lamp(index, triangles.get(index), emission(index));
-        this.lamps = emitting.into_iter().map(lamp).collect();
+        let mut this = Self { lights: Vec::new(), table: AliasTable::new(&powers), total_power };
+        let light = |index| this.light(index, triangles.get(index), emission(index));
+        this.lights = emitting.into_iter().map(light).collect();
         this
     }
 
-    fn lamp(&self, index: u32, triangle: &Triangle, emission: Emission) -> Lamp {
+    fn light(&self, index: u32, triangle: &Triangle, emission: Emission) -> Light {
         let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
-        Lamp {
+        Light {
             triangle: index,
             emission,
             normal: triangle.normal(),
@@ -64,23 +64,23 @@ impl Emitters {
 
     /// How many triangles emit.
     pub fn len(&self) -> usize {
-        self.lamps.len()
+        self.lights.len()
     }
 
     /// Whether nothing emits.
     pub fn is_empty(&self) -> bool {
-        self.lamps.is_empty()
+        self.lights.is_empty()
     }
 
     /// The indices of the triangles that emit.
     pub(crate) fn triangles(&self) -> impl Iterator<Item = u32> {
-        self.lamps.iter().map(|lamp| lamp.triangle)
+        self.lights.iter().map(|light| light.triangle)
     }
 
     /// Chooses a triangle by `u` in `[0, 1)`. `None` if nothing emits.
     #[inline(always)]
-    pub(crate) fn choose(&self, u: f64) -> Option<&Lamp> {
-        Some(&self.lamps[self.table.sample(u)?])
+    pub(crate) fn choose(&self, u: f64) -> Option<&Light> {
+        Some(&self.lights[self.table.sample(u)?])
     }
 
     /// The probability with which `triangle`, which emits `emission`, is chosen.
@@ -89,7 +89,7 @@ impl Emitters {
     }
 
     /// The density of a point that is chosen uniformly by area on the triangle chosen, which emits
-    /// `emission`, over all emitters together. The area cancels.
+    /// `emission`, over all lights together. The area cancels.
     pub(crate) fn area_density(&self, emission: &Emission) -> PdfArea {
         PdfArea(emission.exitance().luminance() / self.total_power)
     }
@@ -108,7 +108,7 @@ mod tests {
     use globillum_material::{Material, Rgb, Sides};
 
     /// Triangles of area 1/2 and of these radiances.
-    fn emitters(radiances: &[f64]) -> (Triangles, Emitters) {
+    fn lights(radiances: &[f64]) -> (Triangles, Lights) {
         let mut model = Model::default();
         for (i, &radiance) in radiances.iter().enumerate() {
             let corner = Vec3::new(i as f32, 0.0, 0.0);
@@ -117,37 +117,37 @@ mod tests {
             model.add(material, [Triangle::new(corner, corner + Vec3::X, corner + Vec3::Y)]);
         }
         let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
-        let emitters = Emitters::of(&model, &triangles);
-        (triangles, emitters)
+        let lights = Lights::of(&model, &triangles);
+        (triangles, lights)
     }
 
     #[test]
     fn what_does_not_emit_is_never_chosen() {
-        let (_, emitters) = emitters(&[0.0, 1.0, 0.0, 3.0, 0.0]);
-        assert_eq!(emitters.len(), 2);
+        let (_, lights) = lights(&[0.0, 1.0, 0.0, 3.0, 0.0]);
+        assert_eq!(lights.len(), 2);
         for i in 0..10_000 {
-            let lamp = emitters.choose(Stream::new(1, 0, i).uniform(0)).unwrap();
-            assert!(lamp.emission.toward(1.0).g > 0.0);
+            let light = lights.choose(Stream::new(1, 0, i).uniform(0)).unwrap();
+            assert!(light.emission.toward(1.0).g > 0.0);
         }
-        assert!(self::emitters(&[0.0]).1.is_empty());
+        assert!(self::lights(&[0.0]).1.is_empty());
     }
 
     /// H57: powers that differ by a factor of 1e12 are chosen in proportion, a million of them.
     #[test]
-    fn h57_a_million_emitters_are_chosen_by_their_power() {
+    fn h57_a_million_lights_are_chosen_by_their_power() {
         let radiances: Vec<f64> = (0..1_000_000).map(|i| 10.0_f64.powi(i % 13 - 6)).collect();
-        let (triangles, emitters) = emitters(&radiances);
+        let (triangles, lights) = lights(&radiances);
         let total: f64 = radiances.iter().sum();
         // One cell for each radiance: counts of the rarest are pooled.
         let (mut counts, draws) = ([0_u32; 13], 2_000_000);
         for i in 0..draws {
-            let lamp = emitters.choose(Stream::new(2, 0, i).uniform(0)).unwrap();
-            let radiance = lamp.emission.toward(1.0).g;
+            let light = lights.choose(Stream::new(2, 0, i).uniform(0)).unwrap();
+            let radiance = light.emission.toward(1.0).g;
             counts[(radiance.log10().round() + 6.0) as usize] += 1;
-            let prob = emitters.choice_prob(triangles.get(lamp.triangle), &lamp.emission);
-            assert_eq!(prob, lamp.choice_prob);
+            let prob = lights.choice_prob(triangles.get(light.triangle), &light.emission);
+            assert_eq!(prob, light.choice_prob);
             assert!((prob / (radiance / total) - 1.0).abs() < 1e-9);
-            assert!((lamp.area_density.0 / (2.0 * prob) - 1.0).abs() < 1e-12);
+            assert!((light.area_density.0 / (2.0 * prob) - 1.0).abs() < 1e-12);
         }
         let (mut chi_sq, mut pool, mut cells) = (0.0, (0.0, 0.0), 0.0);
         for (i, &count) in (0..).zip(&counts) {

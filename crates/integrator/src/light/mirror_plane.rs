@@ -14,7 +14,7 @@ pub(crate) struct PlaneMirror {
     triangles: Vec<Triangle>,
     /// Of all triangles.
     pub(super) area: f64,
-    /// Whether lamps were found to be seen from the back, and from the front.
+    /// Whether lights were found to be seen from the back, and from the front.
     pub(super) lit: [bool; 2],
 }
 
@@ -75,18 +75,18 @@ impl PlaneMirror {
         self.triangles.iter().any(|triangle| shear.decide(triangle).is_some_and(|hit| hit.t > 0.0))
     }
 
-    /// Whether the mirror may show part of `lamps` to `from`. It does not where all of it lies on the
-    /// other side or beyond the window, where no lamp was found on that side, or where `from` can not
+    /// Whether the mirror may show part of `lights` to `from`. It does not where all of it lies on the
+    /// other side or beyond the window, where no light was found on that side, or where `from` can not
     /// be told from lying in the plane.
-    pub(super) fn may_show(&self, lamps: &Sphere, from: DVec3) -> bool {
+    pub(super) fn may_show(&self, lights: &Sphere, from: DVec3) -> bool {
         let height = self.height(from);
-        let lamps_height = self.height(lamps.center) * 1.0_f64.copysign(height);
+        let lights_height = self.height(lights.center) * 1.0_f64.copysign(height);
         let lit = self.lit[usize::from(height > 0.0)];
-        if !lit || height.abs() <= self.tolerance || lamps_height < -lamps.radius {
+        if !lit || height.abs() <= self.tolerance || lights_height < -lights.radius {
             return false;
         }
         let image = from - 2.0 * height * self.normal;
-        self.triangles.iter().any(|triangle| lamps.may_be_seen_through(triangle, image))
+        self.triangles.iter().any(|triangle| lights.may_be_seen_through(triangle, image))
     }
 }
 

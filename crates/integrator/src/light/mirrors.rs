@@ -1,13 +1,13 @@
-//! Lamps in plane mirrors.
+//! Lights in plane mirrors.
 
-use super::lights::{Emitters, Lamp};
+use super::lights::{Light, Lights};
 use super::mirror_plane::{PlaneMirror, Sphere};
 use crate::{Model, Stream};
 use glam::DVec3;
 use globillum_geom::{Accel, Triangle, Triangles};
 use globillum_material::Bsdf;
 
-/// The plane mirrors of a scene, in which lamps are looked for.
+/// The plane mirrors of a scene, in which lights are looked for.
 ///
 /// What a point `x` sees in a plane mirror is what its image `x'`, on the other side of the plane,
 /// sees through the mirror's triangles as through a window. Reflection is an isometry: a density
@@ -18,7 +18,7 @@ pub(crate) struct PlaneMirrors {
     /// The triangles of all planes, each with its plane, by ascending triangle.
     members: Vec<(u32, usize)>,
     /// Around everything that emits.
-    lamps: Sphere,
+    light_bounds: Sphere,
 }
 
 /// A shaded point as it is seen in one of the plane mirrors.
@@ -48,21 +48,21 @@ impl PlaneMirrors {
     const LEAST_TRIANGLE: f64 = 1.0 / 256.0;
 
     /// Groups the ideal mirrors by planes; none if nothing emits.
-    pub(crate) fn of<A: Accel>(model: &Model, triangles: &Triangles, emitters: &Emitters, accel: &A) -> Self {
-        let emitting = emitters.triangles().flat_map(|index| triangles.get(index).vertices);
-        let lamps = Sphere::around(emitting);
-        if emitters.is_empty() {
-            return Self { planes: Vec::new(), members: Vec::new(), lamps };
+    pub(crate) fn of<A: Accel>(model: &Model, triangles: &Triangles, lights: &Lights, accel: &A) -> Self {
+        let emitting = lights.triangles().flat_map(|index| triangles.get(index).vertices);
+        let light_bounds = Sphere::around(emitting);
+        if lights.is_empty() {
+            return Self { planes: Vec::new(), members: Vec::new(), light_bounds };
         }
         let mut planes = Vec::new();
         let mut members = Vec::new();
         for mut group in groups(model, triangles) {
-            group.plane.lit = lit(&group, triangles, emitters, accel);
+            group.plane.lit = lit(&group, triangles, lights, accel);
             members.extend(group.members.iter().map(|&index| (index, planes.len())));
             planes.push(group.plane);
         }
         members.sort_unstable();
-        Self { planes, members, lamps }
+        Self { planes, members, light_bounds }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -75,7 +75,7 @@ impl PlaneMirrors {
         Some(self.members[place].1)
     }
 
-    /// Chooses one of the mirrors in which `from` may see a lamp, all alike, by the `u` in `[0, 1)` that
+    /// Chooses one of the mirrors in which `from` may see a light, all alike, by the `u` in `[0, 1)` that
     /// it is handed; `None` if there is none.
     pub(crate) fn choose(&self, from: DVec3, u: impl FnOnce() -> f64) -> Option<Image<'_>> {
         let candidates = self.candidates(from);
@@ -100,9 +100,9 @@ impl PlaneMirrors {
         Image { mirror, plane, position: mirror.image_of(from), choice_prob }
     }
 
-    /// Mirrors in which a lamp may be seen from `from`.
+    /// Mirrors in which a light may be seen from `from`.
     fn candidates(&self, from: DVec3) -> Candidates {
-        let may_show = |mirror: &PlaneMirror| u64::from(mirror.may_show(&self.lamps, from));
+        let may_show = |mirror: &PlaneMirror| u64::from(mirror.may_show(&self.light_bounds, from));
         let shifted = (0..).zip(&self.planes).map(|(plane, mirror)| may_show(mirror) << plane);
         Candidates(shifted.fold(0, |all, one| all | one))
     }
@@ -158,24 +158,24 @@ fn groups(model: &Model, triangles: &Triangles) -> Vec<Group> {
     groups
 }
 
-/// Whether lamps are seen from the plane's back, and from its front: not if none of 128 segments
-/// between points of mirror and lamps is free. The inside of a body of mirrors is so told from its
-/// outside. A side that sees a lamp after all is left to scattering.
-fn lit<A: Accel>(group: &Group, triangles: &Triangles, emitters: &Emitters, accel: &A) -> [bool; 2] {
+/// Whether lights are seen from the plane's back, and from its front: not if none of 128 segments
+/// between points of mirror and lights is free. The inside of a body of mirrors is so told from its
+/// outside. A side that sees a light after all is left to scattering.
+fn lit<A: Accel>(group: &Group, triangles: &Triangles, lights: &Lights, accel: &A) -> [bool; 2] {
     let mut lit = [false; 2];
     for (i, &member) in (0..128).zip(group.members.iter().cycle()) {
         let numbers = Stream::new(0, group.members[0].into(), i);
-        let Some(&Lamp { triangle, emission, .. }) = emitters.choose(numbers.uniform(0)) else { continue };
+        let Some(&Light { triangle, emission, .. }) = lights.choose(numbers.uniform(0)) else { continue };
         let place = |index: u32, u: [f64; 2]| {
             let (u, v) = Triangle::sample_uniform(u);
             triangles.surface_point(index, u, v)
         };
-        let (mirror, lamp) =
+        let (mirror, light) =
             (place(member, numbers.uniform_pair(1)), place(triangle, numbers.uniform_pair(3)));
-        let side = usize::from(group.plane.height(lamp.position) > 0.0);
-        let shines = !emission.toward(lamp.normal.dot(mirror.position - lamp.position)).is_black();
+        let side = usize::from(group.plane.height(light.position) > 0.0);
+        let shines = !emission.toward(light.normal.dot(mirror.position - light.position)).is_black();
         let is_free = |segment| !accel.occluded(&segment);
-        lit[side] = lit[side] || shines && mirror.segment_to(&lamp).is_some_and(is_free);
+        lit[side] = lit[side] || shines && mirror.segment_to(&light).is_some_and(is_free);
     }
     lit
 }
@@ -192,18 +192,18 @@ mod tests {
         Material::mirror(Rgb::splat(0.9)).unwrap()
     }
 
-    /// Mirrors under a lamp that faces down.
-    fn under_a_lamp(mirrors: impl IntoIterator<Item = Triangle>) -> (Triangles, Emitters, PlaneMirrors) {
+    /// Mirrors under a light that faces down.
+    fn under_a_light(mirrors: impl IntoIterator<Item = Triangle>) -> (Triangles, Lights, PlaneMirrors) {
         let p = DVec3::new;
         let mut model = Model::default();
-        let lamp = quad(p(-1.0, 4.0, -1.0), p(1.0, 4.0, -1.0), p(1.0, 4.0, 1.0), p(-1.0, 4.0, 1.0));
-        model.add(Material::lamp(Rgb::WHITE).unwrap(), lamp);
+        let light = quad(p(-1.0, 4.0, -1.0), p(1.0, 4.0, -1.0), p(1.0, 4.0, 1.0), p(-1.0, 4.0, 1.0));
+        model.add(Material::light(Rgb::WHITE).unwrap(), light);
         model.add(mirror(), mirrors);
         let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
-        let emitters = Emitters::of(&model, &triangles);
+        let lights = Lights::of(&model, &triangles);
         let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
-        let mirrors = PlaneMirrors::of(&model, &triangles, &emitters, &tree);
-        (triangles, emitters, mirrors)
+        let mirrors = PlaneMirrors::of(&model, &triangles, &lights, &tree);
+        (triangles, lights, mirrors)
     }
 
     fn block() -> Vec<Triangle> {
@@ -250,21 +250,21 @@ mod tests {
             ("a die of twenty faces", icosphere(0).triangles(), 20, 20),
         ];
         for (what, mirrors, planes, members) in cases {
-            let (.., found) = under_a_lamp(mirrors);
+            let (.., found) = under_a_light(mirrors);
             assert_eq!((found.planes.len(), found.members.len()), (planes, members), "{what}");
         }
         let mut dark = Model::default();
         dark.add(mirror(), block());
         let triangles = Triangles::new(dark.triangles().to_vec()).unwrap();
         let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
-        let found = PlaneMirrors::of(&dark, &triangles, &Emitters::of(&dark, &triangles), &tree);
+        let found = PlaneMirrors::of(&dark, &triangles, &Lights::of(&dark, &triangles), &tree);
         assert!(found.is_empty());
     }
 
-    /// Of the block's faces those that face down see no lamp, and none does from within.
+    /// Of the block's faces those that face down see no light, and none does from within.
     #[test]
-    fn sides_that_see_lamps_are_found() {
-        let (_, _, mirrors) = under_a_lamp(block());
+    fn sides_that_see_lights_are_found() {
+        let (_, _, mirrors) = under_a_light(block());
         let lit: usize = mirrors.planes.iter().flat_map(|plane| plane.lit).map(usize::from).sum();
         assert_eq!(lit, 5);
         for plane in &mirrors.planes {
@@ -272,11 +272,11 @@ mod tests {
         }
     }
 
-    /// No point that sees a lamp in a mirror is told that it sees none there, each mirror is chosen as
+    /// No point that sees a light in a mirror is told that it sees none there, each mirror is chosen as
     /// often as is told, and in all with certainty.
     #[test]
-    fn what_may_show_a_lamp_is_chosen_as_often_as_told() {
-        let (triangles, emitters, mirrors) = under_a_lamp(block());
+    fn what_may_show_a_light_is_chosen_as_often_as_told() {
+        let (triangles, lights, mirrors) = under_a_light(block());
         let mut seen = 0;
         for i in 0..100_000 {
             let numbers = Stream::new(5, 0, i);
@@ -291,12 +291,12 @@ mod tests {
                 mirrors.choose(from, u).unwrap().plane
             });
             assert!(chosen.eq(images().map(|image| image.plane)));
-            let lamp = emitters.choose(numbers.uniform(4)).unwrap().triangle;
+            let light = lights.choose(numbers.uniform(4)).unwrap().triangle;
             let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(5));
-            let lamp = triangles.surface_point(lamp, u, v).position;
+            let light = triangles.surface_point(light, u, v).position;
             for (plane, mirror) in mirrors.planes.iter().enumerate() {
-                let toward = mirror.reflect(lamp - mirror.image_of(from));
-                let shown = mirror.same_side(from, lamp) && mirror.is_met_by(&Ray::new(from, toward));
+                let toward = mirror.reflect(light - mirror.image_of(from));
+                let shown = mirror.same_side(from, light) && mirror.is_met_by(&Ray::new(from, toward));
                 if shown && mirror.lit[usize::from(mirror.height(from) > 0.0)] {
                     seen += 1;
                     assert!(mirrors.image_in(plane, from).is_some(), "{from} {plane}");
@@ -308,7 +308,7 @@ mod tests {
 
     #[test]
     fn a_point_in_a_mirrors_plane_has_no_image_in_it() {
-        let (.., mirrors) = under_a_lamp([Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)]);
+        let (.., mirrors) = under_a_light([Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)]);
         let at = |y: f64| mirrors.choose(DVec3::new(0.2, y, 0.2), || 0.5).map(|image| image.position.y);
         assert_eq!((at(0.0), at(1e-7), at(-1.0), at(1.0)), (None, None, None, Some(-1.0)));
     }

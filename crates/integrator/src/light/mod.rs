@@ -6,7 +6,7 @@ mod mirror_plane;
 mod mirrors;
 mod sampling;
 
-pub use lights::Emitters;
+pub use lights::Lights;
 pub(crate) use mirrors::{Image, PlaneMirrors};
-pub(crate) use sampling::LampSampler;
+pub(crate) use sampling::LightSampler;
 pub use sampling::LightSampling;

@@ -1,4 +1,4 @@
-use super::lights::Emitters;
+use super::lights::Lights;
 use glam::DVec3;
 use globillum_geom::{PdfSolidAngle, SphericalTriangle, SurfacePoint, Triangle, Triangles};
 use globillum_material::{Emission, Rgb};
@@ -17,17 +17,17 @@ pub enum LightSampling {
 
 /// Chooses points on the lights for one shaded point, and knows the density of every choice.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LampSampler<'a> {
-    pub(crate) emitters: &'a Emitters,
+pub(crate) struct LightSampler<'a> {
+    pub(crate) lights: &'a Lights,
     pub(crate) triangles: &'a Triangles,
     pub(crate) sampling: LightSampling,
     /// The shaded point.
     pub(crate) from: DVec3,
 }
 
-/// A point on a light, chosen by [`LampSampler::sample`].
+/// A point on a light, chosen by [`LightSampler::sample`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LampSample {
+pub(crate) struct LightSample {
     /// The point.
     pub(crate) point: SurfacePoint,
     /// Unit direction from the shaded point.
@@ -38,40 +38,40 @@ pub(crate) struct LampSample {
     pub(crate) pdf: PdfSolidAngle,
 }
 
-impl LampSampler<'_> {
+impl LightSampler<'_> {
     /// Chooses a triangle by `choice` in `[0, 1)` and a point of it by `u` in `[0, 1)^2`. `None` if
     /// nothing emits, or the point chosen does not emit toward the shaded one.
     #[inline(always)]
-    pub(crate) fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LampSample> {
-        let lamp = self.emitters.choose(choice)?;
-        let triangle = self.triangles.get(lamp.triangle);
-        let spherical = if lamp.may_look_large(self.from) { self.by_solid_angle(triangle) } else { None };
+    pub(crate) fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
+        let light = self.lights.choose(choice)?;
+        let triangle = self.triangles.get(light.triangle);
+        let spherical = if light.may_look_large(self.from) { self.by_solid_angle(triangle) } else { None };
         let (u, v) = match &spherical {
             Some(spherical) => spherical.sample(u),
             None => Triangle::sample_uniform(u),
         };
-        let point = self.triangles.surface_point_with_normal(lamp.triangle, lamp.normal, u, v);
+        let point = self.triangles.surface_point_with_normal(light.triangle, light.normal, u, v);
         let Line { direction, distance_sq, cos_light } = self.line_to(&point);
-        let radiance = lamp.emission.toward(cos_light);
+        let radiance = light.emission.toward(cos_light);
         if radiance.is_black() {
             return None;
         }
         let pdf = match spherical {
-            Some(spherical) => spherical.pdf().chosen_with(lamp.choice_prob),
-            None => lamp.area_density.to_solid_angle(distance_sq, cos_light)?,
+            Some(spherical) => spherical.pdf().chosen_with(light.choice_prob),
+            None => light.area_density.to_solid_angle(distance_sq, cos_light)?,
         };
-        Some(LampSample { point, direction, radiance, pdf })
+        Some(LightSample { point, direction, radiance, pdf })
     }
 
-    /// The density with which [`LampSampler::sample`] chooses the direction to `point`, which lies on
+    /// The density with which [`LightSampler::sample`] chooses the direction to `point`, which lies on
     /// triangle `index` that emits `emission`; 0 for a point seen edge-on.
     pub(crate) fn pdf(&self, index: u32, point: &SurfacePoint, emission: &Emission) -> PdfSolidAngle {
         let triangle = self.triangles.get(index);
         match self.by_solid_angle(triangle) {
-            Some(spherical) => spherical.pdf().chosen_with(self.emitters.choice_prob(triangle, emission)),
+            Some(spherical) => spherical.pdf().chosen_with(self.lights.choice_prob(triangle, emission)),
             None => {
                 let Line { distance_sq, cos_light, .. } = self.line_to(point);
-                let density = self.emitters.area_density(emission);
+                let density = self.lights.area_density(emission);
                 density.to_solid_angle(distance_sq, cos_light).unwrap_or(PdfSolidAngle(0.0))
             }
         }
@@ -112,8 +112,8 @@ mod tests {
     use glam::Vec3;
     use globillum_material::{Material, Sides};
 
-    /// Lamps of several sizes, radiances and sides around the origin, and what does not emit.
-    fn lamps() -> (Triangles, Vec<Emission>, Emitters) {
+    /// Lights of several sizes, radiances and sides around the origin, and what does not emit.
+    fn lights() -> (Triangles, Vec<Emission>, Lights) {
         let mut model = Model::default();
         let mut add = |[a, b, c]: [[f32; 3]; 3], radiance: f64, sides: Sides| {
             let emission = Emission::new(Rgb::splat(radiance), sides).unwrap();
@@ -126,11 +126,11 @@ mod tests {
         add([[30.0, 0.0, 1.0], [30.0, 1.0, 0.0], [30.0, 0.0, 0.0]], 20.0, Sides::Both);
         let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
         let emissions = (0..4).map(|i| model.material(i).emission).collect();
-        let emitters = Emitters::of(&model, &triangles);
-        (triangles, emissions, emitters)
+        let lights = Lights::of(&model, &triangles);
+        (triangles, emissions, lights)
     }
 
-    /// In front of all, beside an edge, in a lamp's plane, on a lamp, behind one, and far away.
+    /// In front of all, beside an edge, in a light's plane, on a light, behind one, and far away.
     const PLACES: [DVec3; 6] = [
         DVec3::ZERO,
         DVec3::new(1.999, 0.5, -1e-5),
@@ -143,16 +143,16 @@ mod tests {
     /// What scattering is told of a point that it meets is what sampling would have made of it.
     #[test]
     fn the_density_asked_for_is_that_of_the_sample() {
-        let (triangles, emissions, emitters) = lamps();
+        let (triangles, emissions, lights) = lights();
         for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
             for from in PLACES {
-                let lamps = LampSampler { emitters: &emitters, triangles: &triangles, sampling, from };
+                let sampler = LightSampler { lights: &lights, triangles: &triangles, sampling, from };
                 for i in 0..1000 {
                     let numbers = Stream::new(3, 0, i);
                     let (choice, u) = (numbers.uniform(0), numbers.uniform_pair(1));
-                    let Some(sample) = lamps.sample(choice, u) else { continue };
-                    let index = emitters.choose(choice).unwrap().triangle;
-                    let asked = lamps.pdf(index, &sample.point, &emissions[index as usize]);
+                    let Some(sample) = sampler.sample(choice, u) else { continue };
+                    let index = lights.choose(choice).unwrap().triangle;
+                    let asked = sampler.pdf(index, &sample.point, &emissions[index as usize]);
                     assert_eq!(asked, sample.pdf, "{sampling:?} {from}");
                     assert!(sample.pdf.0 > 0.0 && (sample.direction.length() - 1.0).abs() < 1e-14);
                 }
@@ -162,8 +162,8 @@ mod tests {
 
     /// The mean of one over the density is the solid angle of what emits toward the shaded point.
     #[test]
-    fn densities_cover_what_is_seen_of_the_lamps() {
-        let (triangles, _, emitters) = lamps();
+    fn densities_cover_what_is_seen_of_the_lights() {
+        let (triangles, _, lights) = lights();
         let from = DVec3::ZERO;
         // The third and the fourth emit on both sides; the first faces the origin.
         let seen = [0, 2].map(|i| SphericalTriangle::new(triangles.get(i), from).unwrap().solid_angle());
@@ -171,11 +171,11 @@ mod tests {
         let centre = DVec3::new(30.0, 1.0 / 3.0, 1.0 / 3.0);
         let truth = seen.iter().sum::<f64>() + 0.5 * 30.0 / centre.length().powi(3);
         for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
-            let lamps = LampSampler { emitters: &emitters, triangles: &triangles, sampling, from };
+            let sampler = LightSampler { lights: &lights, triangles: &triangles, sampling, from };
             let (mut sum, mut sum_sq, n) = (0.0, 0.0, 2_000_000);
             for i in 0..n {
                 let numbers = Stream::new(4, 0, i);
-                let sample = lamps.sample(numbers.uniform(0), numbers.uniform_pair(1));
+                let sample = sampler.sample(numbers.uniform(0), numbers.uniform_pair(1));
                 let inverse = sample.map_or(0.0, |sample| 1.0 / sample.pdf.0);
                 (sum, sum_sq) = (sum + inverse, sum_sq + inverse * inverse);
             }

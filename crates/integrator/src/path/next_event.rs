@@ -1,20 +1,20 @@
 use super::job::View;
 use super::state::Path;
 use super::vertex::{Choice, Shaded};
-use crate::light::{Image, LampSampler};
+use crate::light::{Image, LightSampler};
 use crate::{Estimator, Interaction, MirrorSampling};
 use glam::DVec3;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 
-/// Light that a mirror throws, if the ray toward the mirror meets nothing before it, and the lamp is to
+/// Light that a mirror throws, if the ray toward the mirror meets nothing before it, and the light is to
 /// be seen from there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Thrown {
     /// Which of the plane mirrors.
     pub(super) plane: usize,
-    /// The point on the lamp.
-    pub(super) lamp: SurfacePoint,
+    /// The point on the light.
+    pub(super) light: SurfacePoint,
     /// What arrives at the path's start by a perfect mirror.
     pub(super) radiance: Rgb,
 }
@@ -30,13 +30,13 @@ impl<A> View<'_, A> {
         }
         let Choice { density, from, from_prob, .. } = path.choice;
         let by_light_sample =
-            || self.lamps_from(from).pdf(hit.triangle, &at.point, emission).chosen_with(from_prob);
+            || self.lights_from(from).pdf(hit.triangle, &at.point, emission).chosen_with(from_prob);
         emitted * self.settings.estimator.weight_of_emission(density, by_light_sample)
     }
 
     /// How points on lights are chosen where `from` is shaded.
-    fn lamps_from(&self, from: DVec3) -> LampSampler<'_> {
-        self.scene.lamp_sampler(self.settings.light_sampling, from)
+    fn lights_from(&self, from: DVec3) -> LightSampler<'_> {
+        self.scene.light_sampler(self.settings.light_sampling, from)
     }
 
     fn samples_lights(&self, bsdf: &Bsdf) -> bool {
@@ -56,7 +56,7 @@ impl<A> View<'_, A> {
         if !self.samples_lights(&at.material.bsdf) {
             return None;
         }
-        let light = self.lamps_from(at.point.position).sample(numbers.light, numbers.point)?;
+        let light = self.lights_from(at.point.position).sample(numbers.light, numbers.point)?;
         let radiance = self.scattered(path, shaded, light.direction, light.radiance, light.pdf)?;
         Some((at.point.segment_to(&light.point)?, radiance))
     }
@@ -74,7 +74,7 @@ impl<A> View<'_, A> {
         let image = self.scene.mirrors().choose(position, || path.numbers.mirror(*bounce))?;
         let Image { mirror, plane, choice_prob, .. } = image;
         let (choice, u) = path.numbers.light_in_mirror(*bounce);
-        let light = self.lamps_from(image.position).sample(choice, u)?;
+        let light = self.lights_from(image.position).sample(choice, u)?;
         if !mirror.same_side(position, light.point.position) {
             return None;
         }
@@ -82,7 +82,7 @@ impl<A> View<'_, A> {
         let pdf = light.pdf.chosen_with(choice_prob);
         let radiance = self.scattered(path, shaded, direction, light.radiance, pdf)?;
         let ray = at.point.spawn(direction);
-        mirror.is_met_by(&ray).then_some((ray, Thrown { plane, lamp: light.point, radiance }))
+        mirror.is_met_by(&ray).then_some((ray, Thrown { plane, light: light.point, radiance }))
     }
 
     /// What a light sample, of density `pdf`, brings to the path's start by its share: `radiance`
@@ -104,7 +104,7 @@ impl<A> View<'_, A> {
         (!radiance.is_black()).then_some(radiance)
     }
 
-    /// The segment from the mirror to the lamp, which must be free too, and the light that then
+    /// The segment from the mirror to the light, which must be free too, and the light that then
     /// arrives at the path's start; `None` if what the ray met is not the mirror.
     pub(super) fn reflected(&self, thrown: &Thrown, met: Option<Hit>) -> Option<(Ray, Rgb)> {
         let hit = met.filter(|hit| self.scene.mirrors().plane_of(hit.triangle) == Some(thrown.plane))?;
@@ -114,7 +114,7 @@ impl<A> View<'_, A> {
             return None;
         }
         let point = self.scene.triangles().surface_point(hit.triangle, hit.u, hit.v);
-        Some((point.segment_to(&thrown.lamp)?, radiance))
+        Some((point.segment_to(&thrown.light)?, radiance))
     }
 
     /// `choice` after the path met an ideal mirror, triangle `index`.
@@ -148,16 +148,16 @@ mod tests {
     use globillum_geom::{Accel, KdOptions, KdTree};
     use globillum_material::Material;
 
-    const LAMP: Rgb = Rgb::splat(3.0);
+    const LIGHT: Rgb = Rgb::splat(3.0);
 
-    /// A floor between two mirrors of reflectance 0.9, under a lamp.
+    /// A floor between two mirrors of reflectance 0.9, under a light.
     fn between_mirrors() -> Scene<KdTree> {
         let p = DVec3::new;
         let mut model = Model::default();
         let floor = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
         model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), floor);
-        let lamp = quad(p(-0.5, 1.0, -0.5), p(0.5, 1.0, -0.5), p(0.5, 1.0, 0.5), p(-0.5, 1.0, 0.5));
-        model.add(Material::lamp(LAMP).unwrap(), lamp);
+        let light = quad(p(-0.5, 1.0, -0.5), p(0.5, 1.0, -0.5), p(0.5, 1.0, 0.5), p(-0.5, 1.0, 0.5));
+        model.add(Material::light(LIGHT).unwrap(), light);
         for x in [-1.5, 1.5] {
             let wall = quad(p(x, 0.0, 3.0), p(x, 3.0, 3.0), p(x, 3.0, -3.0), p(x, 0.0, -3.0));
             model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), wall);
@@ -187,7 +187,7 @@ mod tests {
     /// The share of what `ray` meets that is added to the path.
     fn share_of_emission(view: &View<'_, KdTree>, path: &Path, ray: &Ray) -> f64 {
         let hit = view.scene.accel().intersect(ray).unwrap();
-        view.emitted(path, &hit, &view.scene.interaction(ray, &hit)).g / LAMP.g
+        view.emitted(path, &hit, &view.scene.interaction(ray, &hit)).g / LIGHT.g
     }
 
     /// What is sampled in a mirror, and the path that scatters in the same direction, are shares of
@@ -226,7 +226,7 @@ mod tests {
             let numbers = settings[0].sampler.numbers(1, 0, 0, &(0..16));
             let mut path = Path::from_camera(0, numbers, down.origin);
             path.choice = Choice::at_surface(Density::SolidAngle(PdfSolidAngle(0.1)), at.point.position);
-            // The middle of the lamp's image in the first mirror's image in the second.
+            // The middle of the light's image in the first mirror's image in the second.
             let toward = DVec3::new(6.0, 1.0, 0.0) - at.point.position;
             let once = step(view, &mut path, &at.point.spawn(toward.normalize()), 1);
             let twice = step(view, &mut path, &once, 2);
@@ -234,7 +234,7 @@ mod tests {
         }
     }
 
-    /// The lamp is two bounces away, of which one is allowed.
+    /// The light is two bounces away, of which one is allowed.
     #[test]
     fn a_limit_on_bounces_counts_the_mirror() {
         let scene = between_mirrors();

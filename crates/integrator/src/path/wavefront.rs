@@ -100,7 +100,7 @@ impl Wave {
         view.scene.accel().intersect_batch(&self.rays, &mut self.hits);
     }
 
-    /// Takes the light that mirrors throw on to the lamps, where it meets those mirrors.
+    /// Takes the light that mirrors throw on to the lights, where it meets those mirrors.
     pub(super) fn reflect<A: Accel>(&mut self, view: &View<'_, A>) {
         if self.thrown.is_empty() {
             return;
@@ -304,7 +304,7 @@ mod tests {
     use globillum_geom::{KdOptions, KdTree};
     use globillum_material::Material;
 
-    /// A floor and a wall, a mirror beside them, and a lamp above.
+    /// A floor and a wall, a mirror beside them, and a light above.
     fn corner() -> Scene<KdTree> {
         let p = DVec3::new;
         let mut model = Model::default();
@@ -314,8 +314,8 @@ mod tests {
         model.add(Material::lambert(Rgb::splat(0.7)).unwrap(), wall);
         let mirror = quad(p(-1.0, 0.0, -1.0), p(-1.1, 2.0, -1.0), p(-1.1, 2.0, 1.0), p(-1.0, 0.0, 1.0));
         model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), mirror);
-        let lamp = quad(p(-0.5, 1.5, -0.5), p(0.5, 1.5, -0.5), p(0.5, 1.5, 0.5), p(-0.5, 1.5, 0.5));
-        model.add(Material::lamp(Rgb::splat(5.0)).unwrap(), lamp);
+        let light = quad(p(-0.5, 1.5, -0.5), p(0.5, 1.5, -0.5), p(0.5, 1.5, 0.5), p(-0.5, 1.5, 0.5));
+        model.add(Material::light(Rgb::splat(5.0)).unwrap(), light);
         Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
     }
 

@@ -30,7 +30,7 @@ impl Decision {
         Self(3 + Self::OF_BOUNCE * bounce)
     }
 
-    /// The first of the decisions about lamps in mirrors, beyond all bounces that paths take. They came
+    /// The first of the decisions about lights in mirrors, beyond all bounces that paths take. They came
     /// later, and leave the others where they were.
     const FIRST_OF_MIRRORS: u32 = 5 << 28;
 

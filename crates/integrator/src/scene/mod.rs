@@ -7,7 +7,7 @@ pub use camera::Camera;
 pub use model::{MaterialId, Model};
 
 use crate::RenderError;
-use crate::light::{Emitters, LampSampler, LightSampling, PlaneMirrors};
+use crate::light::{LightSampler, LightSampling, Lights, PlaneMirrors};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, SurfacePoint, Triangles};
 use globillum_material::{Emission, Material, Rgb, Sides};
@@ -20,7 +20,7 @@ pub struct Scene<A> {
     triangles: Triangles,
     material_ids: Vec<u32>,
     materials: Vec<Material>,
-    emitters: Emitters,
+    lights: Lights,
     mirrors: PlaneMirrors,
     environment: Rgb,
 }
@@ -49,16 +49,16 @@ impl<A> Scene<A> {
     }
 
     /// The triangles that emit light.
-    pub fn emitters(&self) -> &Emitters {
-        &self.emitters
+    pub fn lights(&self) -> &Lights {
+        &self.lights
     }
 
     /// How points on the lights are chosen where `from` is shaded.
-    pub(crate) fn lamp_sampler(&self, sampling: LightSampling, from: DVec3) -> LampSampler<'_> {
-        LampSampler { emitters: &self.emitters, triangles: &self.triangles, sampling, from }
+    pub(crate) fn light_sampler(&self, sampling: LightSampling, from: DVec3) -> LightSampler<'_> {
+        LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, from }
     }
 
-    /// The plane mirrors in which lamps are looked for.
+    /// The plane mirrors in which lights are looked for.
     pub(crate) fn mirrors(&self) -> &PlaneMirrors {
         &self.mirrors
     }
@@ -72,7 +72,7 @@ impl<A> Scene<A> {
 impl<A: Accel> Scene<A> {
     /// Checks the model's triangles and hands them to `build` for an accelerator.
     ///
-    /// Where there are lamps and plane mirrors, the accelerator is then asked for up to 128 segments a
+    /// Where there are lights and plane mirrors, the accelerator is then asked for up to 128 segments a
     /// plane, of at most 64 planes, whether they are occluded; a panic in it is passed on.
     ///
     /// # Errors
@@ -82,12 +82,12 @@ impl<A: Accel> Scene<A> {
         build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
     ) -> Result<Self, RenderError> {
         let triangles = Triangles::new(model.triangles().to_vec())?;
-        let emitters = Emitters::of(model, &triangles);
+        let lights = Lights::of(model, &triangles);
         let accel = build(&triangles)?;
         Ok(Self {
-            mirrors: PlaneMirrors::of(model, &triangles, &emitters, &accel),
+            mirrors: PlaneMirrors::of(model, &triangles, &lights, &accel),
             accel,
-            emitters,
+            lights,
             triangles,
             material_ids: model.material_ids().to_vec(),
             materials: model.materials().to_vec(),
@@ -101,7 +101,7 @@ impl<A: Accel> Scene<A> {
     /// # Errors
     /// [`RenderError::Material`] for a component that is negative, not finite or too large.
     pub fn with_environment(self, radiance: Rgb) -> Result<Self, RenderError> {
-        // What an emitter may not emit can not arrive from outside either.
+        // What an light may not emit can not arrive from outside either.
         Emission::new(radiance, Sides::Both)?;
         Ok(Self { environment: radiance, ..self })
     }

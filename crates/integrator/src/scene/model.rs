@@ -14,8 +14,8 @@ use std::collections::TryReserveError;
 /// let floor = [Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)];
 /// model.add(Material::lambert(Rgb::splat(0.5))?, floor);
 /// // Seen from below its vertices run counter-clockwise: it shines downward.
-/// let lamp = [Triangle::new(Vec3::Y, Vec3::Y + Vec3::X, Vec3::Y + Vec3::Z)];
-/// model.add(Material::lamp(Rgb::splat(10.0))?, lamp);
+/// let light = [Triangle::new(Vec3::Y, Vec3::Y + Vec3::X, Vec3::Y + Vec3::Z)];
+/// model.add(Material::light(Rgb::splat(10.0))?, light);
 /// assert!(model.triangles()[0].normal().y > 0.0 && model.triangles()[1].normal().y < 0.0);
 /// # Ok::<(), globillum_material::MaterialError>(())
 /// ```

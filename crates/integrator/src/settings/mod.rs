@@ -113,7 +113,7 @@ pub enum MirrorSampling {
     /// In ideal mirrors whose triangles lie in at most 64 planes; curved ones are left to scattering.
     ///
     /// A plane counts if it has at least a 64th of the area of all mirrors together, not counting
-    /// triangles of less than a 256th. Light that met two mirrors on its way from a lamp is found by
+    /// triangles of less than a 256th. Light that met two mirrors on its way from a light is found by
     /// scattering alone. A scene without such mirrors costs nothing.
     #[default]
     Planes,

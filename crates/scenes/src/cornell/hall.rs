@@ -1,5 +1,5 @@
 //! A hall with statues in two rows, a mirror for its right wall, a floor of tiles, and two strings
-//! of lamps.
+//! of lights.
 
 use super::{CLAY, GREEN, RED, SILVER, WHITE, stand};
 use glam::DVec3;
@@ -20,10 +20,10 @@ const ROWS: [f64; 4] = [-0.6, -2.5, -4.4, -6.3];
 /// What statues are made of, in turn; the last is a mirror.
 const CLAYS: [Rgb; 3] = [CLAY, Rgb::new(0.35, 0.45, 0.6), Rgb::new(0.65, 0.6, 0.3)];
 
-/// A string of lamps on each side of the aisle: how many, and how far they are apart.
-const LAMPS: usize = 12;
+/// A string of lights on each side of the aisle: how many, and how far they are apart.
+const LIGHTS: usize = 12;
 const SPACING: f64 = 0.8;
-const LAMP_RADIUS: f64 = 0.1;
+const LIGHT_RADIUS: f64 = 0.1;
 const WARM: Rgb = Rgb::new(11.0, 6.6, 2.9);
 const COOL: Rgb = Rgb::new(3.6, 6.0, 9.9);
 
@@ -43,7 +43,7 @@ pub fn with_statues(meshes: &[Vec<Triangle>]) -> Result<Model, MaterialError> {
     let mut model = walls()?;
     lay_tiles(&mut model)?;
     for (x, radiance) in [(-0.62, WARM), (0.62, COOL)] {
-        hang_lamps(&mut model, x, radiance)?;
+        hang_lights(&mut model, x, radiance)?;
     }
     let places = ROWS.iter().flat_map(|&z| [-1.2, 1.2].map(|x| DVec3::new(x, 0.0, z)));
     for ((number, place), mesh) in places.enumerate().zip(meshes.iter().cycle()) {
@@ -96,14 +96,14 @@ fn lay_tiles(model: &mut Model) -> Result<(), MaterialError> {
 }
 
 /// A string of little spheres along the hall.
-fn hang_lamps(model: &mut Model, x: f64, radiance: Rgb) -> Result<(), MaterialError> {
+fn hang_lights(model: &mut Model, x: f64, radiance: Rgb) -> Result<(), MaterialError> {
     let sphere = icosphere(2);
-    for number in 0..LAMPS {
+    for number in 0..LIGHTS {
         // The string sags between its ends as a chain does, about.
-        let share = number as f64 / (LAMPS - 1) as f64;
+        let share = number as f64 / (LIGHTS - 1) as f64;
         let sag = 1.4 * share * (1.0 - share);
         let place = DVec3::new(x, 2.3 - sag, 1.2 - SPACING * number as f64);
-        model.add(Material::lamp(radiance)?, sphere.clone().placed(LAMP_RADIUS, place).triangles());
+        model.add(Material::light(radiance)?, sphere.clone().placed(LIGHT_RADIUS, place).triangles());
     }
     Ok(())
 }
@@ -114,7 +114,7 @@ mod tests {
     use crate::cornell::knot;
 
     #[test]
-    fn the_hall_has_as_many_lamps_as_it_says() {
+    fn the_hall_has_as_many_lights_as_it_says() {
         let model = with_statues(&[knot(1000)]).unwrap();
         let emits = |id: &u32| !model.materials()[*id as usize].emission.is_none();
         assert_eq!(model.material_ids().iter().filter(|id| emits(id)).count(), 7680);

@@ -1,4 +1,4 @@
-//! The Cornell box: a white room with a red and a green wall under a warm lamp.
+//! The Cornell box: a white room with a red and a green wall under a warm light.
 //!
 //! Two units wide, high and deep around the origin, open toward +z, whence the camera looks.
 
@@ -19,7 +19,7 @@ pub use statues::with_two;
 const WHITE: Rgb = Rgb::splat(0.73);
 const RED: Rgb = Rgb::new(0.63, 0.065, 0.05);
 const GREEN: Rgb = Rgb::new(0.14, 0.45, 0.091);
-const LAMP: Rgb = Rgb::new(17.0, 12.0, 4.0);
+const LIGHT: Rgb = Rgb::new(17.0, 12.0, 4.0);
 
 /// The albedo of a diffuse mesh in the box.
 pub const CLAY: Rgb = Rgb::new(0.6, 0.5, 0.4);
@@ -34,18 +34,18 @@ pub fn camera() -> Result<Camera, RenderError> {
     Camera::look_at(DVec3::new(0.0, 0.0, 3.9), DVec3::ZERO, DVec3::Y, 39.3_f64.to_radians())
 }
 
-/// The five walls and the lamp.
+/// The five walls and the light.
 ///
 /// # Errors
 /// None in fact; the type is that of the materials' constructors.
 pub fn room() -> Result<Model, MaterialError> {
     let mut model = walls()?;
-    model.add(Material::lamp(LAMP)?, lamp(DVec3::new(0.0, 0.995, 0.0), 0.25, 0.2));
+    model.add(Material::light(LIGHT)?, light(DVec3::new(0.0, 0.995, 0.0), 0.25, 0.2));
     Ok(model)
 }
 
 /// A rectangle around `center` that faces down, given its half sides along x and z.
-fn lamp(center: DVec3, x: f64, z: f64) -> [Triangle; 2] {
+fn light(center: DVec3, x: f64, z: f64) -> [Triangle; 2] {
     let corner = |dx: f64, dz: f64| center + DVec3::new(dx * x, 0.0, dz * z);
     quad(corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0))
 }

@@ -42,7 +42,7 @@ impl Subject {
             }
             "c3" => {
                 let camera = form_factor::floor_camera();
-                (scenes::lamp_over_floor(), camera, Known::Picture(form_factor::floor_picture))
+                (scenes::light_over_floor(), camera, Known::Picture(form_factor::floor_picture))
             }
             "c8" => {
                 let camera = stare(p(0.4, 0.45, 0.4), p(0.3, 0.0, 0.6));
@@ -80,7 +80,7 @@ impl Subject {
             "{}: nothing shines; --environment lights it",
             path.display()
         );
-        let matters = |kind: &WarningKind| !matches!(kind, WarningKind::NoEmitter);
+        let matters = |kind: &WarningKind| !matches!(kind, WarningKind::NoLight);
         loaded.report.warnings.iter().filter(|warning| matters(&warning.kind)).for_each(warn);
         // The name goes into file names and Markdown.
         let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
@@ -93,7 +93,7 @@ impl Subject {
         Ok(self.without_environment(accel)?.with_environment(self.environment)?)
     }
 
-    /// The scene as it is lit by its own lamps alone.
+    /// The scene as it is lit by its own lights alone.
     pub(crate) fn without_environment(&self, accel: AccelKind) -> Result<Scene<Box<dyn Accel>>> {
         let build = |triangles: &_| -> Result<Box<dyn Accel>, GeomError> { accel.build(triangles) };
         Ok(Scene::build(&self.model, build)?)

@@ -1,4 +1,4 @@
-//! What is often wrong with the lamps of a scene.
+//! What is often wrong with the lights of a scene.
 
 use glam::{DVec2, DVec3, Vec3Swizzles};
 use globillum_geom::{Aabb, Triangle};
@@ -28,17 +28,17 @@ pub(crate) fn coplanar(model: &Model, emitting: &[usize]) -> usize {
     let bounds = Aabb::around(model.triangles().iter().flat_map(|t| t.vertices));
     let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
     let planes = Planes { middle, size: bounds.extent().max_element() };
-    let mut lamps: HashMap<_, Vec<usize>> = HashMap::new();
+    let mut lights: HashMap<_, Vec<usize>> = HashMap::new();
     for &index in emitting {
-        lamps.entry(planes.key(&model.triangles()[index])).or_default().push(index);
+        lights.entry(planes.key(&model.triangles()[index])).or_default().push(index);
     }
     let mut pairs_left = PAIRS_PER_TRIANGLE * model.triangles().len();
     let mut count = 0;
     for (index, triangle) in model.triangles().iter().enumerate() {
-        let Some(neighbours) = lamps.get_mut(&planes.key(triangle)) else { continue };
-        neighbours.retain(|&lamp| {
+        let Some(neighbours) = lights.get_mut(&planes.key(triangle)) else { continue };
+        neighbours.retain(|&light| {
             pairs_left = pairs_left.saturating_sub(1);
-            let found = lamp != index && pairs_left > 0 && overlap(&model.triangles()[lamp], triangle);
+            let found = light != index && pairs_left > 0 && overlap(&model.triangles()[light], triangle);
             count += usize::from(found);
             !found
         });
@@ -110,21 +110,21 @@ mod tests {
         [Triangle::new(a, b, c), Triangle::new(a, c, d)]
     }
 
-    fn found(lamp: [Triangle; 2]) -> usize {
+    fn found(light: [Triangle; 2]) -> usize {
         let mut model = Model::default();
         model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, 1.0, 1.0));
         model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, -1.0, 1.0));
-        model.add(Material::lamp(Rgb::WHITE).unwrap(), lamp);
+        model.add(Material::light(Rgb::WHITE).unwrap(), light);
         coplanar(&model, &all(&model))
     }
 
     #[test]
-    fn a_lamp_in_the_ceilings_plane_is_found() {
+    fn a_light_in_the_ceilings_plane_is_found() {
         assert_eq!(found(square(0.1, 1.0, 0.3)), 2);
     }
 
     #[test]
-    fn a_lamp_below_the_ceiling_or_beside_it_is_fine() {
+    fn a_light_below_the_ceiling_or_beside_it_is_fine() {
         assert_eq!(found(square(0.1, 0.995, 0.3)), 0);
         assert_eq!(found(square(2.0, 1.0, 1.0)), 0);
     }
