@@ -1,8 +1,8 @@
-//! How light adds up: Monte-Carlo path tracing over waves of rays.
+//! How light adds up: Monte-Carlo path tracing over wavefronts of rays.
 //!
 //! In the order the data flows: a [`Model`] (triangles with materials) becomes a [`Scene`] with
 //! an accelerator and its [`Lights`]; a [`Camera`] sends rays; [`render`] traces paths tile by
-//! tile, wave by wave, with random numbers from a [`Sampler`]; a [`Film`] sums what they carry and
+//! tile, wavefront by wavefront, with random numbers from a [`Sampler`]; a [`Film`] sums what they carry and
 //! tells its own error; a [`Stop`] says when that is enough.
 //!
 //! A picture is decided by scene, camera and [`Settings`]: its bits do not depend on the number

@@ -70,7 +70,7 @@ impl PlaneMirror {
 
     /// Whether the ray's line meets the mirror in front of its origin, whatever else there is. Decided as
     /// accelerators do it, so a ray that misses here does not hit there.
-    pub(crate) fn is_met_by(&self, ray: &Ray) -> bool {
+    pub(crate) fn is_hit_by(&self, ray: &Ray) -> bool {
         let Some(shear) = Shear::new(ray) else { return false };
         self.triangles.iter().any(|triangle| shear.decide(triangle).is_some_and(|hit| hit.t > 0.0))
     }

@@ -296,7 +296,7 @@ mod tests {
             let light = triangles.surface_point(light, u, v).position;
             for (plane, mirror) in mirrors.planes.iter().enumerate() {
                 let toward = mirror.reflect(light - mirror.image_of(from));
-                let shown = mirror.same_side(from, light) && mirror.is_met_by(&Ray::new(from, toward));
+                let shown = mirror.same_side(from, light) && mirror.is_hit_by(&Ray::new(from, toward));
                 if shown && mirror.lit[usize::from(mirror.height(from) > 0.0)] {
                     seen += 1;
                     assert!(mirrors.image_in(plane, from).is_some(), "{from} {plane}");

@@ -12,7 +12,7 @@ mod vertex;
 mod wavefront;
 
 pub use counters::Counters;
-pub(crate) use job::{View, WaveSamples};
+pub(crate) use job::Job;
 pub use replay::{Replay, Vertex, replay};
 pub(crate) use tile::Tile;
-pub(crate) use wavefront::Wave;
+pub(crate) use wavefront::Wavefront;

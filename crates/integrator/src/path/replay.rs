@@ -1,30 +1,29 @@
 use super::counters::Counters;
-use super::job::{View, WaveSamples};
-use super::tile::Tile;
-use super::wavefront::Wave;
+use super::job::Job;
+use super::reuse_groups::block_around;
+use super::wavefront::Wavefront;
 use crate::{Camera, RenderError, Scene, Settings};
 use globillum_geom::{Accel, SurfacePoint};
 use globillum_material::{Material, Rgb};
 use std::fmt;
 use std::ops::Range;
 
-/// The path of one sample, traced once more.
+/// The path of one sample, traced again.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Replay {
-    /// Where the path met a surface, in order from the camera.
+    /// The path vertices, in order from the camera.
     pub vertices: Vec<Vertex>,
-    /// What arrives from the environment, if that is where the path ended; already weighted.
+    /// The radiance from the environment, if the path left the scene, times its throughput.
     pub environment: Rgb,
-    /// What the path brings by itself: the sum of all that.
+    /// The radiance that the path finds by itself: the sum over its vertices and the environment.
     pub alone: Rgb,
-    /// The sample's radiance, to the bit what the picture got: differs from [`Replay::alone`] where the
-    /// path shares what it found with those of other pixels, and they with it
-    /// ([`PathReuse`](crate::PathReuse)).
+    /// The radiance of the sample, to the bit as in the picture. Differs from [`Replay::alone`] where the
+    /// path shares its suffix with those of other pixels ([`PathReuse`](crate::PathReuse)).
     pub radiance: Rgb,
 }
 
-/// A point at which a path met a surface.
+/// A path vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Vertex {
@@ -32,22 +31,21 @@ pub struct Vertex {
     pub point: SurfacePoint,
     /// The triangle's index.
     pub triangle: u32,
-    /// What the triangle is made of.
+    /// The triangle's material.
     pub material: Material,
-    /// The factor on what leaves the vertex toward the one before it: products of `f cos / pdf`,
-    /// divided by the chances of surviving.
+    /// The throughput up to the vertex and including it: the product of `f cos / pdf`, divided by the
+    /// probabilities of surviving Russian roulette.
     pub throughput: Rgb,
-    /// What the vertex's own emission adds to [`Replay::alone`].
+    /// What the emission of the vertex adds to [`Replay::alone`].
     pub emitted: Rgb,
-    /// What the light sample taken at the vertex adds to it; black if it was occluded.
+    /// What next event estimation at the vertex adds; black if the light sample is occluded.
     pub direct: Rgb,
-    /// What the light sample taken there in a plane mirror adds; black if either of its segments, to
-    /// the mirror and from it to the light, was occluded.
+    /// What next event estimation by way of a plane mirror adds; black if the segment to the mirror, or
+    /// the one from there to the light, is occluded.
     pub mirrored: Rgb,
 }
 
-/// Traces sample `sample` of pixel (`x`, `y`) of a picture again, and tells what it met; of the pixels with
-/// which it shares paths, the same sample is traced too.
+/// Traces sample `sample` of pixel (`x`, `y`) again, with the same sample of each pixel that reuses its path.
 ///
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture
@@ -68,36 +66,34 @@ pub fn replay<A: Accel>(
     if let Some((name, value, _, range)) = within.into_iter().find(|(_, value, end, _)| value >= end) {
         return Err(RenderError::Param { name, value: value.into(), range });
     }
-    let view = View { scene, camera, settings };
-    let one = WaveSamples { first: sample, count: 1 };
-    // Together with all pixels with which it shares what is found.
-    let block = Tile::block_around(x, y, settings.width, settings.height);
+    let job = Job::new(scene, camera, settings);
+    let one = sample..sample + 1;
+    let block = block_around(x, y, settings.width, settings.height);
     let place = (y - block.y) * block.width + (x - block.x);
-    let mut wave = Wave::default();
-    // Nothing cancels it.
-    wave.trace(&view, block, one, || false);
-    let radiance = wave.radiance[place as usize];
+    let mut wavefront = Wavefront::default();
+    wavefront.trace(&job, block, &one, || false);
+    let radiance = wavefront.radiance()[place as usize];
     let mut replay = Replay { vertices: Vec::new(), environment: Rgb::BLACK, alone: Rgb::BLACK, radiance };
-    wave.start(&view, block, one);
+    wavefront.start(&job, block, &one);
     for bounce in 0.. {
-        let Some(step) = wave.step(&view, place, bounce) else { break };
+        let Some(step) = wavefront.step(&job, place, bounce) else { break };
         replay.add(step);
     }
     Ok(replay)
 }
 
-/// What one bounce came to.
+/// The outcome of one bounce.
 enum Step {
-    Met(Vertex),
-    /// The environment, and what arrives from there.
+    Hit(Vertex),
+    /// The path left the scene, with the radiance that this adds.
     Left(Rgb),
 }
 
 impl Replay {
-    /// Adds up as the wave does: first what is emitted, then what the light samples bring.
+    /// Adds in the order in which a wavefront does.
     fn add(&mut self, step: Step) {
         match step {
-            Step::Met(vertex) => {
+            Step::Hit(vertex) => {
                 self.alone += vertex.emitted;
                 self.alone += vertex.direct;
                 self.alone += vertex.mirrored;
@@ -111,36 +107,39 @@ impl Replay {
     }
 }
 
-impl Wave {
-    /// Takes all paths through one bounce, and tells what `sample` met; `None` if its path has ended.
-    fn step<A: Accel>(&mut self, view: &View<'_, A>, sample: u32, bounce: u32) -> Option<Step> {
-        let i = self.paths.iter().position(|path| self.stems.sample(path.account) == sample)?;
+impl Wavefront {
+    /// Advances all paths by one bounce and returns that of `sample`; `None` if its path has ended.
+    fn step<A: Accel>(&mut self, job: &Job<'_, A>, sample: u32, bounce: u32) -> Option<Step> {
+        let i = self.paths.iter().position(|path| path.target.sample() == sample)?;
         let (path, ray) = (self.paths[i], self.rays[i]);
-        // What the wave adds to nothing is what this bounce adds.
-        self.radiance.fill(Rgb::BLACK);
-        self.find_hits(view);
+        // Sums that begin at zero hold the radiance of this bounce alone.
+        self.radiance.reset(self.radiance.samples.len(), self.radiance.suffixes.len());
+        self.trace_rays(job);
         let hit = self.hits[i];
-        self.shade(view, bounce, &mut Counters::default());
-        let emitted = self.stems.before(path.account) * self.radiance[path.account as usize];
+        self.shade(job, bounce, &mut Counters::default());
+        let throughput_before = self.prefixes.throughput_before(path.target);
+        let emitted = throughput_before * *self.radiance.at(path.target);
         let Some(hit) = hit else { return Some(Step::Left(emitted)) };
-        // What mirrors throw comes after the rest.
-        let direct_count = self.arriving.len();
-        self.reflect(view);
-        self.find_light(view);
-        let brought = |arriving: Range<usize>| {
-            let unoccluded = arriving.filter(|&i| !self.occluded[i]).map(|i| &self.arriving[i]);
-            let own = unoccluded.filter(|light| self.stems.sample(light.account) == sample);
-            own.fold(Rgb::BLACK, |sum, light| sum + self.stems.before(light.account) * light.radiance)
+        // Contributions by way of mirrors follow the direct ones.
+        let direct_count = self.contributions.len();
+        self.trace_mirror_rays(job);
+        self.trace_shadow_rays(job);
+        let sum = |contributions: Range<usize>| {
+            let unoccluded = contributions.filter(|&i| !self.occluded[i]).map(|i| &self.contributions[i]);
+            let own = unoccluded.filter(|contribution| contribution.target.sample() == sample);
+            own.fold(Rgb::BLACK, |sum, contribution| {
+                sum + self.prefixes.throughput_before(contribution.target) * contribution.radiance
+            })
         };
-        let at = view.scene.interaction(&ray, &hit);
-        Some(Step::Met(Vertex {
+        let at = job.scene.interaction(&ray, &hit);
+        Some(Step::Hit(Vertex {
             point: at.point,
             triangle: hit.triangle,
             material: *at.material,
-            throughput: self.stems.before(path.account) * path.throughput,
+            throughput: throughput_before * path.throughput,
             emitted,
-            direct: brought(0..direct_count),
-            mirrored: brought(direct_count..self.arriving.len()),
+            direct: sum(0..direct_count),
+            mirrored: sum(direct_count..self.contributions.len()),
         }))
     }
 }

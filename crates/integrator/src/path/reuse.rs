@@ -1,232 +1,213 @@
-//! Paths of neighbouring pixels share what they find (Bekaert, Sbert and Halton 2002).
+//! Path reuse between neighbouring pixels (Bekaert, Sbert and Halton 2002).
 //!
-//! Where a path is first scattered, at `x`, its *stem* ends; where it goes on from the next surface,
-//! `y`, its *tail* begins. If `y` is diffuse, what the tail brings leaves `y` alike in all directions,
-//! so that each stem of a group could have been the one to find it: it is dealt out among them by the
-//! balance heuristic, in shares that add up to one.
+//! A path's *prefix* ends at its first diffuse vertex `x`; its *suffix* begins at the next vertex `y`. If `y`
+//! is diffuse, the radiance of the suffix leaves `y` equally in all directions, so each prefix of a group
+//! of pixels could have found it. It is shared among these prefixes by the balance heuristic.
 
 use super::counters::Counters;
-use super::job::{View, WaveSamples};
-use super::reuse_groups::Group;
-use super::state::{Path, Stage};
+use super::job::Job;
+use super::reuse_groups::{PixelGroup, pixel_groups};
+use super::state::{Path, RadianceSums, Stage, Target};
 use super::tile::Tile;
-use super::vertex::Shaded;
-use crate::PathReuse;
+use super::vertex::ShadingPoint;
 use glam::DVec3;
-use globillum_geom::{Accel, Ray, SimdLevel, SurfacePoint};
+use globillum_geom::{Accel, Ray, SurfacePoint};
 use globillum_material::Rgb;
+use std::ops::Range;
 
-/// A surface point as a path meets it.
+/// A vertex at which a prefix ends or a suffix begins.
 #[derive(Clone, Copy, Debug)]
-struct Met {
+struct ReuseVertex {
     point: SurfacePoint,
     /// Unit normal on the path's side.
     normal: DVec3,
 }
 
-/// A path as far as it was first scattered.
+/// A path up to its first diffuse vertex.
 #[derive(Clone, Copy, Debug)]
-struct Stem {
-    end: Met,
-    /// The bounce at which that was: with a limit on bounces, tails are as long as it leaves them.
+struct Prefix {
+    end: ReuseVertex,
+    /// The bounce at which it ends. A limit on bounces gives suffixes of one length to prefixes of one
+    /// length, so only these share them.
     bounce: u32,
-    /// The factor on what arrives at the end from where the path goes on.
+    /// The factor on the radiance that arrives at the end along the path.
     throughput: Rgb,
-    /// The largest factors of all stems of its group that end at this bounce.
-    largest: Rgb,
-    /// Where its tail begins.
-    tail: Option<Met>,
+    /// The largest throughput of the prefixes of its group that end at this bounce, by component.
+    group_throughput: Rgb,
+    /// Where its own suffix begins.
+    suffix: Option<ReuseVertex>,
 }
 
-/// A tail's light as a stem might have found it.
+/// A suffix as the continuation of a prefix, both named by their samples.
 #[derive(Clone, Copy, Debug)]
-struct Offer {
-    /// The samples of the stem and of the tail.
-    stem: u32,
-    tail: u32,
-    /// The density, per area at the tail's beginning, with which the stem would have come upon it, times pi.
+struct Connection {
+    prefix: u32,
+    suffix: u32,
+    /// The density, per area at the beginning of the suffix and times pi, with which the prefix would have
+    /// been continued there.
     density: f64,
 }
 
-/// The stems of a wave, and what becomes of their tails.
+/// The prefixes of a wavefront, and the buffers by which their suffixes are shared.
 #[derive(Debug, Default)]
-pub(super) struct Stems {
-    /// One for each sample; `None` while it has not been scattered.
-    all: Vec<Option<Stem>>,
-    /// The samples that share their tails.
-    groups: Vec<Group>,
-    /// Whether stems have ended since [`Stem::largest`] was found.
-    fresh: bool,
-    /// Those of one tail side by side, its own stem's first.
-    offers: Vec<Offer>,
-    /// For each offer but the first ones: what must be free.
+pub(super) struct Prefixes {
+    /// One for each sample, `None` until it ends.
+    all: Vec<Option<Prefix>>,
+    /// The samples that share suffixes.
+    groups: Vec<PixelGroup>,
+    /// Whether prefixes have ended since [`Prefix::group_throughput`] was computed.
+    have_ended: bool,
+    /// Sorted by suffix; the connection to its own prefix is first.
+    connections: Vec<Connection>,
+    /// The segment of each connection, without those between a prefix and its own suffix.
     rays: Vec<Ray>,
     occluded: Vec<bool>,
 }
 
-impl<A> View<'_, A> {
-    /// Whether there are tails to deal out.
-    pub(super) fn reuses_paths(&self) -> bool {
-        self.settings.path_reuse_in_effect() == PathReuse::Fours
-    }
-
-    /// Whether a path that is first scattered at this bounce ends its stem there. Roulette that could refuse
-    /// the stem would have a part in its density.
-    pub(super) fn ends_stem(&self, bounce: u32) -> bool {
-        self.reuses_paths() && bounce < self.settings.roulette.start
-    }
-}
-
-impl Stems {
-    /// Forgets all, and makes room for these samples; returns how many tails there may be.
-    pub(super) fn start<A>(&mut self, view: &View<'_, A>, tile: Tile, samples: WaveSamples) -> usize {
+impl Prefixes {
+    /// Prepares for these samples; returns how many suffixes there may be.
+    pub(super) fn start<A>(&mut self, job: &Job<'_, A>, tile: Tile, samples: &Range<u32>) -> usize {
         self.all.clear();
         self.groups.clear();
-        if view.reuses_paths() {
-            self.all.resize(tile.pixel_count() * samples.count as usize, None);
-            let of_sample = |group: Group, sample| group.map(|pixel| Some(pixel? * samples.count + sample));
-            let groups = tile.groups(samples.first / view.settings.pass_samples);
-            let groups = groups.flat_map(|group| (0..samples.count).map(move |i| of_sample(group, i)));
-            self.groups.extend(groups);
+        if job.reuses_paths() {
+            let count = samples.len() as u32;
+            self.all.resize(tile.pixel_count() * samples.len(), None);
+            let of_sample = |group: PixelGroup, sample| group.map(|pixel| Some(pixel? * count + sample));
+            let groups = pixel_groups(tile, samples.start / job.settings.pass_samples);
+            self.groups.extend(groups.flat_map(|group| (0..count).map(move |i| of_sample(group, i))));
         }
         self.all.len()
     }
 
-    /// The sample whose light goes to `account`.
-    pub(super) fn sample(&self, account: u32) -> u32 {
-        account.checked_sub(self.all.len() as u32).unwrap_or(account)
+    /// The throughput of the prefix before what is added to `target`.
+    pub(super) fn throughput_before(&self, target: Target) -> Rgb {
+        match target {
+            Target::Sample(_) => Rgb::WHITE,
+            Target::Suffix(sample) => self.throughput(sample as usize),
+        }
     }
 
-    /// The factor, by its sample's own stem, on the light that goes to `account`.
-    pub(super) fn before(&self, account: u32) -> Rgb {
-        let is_tail = self.sample(account) != account;
-        if is_tail { self.throughput(self.sample(account) as usize) } else { Rgb::WHITE }
-    }
-
-    /// The factor on what a tail brings by the stem of `sample`.
     fn throughput(&self, sample: usize) -> Rgb {
-        self.all[sample].map_or(Rgb::WHITE, |stem| stem.throughput)
+        self.all[sample].map_or(Rgb::WHITE, |prefix| prefix.throughput)
     }
 
-    /// The path was scattered here: its stem ends.
+    /// Ends the prefix of a path at the vertex that scattered it.
     #[inline(always)]
-    pub(super) fn end(&mut self, path: &mut Path, shaded: &Shaded<'_>) {
-        let (end, bounce, throughput) = (Met::at(shaded), shaded.bounce, path.throughput);
-        self.all[path.account as usize] =
-            Some(Stem { end, bounce, throughput, largest: throughput, tail: None });
-        path.stage = Stage::Scattered;
-        self.fresh = true;
+    pub(super) fn end(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+        let (end, bounce, throughput) = (ReuseVertex::at(vertex), vertex.bounce, path.throughput);
+        self.all[path.target.sample() as usize] =
+            Some(Prefix { end, bounce, throughput, group_throughput: throughput, suffix: None });
+        path.stage = Stage::PrefixEnded;
+        self.have_ended = true;
     }
 
-    /// After all paths have been through `bounce`: what a tail is worth to all who may share it.
-    pub(super) fn compare(&mut self, bounce: u32) {
-        if !std::mem::take(&mut self.fresh) {
+    /// Finds the largest throughput in each group, of the prefixes that ended at `bounce`.
+    pub(super) fn update_group_throughputs(&mut self, bounce: u32) {
+        if !std::mem::take(&mut self.have_ended) {
             return;
         }
         for group in &self.groups {
             let members = || group.iter().flatten().map(|&sample| sample as usize);
-            let ended = |stem: &&Stem| stem.bounce == bounce;
-            let stems = members().filter_map(|sample| self.all[sample].as_ref()).filter(ended);
-            let largest = stems.fold(Rgb::BLACK, |largest, stem| largest.max(stem.throughput));
+            let ended = |prefix: &&Prefix| prefix.bounce == bounce;
+            let prefixes = members().filter_map(|sample| self.all[sample].as_ref()).filter(ended);
+            let largest = prefixes.fold(Rgb::BLACK, |largest, prefix| largest.max(prefix.throughput));
             for sample in members() {
-                if let Some(stem) = self.all[sample].as_mut().filter(|stem| stem.bounce == bounce) {
-                    stem.largest = largest;
+                if let Some(prefix) = self.all[sample].as_mut().filter(|prefix| prefix.bounce == bounce) {
+                    prefix.group_throughput = largest;
                 }
             }
         }
     }
 
-    /// The path goes on from a diffuse surface: what it brings from now on is its tail's.
+    /// Begins the suffix of a path at a diffuse vertex.
     #[inline(always)]
-    pub(super) fn begin_tail(&mut self, path: &mut Path, shaded: &Shaded<'_>) {
-        let sample = path.account as usize;
-        let Some(stem) = &mut self.all[sample] else { return };
-        stem.tail = Some(Met::at(shaded));
-        (path.before, path.throughput) = (stem.largest, Rgb::WHITE);
-        path.account += self.all.len() as u32;
+    pub(super) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+        let sample = path.target.sample();
+        let Some(prefix) = &mut self.all[sample as usize] else { return };
+        prefix.suffix = Some(ReuseVertex::at(vertex));
+        (path.prefix_throughput, path.throughput) = (prefix.group_throughput, Rgb::WHITE);
+        path.target = Target::Suffix(sample);
     }
 
-    /// Deals out what the tails of this tile brought: in `radiance` it follows what the samples have of
-    /// their own, which is then all.
-    pub(super) fn deal<A: Accel>(
+    /// Adds the radiance of all suffixes to that of the samples whose prefixes can be continued by them.
+    pub(super) fn share_suffixes<A: Accel>(
         &mut self,
-        view: &View<'_, A>,
-        level: SimdLevel,
-        radiance: &mut Vec<Rgb>,
+        job: &Job<'_, A>,
+        radiance: &mut RadianceSums,
         counters: &mut Counters,
     ) {
-        if !view.reuses_paths() {
+        if !job.reuses_paths() {
             return;
         }
-        let (own, tails) = radiance.split_at_mut(self.all.len());
-        self.offers.clear();
+        self.connections.clear();
         self.rays.clear();
-        level.run(
+        job.simd.run(
             #[inline(always)]
-            || self.offer(tails),
+            || self.connect(&radiance.suffixes),
         );
-        view.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
+        job.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
-        self.accept(tails, own);
-        radiance.truncate(self.all.len());
+        self.combine(radiance);
     }
 
-    /// Offers each tail to all stems of its group.
+    /// Connects each suffix to the prefixes of its group.
     #[inline(always)]
-    fn offer(&mut self, tails: &[Rgb]) {
-        let Self { all, groups, offers, rays, .. } = self;
+    fn connect(&mut self, suffixes: &[Rgb]) {
+        let Self { all, groups, connections, rays, .. } = self;
         for group in groups {
-            for tail in group.iter().copied().flatten() {
-                let light = tails[tail as usize];
-                let Some(own) = &all[tail as usize] else { continue };
-                let Some(start) = own.tail.as_ref().filter(|_| !light.is_black()) else { continue };
-                let seen = own.end.sees(start).filter(|_| light.is_finite());
-                offers.push(Offer { stem: tail, tail, density: seen.map_or(1.0, |(density, _)| density) });
-                if seen.is_none() {
-                    // What is not finite stays with its own sample, so that an error names that one.
+            for suffix in group.iter().copied().flatten() {
+                let radiance = suffixes[suffix as usize];
+                let Some(own) = &all[suffix as usize] else { continue };
+                let Some(start) = own.suffix.as_ref().filter(|_| !radiance.is_black()) else { continue };
+                // A radiance that is not finite stays with its own sample, so that an error names that one.
+                let found = own.end.connection_to(start).filter(|_| radiance.is_finite());
+                let density = found.map_or(1.0, |(density, _)| density);
+                connections.push(Connection { prefix: suffix, suffix, density });
+                if found.is_none() {
                     continue;
                 }
-                for stem in group.iter().copied().flatten().filter(|&stem| stem != tail) {
-                    let Some(other) = &all[stem as usize] else { continue };
+                for prefix in group.iter().copied().flatten().filter(|&prefix| prefix != suffix) {
+                    let Some(other) = &all[prefix as usize] else { continue };
                     if other.bounce != own.bounce {
                         continue;
                     }
-                    let Some((density, ray)) = other.end.sees(start) else { continue };
+                    let Some((density, ray)) = other.end.connection_to(start) else { continue };
                     rays.push(ray);
-                    offers.push(Offer { stem, tail, density });
+                    connections.push(Connection { prefix, suffix, density });
                 }
             }
         }
     }
 
-    /// Takes each tail to the stems that see its beginning, in shares that add up to one.
-    fn accept(&mut self, tails: &[Rgb], radiance: &mut [Rgb]) {
-        let others = self.offers.iter_mut().filter(|offer| offer.stem != offer.tail);
-        for (offer, _) in others.zip(&self.occluded).filter(|(_, occluded)| **occluded) {
-            offer.density = 0.0;
+    /// Divides each suffix among the prefixes with an unoccluded connection, weighted by the balance
+    /// heuristic.
+    fn combine(&mut self, RadianceSums { samples, suffixes }: &mut RadianceSums) {
+        let others = self.connections.iter_mut().filter(|connection| connection.prefix != connection.suffix);
+        for (connection, _) in others.zip(&self.occluded).filter(|(_, occluded)| **occluded) {
+            connection.density = 0.0;
         }
-        for offers in self.offers.chunk_by(|a, b| a.tail == b.tail) {
-            let sum: f64 = offers.iter().map(|offer| offer.density).sum();
-            for offer in offers {
-                let (stem, tail) = (offer.stem as usize, offer.tail as usize);
-                radiance[stem] += self.throughput(stem) * tails[tail] * (offer.density / sum);
+        for connections in self.connections.chunk_by(|a, b| a.suffix == b.suffix) {
+            let sum: f64 = connections.iter().map(|connection| connection.density).sum();
+            for connection in connections {
+                let (prefix, suffix) = (connection.prefix as usize, connection.suffix as usize);
+                samples[prefix] += self.throughput(prefix) * suffixes[suffix] * (connection.density / sum);
             }
         }
     }
 }
 
-impl Met {
+impl ReuseVertex {
     #[inline(always)]
-    fn at(shaded: &Shaded<'_>) -> Self {
-        let point = shaded.at.point;
-        Self { point, normal: point.normal * 1.0_f64.copysign(shaded.wo.z) }
+    fn at(vertex: &ShadingPoint<'_>) -> Self {
+        let point = vertex.at.point;
+        Self { point, normal: point.normal * 1.0_f64.copysign(vertex.wo.z) }
     }
 
-    /// The density per area, times pi, with which a direction by the cosine from here meets `other`, and the
-    /// segment that must be free. `None` if one of them lies behind the other or can not be told from
-    /// that, or if the density is not a normal number.
+    /// The density per area, times pi, with which cosine sampling from here hits `other`, and the segment
+    /// between them. `None` if one of them is not clearly in front of the other, or if the density is not a
+    /// normal number.
     #[inline(always)]
-    fn sees(&self, other: &Self) -> Option<(f64, Ray)> {
+    fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
         let between = other.point.position - self.point.position;
         let [near, far] = [self.normal.dot(between), -other.normal.dot(between)];
         let square = between.length_squared();

@@ -1,41 +1,41 @@
+//! The groups of pixels that reuse each other's paths.
+
 use super::tile::Tile;
 
 /// Pixels along each side of the blocks that are divided into groups.
 const SIDE: u32 = 4;
 
-/// The affine plane of order 4: five classes of parallel lines through the points `4 y + x`, so that any
-/// two points lie on one line. Of each class the line through 0; the others follow from it by adding,
-/// without carry, a point of a line of another class.
+/// The affine plane of order 4: five classes of parallel lines through the points `4 y + x`; any two
+/// points lie on one line. Listed is the line of each class through 0. The others follow by adding, without
+/// carry, a point of a line of another class.
 const LINES: [[u32; 4]; 5] = [[0, 1, 2, 3], [0, 4, 8, 12], [0, 5, 10, 15], [0, 6, 11, 13], [0, 7, 9, 14]];
 
-/// The pixels of a group; `None` where the tile has none.
-pub(crate) type Group = [Option<u32>; 4];
+/// Four pixels as indices into [`Tile::pixels`]; `None` for a pixel outside the tile.
+pub(super) type PixelGroup = [Option<u32>; 4];
 
-impl Tile {
-    /// The block of a picture that holds the groups of pixel (`x`, `y`).
-    pub(crate) fn block_around(x: u32, y: u32, width: u32, height: u32) -> Self {
-        let start = |x: u32| x - x % SIDE;
-        let length = |x: u32, end: u32| SIDE.min(end - start(x));
-        Self { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
-    }
+/// The part of a picture of `width` x `height` pixels that holds all groups of pixel (`x`, `y`).
+pub(super) fn block_around(x: u32, y: u32, width: u32, height: u32) -> Tile {
+    let start = |x: u32| x - x % SIDE;
+    let length = |x: u32, end: u32| SIDE.min(end - start(x));
+    Tile { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
+}
 
-    /// The groups of four pixels whose paths are shared in `pass`, as places in [`Tile::pixels`].
-    /// In five passes each pixel is with each other one of its block once.
-    pub(crate) fn groups(&self, pass: u32) -> impl Iterator<Item = Group> + use<> {
-        let Self { width, height, .. } = *self;
-        let class = pass as usize % LINES.len();
-        let (line, across) = (LINES[class], LINES[usize::from(class == 0)]);
-        let starts = |size: u32| (0..size).step_by(SIDE as usize);
-        let blocks = starts(height).flat_map(move |y| starts(width).map(move |x| (x, y)));
-        blocks.flat_map(move |(x, y)| {
-            across.map(|shift| {
-                line.map(|point| {
-                    let (x, y) = (x + (point ^ shift) % SIDE, y + (point ^ shift) / SIDE);
-                    (x < width && y < height).then_some(y * width + x)
-                })
+/// The groups of a tile in `pass`. Each pixel is in one group; in five passes it meets each other pixel of
+/// its block once.
+pub(super) fn pixel_groups(tile: Tile, pass: u32) -> impl Iterator<Item = PixelGroup> {
+    let Tile { width, height, .. } = tile;
+    let class = pass as usize % LINES.len();
+    let (line, across) = (LINES[class], LINES[usize::from(class == 0)]);
+    let starts = |size: u32| (0..size).step_by(SIDE as usize);
+    let blocks = starts(height).flat_map(move |y| starts(width).map(move |x| (x, y)));
+    blocks.flat_map(move |(x, y)| {
+        across.map(|shift| {
+            line.map(|point| {
+                let (x, y) = (x + (point ^ shift) % SIDE, y + (point ^ shift) / SIDE);
+                (x < width && y < height).then_some(y * width + x)
             })
         })
-    }
+    })
 }
 
 #[cfg(test)]
@@ -48,7 +48,7 @@ mod tests {
         for (width, height) in [(1, 1), (4, 4), (16, 16), (7, 2), (3, 13)] {
             let tile = Tile { x: 32, y: 16, width, height };
             for pass in 0..5 {
-                let mut pixels: Vec<u32> = tile.groups(pass).flatten().flatten().collect();
+                let mut pixels: Vec<u32> = pixel_groups(tile, pass).flatten().flatten().collect();
                 pixels.sort_unstable();
                 assert_eq!(pixels, (0..width * height).collect::<Vec<_>>(), "{width} x {height}, {pass}");
             }
@@ -59,7 +59,7 @@ mod tests {
     fn in_five_passes_any_two_pixels_of_a_block_meet_once() {
         let tile = Tile { x: 0, y: 0, width: 4, height: 4 };
         let mut pairs = BTreeSet::new();
-        for group in (0..5).flat_map(|pass| tile.groups(pass)).map(|group| group.map(Option::unwrap)) {
+        for group in (0..5).flat_map(|pass| pixel_groups(tile, pass)).map(|group| group.map(Option::unwrap)) {
             for (i, j) in (0..4).flat_map(|i| (i + 1..4).map(move |j| (i, j))) {
                 let pair = [group[i].min(group[j]), group[i].max(group[j])];
                 assert!(pairs.insert(pair), "{pair:?}");
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn a_block_is_where_its_tile_has_it() {
-        let block = Tile::block_around(17, 22, 19, 23);
+        let block = block_around(17, 22, 19, 23);
         assert_eq!(block, Tile { x: 16, y: 20, width: 3, height: 3 });
         let tile = Tile::all(19, 23).nth(3).unwrap();
         assert!(block.pixels().all(|pixel| tile.pixels().any(|other| other == pixel)));

@@ -1,43 +1,93 @@
-use super::vertex::Choice;
+use super::vertex::MisContext;
+use crate::Roulette;
 use crate::sampler::Numbers;
 use glam::DVec3;
-use globillum_material::Rgb;
+use globillum_material::{Density, Rgb};
 
-/// One path under way.
+/// The state of a path between two bounces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
-    /// Where in [`Wave::radiance`] its light goes: at first, the number of its sample.
-    pub(super) account: u32,
+    pub(super) target: Target,
     pub(super) stage: Stage,
     pub(super) numbers: Numbers,
-    /// The factor on what arrives, up to where its tail begins.
+    /// The throughput of the path, or of its suffix from where that begins.
     pub(super) throughput: Rgb,
-    /// The largest factor that this has in any sample that may share the tail.
-    pub(super) before: Rgb,
-    /// How the direction of its ray was chosen.
-    pub(super) choice: Choice,
+    /// The largest throughput of the prefixes that may reuse the suffix, by component; white before.
+    pub(super) prefix_throughput: Rgb,
+    pub(super) mis: MisContext,
 }
 
-/// How much of a path has been traced, where paths are shared.
+/// The sum that radiance is added to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    /// That of a sample of the wavefront.
+    Sample(u32),
+    /// That of the suffix of a sample's path, which prefixes share.
+    Suffix(u32),
+}
+
+/// How far a path has been divided into prefix and suffix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// Nothing that ends a stem.
-    Stem,
-    /// Its stem, and no more.
-    Scattered,
-    /// More than that.
+    /// The prefix has not ended.
+    Prefix,
+    /// The prefix has ended at the last vertex.
+    PrefixEnded,
+    /// The vertex after the prefix has been passed.
     Beyond,
+}
+
+/// The radiance that the samples of a wavefront have gathered.
+#[derive(Debug, Default)]
+pub(super) struct RadianceSums {
+    pub(super) samples: Vec<Rgb>,
+    /// One for each sample, or none if paths are not reused.
+    pub(super) suffixes: Vec<Rgb>,
 }
 
 impl Path {
     pub(super) fn from_camera(sample: u32, numbers: Numbers, eye: DVec3) -> Self {
         Self {
-            account: sample,
-            stage: Stage::Stem,
+            target: Target::Sample(sample),
+            stage: Stage::Prefix,
             numbers,
             throughput: Rgb::WHITE,
-            before: Rgb::WHITE,
-            choice: Choice::of_camera(eye),
+            prefix_throughput: Rgb::WHITE,
+            mis: MisContext::new(Density::Delta, eye),
+        }
+    }
+
+    /// Whether the path survives Russian roulette by `u` in `[0, 1)`; scales its throughput.
+    #[inline(always)]
+    pub(super) fn survives(&mut self, roulette: Roulette, u: f64) -> bool {
+        let uncapped = (self.prefix_throughput * self.throughput).max_component() / roulette.threshold;
+        let survive_prob = uncapped.min(Roulette::MAX_SURVIVE_PROB);
+        self.throughput = self.throughput / survive_prob;
+        u < survive_prob
+    }
+}
+
+impl Target {
+    pub(super) fn sample(self) -> u32 {
+        let (Self::Sample(sample) | Self::Suffix(sample)) = self;
+        sample
+    }
+}
+
+impl RadianceSums {
+    /// Black sums of so many samples and suffixes.
+    pub(super) fn reset(&mut self, samples: usize, suffixes: usize) {
+        for (sums, count) in [(&mut self.samples, samples), (&mut self.suffixes, suffixes)] {
+            sums.clear();
+            sums.resize(count, Rgb::BLACK);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn at(&mut self, target: Target) -> &mut Rgb {
+        match target {
+            Target::Sample(sample) => &mut self.samples[sample as usize],
+            Target::Suffix(sample) => &mut self.suffixes[sample as usize],
         }
     }
 }

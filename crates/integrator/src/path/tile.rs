@@ -7,7 +7,7 @@ pub(crate) struct Tile {
     pub(crate) height: u32,
 }
 
-/// Pixels along a tile's side: with a few samples each, a wave of about a thousand rays.
+/// Pixels along a tile's side: with a few samples each, a wavefront of about a thousand rays.
 const SIDE: u32 = 16;
 
 impl Tile {

@@ -4,19 +4,19 @@ use glam::DVec3;
 use globillum_geom::Frame;
 use globillum_material::Density;
 
-/// A surface that is shaded, with its own frame.
+/// A path vertex that is shaded, with its local frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shaded<'a> {
+pub(super) struct ShadingPoint<'a> {
     pub(super) at: Interaction<'a>,
     pub(super) frame: Frame,
-    /// Unit direction back along the path, in that frame.
+    /// Unit direction back along the path, in the local frame.
     pub(super) wo: DVec3,
     pub(super) bounce: u32,
-    /// What decides this bounce.
+    /// The random numbers of this bounce.
     pub(super) numbers: BounceNumbers,
 }
 
-impl<'a> Shaded<'a> {
+impl<'a> ShadingPoint<'a> {
     #[inline(always)]
     pub(super) fn new(at: Interaction<'a>, bounce: u32, numbers: BounceNumbers) -> Self {
         let frame = Frame::around(at.point.normal);
@@ -24,27 +24,24 @@ impl<'a> Shaded<'a> {
     }
 }
 
-/// How the direction of a path's ray was chosen, and how a light sample would have chosen it.
+/// The density of a path's current direction, and where a light sample of the same direction would have
+/// been taken: what the multiple importance sampling weight of emission depends on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Choice {
-    /// A delta where no light sample could have found what the ray meets: the camera's directions,
-    /// and those from most mirrors.
+pub(super) struct MisContext {
+    /// A delta if no light sample could have found what the ray hits: after the camera and most mirrors.
     pub(super) density: Density,
-    /// Where the light sample would have been taken: the surface that scattered, or its image in the
-    /// mirror that the path met since.
+    /// The point from which lights would have been sampled: the last diffuse vertex, or its image in the
+    /// mirror that the path hit since.
     pub(super) from: DVec3,
-    /// The probability with which it would have been taken there.
+    /// The probability of that light sample.
     pub(super) from_prob: f64,
-    /// Whether it would have been taken in a mirror.
+    /// Whether `from` is an image in a mirror.
     pub(super) in_mirror: bool,
 }
 
-impl Choice {
-    pub(super) fn of_camera(position: DVec3) -> Self {
-        Self { density: Density::Delta, from: position, from_prob: 1.0, in_mirror: false }
-    }
-
-    pub(super) fn at_surface(density: Density, position: DVec3) -> Self {
-        Self { density, from: position, from_prob: 1.0, in_mirror: false }
+impl MisContext {
+    /// A direction of this density that starts at `from`.
+    pub(super) fn new(density: Density, from: DVec3) -> Self {
+        Self { density, from, from_prob: 1.0, in_mirror: false }
     }
 }

@@ -1,7 +1,7 @@
 use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::film::{Block, Moments, Tally};
-use crate::path::{Tile, View, Wave, WaveSamples};
+use crate::path::{Job, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_geom::Accel;
 use globillum_material::Rgb;
@@ -10,65 +10,75 @@ use std::any::Any;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Samples of a pixel in one wave: with the pixels of a tile, about a thousand rays.
-const WAVE_SAMPLES: u32 = 4;
+/// Samples of a pixel in one wavefront: with the pixels of a tile, about a thousand rays.
+const WAVEFRONT_SAMPLES: u32 = 4;
 
 /// What all passes of a render share.
-pub(crate) struct PassJob<'a, A, M> {
-    pub(crate) view: View<'a, A>,
+pub(crate) struct PassRenderer<'a, A, M> {
+    pub(crate) job: Job<'a, A>,
     pub(crate) monitor: &'a M,
     pub(crate) meter: &'a Meter,
 }
 
 type TileResult = (Tile, Vec<Moments>, Counters);
 
-impl<A: Accel, M: Monitor> PassJob<'_, A, M> {
+impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
     /// Samples in `passes`, all pixels together.
     pub(crate) fn samples_of(&self, passes: Range<u32>) -> u64 {
-        let settings = self.view.settings;
+        let settings = self.job.settings;
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         settings.samples_of(passes).len() as u64 * pixels
     }
 
     /// Renders one pass on all threads; `None` if `cancelled` before its end.
-    pub(crate) fn render(
+    pub(crate) fn render_pass(
         &self,
         pass: u32,
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Option<(Block, Counters)>, RenderError> {
-        let settings = self.view.settings;
+        let settings = self.job.settings;
         let tiles: Vec<Tile> = Tile::all(settings.width, settings.height).collect();
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
-            .map_init(Wave::default, |wave, tile| {
-                // What a panic leaves behind in the wave, the next tile clears.
-                let tile_task = AssertUnwindSafe(|| self.tile(wave, tile, pass, &cancelled));
+            .map_init(Wavefront::default, |wavefront, tile| {
+                // Unwind safe: a tile clears what a panic in the one before left in the wavefront.
+                let tile_task = AssertUnwindSafe(|| self.render_tile(wavefront, tile, pass, &cancelled));
                 catch_unwind(tile_task).unwrap_or_else(|payload| Err(worker_error(tile, payload.as_ref())))
             })
             .collect();
-        // A pass with a tile missing is no pass.
+        // A pass without one of its tiles is dropped.
         let tiles: Option<Vec<TileResult>> = results?.into_iter().collect();
         Ok(tiles.map(|tiles| self.block(pass, tiles)))
     }
 
-    /// The samples of one tile in one pass, a few at a time.
-    fn tile(
+    /// Renders one tile of a pass, a few samples of each pixel at a time.
+    fn render_tile(
         &self,
-        wave: &mut Wave,
+        wavefront: &mut Wavefront,
         tile: Tile,
         pass: u32,
         cancelled: &impl Fn() -> bool,
     ) -> Result<Option<TileResult>, RenderError> {
-        let samples = self.view.settings.samples_of(pass..pass + 1);
+        let all = self.job.settings.samples_of(pass..pass + 1);
         let mut pixels = vec![Moments::default(); tile.pixel_count()];
         let mut counters = Counters::default();
-        for first in samples.clone().step_by(WAVE_SAMPLES as usize) {
+        for first in all.clone().step_by(WAVEFRONT_SAMPLES as usize) {
             if cancelled() {
                 return Ok(None);
             }
-            let part = WaveSamples { first, count: WAVE_SAMPLES.min(samples.end - first) };
-            let Some(counted) = wave.trace(&self.view, tile, part, cancelled) else { return Ok(None) };
-            wave.add_to(&mut pixels, tile, part, first - samples.start)?;
+            let samples = first..all.end.min(first + WAVEFRONT_SAMPLES);
+            let Some(counted) = wavefront.trace(&self.job, tile, &samples, cancelled) else {
+                return Ok(None);
+            };
+            let radiance = wavefront.radiance().chunks_exact(samples.len());
+            for (((x, y), pixel), radiance) in tile.pixels().zip(&mut pixels).zip(radiance) {
+                for (sample, &radiance) in samples.clone().zip(radiance) {
+                    if !radiance.is_finite() {
+                        return Err(RenderError::NonFinite { x, y, sample });
+                    }
+                    pixel.add(radiance, u64::from(sample - all.start));
+                }
+            }
             counters += counted;
         }
         self.meter.add(&counters);
@@ -78,7 +88,7 @@ impl<A: Accel, M: Monitor> PassJob<'_, A, M> {
 
     /// All tiles of a pass as a block of the film.
     fn block(&self, pass: u32, tiles: Vec<TileResult>) -> (Block, Counters) {
-        let settings = self.view.settings;
+        let settings = self.job.settings;
         let samples = settings.samples_of(pass..pass + 1).len() as u64;
         let width = settings.width as usize;
         let mut pixels = vec![Moments::default(); width * settings.height as usize];

@@ -1,19 +1,23 @@
 use super::monitor::Monitor;
-use super::pass::PassJob;
+use super::pass::PassRenderer;
 use super::stop::Stop;
 use crate::{Ending, Picture, RenderError};
 use globillum_geom::Accel;
 use std::ops::{ControlFlow, Range};
 
 /// A render under way: pass after pass, until something ends it.
-pub(crate) struct Run<'a, A, M> {
-    pub(crate) job: PassJob<'a, A, M>,
+pub(crate) struct PassLoop<'a, A, M> {
+    pub(crate) renderer: PassRenderer<'a, A, M>,
     pub(crate) stop: Stop,
 }
 
-impl<A: Accel, M: Monitor> Run<'_, A, M> {
+impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
     /// Adds `passes` to `picture`, as far as the stop conditions let it.
-    pub(crate) fn run(&self, mut picture: Picture, passes: Range<u32>) -> Result<Picture, RenderError> {
+    pub(crate) fn add_passes(
+        &self,
+        mut picture: Picture,
+        passes: Range<u32>,
+    ) -> Result<Picture, RenderError> {
         picture.ending = Ending::Open;
         picture.ending = match self.stop.pilot {
             Some(pilot) => self.in_two_stages(&mut picture, passes, pilot)?,
@@ -30,10 +34,10 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
                 return Ok(Ending::Goals);
             }
             self.expect(picture, pass..passes.end, excess);
-            if let Some(ending) = self.add(picture, pass)? {
+            if let Some(ending) = self.add_pass(picture, pass)? {
                 return Ok(ending);
             }
-            self.job.monitor.pass_done(picture);
+            self.renderer.monitor.pass_done(picture);
         }
         let met = self.stop.excess(&picture.film).is_some_and(|excess| excess <= 1.0);
         Ok(if met { Ending::Goals } else { Ending::Samples })
@@ -57,10 +61,10 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
         });
         for pass in second..end {
             self.expect(picture, pass..end, None);
-            if let Some(ending) = self.add(picture, pass)? {
+            if let Some(ending) = self.add_pass(picture, pass)? {
                 return Ok(ending);
             }
-            self.job.monitor.pass_done(picture);
+            self.renderer.monitor.pass_done(picture);
         }
         Ok(if enough { Ending::Goals } else { Ending::Samples })
     }
@@ -75,7 +79,7 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
         let mut trial = Picture::new(picture.film.emptied(), picture.pass_samples, picture.key);
         for pass in pilot.clone() {
             self.expect(&trial, pass..pilot.end, None);
-            match self.add(&mut trial, pass)? {
+            match self.add_pass(&mut trial, pass)? {
                 None => {}
                 Some(Ending::Seconds) => break,
                 Some(ending) => return Ok(ControlFlow::Break(ending)),
@@ -88,19 +92,20 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
 
     /// Renders one pass and adds it to the picture, unless that holds it; the reason if there was
     /// no time for it, or the monitor did not want it.
-    fn add(&self, picture: &mut Picture, pass: u32) -> Result<Option<Ending>, RenderError> {
+    fn add_pass(&self, picture: &mut Picture, pass: u32) -> Result<Option<Ending>, RenderError> {
         if picture.film.holds(pass) {
             return Ok(None);
         }
-        let PassJob { monitor, meter, .. } = self.job;
+        let PassRenderer { monitor, meter, .. } = self.renderer;
         // A first pass is finished in any case: there is no picture without one.
         let limited = picture.samples > 0;
-        let pass_seconds = meter.seconds_for(self.job.samples_of(pass..pass + 1));
+        let pass_seconds = meter.seconds_for(self.renderer.samples_of(pass..pass + 1));
         if limited && meter.is_over_in(pass_seconds) {
             return Ok(Some(Ending::Seconds));
         }
         let over = || limited && meter.is_over_in(0.0);
-        let Some((block, counters)) = self.job.render(pass, || monitor.cancelled() || over())? else {
+        let Some((block, counters)) = self.renderer.render_pass(pass, || monitor.cancelled() || over())?
+        else {
             return Ok(Some(if over() { Ending::Seconds } else { Ending::Cancelled }));
         };
         picture.samples += block.tally.samples as u32;
@@ -114,10 +119,10 @@ impl<A: Accel, M: Monitor> Run<'_, A, M> {
     /// goals, of which it has `excess`, need fewer.
     fn expect(&self, picture: &Picture, passes: Range<u32>, excess: Option<f64>) {
         let held = f64::from(picture.samples) * picture.film.pixel_count() as f64;
-        let there: u64 = picture.film.held_of(&passes).map(|part| self.job.samples_of(part)).sum();
-        let lacking = self.job.samples_of(passes) - there;
+        let there: u64 = picture.film.held_of(&passes).map(|part| self.renderer.samples_of(part)).sum();
+        let lacking = self.renderer.samples_of(passes) - there;
         let needed = excess.map_or(f64::INFINITY, |excess| held * (excess - 1.0).max(0.0));
         // Nothing held, nothing known: not a number, and so no minimum.
-        self.job.meter.expect(needed.min(lacking as f64) as u64);
+        self.renderer.meter.expect(needed.min(lacking as f64) as u64);
     }
 }

@@ -1,10 +1,10 @@
 use super::key::picture_key;
 use super::meter::Meter;
 use super::monitor::Monitor;
-use super::pass::PassJob;
-use super::pass_loop::Run;
+use super::pass::PassRenderer;
+use super::pass_loop::PassLoop;
 use super::stop::Stop;
-use crate::path::View;
+use crate::path::Job;
 use crate::{Camera, CheckpointError, Film, Picture, RenderError, Scene, Settings};
 use globillum_geom::Accel;
 use std::ops::Range;
@@ -104,9 +104,9 @@ impl<'a, A: Accel> Render<'a, A> {
             .build()
             .map_err(|error| RenderError::Threads(error.to_string()))?;
         let meter = Meter::new(self.stop.seconds);
-        let view = View { scene: self.scene, camera: self.camera, settings: self.settings };
-        let run = Run { job: PassJob { view, monitor, meter: &meter }, stop: self.stop };
-        threads.install(|| run.run(picture, passes))
+        let job = Job::new(self.scene, self.camera, self.settings);
+        let pass_loop = PassLoop { renderer: PassRenderer { job, monitor, meter: &meter }, stop: self.stop };
+        threads.install(|| pass_loop.add_passes(picture, passes))
     }
 
     fn checked_passes(&self) -> Result<Range<u32>, RenderError> {
