@@ -50,9 +50,9 @@ fn a_cancelled_render_is_the_picture_of_its_whole_passes() {
     assert!(samples_seen[2] > 0, "{samples_seen:?}");
 }
 
-/// H62: between perfect mirrors a path goes on until it is stopped.
+/// Between perfect mirrors a path goes on until it is stopped.
 #[test]
-fn h62_cancelling_reaches_into_a_tile() {
+fn cancelling_stops_within_a_tile() {
     let mut model = Model::default();
     let walls = shapes::inside_out(shapes::cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
     model.add(Material::mirror(Rgb::WHITE).expect("a perfect mirror"), walls);

@@ -1,4 +1,4 @@
-//! Pictures in parts: saved, continued, merged; L1 to L3 of docs/testing.md.
+//! Pictures in parts: saved, continued, merged.
 
 use glam::DVec3;
 use globillum::geom::Accel;

@@ -1,5 +1,5 @@
 //! Scenes whose radiance is known exactly, by every estimator that can render them, in every
-//! accelerator. Names C1.. and H60 are those of docs/testing.md.
+//! accelerator.
 
 use approx::assert_relative_eq;
 use glam::DVec3;
@@ -45,7 +45,7 @@ fn into_the_furnace() -> Camera {
 }
 
 #[test]
-fn c1_a_furnace_after_any_number_of_bounces() {
+fn a_furnace_after_any_number_of_bounces() {
     for (rho, limits) in [(0.5, [Some(1), Some(5), None]), (0.8, [Some(2), Some(8), None])] {
         let model = scenes::furnace(rho, 1.0, DVec3::ZERO);
         for limit in limits {
@@ -73,7 +73,7 @@ fn c1_a_furnace_after_any_number_of_bounces() {
 }
 
 #[test]
-fn c2_roulette_from_the_first_bounce_has_the_known_variance() {
+fn roulette_from_the_first_bounce_has_the_known_variance() {
     for (rho, threshold) in [0.5, 0.8, 0.9].into_iter().flat_map(|rho| [(rho, 1.0), (rho, 0.35)]) {
         let mut s = settings(512);
         (s.estimator, s.roulette.start, s.roulette.threshold) = (Estimator::Bsdf, 0, threshold);
@@ -103,7 +103,7 @@ fn furnace_variance(rho: f64, threshold: f64) -> f64 {
 }
 
 #[test]
-fn c3_a_square_light_above_a_floor() {
+fn a_square_light_above_a_floor() {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     for estimator in ALL {
         let mut s = settings(320);
@@ -116,7 +116,7 @@ fn c3_a_square_light_above_a_floor() {
 
 /// The light is so near that points on it are chosen by solid angle unless they must not be.
 #[test]
-fn c3_by_points_of_equal_area() {
+fn a_square_light_sampled_by_area() {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     let scene = scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1);
     for estimator in [Estimator::Light, Estimator::Mis] {
@@ -127,9 +127,9 @@ fn c3_by_points_of_equal_area() {
     }
 }
 
-/// H55, and one light not quite as far: seen from there, a light is a point.
+/// A light of 1e-12 sr, and one less far away: from there a light is all but a point.
 #[test]
-fn h55_a_small_light_far_away() {
+fn a_small_light_far_away() {
     for (side, height) in [(1.0, 100.0), (1e-3, 1e3)] {
         let model = scenes::distant_light(side, height);
         let eye = DVec3::new(0.1 * height, -0.5 * height, 0.2 * height);
@@ -150,7 +150,7 @@ fn h55_a_small_light_far_away() {
 }
 
 #[test]
-fn c8_a_kaleidoscope_of_mirrors() {
+fn a_kaleidoscope_of_mirrors() {
     let model = scenes::kaleidoscope(0.5, 0.8);
     let targets = [(DVec3::new(0.3, 1.0, 0.6), 1.0 / 0.6), (DVec3::new(0.3, 0.0, 0.6), 0.5 / 0.6)];
     for (target, truth) in targets {
@@ -167,7 +167,7 @@ fn c8_a_kaleidoscope_of_mirrors() {
 }
 
 #[test]
-fn c11_ten_bounces_in_a_corridor_of_mirrors() {
+fn ten_bounces_in_a_corridor_of_mirrors() {
     let camera = stare(DVec3::new(0.0, 0.5, 0.0), DVec3::new(1.0, 1.53, 0.0));
     let model = scenes::mirror_corridor(0.9, 10.0);
     let mut s = independent_pixels(2, 2, 1);
@@ -183,7 +183,7 @@ fn c11_ten_bounces_in_a_corridor_of_mirrors() {
 }
 
 #[test]
-fn h60_scattering_alone_makes_every_furnace_sample_exact() {
+fn bsdf_sampling_makes_every_furnace_sample_exact() {
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
     for bounces in [0, 1, 5, 30] {
         let mut s = settings(4);

@@ -56,7 +56,7 @@ fn every_accelerator_and_thread_count_makes_the_same_scanned_mesh() {
 }
 
 #[test]
-fn h33_the_unit_of_length_changes_no_bit() {
+fn scaling_by_powers_of_two_changes_no_bit() {
     let mesh = shapes::statue(2000).triangles();
     let blocks = cornell::with_blocks(false).expect("the box is good");
     let statue = cornell::with_mesh(&mesh, true).expect("the box is good");

@@ -1,5 +1,5 @@
-//! What a picture says of its own error, beside its true error: the scene is C3, whose radiance is
-//! known. Random numbers are fixed, limits those of docs/testing.md.
+//! What a picture says of its own error, beside its true error: the scene is a square light above a
+//! floor, whose radiance is known. Random numbers are fixed, limits those of docs/testing.md.
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
@@ -19,7 +19,7 @@ const SIDE: u32 = 64;
 /// 5.85 standard deviations of a root mean square over that many normal variates, `1 / sqrt(2 * 4096)`.
 const RMS_LIMIT: f64 = 0.0646;
 
-/// Half of the form factor of four unit squares with a common corner at height 1 (C5).
+/// Half of the form factor of four unit squares with a common corner at height 1.
 fn truth() -> f64 {
     let corner = 2.0 * (1.0 / 2.0_f64.sqrt()) * (1.0 / 2.0_f64.sqrt()).atan() / std::f64::consts::TAU;
     0.5 * 4.0 * corner
@@ -27,7 +27,7 @@ fn truth() -> f64 {
 
 const SAMPLINGS: [LightSampling; 2] = [LightSampling::Area, LightSampling::SolidAngle];
 
-/// The variance of one sample at the point that the camera looks at (C3v), by quadrature.
+/// The variance of one sample at the point that the camera looks at, by quadrature.
 fn variance_of(estimator: Estimator, sampling: LightSampling) -> f64 {
     match (estimator, sampling) {
         (Estimator::Bsdf, _) => 0.061_767_583,
@@ -70,7 +70,7 @@ fn slope(errors: &[(u32, f64)]) -> f64 {
 }
 
 #[test]
-fn c3v_one_sample_has_the_known_variance() {
+fn one_sample_has_the_known_variance() {
     for (estimator, sampling) in [Estimator::Bsdf, Estimator::Light, Estimator::Mis]
         .into_iter()
         .flat_map(|e| SAMPLINGS.map(|s| (e, s)))
@@ -86,7 +86,7 @@ fn c3v_one_sample_has_the_known_variance() {
 /// Where area sampling all but fails, a hundredth of a light's half side below its middle: variances of
 /// one sample, by quadrature, are 1060.8 and 0.0804.
 #[test]
-fn c5_beside_a_light_solid_angles_tame_the_variance() {
+fn solid_angle_sampling_bounds_the_variance_near_a_light() {
     let model = scenes::rectangle_over_floor([-1.0, 1.0], [-1.0, 1.0], 0.01);
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let camera = stare(DVec3::new(0.001, 0.005, 0.002), DVec3::ZERO);

@@ -24,7 +24,7 @@ fn estimate(model: &Model, camera: &Camera, estimator: Estimator, samples: u32) 
 
 /// Polygons are compared with their own form factors, which converge to those of discs and spheres.
 #[test]
-fn c7_discs_and_spheres_of_triangles() {
+fn polygonal_discs_and_spheres() {
     let moved = |triangles: Vec<Triangle>, by: DVec3| -> Vec<Triangle> {
         let moved = |t: Triangle| {
             let [a, b, c] = t.vertices.map(|v| (v.as_dvec3() + by).as_vec3());
@@ -70,7 +70,7 @@ fn square(height: f64) -> [Triangle; 2] {
 }
 
 #[test]
-fn c14_squares_and_discs_as_a_whole() {
+fn form_factors_of_whole_squares_and_discs() {
     let p = DVec3::new;
     let wall = quad(p(0.5, 0.0, 0.5), p(0.5, 1.0, 0.5), p(0.5, 1.0, -0.5), p(0.5, 0.0, -0.5));
     let cases = [
@@ -106,7 +106,7 @@ fn c14_squares_and_discs_as_a_whole() {
 
 /// What a face of a closed box receives from all others is everything, so its radiance is its albedo.
 #[test]
-fn c15_the_form_factors_of_a_box_add_up_to_one() {
+fn the_form_factors_of_a_box_add_up_to_one() {
     let glow = Emission::new(Rgb::WHITE, Sides::Front).expect("a finite radiance");
     let mut model = Model::default();
     for wall in inside_out(cuboid(DVec3::new(0.0, 0.5, 0.0), DVec3::splat(0.5), 0.0)) {
@@ -123,10 +123,10 @@ fn c15_the_form_factors_of_a_box_add_up_to_one() {
     }
 }
 
-/// C19: in a sphere every point receives the same, wherever the light comes from; an icosphere of 5120
-/// triangles comes within half a percent of it.
+/// Every point of a sphere receives the same irradiance, wherever it comes from; an icosphere of 5120
+/// triangles comes within half a percent of that.
 #[test]
-fn c19_an_integrating_sphere() {
+fn an_integrating_sphere() {
     let model = scenes::integrating_sphere(4);
     // The middle of a wall that is no light.
     let middle = model.triangles()[0].vertices.map(|v| v.as_dvec3()).iter().sum::<DVec3>() / 3.0;

@@ -1,5 +1,5 @@
 //! More light that is known in closed form, by Sobol' points: form factors, mirrors, shadows, and
-//! scenes in which every sample is exact. Names are those of docs/testing.md.
+//! scenes in which every sample is exact.
 
 use glam::DVec3;
 use globillum::integrator::{Camera, Estimator, Film, LightSampling, Model, Settings, render};
@@ -49,7 +49,7 @@ fn assert_floor(
 }
 
 #[test]
-fn c5_rectangles_above_a_floor() {
+fn rectangular_lights_above_a_floor() {
     let centred = |half: f64, h: f64| 4.0 * corner(half / h, half / h);
     assert!((corner(1.0, 1.0) - 0.138_531_606).abs() < 1e-9);
     assert!((centred(0.5, 1.0) - 0.239_456_470).abs() < 1e-9);
@@ -74,20 +74,27 @@ fn c5_rectangles_above_a_floor() {
 }
 
 #[test]
-fn c9_a_light_and_its_image_in_a_mirror() {
+fn a_light_and_its_image_in_a_mirror() {
     // Floor, mirror, light: light of more bounces comes from the floor itself.
-    assert_floor(&scenes::light_beside_mirror(), DVec3::ZERO, 2, &ALL, 0.284_169_084, "C9");
+    assert_floor(
+        &scenes::light_beside_mirror(),
+        DVec3::ZERO,
+        2,
+        &ALL,
+        0.284_169_084,
+        "a light beside a mirror",
+    );
 }
 
 #[test]
-fn c10_half_of_a_light() {
-    assert_floor(&scenes::light_half_hidden(), DVec3::ZERO, 1, &ALL, 0.138_531_606, "C10");
+fn a_half_hidden_light() {
+    assert_floor(&scenes::light_half_hidden(), DVec3::ZERO, 1, &ALL, 0.138_531_606, "a half-hidden light");
 }
 
-/// H56: near a light that stands on the floor, points chosen by area have a variance without bound; by
+/// Near a light that stands on the floor, points chosen by area have a variance without bound; by
 /// solid angle they do not.
 #[test]
-fn c12_a_light_that_stands_on_the_floor() {
+fn a_light_standing_on_the_floor() {
     let model = scenes::light_on_floor();
     let cases = [
         // A direction scattered meets it too seldom.
@@ -113,7 +120,7 @@ fn c12_a_light_that_stands_on_the_floor() {
 
 /// Every path from a convex body leaves it for the sky.
 #[test]
-fn c17_a_convex_body_under_a_white_sky_shows_its_albedo() {
+fn a_convex_body_under_a_white_sky_shows_its_albedo() {
     let camera = stare(DVec3::new(3.0, 2.5, 2.0), DVec3::new(1.0, 0.3, 0.2));
     for rho in [0.25, 1.0] {
         for (estimator, (_, build)) in ALL.into_iter().flat_map(|e| STRUCTURES.map(|s| (e, s))) {
@@ -132,7 +139,7 @@ fn lambert(albedo: f64) -> Material {
 }
 
 #[test]
-fn h54_a_light_that_can_not_be_seen_gives_nothing() {
+fn a_light_that_cannot_be_seen_gives_nothing() {
     let p = DVec3::new;
     let floor = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
     let below = quad(p(-1.0, -1.0, -1.0), p(1.0, -1.0, -1.0), p(1.0, -1.0, 1.0), p(-1.0, -1.0, 1.0));
@@ -151,9 +158,9 @@ fn h54_a_light_that_can_not_be_seen_gives_nothing() {
     }
 }
 
-/// H59 and H61, and H70's narrow pictures: samples that are exact whatever the random numbers.
+/// Samples that are exact whatever the random numbers; pictures one pixel wide or high.
 #[test]
-fn h59_h61_h70_what_is_exact_in_every_sample() {
+fn scenes_in_which_every_sample_is_exact() {
     let shine = globillum::material::Emission::new(Rgb::WHITE, globillum::material::Sides::Front);
     let shine = shine.expect("a finite radiance");
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
@@ -173,7 +180,7 @@ fn h59_h61_h70_what_is_exact_in_every_sample() {
         let film_of_31 = film(&model, &camera, &settings);
         assert!(film_of_31.means().all(|mean| mean == Rgb::splat(31.0)));
         assert!(film_of_31.error().relative_rmse.is_infinite() && film_of_31.observations() == 1);
-        // H61: without a limit roulette ends every path all the same.
+        // Without a limit roulette ends every path all the same.
         settings.max_bounces = None;
         settings.roulette.start = 0;
         film(&model, &camera, &settings);
@@ -181,7 +188,7 @@ fn h59_h61_h70_what_is_exact_in_every_sample() {
 }
 
 #[test]
-fn h64_ten_thousand_bounces_between_perfect_mirrors_lose_nothing() {
+fn ten_thousand_bounces_between_perfect_mirrors_lose_nothing() {
     let camera = stare(DVec3::new(0.0, 0.5, 0.0), DVec3::new(1.0, 1000.8, 0.0));
     let mut settings = independent_pixels(1, 1, 1);
     settings.roulette.start = Settings::MAX_BOUNCES;
@@ -189,9 +196,9 @@ fn h64_ten_thousand_bounces_between_perfect_mirrors_lose_nothing() {
     assert_eq!(film.mean(0, 0), Rgb::WHITE);
 }
 
-/// H69: roulette changes the variance and not the mean.
+/// Roulette changes the variance and not the mean.
 #[test]
-fn h69_roulette_or_none_is_the_same_light() {
+fn roulette_does_not_change_the_mean() {
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     for (start, threshold) in [(0, 1.0), (0, 0.1), (3, 1.0), (3, 0.35)] {

@@ -1,7 +1,7 @@
 //! Light goes where it can and nowhere else: no path escapes a closed room, and nothing shines
 //! through a wall.
 //!
-//! Names H30.. are those of docs/testing.md. What is said to be exact is compared to the bit.
+//! What is said to be exact is compared to the bit.
 //! `GLOBILLUM_EFFORT` multiplies the number of paths; 20 makes it 20 480 a furnace and ten million
 //! rays in the black box.
 
@@ -116,7 +116,7 @@ fn assert_mesh_is_closed(mesh: Mesh, scale: f64, offset: DVec3, what: &str) {
 }
 
 #[test]
-fn h30_no_path_escapes_a_furnace_of_any_size() {
+fn no_path_escapes_a_furnace_of_any_size() {
     for half in [1e-12, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e12] {
         assert_cube_is_closed(half, DVec3::ZERO);
         assert_mesh_is_closed(shapes::icosphere(3), half, DVec3::ZERO, "icosphere");
@@ -124,7 +124,7 @@ fn h30_no_path_escapes_a_furnace_of_any_size() {
 }
 
 #[test]
-fn h30_no_path_escapes_a_curved_furnace() {
+fn no_path_escapes_a_curved_furnace() {
     for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
         assert_mesh_is_closed(shapes::torus(48, 20), scale, DVec3::ZERO, "torus");
         assert_mesh_is_closed(shapes::statue(4000), scale, DVec3::ZERO, "statue");
@@ -132,7 +132,7 @@ fn h30_no_path_escapes_a_curved_furnace() {
 }
 
 #[test]
-fn h31_no_path_escapes_a_furnace_far_from_the_origin() {
+fn no_path_escapes_a_furnace_far_from_the_origin() {
     for offset in [1e4, 1e5, 1e6] {
         for axes in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE] {
             assert_cube_is_closed(1.0, offset * axes);
@@ -171,7 +171,7 @@ fn under_the_sky(albedo: f64) -> Vec<(&'static str, Scene<Box<dyn Accel>>)> {
 }
 
 #[test]
-fn h36_no_light_enters_a_closed_box() {
+fn no_light_enters_a_closed_box() {
     let eye = DVec3::new(0.1, 0.2, 0.3);
     let camera = wide(eye, eye + DVec3::new(0.4, -0.3, 0.8));
     for (albedo, samples) in [(0.0, 31), (0.5, 4)] {
@@ -186,7 +186,7 @@ fn h36_no_light_enters_a_closed_box() {
 }
 
 #[test]
-fn h36_no_light_enters_a_closed_box_at_its_seams() {
+fn no_light_enters_a_closed_box_at_its_seams() {
     let eye = DVec3::new(0.1, 0.2, 0.3);
     let scenes = under_the_sky(0.0);
     let settings = Settings::new(16, 16, 1);
@@ -217,7 +217,7 @@ fn turned(triangles: Vec<Triangle>, axes: usize) -> Vec<Triangle> {
 }
 
 #[test]
-fn h51_a_cover_sheet_stops_all_light() {
+fn a_cover_sheet_blocks_all_light() {
     for (size, gap) in [1e-6, 1.0, 1e6].into_iter().flat_map(|s| GAPS.map(|gap| (s, gap))) {
         for axes in 0..3 {
             for spread in [1.0, 1.5] {
@@ -254,14 +254,14 @@ fn assert_covered(lit: &Model, covered: &Model, size: f64, axes: usize, what: &s
 }
 
 /// The view factor of a parallel rectangle of sides `a` and `b`, at height 1, with a corner above
-/// the point: C5. Odd in both sides, so that corners elsewhere add up.
+/// the point. Odd in both sides, so that corners elsewhere add up.
 fn corner_factor(a: f64, b: f64) -> f64 {
     let part = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
     (part(a, b) + part(b, a)) / std::f64::consts::TAU
 }
 
 /// What a floor of albedo 0.5 reflects at `x`, `z` under a light of half side 1 and radiance 1 at
-/// height 1: C3.
+/// height 1.
 fn under_a_square_light(x: f64, z: f64) -> f64 {
     let sides = |x: f64| [1.0 - x, 1.0 + x];
     let corners = sides(x).into_iter().flat_map(|a| sides(z).map(|b| corner_factor(a, b)));
@@ -309,7 +309,7 @@ fn assert_takes_nothing(models: &(Model, Model), estimator: Estimator, what: &st
 }
 
 #[test]
-fn h52_a_ceiling_takes_no_light_from_the_light_in_its_plane() {
+fn a_ceiling_hides_nothing_of_the_light_in_its_plane() {
     for half in [1.0, 3.0, 10.0, 100.0, 1e4] {
         for ceiling_first in [false, true] {
             let models = light_in_ceiling(0.0, half, ceiling_first);
@@ -320,7 +320,7 @@ fn h52_a_ceiling_takes_no_light_from_the_light_in_its_plane() {
 }
 
 #[test]
-fn h52_a_ceiling_takes_no_light_from_the_light_just_below_it() {
+fn a_ceiling_hides_nothing_of_the_light_just_below_it() {
     for (drop, half) in [(1e-9, 1.0), (1e-9, 3.0), (1e-12, 3.0), (1e-9, 1e3)] {
         let models = light_in_ceiling(drop, half, true);
         for estimator in ALL {
@@ -330,7 +330,7 @@ fn h52_a_ceiling_takes_no_light_from_the_light_just_below_it() {
 }
 
 #[test]
-fn h52_a_light_in_a_ceiling_gives_the_light_that_it_should() {
+fn a_light_in_a_ceiling_gives_the_known_radiance() {
     let (center, aslant) = (PLACES[0], PLACES[1]);
     let cases = [
         (0.0, Estimator::Light, center, 100),
@@ -375,7 +375,7 @@ fn two_boxes(half: f64, dark_first: bool, at: impl Fn(DVec3) -> DVec3) -> Model 
 }
 
 #[test]
-fn h53_no_light_crosses_between_boxes_that_touch() {
+fn no_light_crosses_between_boxes_that_touch() {
     // Upright; far away; turned by the angle whose tangent is 4/3, which needs no rounding.
     type Place = fn(DVec3) -> DVec3;
     let places: [(&str, Place); 4] = [

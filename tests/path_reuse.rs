@@ -148,10 +148,10 @@ fn dark_neighbours_make_no_noise() {
     assert!(shared < 0.5 * alone, "{shared} {alone}");
 }
 
-/// C1: the mean of all pixels, and the share of their intervals of 95 % that hold it. Of 4096 pixels whose errors
+/// A furnace: the mean of all pixels, and the share of their intervals of 95 % that hold it. Of 4096 pixels whose errors
 /// are alike by fours that varies by up to 0.68 %; 5.85 times that is accepted.
 #[test]
-fn c1_a_furnace_of_shared_paths() {
+fn a_furnace_with_path_reuse() {
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
     for (limit, truth) in [(Some(2), 1.75), (Some(5), 2.0 - f64::powi(0.5, 5)), (None, 2.0)] {

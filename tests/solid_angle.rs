@@ -167,7 +167,7 @@ fn beyond_its_reach_no_triangle_is_large() {
     assert!(beyond > 30_000 && within > 50_000 && large > within / 20, "{beyond} {within} {large}");
 }
 
-/// H55, H56, and what else solid angles can not tell.
+/// Distant lights, points beside a light, and whatever else is too ill-conditioned for solid angles.
 #[test]
 fn what_is_ill_conditioned_is_left_to_area() {
     let at = |u: f64, v: f64, height: f64| above(&PLAIN, (u, v), height);

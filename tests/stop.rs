@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-/// C3.
+/// A square light of side 2 at height 1 above a floor.
 fn light_over_floor() -> (Scene<Box<dyn Accel>>, Camera) {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     (scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1), camera)
@@ -264,7 +264,7 @@ fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Failing> {
     Scene::build(model, build).expect("the model is good")
 }
 
-/// L6.
+/// A panicking worker ends the render with an error and leaves nothing locked.
 #[test]
 fn a_panic_is_an_error_and_the_next_render_works() {
     let mut settings = Settings::new(64, 64, 64);
@@ -285,9 +285,9 @@ fn a_panic_is_an_error_and_the_next_render_works() {
     }
 }
 
-/// H67.
+/// The error names pixel and sample.
 #[test]
-fn h67_what_is_not_a_number_is_an_error_that_names_its_sample() {
+fn a_nan_is_an_error_that_names_its_sample() {
     let mut settings = Settings::new(64, 64, 64);
     settings.threads = 1;
     // A camera ray of the first tile: four samples of a pixel, pixel after pixel.
@@ -296,9 +296,9 @@ fn h67_what_is_not_a_number_is_an_error_that_names_its_sample() {
     assert_eq!(error, RenderError::NonFinite { x: 2, y: 1, sample: 2 });
 }
 
-/// H67, where the sample shares what it finds with others: it is still the one that is named.
+/// Where the sample shares its path with others, it is still the one that is named.
 #[test]
-fn h67_what_is_not_a_number_is_not_shared() {
+fn path_reuse_does_not_spread_a_nan() {
     let mut settings = Settings::new(64, 64, 64);
     (settings.threads, settings.roulette.start) = (1, 20);
     // In a furnace no path ends: the third rays of the first tile's 4 x 256 samples come after 2048 others.

@@ -72,9 +72,9 @@ fn sub_triangle(u: f64, v: f64, cuts: u32) -> usize {
     index
 }
 
-/// H58: numbers at the ends of their range give usable points.
+/// Random numbers of 0, the least positive one and the greatest below 1 give usable points.
 #[test]
-fn h58_corners_of_the_square_are_ordinary() {
+fn random_numbers_at_the_ends_of_their_range_are_usable() {
     let ends = [0.0, 5e-324, 1.0_f64.next_down()];
     for u in ends.into_iter().flat_map(|a| ends.map(|b| [a, b])) {
         let w = CosineHemisphere::sample(u);

@@ -149,7 +149,7 @@ fn rates_are_those_of_the_run() {
     assert!(said.contains(idle) && said.contains("samples       8 a pixel, 0.01 million in all"), "{said}");
 }
 
-/// L4: a render killed a hundred times, and resumed each time, is the one that nobody disturbed.
+/// A render killed a hundred times and resumed each time gives the bytes of an uninterrupted one.
 #[test]
 fn a_render_survives_being_killed() {
     let folder = tempfile::tempdir().expect("a temporary folder");

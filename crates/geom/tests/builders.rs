@@ -4,7 +4,7 @@
 //! cells, depth and bytes, and answers aimed rays with the same bits as brute force. Bytes are
 //! counted for each thread, so tests do not disturb each other.
 //!
-//! The scenes of H40 have 200,000 triangles; with `GLOBILLUM_EFFORT=5` they have the million of
+//! The scenes of coincident triangles have 200,000; with `GLOBILLUM_EFFORT=5` they have the million of
 //! their name.
 
 use allocation_counter::{AllocationInfo, measure};
@@ -203,7 +203,7 @@ fn moved(triangle: Triangle, by: Vec3) -> Triangle {
 }
 
 #[test]
-fn h21_nothing() {
+fn an_empty_scene() {
     let scene = Scene::new(Vec::new());
     assert_eq!(scene.check(10), 0);
     for accel in [&scene.brute as &dyn Accel, &scene.kd, &scene.grid] {
@@ -216,7 +216,7 @@ fn h21_nothing() {
 }
 
 #[test]
-fn h22_one_triangle_and_two_identical_ones() {
+fn one_triangle_and_two_identical_ones() {
     let down = Ray::new(DVec3::new(0.25, 0.25, 1.0), -DVec3::Z);
     for copies in [1, 2] {
         let scene = Scene::new(vec![CORNER; copies]);
@@ -226,7 +226,7 @@ fn h22_one_triangle_and_two_identical_ones() {
 }
 
 #[test]
-fn h23_flat_scenes_in_each_plane() {
+fn flat_scenes_in_each_plane() {
     for axis in 0..3 {
         // A lattice of squares whose coordinate along `axis` is always one.
         let corner = |x: usize, y: usize| {
@@ -246,7 +246,7 @@ fn h23_flat_scenes_in_each_plane() {
 }
 
 #[test]
-fn h24_nothing_but_lines_and_points() {
+fn only_lines_and_points() {
     let n = 100_000;
     let on_the_axis = |i: usize| Triangle { vertices: [i, 2 * i, 5 * i + 1].map(|x| Vec3::X * x as f32) };
     let point = Triangle { vertices: [Vec3::new(0.1, 0.2, 0.3); 3] };
@@ -258,7 +258,7 @@ fn h24_nothing_but_lines_and_points() {
 }
 
 #[test]
-fn h25_degenerate_triangles_keep_their_index_and_are_not_hit() {
+fn degenerate_triangles_keep_their_index_and_are_not_hit() {
     // Dyadic, so that points on their line can be named exactly.
     let (a, b) = (Vec3::new(0.125, 0.75, 0.25), Vec3::new(0.875, 0.25, 0.5));
     let repeated = Triangle::new(a, a, b);
@@ -274,7 +274,7 @@ fn h25_degenerate_triangles_keep_their_index_and_are_not_hit() {
 /// A spindle: a ring of tiny radius, and two tips far off. Its triangles are 1e8 times as long as
 /// they are wide, and every long edge is shared.
 #[test]
-fn h27_needles_that_share_long_edges_do_not_leak() {
+fn needles_that_share_long_edges_do_not_leak() {
     let (tip, ring, radius) = (DVec3::new(0.36, 0.48, 0.8), 60_u32, 1e-7);
     let (side, other) = (tip.any_orthonormal_vector(), tip.cross(tip.any_orthonormal_vector()));
     let at = |i: u32| {
@@ -297,7 +297,7 @@ fn h27_needles_that_share_long_edges_do_not_leak() {
 }
 
 #[test]
-fn h28_bad_coordinates_are_named() {
+fn bad_coordinates_are_named() {
     let with = |vertex: usize, axis: usize, value| {
         let mut triangles = vec![CORNER; 3];
         triangles[1].vertices[vertex][axis] = value;
@@ -321,7 +321,7 @@ fn h28_bad_coordinates_are_named() {
 }
 
 #[test]
-fn h29_negative_zero_is_zero() {
+fn negative_zero_is_zero() {
     let mesh: Vec<Triangle> = Regime::Lattice.triangles(&mut Seeded::new(29));
     let negated = |x: f32| if x == 0.0 { -0.0 } else { x };
     let mirrored = mesh.iter().map(|t| Triangle { vertices: t.vertices.map(|v| v.map(negated)) }).collect();
@@ -334,7 +334,7 @@ fn h29_negative_zero_is_zero() {
 }
 
 #[test]
-fn h32_denormal_geometry() {
+fn denormal_geometry() {
     let mesh = statue(500).placed(1e-40, DVec3::ZERO).triangles();
     let scene = Scene::new(mesh);
     assert!(scene.triangles.live().len() > 100);
@@ -349,7 +349,7 @@ proptest! {
 
     /// Which triangle wins may change only between those that are hit at the same `t`.
     #[test]
-    fn h34_the_order_of_triangles_changes_no_distance(
+    fn the_order_of_triangles_changes_no_distance(
         choices in prop::collection::vec(any::<u64>(), 8..512), which in 0usize..5, seed in any::<u64>(),
     ) {
         let mut source = choices.into_iter();
@@ -379,7 +379,7 @@ fn shuffled(count: usize, seed: u64) -> Vec<usize> {
 }
 
 #[test]
-fn h38_a_teapot_in_a_stadium() {
+fn a_teapot_in_a_stadium() {
     let mut triangles = statue(10_000).placed(0.1, DVec3::Y * 0.1).triangles();
     let far = 5e3;
     let corner = |x: f64, z: f64| DVec3::new(x * far, 0.0, z * far);
@@ -391,7 +391,7 @@ fn h38_a_teapot_in_a_stadium() {
 }
 
 #[test]
-fn h39_long_diagonal_needles() {
+fn long_diagonal_needles() {
     let mut source = Seeded::new(39);
     let mut needle = || {
         let (a, b) = (in_cube(&mut source), in_cube(&mut source));
@@ -401,24 +401,24 @@ fn h39_long_diagonal_needles() {
     assert!(scene.check(1000) > 250);
 }
 
-fn h40_count() -> usize {
+fn coincident_count() -> usize {
     200_000 * effort()
 }
 
 #[test]
-fn h40_identical_triangles() {
-    let scene = Scene::new(vec![CORNER; h40_count()]);
+fn identical_triangles() {
+    let scene = Scene::new(vec![CORNER; coincident_count()]);
     // No plane can part them.
-    assert_eq!((scene.kd.stats().nodes, scene.kd.stats().references), (1, h40_count()));
+    assert_eq!((scene.kd.stats().nodes, scene.kd.stats().references), (1, coincident_count()));
     assert!(scene.check(20) > 5);
     assert_eq!(scene.hit(&Ray::new(DVec3::new(0.25, 0.25, 1.0), -DVec3::Z)).map(|h| h.triangle), Some(0));
 }
 
 #[test]
-fn h40_triangles_at_two_alternating_places() {
+fn triangles_at_two_alternating_places() {
     let place = |i| moved(CORNER, Vec3::new(2.5, 0.0, 0.0) * (i % 2) as f32);
-    let scene = Scene::new((0..h40_count()).map(place).collect());
-    assert_eq!(scene.kd.stats().references, h40_count());
+    let scene = Scene::new((0..coincident_count()).map(place).collect());
+    assert_eq!(scene.kd.stats().references, coincident_count());
     assert!(scene.check(20) > 5);
     for (x, first) in [(0.25, 0), (2.75, 1)] {
         let down = Ray::new(DVec3::new(x, 0.25, 1.0), -DVec3::Z);
@@ -428,7 +428,7 @@ fn h40_triangles_at_two_alternating_places() {
 
 /// Squares around the y axis, from `1` to `2` in size; square `i` at height `rise` times its size.
 fn nested_squares(rise: f64) -> Vec<Triangle> {
-    let count = h40_count() / 2;
+    let count = coincident_count() / 2;
     let square = |i: usize| {
         let size = 1.0 + i as f64 / count as f64;
         let corner = |x: f64, z: f64| size * DVec3::new(x, rise, z);
@@ -438,7 +438,7 @@ fn nested_squares(rise: f64) -> Vec<Triangle> {
 }
 
 #[test]
-fn h40_nested_squares_in_one_plane() {
+fn nested_squares_in_one_plane() {
     let scene = Scene::new(nested_squares(0.0));
     assert!(scene.check(20) > 5);
     let down = |x: f64| Ray::new(DVec3::new(x, 1.0, 0.1), -DVec3::Y);
@@ -447,18 +447,18 @@ fn h40_nested_squares_in_one_plane() {
 }
 
 #[test]
-fn h40_nested_squares_one_above_the_other() {
+fn nested_squares_one_above_the_other() {
     let scene = Scene::new(nested_squares(1.0));
     assert!(scene.check(20) > 5);
     let nearest = |ray| scene.hit(&ray).map(|h| h.triangle as usize / 2);
     let axis = DVec3::new(0.1, 0.0, 0.2);
     assert_eq!(nearest(Ray::new(axis, DVec3::Y)), Some(0));
-    assert_eq!(nearest(Ray::new(axis + 3.0 * DVec3::Y, -DVec3::Y)), Some(h40_count() / 2 - 1));
+    assert_eq!(nearest(Ray::new(axis + 3.0 * DVec3::Y, -DVec3::Y)), Some(coincident_count() / 2 - 1));
 }
 
 /// Triangle `i` at `x = 2^-i`, of size `2^-i`, down to the smallest number there is and beyond.
 #[test]
-fn h41_a_geometric_chain_of_ever_smaller_triangles() {
+fn a_geometric_chain_of_ever_smaller_triangles() {
     let link = |i: i32| {
         let s = 2.0_f64.powi(-i) as f32;
         moved(Triangle::new(Vec3::ZERO, Vec3::new(s, s, 0.0), Vec3::new(0.0, s, s)), Vec3::X * s)
@@ -481,7 +481,7 @@ fn h41_a_geometric_chain_of_ever_smaller_triangles() {
 }
 
 #[test]
-fn h42_any_depth_and_leaf_size() {
+fn any_depth_and_leaf_size() {
     let triangles = Triangles::new(statue(500).triangles()).unwrap();
     let brute = BruteForce::build(&triangles);
     let rays = aimed_rays(&triangles, 200);
@@ -501,7 +501,7 @@ fn h42_any_depth_and_leaf_size() {
 
 /// Six planes box a triangle in; where that costs nothing, every reference could get its six.
 #[test]
-fn h42_empty_space_at_no_cost() {
+fn empty_space_at_no_cost() {
     let triangles = Triangles::new(statue(2000).triangles()).unwrap();
     let mut options = KdOptions::default();
     (options.max_depth, options.leaf_size) = (60, 0);
@@ -514,7 +514,7 @@ fn h42_empty_space_at_no_cost() {
 }
 
 #[test]
-fn h42_costs_out_of_range() {
+fn costs_out_of_range() {
     let triangles = Triangles::new(vec![CORNER]).unwrap();
     let refused = |set: &dyn Fn(&mut KdOptions)| {
         let mut options = KdOptions::default();
@@ -543,7 +543,7 @@ fn grid_options(resolution: [u32; 3]) -> GridOptions {
 }
 
 #[test]
-fn h43_impossible_grids_are_refused_before_anything_is_allocated() {
+fn impossible_grids_are_refused_before_anything_is_allocated() {
     let triangles = Triangles::new(statue(500).triangles()).unwrap();
     let refused = |options: &GridOptions| {
         let (error, allocated) = measured(|| UniformGrid::build(&triangles, options).unwrap_err());
@@ -570,7 +570,7 @@ fn h43_impossible_grids_are_refused_before_anything_is_allocated() {
 }
 
 #[test]
-fn h43_possible_grids() {
+fn possible_grids() {
     let triangles = Triangles::new(statue(500).triangles()).unwrap();
     let brute = BruteForce::build(&triangles);
     let mut options = vec![GridOptions::default(); 2];
@@ -586,7 +586,7 @@ fn h43_possible_grids() {
 }
 
 #[test]
-fn h43_a_flat_axis_has_one_cell() {
+fn a_flat_axis_has_one_cell() {
     for axis in 0..3 {
         let mut flat = Triangle::new(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), Vec3::new(3.0, 1.0, 2.0));
         flat.vertices.iter_mut().for_each(|v| v[axis] = 0.0);
@@ -600,7 +600,7 @@ fn h43_a_flat_axis_has_one_cell() {
 
 /// Ten thousand triangles in one plane, all around one point, and copies of one behind another.
 #[test]
-fn h44_stacks_of_equal_distance() {
+fn stacks_of_equal_distance() {
     let mut source = Seeded::new(44);
     let mut around_the_origin = || {
         // Two corners left and one right of the origin, so that most triangles contain it.
@@ -624,7 +624,7 @@ fn h44_stacks_of_equal_distance() {
 }
 
 #[test]
-fn h45_a_thousand_seeds_of_garbage() {
+fn a_thousand_seeds_of_garbage() {
     let taken = (0..1000).filter(|&seed| check_garbage(seed)).count();
     // Were all refused, nothing would have been tested.
     assert!((100..900).contains(&taken), "{taken} scenes taken");

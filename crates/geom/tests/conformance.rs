@@ -32,30 +32,30 @@ macro_rules! hard_cases {
 }
 
 hard_cases! {
-    h1_along_a_face_diagonal
-    h2_signed_zeros_and_origins_on_the_boundary
-    h3_within_the_plane_of_a_face
-    h4_along_an_edge
-    h5_through_opposite_vertices
-    h6_directions_next_to_an_axis
-    h7_a_lattice_of_shared_vertices
-    h8_origins_on_every_plane_through_a_vertex
-    h9_rays_within_planes_that_hold_triangles
-    h10_origins_on_a_triangle
-    h11_origins_outside_inside_and_behind
-    h12_directions_of_any_length
-    h13_to_h15_rays_that_are_none
-    h16_empty_ranges
-    h17_ranges_are_open
-    h19_grazing_a_long_plane
-    h20_from_very_far_away
-    h21_nothing_at_all
-    h22_one_triangle_and_its_copy
-    h23_a_scene_flat_in_x
-    h23_a_scene_flat_in_y
-    h23_a_scene_flat_in_z
-    h25_degenerate_triangles
-    h37_aimed_rays_at_aligned_offset_thin_and_round_scenes
+    along_a_face_diagonal
+    signed_zeros_and_origins_on_the_boundary
+    within_the_plane_of_a_face
+    along_an_edge
+    through_opposite_vertices
+    directions_close_to_an_axis
+    a_lattice_of_shared_vertices
+    origins_on_every_plane_through_a_vertex
+    rays_within_planes_that_hold_triangles
+    origins_on_a_triangle
+    origins_outside_inside_and_behind
+    directions_of_any_length
+    zero_nan_and_infinite_rays
+    empty_ranges
+    ranges_are_open
+    grazing_a_long_plane
+    origins_far_away
+    no_triangles
+    duplicate_triangles
+    a_scene_flat_in_x
+    a_scene_flat_in_y
+    a_scene_flat_in_z
+    degenerate_triangles
+    aimed_rays_at_aligned_offset_thin_and_round_scenes
 }
 
 /// A family whose rays hit nothing, or always, compares little.
@@ -73,9 +73,9 @@ fn every_family_hits_and_misses() {
     }
 }
 
-/// H18 is part of every comparison: `occluded` is `intersect().is_some()`.
+/// Every comparison includes that `occluded` is `intersect().is_some()`.
 #[test]
-fn h18_random_scenes_of_six_families() {
+fn random_scenes_of_six_families() {
     for (accelerator, build) in accelerators::all() {
         let suite = Suite { rays: 400_000 * effort(), seed: 1 };
         match suite.check(build) {
@@ -94,7 +94,7 @@ proptest! {
 
     /// The same families through a shrinking generator, which makes small counterexamples.
     #[test]
-    fn h18_random_scenes_that_shrink(bits in prop::collection::vec(any::<u64>(), 8..512), which in 0usize..6) {
+    fn random_scenes_that_shrink(bits in prop::collection::vec(any::<u64>(), 8..512), which in 0usize..6) {
         for (accelerator, build) in accelerators::all() {
             let tally = Regime::ALL[which].check(&mut bits.clone().into_iter(), 16, build);
             prop_assert!(tally.is_ok(), "{}: {}", accelerator, tally.unwrap_err());
@@ -119,9 +119,9 @@ fn the_fuzzers_corpus() {
     assert!(files > 0, "{corpus} is empty");
 }
 
-/// H30, H35: at the edges and vertices of closed meshes, of any size and far from the origin.
+/// At the edges and vertices of closed meshes, of any size and far from the origin.
 #[test]
-fn h35_nothing_leaks_at_edges_or_vertices() {
+fn no_ray_leaks_at_edges_or_vertices() {
     let far = DVec3::new(1e5, -1e5, 1e5);
     let placements = [(1e-6, DVec3::ZERO), (1.0, DVec3::ZERO), (1e6, DVec3::ZERO), (1.0, far)];
     let meshes: [fn() -> Mesh; 3] = [|| icosphere(3), || torus(24, 12), || statue(2000)];
@@ -141,9 +141,9 @@ fn h35_nothing_leaks_at_edges_or_vertices() {
     }
 }
 
-/// H8 with the planes that the structures really have.
+/// Origins on the split planes that the accelerators really have.
 #[test]
-fn h8_origins_on_the_structures_own_planes() {
+fn origins_on_the_structures_own_planes() {
     let triangles = Triangles::new(statue(1500).triangles()).unwrap();
     let kd = KdTree::build(&triangles, &KdOptions::default()).unwrap();
     let grid = UniformGrid::build(&triangles, &GridOptions::default()).unwrap();
@@ -164,6 +164,7 @@ fn h8_origins_on_the_structures_own_planes() {
     };
     let rays: Vec<_> = (0..4000).map(|_| ray()).collect();
     for accel in [&kd as &dyn Accel, &grid] {
-        globillum_geom::conformance::compare("H8", accel, triangles.as_slice(), &rays).unwrap();
+        globillum_geom::conformance::compare("origins on split planes", accel, triangles.as_slice(), &rays)
+            .unwrap();
     }
 }

@@ -1,7 +1,6 @@
 //! Rays and segments that leave surfaces: they meet what is there, and never what they leave.
 //!
-//! Names H48.. are those of docs/testing.md. `GLOBILLUM_EFFORT` multiplies the number of rays;
-//! 10 makes it a million of each kind.
+//! `GLOBILLUM_EFFORT` multiplies the number of rays; 10 makes it a million of each kind.
 
 use glam::{DQuat, DVec3, Vec3};
 use globillum_geom::conformance::shapes::{cuboid, icosphere};
@@ -117,7 +116,7 @@ fn near_an_edge(source: &mut Seeded, triangle: &Triangle, distance: f64) -> [f64
 }
 
 #[test]
-fn h48_no_ray_escapes_from_the_edges_inside_a_tetrahedron() {
+fn no_ray_escapes_from_the_edges_inside_a_tetrahedron() {
     let mut source = Seeded::new(48);
     for size in SIZES {
         for faces in tetrahedra(size as f32) {
@@ -150,7 +149,7 @@ fn assert_none_returns(source: &mut Seeded, triangles: &[Triangle], count: usize
 }
 
 #[test]
-fn h49_rays_leave_the_edges_and_vertices_of_boxes() {
+fn rays_leave_the_edges_and_vertices_of_boxes() {
     let mut source = Seeded::new(490);
     // Parallel to the axes, a box of any `f32` corners has plane faces.
     for _ in 0..400 {
@@ -163,7 +162,7 @@ fn h49_rays_leave_the_edges_and_vertices_of_boxes() {
 }
 
 #[test]
-fn h49_rays_leave_the_edges_and_vertices_of_a_ball() {
+fn rays_leave_the_edges_and_vertices_of_a_ball() {
     let mut source = Seeded::new(491);
     for size in SIZES {
         let ball = icosphere(4).placed(size, DVec3::ZERO).triangles();
@@ -188,7 +187,7 @@ fn coplanar_neighbours(source: &mut Seeded) -> [Triangle; 2] {
 }
 
 #[test]
-fn h49_rays_leave_the_edges_and_vertices_of_a_plane() {
+fn rays_leave_the_edges_and_vertices_of_a_plane() {
     let mut source = Seeded::new(492);
     for _ in 0..1_500 {
         let sheet = coplanar_neighbours(&mut source);
@@ -224,7 +223,7 @@ fn apart(source: &mut Seeded, size: f64) -> [Triangle; 2] {
 }
 
 #[test]
-fn h50_two_triangles_apart_never_shade_each_other() {
+fn two_triangles_apart_never_shade_each_other() {
     let mut source = Seeded::new(50);
     for size in SIZES {
         for _ in 0..2_000 * effort() {
@@ -252,7 +251,7 @@ fn triangle_around(source: &mut Seeded, center: DVec3, size: f64) -> Triangle {
 
 /// What the decision may be off grows with the distance from which a triangle is seen.
 #[test]
-fn h50_a_small_triangle_far_away_does_not_shade_itself() {
+fn a_small_triangle_far_away_does_not_shade_itself() {
     let mut source = Seeded::new(501);
     for (ratio, distance) in
         [1.0, 1e-1, 1e-3, 1e-6].into_iter().flat_map(|r| [3.0, 10.0, 1e2, 1e4, 1e6].map(|d| (r, d)))

@@ -1,4 +1,5 @@
-//! C5, the form factor of a rectangle, and C3 as a picture of which every pixel is known.
+//! The form factor of a rectangle, and a picture of a square light above a floor, every pixel of
+//! which is known.
 
 use crate::convergence::Truth;
 use glam::DVec3;
@@ -7,13 +8,13 @@ use globillum_material::Rgb;
 use std::f64::consts::TAU;
 
 /// The form factor of a rectangle of sides `a` and `b` parallel to the receiver, a corner of which
-/// lies above it at height 1: C5. Odd in either side, so that any rectangle is a sum of four.
+/// lies above it at height 1. Odd in either side, so that any rectangle is a sum of four.
 pub fn corner(a: f64, b: f64) -> f64 {
     let part = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
     (part(a, b) + part(b, a)) / TAU
 }
 
-/// C3: the radiance of the floor of [`light_over_floor`](crate::scenes::light_over_floor) at `(x, z)`.
+/// The radiance of the floor of [`light_over_floor`](crate::scenes::light_over_floor) at `(x, z)`.
 pub fn floor_under_light(x: f64, z: f64) -> f64 {
     let factor = corner(1.0 - x, 1.0 - z)
         + corner(1.0 + x, 1.0 - z)
@@ -22,8 +23,8 @@ pub fn floor_under_light(x: f64, z: f64) -> f64 {
     0.5 * factor
 }
 
-/// A camera under C3's light that sees nothing but floor, from its middle nearly to its edge, in a
-/// picture no wider than high.
+/// A camera under the light of [`light_over_floor`](crate::scenes::light_over_floor) that sees nothing
+/// but floor, from its middle nearly to its edge, in a picture no wider than high.
 ///
 /// # Panics
 /// Never: eye and target are apart.
@@ -32,8 +33,9 @@ pub fn floor_camera() -> Camera {
     Camera::look_at(eye, target, DVec3::Y, 0.7).expect("eye and target are apart")
 }
 
-/// C3 as [`floor_camera`] sees it, by a square picture with `side` pixels on each side: the mean
-/// over each pixel, by quadrature, whose error is below 1e-9 from eight pixels a side on.
+/// [`light_over_floor`](crate::scenes::light_over_floor) as [`floor_camera`] sees it, in a square
+/// picture with `side` pixels on each side: the mean over each pixel, by quadrature, whose error is
+/// below 1e-9 if `side` is at least eight.
 pub fn floor_picture(side: u32) -> Truth {
     let camera = floor_camera();
     let pixels = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));

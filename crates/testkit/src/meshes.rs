@@ -43,7 +43,7 @@ impl Subject {
     }
 }
 
-/// The procedural ones: two statues, of about 70,000 and 100,000 triangles; H38; a hall.
+/// The procedural ones: two statues, of about 70,000 and 100,000 triangles; a stadium; a hall.
 ///
 /// # Errors
 /// None: the meshes are good.
@@ -56,7 +56,7 @@ pub fn procedural() -> Result<Vec<Subject>, GeomError> {
     ])
 }
 
-/// H38, a teapot in a stadium: a statue of 10,000 triangles and size 0.1 on a ground of two
+/// A teapot in a stadium: a statue of 10,000 triangles and size 0.1 on a ground of two
 /// triangles and size 10,000.
 fn stadium() -> Result<Subject, GeomError> {
     let mut mesh = statue(10_000).placed(0.1, DVec3::Y * 0.1).triangles();

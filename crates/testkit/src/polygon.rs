@@ -34,7 +34,7 @@ mod tests {
     use crate::scenes::disc;
     use crate::shapes::icosphere;
 
-    /// C5.
+    /// The form factor of a square light above a floor.
     #[test]
     fn a_rectangle_is_two_triangles() {
         let p = DVec3::new;
@@ -43,9 +43,9 @@ mod tests {
         assert!((form_factor(DVec3::ZERO, DVec3::Y, &[a, b]) - 0.554_126_424).abs() < 1e-9);
     }
 
-    /// C7: the error falls by four as often as the number of sides doubles.
+    /// The error falls by four each time the number of sides doubles.
     #[test]
-    fn c7_polygons_converge_to_discs_and_spheres() {
+    fn polygons_converge_to_discs_and_spheres() {
         // On the axis at heights 1 and 2, and at height 1 beside it, by Howell's catalogue.
         let beside: f64 = 0.5 * (1.0 - (1.0 + 4.0 - 1.0) / ((1.0_f64 + 4.0 + 1.0).powi(2) - 16.0).sqrt());
         for (height, offset, truth) in [(1.0, 0.0, 0.5), (2.0, 0.0, 0.2), (1.0, 2.0, beside)] {

@@ -37,7 +37,7 @@ fn glow(radiance: f64) -> Emission {
     Emission::new(Rgb::splat(radiance), Sides::Front).expect("a finite radiance")
 }
 
-/// C1: a closed cube, `half` its half side, around `center`, that emits radiance 1 inward and
+/// Furnace: a closed cube, `half` its half side, around `center`, that emits radiance 1 inward and
 /// has albedo `rho`. After `n` bounces the radiance is `(1 - rho^(n + 1)) / (1 - rho)`.
 pub fn furnace(rho: f64, half: f64, center: DVec3) -> Model {
     let mut model = Model::default();
@@ -46,7 +46,7 @@ pub fn furnace(rho: f64, half: f64, center: DVec3) -> Model {
     model
 }
 
-/// C3: a light of 2 x 2 and radiance 1, at height 1, centred above a floor of albedo 0.5 at
+/// A light of 2 x 2 and radiance 1, at height 1, centred above a floor of albedo 0.5 at
 /// height 0.
 pub fn light_over_floor() -> Model {
     let p = DVec3::new;
@@ -58,7 +58,7 @@ pub fn light_over_floor() -> Model {
     model
 }
 
-/// H55: a square light of radiance 1 at the origin, facing down, and a floor of albedo 0.5 that lies
+/// A square light of radiance 1 at the origin, facing down, and a floor of albedo 0.5 that lies
 /// `height` below it.
 pub fn distant_light(side: f64, height: f64) -> Model {
     let p = DVec3::new;
@@ -70,7 +70,7 @@ pub fn distant_light(side: f64, height: f64) -> Model {
     model
 }
 
-/// C8: a unit box of four perfect mirrors, a floor of albedo `floor` and a ceiling of albedo
+/// A unit box of four perfect mirrors, a floor of albedo `floor` and a ceiling of albedo
 /// `ceiling` that emits radiance 1. The mirrors make both infinite.
 pub fn kaleidoscope(floor: f64, ceiling: f64) -> Model {
     let mut model = Model::default();
@@ -87,7 +87,7 @@ pub fn kaleidoscope(floor: f64, ceiling: f64) -> Model {
     model
 }
 
-/// C11: two mirrors of reflectance `r` at heights 0 and 1 along x, and a light of radiance 1 that
+/// Two mirrors of reflectance `r` at heights 0 and 1 along x, and a light of radiance 1 that
 /// closes the corridor between them at `x = length`.
 pub fn mirror_corridor(r: f64, length: f64) -> Model {
     let p = DVec3::new;
@@ -102,7 +102,7 @@ pub fn mirror_corridor(r: f64, length: f64) -> Model {
     model
 }
 
-/// C5: a light of radiance 1 from (x0, h, z0) to (x1, h, z1), facing down, above a floor of albedo
+/// A light of radiance 1 from (x0, h, z0) to (x1, h, z1), facing down, above a floor of albedo
 /// 0.5 at height 0.
 pub fn rectangle_over_floor([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> Model {
     let p = DVec3::new;
@@ -113,7 +113,7 @@ pub fn rectangle_over_floor([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> M
     model
 }
 
-/// C9: C3 and a mirror of reflectance 0.9 at x = 1.5, which faces it.
+/// [`light_over_floor`] and a mirror of reflectance 0.9 at x = 1.5, which faces the light.
 pub fn light_beside_mirror() -> Model {
     let p = DVec3::new;
     let mut model = light_over_floor();
@@ -122,7 +122,7 @@ pub fn light_beside_mirror() -> Model {
     model
 }
 
-/// C10: C3, of whose light a black sheet at height 0.7 hides the half where x is above zero.
+/// [`light_over_floor`] with a black sheet at height 0.7 that hides the half of the light at x > 0.
 pub fn light_half_hidden() -> Model {
     let p = DVec3::new;
     let mut model = light_over_floor();
@@ -131,7 +131,7 @@ pub fn light_half_hidden() -> Model {
     model
 }
 
-/// C12: a light of radiance 1, one unit wide and high, that stands on a floor of albedo 0.5 at
+/// A light of radiance 1, one unit wide and high, that stands on a floor of albedo 0.5 at
 /// x = 0 and faces +x.
 pub fn light_on_floor() -> Model {
     let p = DVec3::new;
@@ -142,7 +142,7 @@ pub fn light_on_floor() -> Model {
     model
 }
 
-/// C7 and C14: a regular polygon of that many sides in the unit circle around the y axis, at `height`,
+/// A regular polygon of `sides` sides in the unit circle around the y axis, at `height`,
 /// its front down or up.
 pub fn disc(height: f64, sides: u32, down: bool) -> Vec<Triangle> {
     let corner = |i: u32| {
@@ -165,8 +165,8 @@ pub fn light_above_floor(light: impl IntoIterator<Item = Triangle>, half: f64) -
     model
 }
 
-/// C19: a sphere of `20 * 4^levels` triangles and albedo 0.6, seen from within, of which a quarter, one
-/// connected part, emits radiance 4. Light that was reflected has radiance 1.5 in all of a true sphere.
+/// Integrating sphere: an icosphere of `20 * 4^levels` triangles and albedo 0.6, seen from within. A
+/// quarter of it, one connected part, emits radiance 4. Light that was reflected has radiance 1.5 in all of a true sphere.
 pub fn integrating_sphere(levels: u32) -> Model {
     let mut walls = inside_out(icosphere(levels).triangles());
     let light = walls.split_off(walls.len() / 4 * 3);
@@ -176,7 +176,7 @@ pub fn integrating_sphere(levels: u32) -> Model {
     model
 }
 
-/// C17: a cube of albedo `rho` around the origin, its sides 2 long.
+/// A cube of albedo `rho` around the origin, its sides 2 long.
 pub fn cube(rho: f64) -> Model {
     let mut model = Model::default();
     model.add(lambert(rho), cuboid(DVec3::ZERO, DVec3::ONE, 0.0));

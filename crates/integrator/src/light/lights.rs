@@ -132,9 +132,9 @@ mod tests {
         assert!(self::lights(&[0.0]).1.is_empty());
     }
 
-    /// H57: powers that differ by a factor of 1e12 are chosen in proportion, a million of them.
+    /// A million lights whose powers differ by a factor of 1e12 are chosen in proportion.
     #[test]
-    fn h57_a_million_lights_are_chosen_by_their_power() {
+    fn a_million_lights_are_chosen_by_their_power() {
         let radiances: Vec<f64> = (0..1_000_000).map(|i| 10.0_f64.powi(i % 13 - 6)).collect();
         let (triangles, lights) = lights(&radiances);
         let total: f64 = radiances.iter().sum();
