@@ -53,7 +53,7 @@ fn rows_1_to_82_bad_scenes_are_one_line_that_names_file_and_place() {
 #[test]
 fn scenes_that_are_not_there_and_of_other_formats_are_named() {
     assert_refused(&[], &["SCENE"]);
-    assert_refused(&["none.obj"], &["none.obj: can not be read"]);
+    assert_refused(&["none.obj"], &["none.obj: cannot be read"]);
     assert_refused(&["folder.png"], &["folder.png: unknown scene format"]);
     assert_refused(&["room.obj", "--max-triangles", "3"], &["room.obj:13: more than 3 triangles"]);
 }
@@ -145,18 +145,18 @@ fn colours_and_exposures_are_numbers() {
 
 #[test]
 fn row_93_a_picture_that_is_a_folder() {
-    assert_refused(&["room.obj", "--out", "folder.png"], &["folder.png: can not be written: is a directory"]);
+    assert_refused(&["room.obj", "--out", "folder.png"], &["folder.png: cannot be written: is a directory"]);
 }
 
 #[test]
 fn row_94_pictures_where_nothing_can_be_written() {
-    assert_refused(&["room.obj", "--out", "nowhere/a.png"], &["nowhere/a.png: can not be written"]);
-    assert_refused(&["room.obj", "--out", "room.obj/a.png"], &["room.obj/a.png: can not be written"]);
+    assert_refused(&["room.obj", "--out", "nowhere/a.png"], &["nowhere/a.png: cannot be written"]);
+    assert_refused(&["room.obj", "--out", "room.obj/a.png"], &["room.obj/a.png: cannot be written"]);
     assert_refused(
         &["room.obj", "--stats", "nowhere/stats.json"],
-        &["nowhere/stats.json: can not be written"],
+        &["nowhere/stats.json: cannot be written"],
     );
-    assert_refused(&["room.obj", "--checkpoint", "nowhere/cp"], &["nowhere/cp: can not be written"]);
+    assert_refused(&["room.obj", "--checkpoint", "nowhere/cp"], &["nowhere/cp: cannot be written"]);
 }
 
 /// No room is left while the picture, the figures or the checkpoint are being written: what was
@@ -183,7 +183,7 @@ fn row_95_a_disk_that_fills_up() {
             .expect("there is a shell");
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{message}");
-        assert!(message.starts_with(&format!("error: {name}: can not be written: ")), "{message}");
+        assert!(message.starts_with(&format!("error: {name}: cannot be written: ")), "{message}");
         assert_eq!((message.lines().count(), names()), (1, before), "{message}");
         assert_eq!(std::fs::read(&old).expect("it is there"), b"old");
     }

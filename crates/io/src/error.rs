@@ -16,7 +16,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum IoError {
     /// The file could not be read.
-    #[error("{}: can not be read: {source}", plain(path.display()))]
+    #[error("{}: cannot be read: {source}", plain(path.display()))]
     Read {
         /// The file.
         path: PathBuf,
@@ -178,9 +178,9 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
-    /// The file could not be written. What was there before is still there, unless all that failed
-    /// was to force the folder's names to disk at the very end.
-    #[error("{}: can not be written: {source}", plain(path.display()))]
+    /// The file could not be written. A regular file is unchanged, unless only forcing the folder's names
+    /// to disk failed at the very end. A FIFO or a device may have received part of the content.
+    #[error("{}: cannot be written: {source}", plain(path.display()))]
     Write {
         /// The file.
         path: PathBuf,
@@ -188,7 +188,7 @@ pub enum IoError {
         source: io::Error,
     },
     /// The picture could not be encoded; what was there before is still there.
-    #[error("{}: can not be encoded: {source}", plain(path.display()))]
+    #[error("{}: cannot be encoded: {source}", plain(path.display()))]
     Encode {
         /// The file.
         path: PathBuf,
@@ -213,6 +213,6 @@ mod tests {
         assert_eq!(at(Place::Node(2)), "a.x: nodes[2]: odd");
         assert_eq!(at(Place::Primitive { mesh: 1, primitive: 0 }), "a.x: meshes[1].primitives[0]: odd");
         let (path, source) = ("a.x".into(), io::ErrorKind::PermissionDenied.into());
-        assert_eq!(IoError::Read { path, source }.to_string(), "a.x: can not be read: permission denied");
+        assert_eq!(IoError::Read { path, source }.to_string(), "a.x: cannot be read: permission denied");
     }
 }

@@ -1,4 +1,4 @@
-use crate::atomic::folder_of;
+use crate::path::folder_of;
 use crate::{IoError, Limits, Location, Place};
 use std::fs::{self, File};
 use std::io::{self, Read};

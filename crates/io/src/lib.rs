@@ -41,13 +41,16 @@ mod loading;
 mod location;
 #[cfg(feature = "obj")]
 mod obj;
+mod path;
 #[cfg(feature = "images")]
 mod picture;
 mod plain;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod report;
+mod special;
 #[cfg(feature = "images")]
 mod srgb;
+mod temporary;
 
 pub use atomic::AtomicFile;
 pub use error::IoError;

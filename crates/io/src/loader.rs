@@ -1,4 +1,5 @@
 use crate::loading::Loading;
+use crate::path::extension_of;
 use crate::{IoError, Limits, LoadReport};
 use globillum_integrator::{Camera, Model};
 use std::fmt;
@@ -86,8 +87,7 @@ impl<'a> Loader<'a> {
     /// [`IoError::UnknownScene`] for any extension but those of the formats that were built in;
     /// else what the format's own function says.
     pub fn load(&self, path: &Path) -> Result<Loaded, IoError> {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match extension.to_str() {
+        match extension_of(path).to_str() {
             #[cfg(feature = "obj")]
             Some("obj") => self.load_obj(path),
             #[cfg(feature = "gltf")]

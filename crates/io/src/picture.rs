@@ -1,4 +1,5 @@
 use crate::atomic::AtomicFile;
+use crate::path::extension_of;
 use crate::{IoError, srgb};
 use globillum_integrator::Film;
 use globillum_material::Rgb;
@@ -24,8 +25,7 @@ impl PictureFormat {
     /// # Errors
     /// [`IoError::UnknownFormat`] for any extension but `png` and `exr`.
     pub fn of(path: &Path) -> Result<Self, IoError> {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match extension.to_str() {
+        match extension_of(path).to_str() {
             Some("png") => Ok(Self::Png),
             Some("exr") => Ok(Self::Exr),
             _ => Err(IoError::UnknownFormat { path: path.into() }),
@@ -82,11 +82,11 @@ pub struct PictureFile {
 }
 
 impl PictureFile {
-    /// Chooses the format by the extension of `path` and opens a temporary file in its folder.
+    /// Chooses the format by the extension of `path` and opens the file as [`AtomicFile::create`] does.
     ///
     /// # Errors
-    /// [`IoError::UnknownFormat`] for any extension but `png` and `exr`; [`IoError::Write`] if
-    /// the folder is missing or can not be written to, or if `path` is itself a folder.
+    /// [`IoError::UnknownFormat`] for any extension but `png` and `exr`; [`IoError::Write`] if the folder
+    /// is missing or cannot be written to, or if `path` is a directory or a socket.
     pub fn create(path: &Path) -> Result<Self, IoError> {
         let format = PictureFormat::of(path)?;
         Ok(Self { format, path: path.into(), file: AtomicFile::create(path)?, gain: 1.0 })
@@ -100,13 +100,12 @@ impl PictureFile {
         Self { gain, ..self }
     }
 
-    /// Writes the mean radiance of the film's pixels, in one step: whoever looks, whenever a
-    /// crash comes, finds the old file or the new one, whole.
-    ///
-    /// A symbolic link is replaced, not followed.
+    /// Writes the mean radiance of the film's pixels. A regular file is replaced in one step, so that
+    /// readers find the old file or the new one; a FIFO or a device is written through (see
+    /// [`AtomicFile`]). The picture is encoded in memory, so the target need not be seekable.
     ///
     /// # Errors
-    /// [`IoError::Encode`] or [`IoError::Write`], which say what is then left.
+    /// [`IoError::Encode`] or [`IoError::Write`], each of which says what is then left of the old file.
     pub fn write(self, film: &Film) -> Result<(), IoError> {
         let Self { format, path, file, gain } = self;
         let bytes = format

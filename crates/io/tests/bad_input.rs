@@ -301,5 +301,5 @@ fn json_is_utf_8_also_where_it_is_not_read() {
 fn unknown_extensions_and_missing_files_are_named() {
     let message = |name: &str| globillum_io::load(Path::new(name)).unwrap_err().to_string();
     assert_eq!(message("a.stl"), "a.stl: unknown scene format; supported are .obj, .gltf and .glb");
-    assert!(message("no/such.glb").starts_with("no/such.glb: can not be read: "));
+    assert!(message("no/such.glb").starts_with("no/such.glb: cannot be read: "));
 }

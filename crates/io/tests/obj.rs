@@ -184,7 +184,7 @@ fn text_must_be_utf8() {
 #[test]
 fn a_missing_file_is_named() {
     let error = load_obj("no/such.obj".as_ref()).unwrap_err();
-    assert!(error.to_string().starts_with("no/such.obj: can not be read: "), "{error}");
+    assert!(error.to_string().starts_with("no/such.obj: cannot be read: "), "{error}");
 }
 
 #[test]

@@ -73,7 +73,7 @@ fn places_that_can_not_be_written_are_found_before_rendering() {
     for path in [directory, folder.path().join("missing/a.png")] {
         let error = PictureFile::create(&path).unwrap_err();
         assert!(matches!(error, IoError::Write { .. }), "{error}");
-        assert!(error.to_string().starts_with(&format!("{}: can not be written: ", path.display())));
+        assert!(error.to_string().starts_with(&format!("{}: cannot be written: ", path.display())));
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
@@ -100,4 +100,28 @@ fn a_write_that_fails_says_so_and_leaves_nothing() {
     assert!(matches!(file.write(&film()), Err(IoError::Write { .. })));
     assert!(path.is_dir());
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_picture_is_written_through_to_a_fifo() {
+    use std::io::Read;
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.png", "a.exr"] {
+        let [fifo, file] = ["fifo", "file"].map(|kind| folder.path().join(kind).join(name));
+        for path in [&fifo, &file] {
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+        }
+        assert!(std::process::Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+        // Opened for both, a FIFO waits neither for a writer nor for a reader.
+        let mut reader = fs::File::options().read(true).write(true).open(&fifo).unwrap();
+        for path in [&fifo, &file] {
+            PictureFile::create(path).unwrap().write(&film()).unwrap();
+        }
+        let expected = fs::read(&file).unwrap();
+        assert!(!fs::metadata(&fifo).unwrap().is_file(), "the FIFO has been replaced");
+        let mut found = vec![0; expected.len()];
+        reader.read_exact(&mut found).unwrap();
+        assert_eq!(found, expected, "{name}");
+    }
 }
