@@ -1,0 +1,142 @@
+//! Checks of a complete scene for common mistakes with its lights.
+
+use crate::WarningKind;
+use glam::{DVec2, DVec3, Vec3Swizzles};
+use globillum_geom::{Aabb, Triangle};
+use globillum_integrator::Model;
+use std::collections::HashMap;
+
+/// The resolution of planes: of an offset relative to the scene's size, and of a component of a normal.
+const RESOLUTION: f64 = 1e-6;
+
+/// The average number of pairs that are compared for each triangle of the scene. The check ends there,
+/// since a warning is not worth an hour.
+const PAIRS_PER_TRIANGLE: usize = 16;
+
+/// A warning if the scene has no lights, or if lights overlap another triangle in their plane.
+pub(crate) fn check_lights(model: &Model) -> Option<WarningKind> {
+    let lights = lights(model);
+    if lights.is_empty() {
+        return Some(WarningKind::NoLight);
+    }
+    let count = coplanar(model, &lights);
+    (count > 0).then_some(WarningKind::CoplanarLights { count })
+}
+
+/// The indices of the triangles that emit.
+fn lights(model: &Model) -> Vec<usize> {
+    if model.materials().iter().all(|material| material.emission.is_none()) {
+        return Vec::new();
+    }
+    let emitting = (0..model.triangles().len()).filter(|&index| !model.material(index).emission.is_none());
+    let mut all = Vec::with_capacity(emitting.clone().count());
+    all.extend(emitting);
+    all
+}
+
+/// The number of `lights` that overlap another triangle in their plane.
+fn coplanar(model: &Model, lights: &[usize]) -> usize {
+    let bounds = Aabb::around(model.triangles().iter().flat_map(|t| t.vertices));
+    let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+    let planes = Planes { middle, size: bounds.extent().max_element() };
+    let mut by_plane: HashMap<_, Vec<usize>> = HashMap::new();
+    for &index in lights {
+        by_plane.entry(planes.key(&model.triangles()[index])).or_default().push(index);
+    }
+    let mut pairs_left = PAIRS_PER_TRIANGLE * model.triangles().len();
+    let mut count = 0;
+    for (index, triangle) in model.triangles().iter().enumerate() {
+        let Some(neighbours) = by_plane.get_mut(&planes.key(triangle)) else { continue };
+        neighbours.retain(|&light| {
+            pairs_left = pairs_left.saturating_sub(1);
+            let found = light != index && pairs_left > 0 && overlap(&model.triangles()[light], triangle);
+            count += usize::from(found);
+            !found
+        });
+    }
+    count
+}
+
+/// Maps a triangle to a key of its plane, equal for all triangles in the plane whichever way they face.
+struct Planes {
+    middle: DVec3,
+    size: f64,
+}
+
+impl Planes {
+    fn key(&self, triangle: &Triangle) -> [i64; 4] {
+        let normal = normal(triangle);
+        let first = normal.to_array().into_iter().find(|x| x.abs() > RESOLUTION).unwrap_or(1.0);
+        let normal = normal * first.signum();
+        let offset = (triangle.vertices[0].as_dvec3() - self.middle).dot(normal) / self.size;
+        [normal.x, normal.y, normal.z, offset].map(|x| (x / RESOLUTION).round() as i64)
+    }
+}
+
+fn normal(triangle: &Triangle) -> DVec3 {
+    let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
+    (b - a).normalize_or_zero().cross((c - a).normalize_or_zero()).normalize_or_zero()
+}
+
+/// Whether two coplanar triangles overlap in more than an edge: no edge of either separates them.
+fn overlap(a: &Triangle, b: &Triangle) -> bool {
+    let normal = normal(a).abs();
+    // The projection along the normal's largest component is not degenerate.
+    let flat = |t: &Triangle| {
+        t.vertices.map(|v| v.as_dvec3()).map(|v| {
+            if normal.x >= normal.y && normal.x >= normal.z {
+                v.yz()
+            } else if normal.y >= normal.z {
+                v.xz()
+            } else {
+                v.xy()
+            }
+        })
+    };
+    let (a, b) = (flat(a), flat(b));
+    !separated(a, b) && !separated(b, a)
+}
+
+/// Whether `b` lies outside one of the edges of `a` or on it.
+fn separated(a: [DVec2; 3], b: [DVec2; 3]) -> bool {
+    let turn = (a[1] - a[0]).perp_dot(a[2] - a[0]).signum();
+    (0..3).any(|i| {
+        let edge = a[(i + 1) % 3] - a[i];
+        b.iter().all(|&p| {
+            let side = turn * edge.perp_dot(p - a[i]);
+            side <= RESOLUTION * edge.length() * (p - a[i]).length()
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use globillum_material::{Material, Rgb};
+
+    fn square(x: f32, y: f32, half: f32) -> [Triangle; 2] {
+        let p = |dx: f32, dz: f32| Vec3::new(x + dx * half, y, dz * half);
+        let [a, b, c, d] = [p(-1.0, -1.0), p(1.0, -1.0), p(1.0, 1.0), p(-1.0, 1.0)];
+        [Triangle::new(a, b, c), Triangle::new(a, c, d)]
+    }
+
+    fn found(light: [Triangle; 2]) -> Option<WarningKind> {
+        let mut model = Model::default();
+        model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, 1.0, 1.0));
+        model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, -1.0, 1.0));
+        model.add(Material::lamp(Rgb::WHITE).unwrap(), light);
+        check_lights(&model)
+    }
+
+    #[test]
+    fn a_light_in_the_ceilings_plane_is_found() {
+        assert_eq!(found(square(0.1, 1.0, 0.3)), Some(WarningKind::CoplanarLights { count: 2 }));
+    }
+
+    #[test]
+    fn a_light_below_the_ceiling_or_beside_it_is_fine() {
+        assert_eq!(found(square(0.1, 0.995, 0.3)), None);
+        assert_eq!(found(square(2.0, 1.0, 1.0)), None);
+    }
+}
