@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args, Debug)]
 pub struct Options {
     /// Which scene: 0 is the box with two blocks, 1 with a knot, 2 with a diffuse and a mirror knot
-    /// under two lamps, 3 with a pine cone of a million triangles; 4 is a hall of statues
+    /// under two lights, 3 with a pine cone of a million triangles; 4 is a hall of statues
     #[arg(long, default_value_t = 0)]
     scene: u32,
     /// Stand this mesh in the box instead of the blocks or the statue; twice for two statues

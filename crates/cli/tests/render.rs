@@ -39,7 +39,7 @@ fn rows_1_to_82_bad_scenes_are_one_line_that_names_file_and_place() {
         let (code, lines) = match case.outcome {
             Outcome::Refused { message, .. } => (1, vec![format!("error: {message}")]),
             Outcome::Loaded { warnings } => {
-                let nothing_shines = format!("{}: nothing emits light", case.files[0].0);
+                let nothing_shines = format!("{}: scene has no lights", case.files[0].0);
                 let all = warnings.into_iter().chain([nothing_shines]);
                 (0, all.map(|warning| format!("warning: {warning}")).collect())
             }
@@ -55,7 +55,7 @@ fn scenes_that_are_not_there_and_of_other_formats_are_named() {
     assert_refused(&[], &["SCENE"]);
     assert_refused(&["none.obj"], &["none.obj: cannot be read"]);
     assert_refused(&["folder.png"], &["folder.png: unknown scene format"]);
-    assert_refused(&["room.obj", "--max-triangles", "3"], &["room.obj:13: more than 3 triangles"]);
+    assert_refused(&["room.obj", "--max-triangles", "3"], &["room.obj:13: too many triangles (limit: 3)"]);
 }
 
 #[test]
@@ -227,6 +227,6 @@ fn what_is_passed_over_is_said() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     assert!(said.contains("warning: a.obj:1: material library `no.mtl` does not exist"), "{said}");
-    assert!(said.contains("warning: a.obj: nothing emits light"), "{said}");
+    assert!(said.contains("warning: a.obj: scene has no lights"), "{said}");
     assert!(folder.path().join("render.png").exists());
 }

@@ -9,9 +9,8 @@ use thiserror::Error;
 
 /// Why a file could not be loaded or written.
 ///
-/// Messages are one line that starts with the file and the place in it, the way compilers write
-/// it: a command-line program can print them as they are. Whatever names a file holds, control
-/// characters in them are escaped.
+/// A message is one line that starts with the file and the place in it, as in compiler messages, so
+/// command-line programs can print it unchanged. Control characters in names are escaped.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum IoError {
@@ -20,31 +19,31 @@ pub enum IoError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Not a file but a folder, a pipe or a device.
+    /// The path names a folder, a FIFO or a device.
     #[error("{}: is not a regular file", plain(path.display()))]
     NotRegularFile {
-        /// What is not a file.
+        /// The path.
         path: PathBuf,
     },
-    /// The extension names no scene format that can be read.
-    #[error("{}: unknown scene format; supported are {supported}", plain(path.display()))]
+    /// The extension names no supported scene format.
+    #[error("{}: unknown scene format; supported formats are {supported}", plain(path.display()))]
     UnknownScene {
         /// The file.
         path: PathBuf,
-        /// The extensions that are.
+        /// The supported extensions.
         supported: &'static str,
     },
-    /// More than [`Limits`](crate::Limits) allow.
-    #[error("{at}: more than {limit} {what}")]
+    /// The file exceeds [`Limits`](crate::Limits).
+    #[error("{at}: too many {what} (limit: {limit})")]
     TooLarge {
         /// Where.
         at: Location,
-        /// What there is too much of, in the plural.
+        /// What exceeds the limit, in the plural.
         what: &'static str,
-        /// How many are allowed.
+        /// The limit.
         limit: u64,
     },
     /// A statement or a structure is malformed.
@@ -61,28 +60,28 @@ pub enum IoError {
         /// Where.
         at: Location,
     },
-    /// A number outside the range in which a scene can be traced.
+    /// A number is outside the range in which a scene can be traced.
     #[error("{at}: {}", plain(message))]
     Domain {
         /// Where.
         at: Location,
-        /// Which number, and the range.
+        /// The number and the range.
         message: String,
     },
-    /// Something refers to what is not there.
-    #[error("{at}: index {index} refers to none of the {count} {what}")]
+    /// An index is out of range.
+    #[error("{at}: index {index} is out of range ({what}: {count})")]
     Index {
         /// Where.
         at: Location,
         /// The index as written; in OBJ from 1, or negative to count back from the face.
         index: i64,
-        /// How many there are to refer to.
+        /// The number of elements.
         count: usize,
-        /// What they are, in the plural.
+        /// The kind of element, in the plural.
         what: &'static str,
     },
-    /// A glTF accessor, its view or its buffer contradicts the data, or is of a type that its use
-    /// does not allow.
+    /// A glTF accessor, its buffer view or its buffer is inconsistent, or has a type that its use does not
+    /// allow.
     #[error("{at}: {}", plain(message))]
     Accessor {
         /// Which.
@@ -90,12 +89,12 @@ pub enum IoError {
         /// What is wrong.
         message: String,
     },
-    /// A file asks for another one outside its own folder.
-    #[error("{at}: `{}` is not within the file's own folder", plain(name))]
+    /// The scene refers to a file outside its folder.
+    #[error("{at}: `{}` is outside the scene's folder", plain(name))]
     PathEscape {
-        /// Where it asks.
+        /// The place of the reference.
         at: Location,
-        /// The name it asks for.
+        /// The name of the file.
         name: String,
     },
     /// A malformed URI.
@@ -107,23 +106,23 @@ pub enum IoError {
         message: String,
     },
     /// A URI with a scheme other than `data:`.
-    #[error("{at}: URIs of scheme `{scheme}:` are not followed")]
+    #[error("{at}: URI scheme `{scheme}:` is not supported")]
     Scheme {
         /// Where.
         at: Location,
         /// The scheme.
         scheme: String,
     },
-    /// A glTF of a version that is not read.
-    #[error("{at}: glTF version {} is not supported, only 2.0", plain(version))]
+    /// The glTF version is not supported.
+    #[error("{at}: glTF version {} is not supported (supported: 2.0)", plain(version))]
     Version {
         /// The file.
         at: Location,
-        /// The version that it has, or that it asks for.
+        /// The version of the file, or the minimum version that it requires.
         version: String,
     },
-    /// An extension without which the file can not be read, and which is not known.
-    #[error("{at}: extension `{}` is required and not supported", plain(extension))]
+    /// A required extension is not supported.
+    #[error("{at}: required extension `{}` is not supported", plain(extension))]
     Unsupported {
         /// The file.
         at: Location,
@@ -131,18 +130,18 @@ pub enum IoError {
         extension: String,
     },
     /// A node is its own ancestor.
-    #[error("{at}: is its own ancestor")]
+    #[error("{at}: node is its own ancestor")]
     Cycle {
         /// The node.
         at: Location,
     },
     /// A node has two parents, or is a root of the scene twice or beside a parent.
-    #[error("{at}: has more than one parent")]
+    #[error("{at}: node has more than one parent")]
     NotATree {
         /// The node.
         at: Location,
     },
-    /// A material reflects or emits what no surface can.
+    /// A material reflects or emits outside the valid range.
     #[error("{at}: material `{}`: {source}", plain(name))]
     Material {
         /// Where the material begins.
@@ -152,7 +151,7 @@ pub enum IoError {
         /// What is wrong with it.
         source: MaterialError,
     },
-    /// A camera that can not be.
+    /// A camera is invalid.
     #[error("{at}: {source}")]
     Camera {
         /// The camera, or its node.
@@ -160,8 +159,8 @@ pub enum IoError {
         /// What is wrong with it.
         source: RenderError,
     },
-    /// A scene without a single triangle that could be hit.
-    #[error("{}: has no triangles", plain(path.display()))]
+    /// The scene has no triangle that a ray can hit.
+    #[error("{}: scene has no triangles", plain(path.display()))]
     Empty {
         /// The file.
         path: PathBuf,
@@ -172,8 +171,8 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
-    /// The extension names no picture format that can be written.
-    #[error("{}: unknown picture format; supported are .png and .exr", plain(path.display()))]
+    /// The extension names no supported picture format.
+    #[error("{}: unknown picture format; supported formats are .png and .exr", plain(path.display()))]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -184,15 +183,15 @@ pub enum IoError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The picture could not be encoded; what was there before is still there.
+    /// The picture could not be encoded. The old file is unchanged.
     #[error("{}: cannot be encoded: {source}", plain(path.display()))]
     Encode {
         /// The file.
         path: PathBuf,
-        /// What the encoder said.
+        /// The error of the encoder.
         source: Box<dyn StdError + Send + Sync>,
     },
 }

@@ -4,11 +4,11 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// Reads the files of one scene: the scene file, and what it refers to in its own folder or
-/// below. Nothing else can be reached from inside a file, by whatever name or link.
+/// Reads the files of one scene: the scene file, and files that it refers to in its own folder or below.
+/// No name or link in a file reaches any other file.
 pub(crate) struct Jail<'a> {
     scene: &'a Path,
-    /// What the files yet to be read may have together.
+    /// The bytes that further files may have together.
     bytes_left: u64,
     limit: u64,
 }
@@ -18,17 +18,12 @@ impl<'a> Jail<'a> {
         Self { scene, bytes_left: limits.bytes, limit: limits.bytes }
     }
 
-    /// Reads the scene file itself.
-    pub(crate) fn read_scene(&mut self) -> Result<Vec<u8>, IoError> {
-        self.read(self.scene)
-    }
-
     /// Bytes of all files that were read.
     pub(crate) fn bytes_read(&self) -> u64 {
         self.limit - self.bytes_left
     }
 
-    /// Where the file `name` lies, which is asked for `at` a place of the scene.
+    /// The path of the file `name`, which the scene refers to `at` a location.
     pub(crate) fn resolve(&self, name: &str, at: &Location) -> Result<PathBuf, IoError> {
         let escape = || IoError::PathEscape { at: at.clone(), name: name.into() };
         let inside =
@@ -38,12 +33,12 @@ impl<'a> Jail<'a> {
         }
         let path = self.scene.with_file_name(name);
         let canonical = |path: &Path| path.canonicalize().map_err(|source| read_error(path, source));
-        // The name says where the file seems to be, its canonical form where links lead.
+        // Links may lead outside the folder; the canonical path shows where.
         let within = canonical(&path)?.starts_with(canonical(folder_of(self.scene))?);
         if within { Ok(path) } else { Err(escape()) }
     }
 
-    /// Reads a whole file, if it is a regular one: a pipe might never end, nor a device.
+    /// Reads a whole file, which must be a regular one: a FIFO or a device might never end.
     pub(crate) fn read(&mut self, path: &Path) -> Result<Vec<u8>, IoError> {
         let failed = |source| read_error(path, source);
         let metadata = fs::metadata(path).map_err(failed)?;

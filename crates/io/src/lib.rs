@@ -1,13 +1,13 @@
-//! Scenes in, pictures out.
+//! Scene files and picture files.
 //!
-//! `load` makes a [`Model`] of a scene file: `load_obj` of Wavefront OBJ with MTL (feature `obj`),
-//! `load_gltf` of glTF 2.0 (feature `gltf`). `PictureFile` writes a [`Film`] as PNG or OpenEXR
+//! `load` reads a scene file into a [`Model`]: `load_obj` reads Wavefront OBJ with MTL (feature `obj`),
+//! `load_gltf` reads glTF 2.0 (feature `gltf`). `PictureFile` writes a [`Film`] as PNG or OpenEXR
 //! (feature `images`). All features are on by default.
 //!
-//! What can not be used is never guessed at, nor does it make these functions panic: it is an
-//! [`IoError`] that names the file and the place in it. What can be passed over is, and said in a
-//! [`LoadReport`]. A file may be broken or hostile: it can make loaders neither hang nor take more
-//! memory than [`Limits`] allow, nor read outside its own folder.
+//! Invalid input is an [`IoError`] that names the file and the place in it; it is never guessed at and
+//! never causes a panic. Unsupported content is skipped and listed in a [`LoadReport`]. A broken or hostile
+//! file cannot make a loader hang, exceed the memory that [`Limits`] allow, or read outside the scene's
+//! folder.
 //!
 //! ```
 //! # #[cfg(all(feature = "obj", feature = "images"))]
@@ -31,14 +31,16 @@ mod error;
 mod gltf;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod jail;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod lights;
 mod limits;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+mod lint;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod loader;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod loading;
 mod location;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+mod monitor;
 #[cfg(feature = "obj")]
 mod obj;
 mod path;
@@ -54,21 +56,25 @@ mod temporary;
 
 pub use atomic::AtomicFile;
 pub use error::IoError;
-#[cfg(feature = "gltf")]
-pub use gltf::load_gltf;
 pub use limits::Limits;
 #[cfg(any(feature = "obj", feature = "gltf"))]
-pub use loader::{LoadMonitor, LoadProgress, Loaded, Loader};
-pub use location::{Location, Place};
+pub use loader::Loader;
+#[cfg(feature = "gltf")]
+pub use loader::load_gltf;
 #[cfg(feature = "obj")]
-pub use obj::load_obj;
+pub use loader::load_obj;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+pub use loading::Loaded;
+pub use location::{Location, Place};
+#[cfg(any(feature = "obj", feature = "gltf"))]
+pub use monitor::{LoadMonitor, LoadProgress};
 #[cfg(feature = "images")]
 pub use picture::{PictureFile, PictureFormat};
 #[cfg(any(feature = "obj", feature = "gltf"))]
 pub use report::{LoadReport, Warning, WarningKind};
 
 #[cfg(any(feature = "obj", feature = "gltf"))]
-/// Loads a scene in the format that its extension names, within the default [`Limits`].
+/// Loads a scene in the format given by the extension of `path`, within the default [`Limits`].
 ///
 /// # Errors
 /// Those of [`Loader::load`].

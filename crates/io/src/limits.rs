@@ -1,5 +1,5 @@
-/// How much a scene file may ask for. What exceeds a limit is refused with
-/// [`IoError::TooLarge`](crate::IoError::TooLarge) before memory is spent on it.
+/// Limits on the content of a scene file. Exceeding one is
+/// [`IoError::TooLarge`](crate::IoError::TooLarge), reported before memory is allocated for the content.
 ///
 /// ```
 /// let mut limits = globillum_io::Limits::default();
@@ -8,25 +8,24 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Limits {
-    /// Bytes of all files that a scene consists of, together: 2 GiB.
+    /// Total bytes of the scene's files; default 2 GiB.
     pub bytes: u64,
-    /// Triangles, a mesh counted as often as it is placed: 2^29. In memory, a triangle with its
-    /// material takes 40 bytes.
+    /// Triangles, with one count for each instance of a mesh; default 2^29. A triangle with its material
+    /// takes 40 bytes of memory.
     pub triangles: u64,
-    /// Triangles beyond one for each byte of the files, so many of which only placing the same
-    /// mesh again can make: 2^25. This bounds what a small file can ask for, at 1.3 GB.
+    /// Triangles beyond one for each byte of the files, which only repeated mesh instances can produce;
+    /// default 2^25. It bounds the memory that a small file can request to 1.3 GB.
     pub instanced: u64,
-    /// Materials: 65,536. As many material libraries may be named.
+    /// Materials, and also named material libraries; default 65,536.
     pub materials: u64,
-    /// Perspective cameras, one counted as often as it is placed: 65,536.
+    /// Perspective cameras, with one count for each instance; default 65,536.
     pub cameras: u64,
-    /// Bytes in a line of OBJ or MTL: 16 MiB.
+    /// Bytes in a line of OBJ or MTL; default 16 MiB.
     pub line_bytes: u64,
-    /// Corners of a polygon: 65,536.
+    /// Vertices of a polygon; default 65,536.
     pub polygon_corners: u64,
-    /// Values in a glTF's JSON, objects and arrays included: 2^23. JSON of few bytes can ask for
-    /// much work: the smallest node is `{}`. As many elements may an accessor have without bytes
-    /// behind them.
+    /// Values in the JSON of a glTF file, including objects and arrays; default 2^23. Also the elements of
+    /// an accessor without a buffer view.
     pub json_values: u64,
 }
 

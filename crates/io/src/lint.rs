@@ -125,7 +125,7 @@ mod tests {
         let mut model = Model::default();
         model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, 1.0, 1.0));
         model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, -1.0, 1.0));
-        model.add(Material::lamp(Rgb::WHITE).unwrap(), light);
+        model.add(Material::light(Rgb::WHITE).unwrap(), light);
         check_lights(&model)
     }
 

@@ -1,47 +1,10 @@
-use crate::loading::Loading;
+use crate::loading::{Loaded, Loading};
 use crate::path::extension_of;
-use crate::{IoError, Limits, LoadReport};
-use globillum_integrator::{Camera, Model};
+use crate::{IoError, Limits, LoadMonitor};
 use std::fmt;
 use std::path::Path;
 
-/// What is made of a scene file.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Loaded {
-    /// Triangles with materials.
-    pub model: Model,
-    /// The file's cameras, if it has any.
-    pub cameras: Vec<Camera>,
-    /// What was passed over or approximated.
-    pub report: LoadReport,
-}
-
-/// How far a loader has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct LoadProgress {
-    /// What is done: bytes of OBJ, or triangles of glTF.
-    pub done: u64,
-    /// What there is to do.
-    pub total: u64,
-}
-
-/// Watches a loader, and may stop it. Methods are called often: they should return at once.
-pub trait LoadMonitor {
-    /// Called every so often.
-    fn progress(&self, _progress: LoadProgress) {}
-
-    /// Asked as often; `true` ends loading with [`IoError::Cancelled`].
-    fn cancelled(&self) -> bool {
-        false
-    }
-}
-
-/// Watches nothing.
-impl LoadMonitor for () {}
-
-/// Loads scene files: with other limits than the default ones, or watched.
+/// Loads scene files within given [`Limits`], observed by a [`LoadMonitor`].
 ///
 /// ```no_run
 /// use globillum_io::{Limits, LoadMonitor, LoadProgress, Loader};
@@ -64,7 +27,7 @@ pub struct Loader<'a> {
 }
 
 impl<'a> Loader<'a> {
-    /// A loader with the default limits that nobody watches.
+    /// A loader with the default limits and no monitor.
     pub fn new() -> Self {
         Self { limits: Limits::default(), monitor: &() }
     }
@@ -75,17 +38,17 @@ impl<'a> Loader<'a> {
         Self { limits, ..self }
     }
 
-    /// The same loader, watched by `monitor`.
+    /// The same loader, observed by `monitor`.
     #[must_use]
     pub fn monitor<'b>(self, monitor: &'b dyn LoadMonitor) -> Loader<'b> {
         Loader { limits: self.limits, monitor }
     }
 
-    /// Loads a scene in the format that its extension names, in upper or lower case.
+    /// Loads a scene in the format given by the extension of `path`, in upper or lower case.
     ///
     /// # Errors
-    /// [`IoError::UnknownScene`] for any extension but those of the formats that were built in;
-    /// else what the format's own function says.
+    /// [`IoError::UnknownScene`] for any extension but those of the enabled formats; otherwise the errors
+    /// of the format's own function.
     pub fn load(&self, path: &Path) -> Result<Loaded, IoError> {
         match extension_of(path).to_str() {
             #[cfg(feature = "obj")]
@@ -102,7 +65,7 @@ impl<'a> Loader<'a> {
     /// Those of [`load_obj`](crate::load_obj).
     #[cfg(feature = "obj")]
     pub fn load_obj(&self, path: &Path) -> Result<Loaded, IoError> {
-        crate::obj::load(self.start(path))
+        self.load_by(crate::obj::read, path)
     }
 
     /// [`load_gltf`](crate::load_gltf) with this loader's limits and monitor.
@@ -111,14 +74,20 @@ impl<'a> Loader<'a> {
     /// Those of [`load_gltf`](crate::load_gltf).
     #[cfg(feature = "gltf")]
     pub fn load_gltf(&self, path: &Path) -> Result<Loaded, IoError> {
-        crate::gltf::load(self.start(path))
+        self.load_by(crate::gltf::read, path)
     }
 
-    #[cfg(any(feature = "obj", feature = "gltf"))]
-    fn start<'b>(&'b self, path: &'b Path) -> Loading<'b> {
-        Loading::new(path, &self.limits, self.monitor)
+    /// Loads the file `path`, whose content `read` understands.
+    fn load_by(&self, read: Read, path: &Path) -> Result<Loaded, IoError> {
+        let mut loading = Loading::new(path, &self.limits, self.monitor);
+        let bytes = loading.jail.read(path)?;
+        read(bytes, &mut loading)?;
+        loading.finish()
     }
 }
+
+/// Reads the content of a scene file.
+type Read = fn(Vec<u8>, &mut Loading<'_>) -> Result<(), IoError>;
 
 const SUPPORTED: &str = match (cfg!(feature = "obj"), cfg!(feature = "gltf")) {
     (true, true) => ".obj, .gltf and .glb",
@@ -137,4 +106,66 @@ impl fmt::Debug for Loader<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Loader").field("limits", &self.limits).finish_non_exhaustive()
     }
+}
+
+#[cfg(feature = "obj")]
+/// Loads the faces of a Wavefront OBJ file, with the materials of the libraries it names, within
+/// the default [`Limits`](crate::Limits).
+///
+/// Triangles come in the order of the file's faces, degenerate ones left out; a face of more than
+/// three vertices becomes a fan around its first. Indices must refer to what is defined above
+/// them.
+///
+/// Of a material, `Kd` becomes a Lambertian albedo and `Ke` what is emitted from the front. It
+/// is a mirror of reflectance `Ks` instead if it says `illum 3`, or has no `Kd`. Faces without a
+/// material are Lambertian with an albedo of one half. Libraries are sought in the file's own
+/// folder and below; texture maps and vertex normals are not used.
+///
+/// # Errors
+/// An [`IoError`] that names file and line: for a file that cannot be read or has no faces, a
+/// malformed statement, an index out of range, a coordinate that is not finite or too large to be
+/// traced, a library outside the folder, and a material that breaks
+/// [`Material`](globillum_material::Material)'s bounds. A missing library or material is no error
+/// but a [`Warning`](crate::Warning).
+///
+/// ```no_run
+/// let loaded = globillum_io::load_obj("bunny.obj".as_ref())?;
+/// for warning in &loaded.report.warnings {
+///     eprintln!("{warning}");
+/// }
+/// println!("{} triangles", loaded.model.triangles().len());
+/// # Ok::<(), globillum_io::IoError>(())
+/// ```
+pub fn load_obj(path: &Path) -> Result<Loaded, IoError> {
+    Loader::new().load_obj(path)
+}
+
+#[cfg(feature = "gltf")]
+/// Loads the default scene of a glTF 2.0 file, text or binary, within the default
+/// [`Limits`](crate::Limits).
+///
+/// Triangles come in the order of the scene's nodes, depth first, degenerate ones left out; each is
+/// moved to where its node places it, and its winding is flipped if that mirrors it. Strips and
+/// fans become single triangles.
+///
+/// A material becomes Lambertian with `baseColorFactor` as its albedo, or an ideal mirror with
+/// that reflectance if it is more metallic than rough; unless it is ideal already, that is
+/// reported. It emits `emissiveFactor` times the strength of `KHR_materials_emissive_strength`
+/// from the front, or from both sides if it is `doubleSided`. Primitives without a material are
+/// Lambertian and white. Textures, vertex normals, skins, morph targets, animations and other
+/// extensions are not used.
+///
+/// # Errors
+/// An [`IoError`] that names the file and the element: for malformed JSON, structures that
+/// contradict each other or the data, node graphs that are not trees, a required extension that
+/// is not known, files outside the scene's folder, coordinates that are not finite or too large
+/// to be traced, and materials that break [`Material`](globillum_material::Material)'s bounds.
+///
+/// ```no_run
+/// let loaded = globillum_io::load_gltf("box.glb".as_ref())?;
+/// println!("{} triangles, {} cameras", loaded.model.triangles().len(), loaded.cameras.len());
+/// # Ok::<(), globillum_io::IoError>(())
+/// ```
+pub fn load_gltf(path: &Path) -> Result<Loaded, IoError> {
+    Loader::new().load_gltf(path)
 }

@@ -1,25 +1,37 @@
 use crate::jail::Jail;
-use crate::lights;
-use crate::loader::{LoadMonitor, LoadProgress, Loaded};
-use crate::{IoError, Limits, LoadReport, Location, Place, Warning, WarningKind};
+use crate::lint;
+use crate::{IoError, Limits, LoadMonitor, LoadProgress, LoadReport, Location, Place, Warning, WarningKind};
 use globillum_geom::Triangle;
 use globillum_integrator::{Camera, MaterialId, Model};
 use globillum_material::Material;
 use std::io;
 use std::path::Path;
 
-/// The most steps between two looks at the monitor.
+/// The content of a scene file.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Loaded {
+    /// Triangles with materials.
+    pub model: Model,
+    /// The file's cameras, if it has any.
+    pub cameras: Vec<Camera>,
+    /// Content that is ignored or approximated.
+    pub report: LoadReport,
+}
+
+/// The most steps between two calls of the monitor.
 const STEPS_BETWEEN_REPORTS: u64 = 1 << 16;
 
-/// Bytes of warnings that are kept, beyond a quarter of what the files have: three bytes may give rise to
-/// one, and what holds them takes up to three times as much while it grows.
+/// Bytes of warnings that are kept beyond a quarter of the files' size: three bytes of a file can cause a
+/// warning, and a growing vector takes up to three times the memory of its content.
 const ROOM_FOR_WARNINGS: u64 = 128 << 10;
 
-/// A scene that is being loaded: what is known of it so far, and what watches over it.
+/// A scene while it is loaded, with its limits and monitor.
 pub(crate) struct Loading<'a> {
     pub(crate) path: &'a Path,
     pub(crate) limits: &'a Limits,
     pub(crate) jail: Jail<'a>,
+    pub(crate) cameras: Vec<Camera>,
     report: LoadReport,
     model: Model,
     monitor: &'a dyn LoadMonitor,
@@ -35,6 +47,7 @@ impl<'a> Loading<'a> {
             path,
             limits,
             jail,
+            cameras: Vec::new(),
             report: LoadReport::default(),
             model: Model::default(),
             monitor,
@@ -50,12 +63,12 @@ impl<'a> Loading<'a> {
         place.of(self.path)
     }
 
-    /// Warns of something in the scene file.
+    /// Adds a warning about the scene file.
     pub(crate) fn warn(&mut self, place: Place, kind: WarningKind) {
         self.warn_of(place.of(self.path), kind);
     }
 
-    /// Warns of something in one of the scene's files, if there is room.
+    /// Adds a warning about one of the scene's files, or counts it if there is no room.
     pub(crate) fn warn_of(&mut self, at: Location, kind: WarningKind) {
         let warning = Warning { at, kind };
         let bytes = self.bytes_of_warnings + warning.bytes() as u64;
@@ -76,7 +89,7 @@ impl<'a> Loading<'a> {
         self.model.set_material(id, material);
     }
 
-    /// Refuses to go on if there are to be more triangles than are allowed.
+    /// An error if `count` triangles exceed the limits.
     #[cfg(feature = "gltf")]
     pub(crate) fn check_triangles(&self, count: u64) -> Result<(), IoError> {
         let too_large = |what, limit| Err(IoError::TooLarge { at: self.at(Place::File), what, limit });
@@ -85,17 +98,17 @@ impl<'a> Loading<'a> {
             return too_large("triangles", triangles);
         }
         if count.saturating_sub(self.jail.bytes_read()) > instanced {
-            return too_large("triangles made by placing meshes again", instanced);
+            return too_large("triangles of repeated mesh instances", instanced);
         }
         Ok(())
     }
 
-    /// Makes room for so many triangles more.
+    /// Reserves memory for `count` more triangles.
     pub(crate) fn try_grow(&mut self, count: usize) -> Result<(), IoError> {
         self.model.try_reserve(count).map_err(|_| self.out_of_memory())
     }
 
-    /// That the machine has no memory for the scene.
+    /// The error for a failed allocation.
     pub(crate) fn out_of_memory(&self) -> IoError {
         IoError::Read { path: self.path.into(), source: io::ErrorKind::OutOfMemory.into() }
     }
@@ -109,7 +122,7 @@ impl<'a> Loading<'a> {
         }
     }
 
-    /// Tells the monitor, every so often.
+    /// Calls the monitor at regular intervals of work.
     pub(crate) fn progress(&mut self, done: u64, total: u64) -> Result<(), IoError> {
         if done < total && done < self.reported.saturating_add(STEPS_BETWEEN_REPORTS) {
             return Ok(());
@@ -119,12 +132,12 @@ impl<'a> Loading<'a> {
         if self.monitor.cancelled() { Err(IoError::Cancelled { path: self.path.into() }) } else { Ok(()) }
     }
 
-    /// Looks the whole scene over and hands it out.
-    pub(crate) fn finish(mut self, cameras: Vec<Camera>) -> Result<Loaded, IoError> {
+    /// Checks the complete scene and returns it.
+    pub(crate) fn finish(mut self) -> Result<Loaded, IoError> {
         if self.model.triangles().is_empty() {
             return Err(IoError::Empty { path: self.path.into() });
         }
-        // What is said of the scene as a whole has room.
+        // Warnings about the scene as a whole always have room.
         self.bytes_of_warnings = 0;
         let count = std::mem::take(&mut self.warnings_left_out);
         if count > 0 {
@@ -134,15 +147,9 @@ impl<'a> Loading<'a> {
         if count > 0 {
             self.warn(Place::File, WarningKind::Degenerate { count });
         }
-        let emitting = lights::all(&self.model);
-        if emitting.is_empty() {
-            self.warn(Place::File, WarningKind::NoLight);
-        } else {
-            let count = lights::coplanar(&self.model, &emitting);
-            if count > 0 {
-                self.warn(Place::File, WarningKind::CoplanarLights { count });
-            }
+        if let Some(kind) = lint::check_lights(&self.model) {
+            self.warn(Place::File, kind);
         }
-        Ok(Loaded { model: self.model, cameras, report: self.report })
+        Ok(Loaded { model: self.model, cameras: self.cameras, report: self.report })
     }
 }

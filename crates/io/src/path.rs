@@ -1,4 +1,3 @@
-use std::ffi::OsString;
 use std::path::Path;
 
 /// The folder that contains `file`.
@@ -10,7 +9,8 @@ pub(crate) fn folder_of(file: &Path) -> &Path {
 }
 
 /// The extension of `file` in lower case, empty if it has none.
-pub(crate) fn extension_of(file: &Path) -> OsString {
+#[cfg(any(feature = "images", feature = "obj", feature = "gltf"))]
+pub(crate) fn extension_of(file: &Path) -> std::ffi::OsString {
     file.extension().unwrap_or_default().to_ascii_lowercase()
 }
 

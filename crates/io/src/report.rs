@@ -2,81 +2,79 @@ use crate::Location;
 use crate::plain::plain;
 use std::fmt;
 
-/// What a loader passed over or approximated.
+/// File content that a loader ignored or approximated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LoadReport {
-    /// In the order in which they were found; one entry where the same thing occurs often, at the
-    /// place where it first does. Those beyond a quarter of the files' size and 128 KiB are
-    /// only counted.
+    /// Warnings in the order of their discovery. Repeated occurrences share one entry at the first place.
+    /// Warnings beyond a quarter of the files' size plus 128 KiB are only counted.
     pub warnings: Vec<Warning>,
-    /// Triangles that were dropped because their corners lie on one line: nothing can hit them.
+    /// Triangles that were dropped because their vertices are collinear: no ray can hit them.
     pub degenerate_triangles: usize,
 }
 
-/// One thing that a loader passed over or approximated. Its message is one line that names the
-/// place.
+/// Content that a loader ignored or approximated. The message is one line that starts with the place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Warning {
-    /// Where it first occurs.
+    /// The place of the first occurrence.
     pub at: Location,
-    /// What it is.
+    /// The kind of content.
     pub kind: WarningKind,
 }
 
-/// What was passed over or approximated.
+/// The kind of content that was ignored or approximated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "names, and counts in the file as a whole")]
 pub enum WarningKind {
     /// A material library that does not exist.
     MissingLibrary { name: String },
-    /// A material that no library defines: its faces got the default.
+    /// A material that no library defines: its faces have the default material.
     UnknownMaterial { name: String },
-    /// A second material of the same name, which took the place of the first.
+    /// A second material of the same name, which replaces the first.
     DuplicateMaterial { name: String },
-    /// Textures of a material: its plain factors are used instead.
+    /// Textures of a material: its constant factors are used instead.
     TexturesIgnored { name: String },
-    /// An opaque surface stands for one that lets light through.
+    /// A transparent material, which is treated as opaque.
     TransparencyIgnored { name: String },
-    /// A spectral curve, which is not read: the material keeps the default.
+    /// A spectral curve, which is not supported: the default is used.
     SpectrumIgnored { name: String },
-    /// A material that is neither ideally diffuse nor an ideal mirror: the nearer one is used.
+    /// A material that is neither ideally diffuse nor an ideal mirror: the closer one is used.
     Approximated { name: String, by: &'static str },
-    /// Faces of one or two vertices, which enclose nothing.
+    /// Faces of one or two vertices, which have no area.
     ShortFaces { count: usize },
-    /// Polygons that are not convex: cut into a fan, they may cover other ground.
+    /// Non-convex polygons: their triangle fans may cover a different area.
     NonConvex { count: usize },
-    /// Vertex normals: every triangle is shaded flat.
+    /// Vertex normals: every triangle has its geometric normal.
     NormalsIgnored { count: usize },
     /// Points and lines, which have no area.
     NotTriangles { count: usize },
-    /// Vertices left over by the last triangle of a primitive.
+    /// Vertices of a primitive after its last complete triangle.
     LeftOver { count: usize },
     /// A primitive without positions.
     NoPositions,
     /// A camera that is not a perspective one.
     CameraIgnored,
-    /// A mesh in its resting pose: skins and morph targets are not applied.
+    /// Skins and morph targets: a mesh stays in its rest pose.
     PoseIgnored,
-    /// Animations: the scene stands still.
+    /// Animations.
     AnimationsIgnored { count: usize },
-    /// An extension that is not known, whose effect is missing.
+    /// An unsupported extension that is not required.
     ExtensionIgnored { name: String },
-    /// Triangles whose corners lie on one line, dropped.
+    /// Triangles with collinear vertices, which are dropped.
     Degenerate { count: usize },
-    /// Nothing emits light: without an environment the picture is black.
+    /// No triangle emits: without an environment the picture is black.
     NoLight,
-    /// Warnings for which the report has no room left.
+    /// Warnings for which the report has no room.
     LeftOut { count: usize },
-    /// Emitting triangles that lie in the plane of another triangle and overlap it, so that chance
-    /// decides which of the two is seen.
+    /// Lights that overlap another triangle in the same plane, so that rounding decides which of the two
+    /// a ray hits.
     CoplanarLights { count: usize },
 }
 
 impl Warning {
-    /// Bytes that it takes, with its texts.
+    /// The memory of the warning in bytes, with its text.
     pub(crate) fn bytes(&self) -> usize {
         let name = match &self.kind {
             WarningKind::MissingLibrary { name }
@@ -104,32 +102,36 @@ impl fmt::Display for WarningKind {
         match self {
             Self::MissingLibrary { name } => write!(f, "material library `{name}` does not exist"),
             Self::UnknownMaterial { name } => {
-                write!(f, "material `{name}` is not defined, grey used instead")
+                write!(f, "material `{name}` is not defined; grey is used instead")
             }
             Self::DuplicateMaterial { name } => {
-                write!(f, "material `{name}` is defined again, the last one counts")
+                write!(f, "material `{name}` is redefined; the last definition is used")
             }
-            Self::TexturesIgnored { name } => write!(f, "textures of material `{name}` ignored"),
-            Self::TransparencyIgnored { name } => write!(f, "transparency of material `{name}` ignored"),
-            Self::SpectrumIgnored { name } => write!(f, "spectral curve of material `{name}` ignored"),
-            Self::Approximated { name, by } => write!(f, "material `{name}` approximated by {by}"),
-            Self::ShortFaces { count } => write!(f, "faces of fewer than three vertices skipped: {count}"),
+            Self::TexturesIgnored { name } => write!(f, "textures of material `{name}` are ignored"),
+            Self::TransparencyIgnored { name } => write!(f, "transparency of material `{name}` is ignored"),
+            Self::SpectrumIgnored { name } => write!(f, "spectral curve of material `{name}` is ignored"),
+            Self::Approximated { name, by } => write!(f, "material `{name}` is approximated by {by}"),
+            Self::ShortFaces { count } => {
+                write!(f, "faces with fewer than three vertices are skipped: {count}")
+            }
             Self::NonConvex { count } => {
-                write!(f, "polygons that are not convex, cut into fans all the same: {count}")
+                write!(f, "non-convex polygons are triangulated as fans: {count}")
             }
-            Self::NormalsIgnored { count } => write!(f, "vertex normals ignored: {count}"),
-            Self::NotTriangles { count } => write!(f, "primitives of points or lines skipped: {count}"),
-            Self::LeftOver { count } => write!(f, "vertices left over by the last triangle: {count}"),
-            Self::NoPositions => write!(f, "primitive without positions skipped"),
-            Self::CameraIgnored => write!(f, "camera ignored, it is not a perspective one"),
-            Self::PoseIgnored => write!(f, "skins and morph targets ignored"),
-            Self::AnimationsIgnored { count } => write!(f, "animations ignored: {count}"),
-            Self::ExtensionIgnored { name } => write!(f, "extension `{name}` ignored"),
-            Self::Degenerate { count } => write!(f, "degenerate triangles dropped: {count}"),
-            Self::LeftOut { count } => write!(f, "further warnings left out: {count}"),
-            Self::NoLight => write!(f, "nothing emits light"),
+            Self::NormalsIgnored { count } => write!(f, "vertex normals are ignored: {count}"),
+            Self::NotTriangles { count } => write!(f, "primitives of points or lines are skipped: {count}"),
+            Self::LeftOver { count } => {
+                write!(f, "vertices after the last complete triangle are ignored: {count}")
+            }
+            Self::NoPositions => write!(f, "primitive without positions is skipped"),
+            Self::CameraIgnored => write!(f, "camera is not perspective and is ignored"),
+            Self::PoseIgnored => write!(f, "skins and morph targets are ignored"),
+            Self::AnimationsIgnored { count } => write!(f, "animations are ignored: {count}"),
+            Self::ExtensionIgnored { name } => write!(f, "extension `{name}` is ignored"),
+            Self::Degenerate { count } => write!(f, "degenerate triangles are dropped: {count}"),
+            Self::LeftOut { count } => write!(f, "further warnings are omitted: {count}"),
+            Self::NoLight => write!(f, "scene has no lights"),
             Self::CoplanarLights { count } => {
-                write!(f, "emitting triangles that overlap another in their plane: {count}")
+                write!(f, "lights overlap another triangle in their plane: {count}")
             }
         }
     }

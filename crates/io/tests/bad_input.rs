@@ -93,20 +93,20 @@ fn every_limit_can_be_lowered() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl m\nf 1 2 3 4 # round\n";
     let obj = Files::new(&[("a.obj", square.as_bytes())]);
     let cases: [(Limits, &str); 5] = [
-        (change(|l| l.line_bytes = 10), "a.obj:6: more than 10 bytes in a line"),
-        (change(|l| l.polygon_corners = 3), "a.obj:6: more than 3 corners of a polygon"),
-        (change(|l| l.triangles = 1), "a.obj:6: more than 1 triangles"),
-        (change(|l| l.materials = 0), "a.obj:5: more than 0 materials"),
-        (change(|l| l.bytes = 20), "a.obj: more than 20 bytes in all files of the scene"),
+        (change(|l| l.line_bytes = 10), "a.obj:6: too many bytes in a line (limit: 10)"),
+        (change(|l| l.polygon_corners = 3), "a.obj:6: too many vertices in a polygon (limit: 3)"),
+        (change(|l| l.triangles = 1), "a.obj:6: too many triangles (limit: 1)"),
+        (change(|l| l.materials = 0), "a.obj:5: too many materials (limit: 0)"),
+        (change(|l| l.bytes = 20), "a.obj: too many bytes in all files of the scene (limit: 20)"),
     ];
     for (limits, expected) in cases {
         assert_limited(&obj, "a.obj", limits, expected);
     }
     let glb = Files::new(&[("a.glb", &instances(1, 1, 3))]);
     let cases: [(Limits, &str); 3] = [
-        (change(|l| l.triangles = 0), "a.glb: more than 0 triangles"),
-        (change(|l| l.json_values = 20), "a.glb: more than 20 values in JSON"),
-        (change(|l| l.bytes = 100), "a.glb: more than 100 bytes in all files of the scene"),
+        (change(|l| l.triangles = 0), "a.glb: too many triangles (limit: 0)"),
+        (change(|l| l.json_values = 20), "a.glb: too many values in JSON (limit: 20)"),
+        (change(|l| l.bytes = 100), "a.glb: too many bytes in all files of the scene (limit: 100)"),
     ];
     for (limits, expected) in cases {
         assert_limited(&glb, "a.glb", limits, expected);
@@ -118,10 +118,10 @@ fn every_limit_can_be_lowered() {
         "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}],
         "bufferViews":[{{"buffer":0,"byteLength":36}}]"#
     ));
-    assert_limited(&seen, "a.glb", change(|l| l.cameras = 1), "a.glb: more than 1 cameras");
+    assert_limited(&seen, "a.glb", change(|l| l.cameras = 1), "a.glb: too many cameras (limit: 1)");
     let libraries = format!("mtllib a\nmtllib b\nmtllib a\n{square}");
     let obj = Files::new(&[("a.obj", libraries.as_bytes())]);
-    let expected = "a.obj:2: more than 1 material libraries";
+    let expected = "a.obj:2: too many material libraries (limit: 1)";
     assert_limited(&obj, "a.obj", change(|l| l.materials = 1), expected);
     assert!(Loader::new().limits(change(|l| l.materials = 2)).load(&obj.path("a.obj")).is_ok());
 }
@@ -152,8 +152,8 @@ fn instances(nodes: usize, primitives: usize, corners: usize) -> Vec<u8> {
 fn a_small_file_of_many_instances_is_refused_before_it_takes_memory() {
     // A million million triangles in a megabyte, and 40 million in 20 kB.
     for (nodes, primitives, corners, message) in [
-        (2000, 9000, 61_000, "more than 536870912 triangles"),
-        (200, 200, 1002, "more than 33554432 triangles made by placing meshes again"),
+        (2000, 9000, 61_000, "too many triangles (limit: 536870912)"),
+        (200, 200, 1002, "too many triangles of repeated mesh instances (limit: 33554432)"),
     ] {
         let bytes = instances(nodes, primitives, corners);
         assert!(bytes.len() < 2 << 20, "{}", bytes.len());
@@ -165,8 +165,11 @@ fn a_small_file_of_many_instances_is_refused_before_it_takes_memory() {
     }
     let small = Files::new(&[("a.glb", &instances(100, 50, 202))]);
     for (limits, message) in [
-        (change(|l| l.triangles = 999_999), "a.glb: more than 999999 triangles"),
-        (change(|l| l.instanced = 900_000), "a.glb: more than 900000 triangles made by placing meshes again"),
+        (change(|l| l.triangles = 999_999), "a.glb: too many triangles (limit: 999999)"),
+        (
+            change(|l| l.instanced = 900_000),
+            "a.glb: too many triangles of repeated mesh instances (limit: 900000)",
+        ),
     ] {
         assert_limited(&small, "a.glb", limits, message);
     }
@@ -176,7 +179,7 @@ fn a_small_file_of_many_instances_is_refused_before_it_takes_memory() {
 fn primitives_without_triangles_cost_nothing_however_often_they_are_placed() {
     // 10^10 placed primitives; a loop over them would take a minute.
     let files = Files::new(&[("a.glb", &instances(100_000, 100_000, 2))]);
-    assert_eq!(files.shortened(&files.load("a.glb").unwrap_err()), "a.glb: has no triangles");
+    assert_eq!(files.shortened(&files.load("a.glb").unwrap_err()), "a.glb: scene has no triangles");
 }
 
 /// A glTF of these members, and a triangle in accessor 0.
@@ -244,7 +247,7 @@ fn sparse_elements_that_accessors_share_are_limited() {
     let size = bytes.len();
     assert_eq!(
         message,
-        format!("a.glb: accessors[{accessors}]: more than {size} elements of sparse accessors")
+        format!("a.glb: accessors[{accessors}]: too many elements of sparse accessors (limit: {size})")
     );
 }
 
@@ -262,10 +265,10 @@ fn warnings_beyond_what_a_report_holds_are_counted() {
     let named = shown.len() - 2;
     assert!((500..2000).contains(&named), "{named}");
     for (i, warning) in shown[..named].iter().enumerate() {
-        assert_eq!(*warning, format!("a.glb: extension `X_{i}` ignored"));
+        assert_eq!(*warning, format!("a.glb: extension `X_{i}` is ignored"));
     }
-    let left_out = format!("a.glb: further warnings left out: {}", 10_000 - named);
-    assert_eq!(shown[named..], [left_out, "a.glb: nothing emits light".into()]);
+    let left_out = format!("a.glb: further warnings are omitted: {}", 10_000 - named);
+    assert_eq!(shown[named..], [left_out, "a.glb: scene has no lights".into()]);
 }
 
 #[test]
@@ -300,6 +303,6 @@ fn json_is_utf_8_also_where_it_is_not_read() {
 #[test]
 fn unknown_extensions_and_missing_files_are_named() {
     let message = |name: &str| globillum_io::load(Path::new(name)).unwrap_err().to_string();
-    assert_eq!(message("a.stl"), "a.stl: unknown scene format; supported are .obj, .gltf and .glb");
+    assert_eq!(message("a.stl"), "a.stl: unknown scene format; supported formats are .obj, .gltf and .glb");
     assert!(message("no/such.glb").starts_with("no/such.glb: cannot be read: "));
 }

@@ -128,40 +128,40 @@ fn short_faces_are_skipped_and_counted() {
     assert_eq!(loaded.model.triangles().len(), 1);
     assert_eq!(warnings(&loaded), [(Place::Line(5), WarningKind::ShortFaces { count: 2 })]);
     let text = loaded.report.warnings[0].to_string();
-    assert!(text.ends_with("a.obj:5: faces of fewer than three vertices skipped: 2"), "{text}");
+    assert!(text.ends_with("a.obj:5: faces with fewer than three vertices are skipped: 2"), "{text}");
 }
 
 #[test]
 fn malformed_lines_are_named() {
     let cases = [
-        ("v 1 2", "v: takes 3, 4 or 6 numbers"),
-        ("v 1 2 3 4 5", "v: takes 3, 4 or 6 numbers"),
-        ("v 1 2 3 4 5 6 7", "v: takes 3, 4 or 6 numbers"),
+        ("v 1 2", "v: expected 3, 4 or 6 numbers"),
+        ("v 1 2 3 4 5", "v: expected 3, 4 or 6 numbers"),
+        ("v 1 2 3 4 5 6 7", "v: expected 3, 4 or 6 numbers"),
         ("v 1 2 x", "v: `x` is not a number"),
-        ("v 1 2 3 0", "v: the weight is zero"),
+        ("v 1 2 3 0", "v: weight is zero"),
         ("v 0 nan 0", "coordinate is not finite"),
         ("v 0 0 -inf", "coordinate is not finite"),
         ("v 0 0 1e999", "coordinate is not finite"),
         ("v 1 1 1 1e-45", "coordinate is not finite"),
-        ("f", "f: takes three corners or more"),
+        ("f", "f: expected at least three vertices"),
         ("f a b c", "f: `a` is not a number"),
         ("f 1 2 99999999999999999999", "f: `99999999999999999999` is not a number"),
-        ("f 1/1/1/1 2 3", "index 1 refers to none of the 0 texture coordinates above it"),
+        ("f 1/1/1/1 2 3", "index 1 is out of range (texture coordinates above: 0)"),
         ("f 1////1 2 3", "f: `` is not a number"),
         ("f /1 2 3", "f: `` is not a number"),
-        ("f 1 2 0", "index 0 refers to none of the 4 vertices above it"),
-        ("f 1 2 5", "index 5 refers to none of the 4 vertices above it"),
-        ("f 1 2 -5", "index -5 refers to none of the 4 vertices above it"),
-        ("f 1//2 2 3", "index 2 refers to none of the 0 normals above it"),
-        ("usemtl", "usemtl: takes a name"),
-        ("mtllib", "mtllib: takes a name"),
+        ("f 1 2 0", "index 0 is out of range (vertices above: 4)"),
+        ("f 1 2 5", "index 5 is out of range (vertices above: 4)"),
+        ("f 1 2 -5", "index -5 is out of range (vertices above: 4)"),
+        ("f 1//2 2 3", "index 2 is out of range (normals above: 0)"),
+        ("usemtl", "usemtl: expected a name"),
+        ("mtllib", "mtllib: expected a name"),
     ];
     for (line, expected) in cases {
         let result = load(format!("{SQUARE}{line}\nf 1 2 3\n"));
         assert_eq!(message(result), format!("a.obj:5: {expected}"), "{line}");
     }
     let result = load(format!("{SQUARE}vt 0 0\nvn 0 0 1\nf 1/1/1/1 2 3\n"));
-    assert_eq!(message(result), "a.obj:7: f: a corner has more than v/vt/vn");
+    assert_eq!(message(result), "a.obj:7: f: a vertex has more indices than v/vt/vn");
 }
 
 #[test]
@@ -216,15 +216,15 @@ fn materials_mean_what_they_say() {
 #[test]
 fn impossible_or_malformed_materials_are_named() {
     let cases = [
-        ("Kd", "a.mtl:2: Kd: takes 1 or 3 numbers"),
-        ("Kd 1 2", "a.mtl:2: Kd: takes 1 or 3 numbers"),
+        ("Kd", "a.mtl:2: Kd: expected 1 or 3 numbers"),
+        ("Kd 1 2", "a.mtl:2: Kd: expected 1 or 3 numbers"),
         ("Kd x", "a.mtl:2: Kd: `x` is not a number"),
         ("illum", "a.mtl:2: illum: `` is not a number"),
         ("Kd 5 5 5", "a.mtl:1: material `m`: reflectance (5, 5, 5) is not within [0, 1]"),
         ("Kd -1 0 0", "a.mtl:1: material `m`: reflectance (-1, 0, 0) is not within [0, 1]"),
         ("Kd nan", "a.mtl:1: material `m`: reflectance (NaN, NaN, NaN) is not within [0, 1]"),
         ("Ke -1", "a.mtl:1: material `m`: radiance (-1, -1, -1) is not within [0, 1e100]"),
-        ("newmtl", "a.mtl:2: newmtl: takes a name"),
+        ("newmtl", "a.mtl:2: newmtl: expected a name"),
     ];
     for (mtl, expected) in cases {
         assert_eq!(message(load_with(&format!("newmtl m\n{mtl}\n"))), expected);
@@ -252,10 +252,10 @@ fn what_is_missing_or_ignored_is_warned_of() {
     let warnings: Vec<_> = loaded.report.warnings.iter().map(ToString::to_string).collect();
     let expected = [
         "a.obj:1: material library `none.mtl` does not exist",
-        "a.mtl:1: textures of material `m` ignored",
-        "a.mtl:4: material `m` is defined again, the last one counts",
-        "a.obj:9: material `lost` is not defined, grey used instead",
-        "a.obj: nothing emits light",
+        "a.mtl:1: textures of material `m` are ignored",
+        "a.mtl:4: material `m` is redefined; the last definition is used",
+        "a.obj:9: material `lost` is not defined; grey is used instead",
+        "a.obj: scene has no lights",
     ];
     assert_eq!(warnings.len(), expected.len(), "{warnings:?}");
     for (warning, expected) in warnings.iter().zip(expected) {
@@ -267,7 +267,7 @@ fn what_is_missing_or_ignored_is_warned_of() {
 #[test]
 fn libraries_lie_in_the_files_own_folder() {
     for name in ["../a.mtl", "sub/../../a.mtl", "/etc/passwd"] {
-        let expected = format!("a.obj:1: `{name}` is not within the file's own folder");
+        let expected = format!("a.obj:1: `{name}` is outside the scene's folder");
         assert_eq!(message(load(format!("mtllib {name}\n{SQUARE}f 1 2 3\n"))), expected);
     }
     let files = Files::new(&[("a.obj", format!("mtllib sub/m.mtl\nusemtl m\n{SQUARE}f 1 2 3\n").as_bytes())]);

@@ -62,7 +62,7 @@ fn formats_follow_extensions() {
         assert!(matches!(of(name), Err(IoError::UnknownFormat { .. })), "{name}");
     }
     let message = PictureFile::create(Path::new("a.jpg")).unwrap_err().to_string();
-    assert_eq!(message, "a.jpg: unknown picture format; supported are .png and .exr");
+    assert_eq!(message, "a.jpg: unknown picture format; supported formats are .png and .exr");
 }
 
 #[test]

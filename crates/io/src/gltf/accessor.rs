@@ -193,7 +193,7 @@ impl<'a> Accessors<'a> {
             Some(Some(opened)) if used_as.fits(opened.kind) => {}
             Some(Some(_)) => return Err(wrong(at, used_as.rule())),
             Some(None) => self.opened[index as usize] = Some(self.read(index, used_as, at, loading)?),
-            None => return Err(wrong(at, &format!("does not exist, there are {}", self.opened.len()))),
+            None => return Err(wrong(at, &format!("does not exist (accessors: {})", self.opened.len()))),
         }
         Ok(())
     }
@@ -264,7 +264,7 @@ impl<'a> Accessors<'a> {
         let buffer =
             buffer.ok_or_else(|| wrong(at.clone(), &format!("buffers[{}] does not exist", view.buffer)))?;
         let end = view.byte_offset.checked_add(view.byte_length).filter(|end| *end <= buffer.len() as u64);
-        let end = end.ok_or_else(|| wrong(at, "reaches beyond its buffer"))?;
+        let end = end.ok_or_else(|| wrong(at, "buffer view exceeds its buffer"))?;
         Ok((&buffer[view.byte_offset as usize..end as usize], view.byte_stride))
     }
 }
@@ -282,7 +282,7 @@ fn slots<'a>(
     if stride < size as u64 {
         return Err(wrong(
             at.clone(),
-            &format!("a stride of {stride} is less than an element of {size} bytes"),
+            &format!("byte stride {stride} is less than the element size of {size}"),
         ));
     }
     let length = count.saturating_sub(1).checked_mul(stride).and_then(|length| {
@@ -293,7 +293,7 @@ fn slots<'a>(
         Some(length) if length <= bytes.len() as u64 => {
             Ok(Slots { bytes: &bytes[offset as usize..], stride: stride as usize })
         }
-        _ => Err(wrong(at.clone(), &format!("{count} elements reach beyond the buffer view"))),
+        _ => Err(wrong(at.clone(), &format!("{count} elements exceed the buffer view"))),
     }
 }
 
@@ -303,10 +303,13 @@ fn check_order(sparse: &Sparse<'_>, count: u64, at: &Location) -> Result<(), IoE
     for position in 0..sparse.count {
         let index = sparse.index(position);
         if index < least {
-            return Err(wrong(at.clone(), "sparse indices do not rise"));
+            return Err(wrong(at.clone(), "sparse indices do not increase"));
         }
         if index >= count {
-            return Err(wrong(at.clone(), &format!("sparse index {index} is beyond its {count} elements")));
+            return Err(wrong(
+                at.clone(),
+                &format!("sparse index {index} is out of range (elements: {count})"),
+            ));
         }
         least = index + 1;
     }

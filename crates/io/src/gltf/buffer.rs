@@ -88,6 +88,6 @@ fn check_length(
     if declared <= bytes.len() as u64 {
         return Ok(declared as usize);
     }
-    let message = format!("has {} bytes instead of {declared}", bytes.len());
+    let message = format!("buffer has {} bytes; {declared} are declared", bytes.len());
     Err(IoError::Accessor { at: loading.at(Place::Buffer(index)), message })
 }

@@ -21,26 +21,26 @@ pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, Io
         return Ok(Container { json: text, binary: None, is_text: true });
     };
     let malformed = |message: &str| IoError::Parse { at: Place::File.of(path), message: message.into() };
-    let (version, rest) = number(after_magic).ok_or_else(|| malformed("the header is cut off"))?;
+    let (version, rest) = number(after_magic).ok_or_else(|| malformed("header is truncated"))?;
     if version != 2 {
         return Err(IoError::Version { at: Place::File.of(path), version: version.to_string() });
     }
-    let (length, mut rest) = number(rest).ok_or_else(|| malformed("the header is cut off"))?;
+    let (length, mut rest) = number(rest).ok_or_else(|| malformed("header is truncated"))?;
     if length != bytes.len() {
-        let message = format!("has {} bytes, but its header says {length}", bytes.len());
+        let message = format!("file has {} bytes, but its header says {length}", bytes.len());
         return Err(malformed(&message));
     }
     let mut next = || -> Result<Option<Chunk<'a>>, IoError> {
         if rest.is_empty() {
             return Ok(None);
         }
-        let (chunk, after) = chunk(rest).ok_or_else(|| malformed("a chunk is cut off"))?;
+        let (chunk, after) = chunk(rest).ok_or_else(|| malformed("chunk is truncated"))?;
         rest = after;
-        if chunk.content.is_empty() { Err(malformed("a chunk is empty")) } else { Ok(Some(chunk)) }
+        if chunk.content.is_empty() { Err(malformed("chunk is empty")) } else { Ok(Some(chunk)) }
     };
-    let Some(json) = next()? else { return Err(malformed("there is no JSON chunk")) };
+    let Some(json) = next()? else { return Err(malformed("JSON chunk is missing")) };
     if json.kind != JSON {
-        return Err(malformed("the first chunk is not JSON"));
+        return Err(malformed("first chunk is not JSON"));
     }
     let binary = next()?.filter(|chunk| chunk.kind == BINARY).map(|chunk| chunk.content);
     // What else may follow is for extensions, but whole it must be.

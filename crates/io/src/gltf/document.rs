@@ -66,8 +66,8 @@ impl<'a> Document<'a> {
                 Err(IoError::Parse { at: loading.at(Place::Image(index)), message: message.into() })
             };
             match (&image.uri, image.buffer_view, &image.mime_type) {
-                (None, None, _) => return malformed("has neither a URI nor a buffer view"),
-                (None, Some(_), None) => return malformed("lies in a buffer view and has no MIME type"),
+                (None, None, _) => return malformed("image has neither a URI nor a buffer view"),
+                (None, Some(_), None) => return malformed("image in a buffer view has no MIME type"),
                 _ => {}
             }
         }

@@ -54,7 +54,7 @@ fn place(
     let [a, b, c] = corners.map(|corner| world.transform_point3(corner).as_vec3());
     let limit = Triangles::MAX_COORDINATE;
     if let Some(x) = [a, b, c].iter().flat_map(|v| v.to_array()).find(|x| !(-limit..=limit).contains(x)) {
-        let message = format!("coordinate {x:e} is beyond {limit:e}");
+        let message = format!("coordinate {x:e} exceeds {limit:e} in magnitude");
         return Err(IoError::Domain { at: loading.at(Place::Node(node)), message });
     }
     let mirrored = world.matrix3.determinant() < 0.0;

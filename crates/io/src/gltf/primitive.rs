@@ -48,7 +48,7 @@ pub(super) fn open(
         mode => {
             return Err(IoError::Parse {
                 at: loading.at(place),
-                message: format!("mode {mode} is not known"),
+                message: format!("primitive mode {mode} is not supported"),
             });
         }
     };

@@ -16,7 +16,7 @@ pub(super) fn local(node: &Node<'_, true>) -> Result<DAffine3, String> {
 pub(super) fn check_range(transform: &DAffine3) -> Result<(), String> {
     let limit = f64::from(Triangles::MAX_COORDINATE);
     match transform.to_cols_array().into_iter().find(|x| !(-limit..=limit).contains(x)) {
-        Some(x) => Err(format!("transform has {x:e}, which is beyond {limit:e}")),
+        Some(x) => Err(format!("transform component {x:e} exceeds {limit:e} in magnitude")),
         None => Ok(()),
     }
 }
@@ -24,11 +24,11 @@ pub(super) fn check_range(transform: &DAffine3) -> Result<(), String> {
 fn of_matrix(columns: &[f64; 16]) -> Result<DAffine3, String> {
     let matrix = DMat4::from_cols_array(columns);
     if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
-        return Err("the matrix is not affine".into());
+        return Err("matrix is not affine".into());
     }
     let transform = DAffine3::from_mat4(matrix);
     if transform.matrix3.determinant() == 0.0 {
-        return Err("the matrix can not be inverted".into());
+        return Err("matrix is singular".into());
     }
     Ok(transform)
 }
@@ -45,7 +45,7 @@ fn of_parts(node: &Node<'_, true>) -> Result<DAffine3, String> {
             let rotation = DQuat::from_array(*parts);
             let length = rotation.length();
             if !(length.is_finite() && length > 0.0) {
-                return Err("the rotation is not a unit quaternion".into());
+                return Err("rotation is not a unit quaternion".into());
             }
             rotation / length
         }

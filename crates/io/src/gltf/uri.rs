@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
-/// What a URI stands for.
+/// The resource that a URI refers to.
 #[derive(Debug, PartialEq)]
 pub(super) enum Target<'a> {
-    /// Bytes that it holds itself.
+    /// The bytes of a `data:` URI.
     Data(Vec<u8>),
     /// A file, by its name relative to the scene's.
     File(Cow<'a, str>),
-    /// Something of a scheme that is not followed.
+    /// A URI of an unsupported scheme.
     Other(&'a str),
 }
 
@@ -17,7 +17,7 @@ impl<'a> Target<'a> {
     /// Takes a URI apart; an error says what is wrong with it.
     pub(super) fn of(uri: &'a str) -> Result<Self, &'static str> {
         if let Some(data) = uri.strip_prefix("data:") {
-            let (kind, content) = data.split_once(',').ok_or("no comma after `data:`")?;
+            let (kind, content) = data.split_once(',').ok_or("comma after `data:` is missing")?;
             let bytes = if kind.ends_with(";base64") { base64(content)? } else { percent_decoded(content)? };
             return Ok(Self::Data(bytes));
         }
@@ -28,7 +28,7 @@ impl<'a> Target<'a> {
             return Ok(Self::File(uri.into()));
         }
         let name = String::from_utf8(percent_decoded(uri)?).map_err(|_| "is not UTF-8")?;
-        if name.contains('\0') { Err("a file's name has no NUL") } else { Ok(Self::File(name.into())) }
+        if name.contains('\0') { Err("file name contains a NUL byte") } else { Ok(Self::File(name.into())) }
     }
 }
 
@@ -48,7 +48,9 @@ fn percent_decoded(text: &str) -> Result<Vec<u8>, &'static str> {
             b'%' => {
                 let mut digit = || bytes.next().and_then(|b| char::from(b).to_digit(16));
                 let (high, low) = (digit(), digit());
-                high.zip(low).map(|(high, low)| (16 * high + low) as u8).ok_or("`%` without two digits")?
+                high.zip(low)
+                    .map(|(high, low)| (16 * high + low) as u8)
+                    .ok_or("`%` without two hexadecimal digits")?
             }
             byte => byte,
         });
@@ -60,13 +62,13 @@ fn percent_decoded(text: &str) -> Result<Vec<u8>, &'static str> {
 fn base64(text: &str) -> Result<Vec<u8>, &'static str> {
     let digits = text.trim_end_matches('=').as_bytes();
     if digits.len() % 4 == 1 || text.len() - digits.len() > 2 {
-        return Err("base64 is cut off");
+        return Err("base64 data is truncated");
     }
     let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
     for group in digits.chunks(4) {
         let mut bits = 0;
         for &digit in group {
-            bits = bits << 6 | six_bits(digit).ok_or("not base64")?;
+            bits = bits << 6 | six_bits(digit).ok_or("invalid base64 character")?;
         }
         bits <<= 6 * (4 - group.len());
         // Four digits make three bytes, three make two, two make one.

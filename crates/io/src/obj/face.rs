@@ -6,7 +6,7 @@ use crate::IoError;
 pub(super) struct Counts(pub(super) [usize; 3]);
 
 /// What the numbers in a face's corner `v/vt/vn` refer to.
-const REFERENTS: [&str; 3] = ["vertices above it", "texture coordinates above it", "normals above it"];
+const REFERENTS: [&str; 3] = ["vertices above", "texture coordinates above", "normals above"];
 
 /// The vertex, counted from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, each an index from
 /// 1, or negative to count back.
@@ -26,7 +26,7 @@ pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> 
             continue;
         }
         if kind >= REFERENTS.len() {
-            return Err(statement.malformed("a corner has more than v/vt/vn"));
+            return Err(statement.malformed("a vertex has more indices than v/vt/vn"));
         }
         position(statement, field, kind, counts)?;
     }

@@ -1,6 +1,6 @@
 use super::source::{Source, Statement};
 use crate::{IoError, WarningKind};
-use globillum_material::{Emission, Material, MaterialError, Rgb, Sides};
+use globillum_material::{Bsdf, Emission, Material, MaterialError, Reflectance, Rgb, Sides};
 
 /// What a material library says of one material, as far as it is understood.
 ///
@@ -78,7 +78,7 @@ impl Description {
         match count {
             1 => Ok(Some(Rgb::splat(rgb[0]))),
             3 => Ok(Some(rgb.into())),
-            _ => Err(statement.malformed("takes 1 or 3 numbers")),
+            _ => Err(statement.malformed("expected 1 or 3 numbers")),
         }
     }
 
@@ -110,6 +110,12 @@ impl Description {
         ];
         kinds.into_iter().filter(|(is_lost, _)| *is_lost).map(move |(_, kind)| kind(name.to_owned(), by))
     }
+}
+
+/// The material of faces without one, and of those whose material is not defined: a grey of one half.
+pub(super) fn default_material() -> Material {
+    let half = Rgb::splat(0.5);
+    Material { bsdf: Bsdf::Lambert(Reflectance::new(half).unwrap_or_default()), emission: Emission::NONE }
 }
 
 fn first_number<T: std::str::FromStr>(statement: &Statement<'_>) -> Result<T, IoError> {

@@ -1,4 +1,5 @@
 use super::face::{self, Counts};
+use super::mtl::default_material;
 use super::number::fraction;
 use super::polygon::is_convex;
 use super::source::Statement;
@@ -109,11 +110,11 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         for word in statement.words() {
             let corner = face::corner(statement, word, &counts)?;
             let count = self.corners.len() + 1;
-            statement.check_count(count, "corners of a polygon", limits.polygon_corners)?;
+            statement.check_count(count, "vertices in a polygon", limits.polygon_corners)?;
             self.corners.push(corner);
         }
         match self.corners.len() {
-            0 => return Err(statement.malformed("takes three corners or more")),
+            0 => return Err(statement.malformed("expected at least three vertices")),
             1 | 2 => self.short_faces.count(statement),
             _ => {
                 self.triangles += self.corners.len() as u64 - 2;
@@ -153,7 +154,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
             Some(&position) => materials[position].1,
             None => {
                 statement.check_count(materials.len() + 1, "materials", self.loading.limits.materials)?;
-                let id = self.loading.add_material(super::default_material());
+                let id = self.loading.add_material(default_material());
                 positions.insert(name, materials.len());
                 materials.push((*statement, id));
                 id
@@ -174,7 +175,7 @@ fn position(statement: &Statement<'_>) -> Result<Vec3, IoError> {
     }
     let weight = match count {
         3 | 6 => 1.0,
-        4 if numbers[3] == 0.0 => return Err(statement.malformed("the weight is zero")),
+        4 if numbers[3] == 0.0 => return Err(statement.malformed("weight is zero")),
         4 => numbers[3],
         _ => return Err(wrong_count(statement)),
     };
@@ -185,7 +186,7 @@ fn position(statement: &Statement<'_>) -> Result<Vec3, IoError> {
     let limit = Triangles::MAX_COORDINATE;
     match position.to_array().into_iter().find(|x| x.abs() > limit) {
         Some(x) => {
-            let message = format!("coordinate {x:e} is beyond {limit:e}");
+            let message = format!("coordinate {x:e} exceeds {limit:e} in magnitude");
             Err(IoError::Domain { at: statement.at(), message })
         }
         None => Ok(position),
@@ -193,7 +194,7 @@ fn position(statement: &Statement<'_>) -> Result<Vec3, IoError> {
 }
 
 fn wrong_count(statement: &Statement<'_>) -> IoError {
-    statement.malformed("takes 3, 4 or 6 numbers")
+    statement.malformed("expected 3, 4 or 6 numbers")
 }
 
 /// Something that is passed over: how often, and where first.

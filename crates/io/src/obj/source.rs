@@ -23,7 +23,7 @@ impl Source {
             malformed(&error.as_bytes()[..error.utf8_error().valid_up_to()], "is not UTF-8")
         })?;
         if let Some(nul) = text.find('\0') {
-            return Err(malformed(&text.as_bytes()[..nul], "holds a NUL byte"));
+            return Err(malformed(&text.as_bytes()[..nul], "text contains a NUL byte"));
         }
         if text.starts_with(BYTE_ORDER_MARK) {
             text.remove(0);
@@ -87,7 +87,7 @@ impl<'a> Statement<'a> {
 
     /// All arguments as one name, which may have spaces, and a `#` too.
     pub(super) fn name(&self) -> Result<&'a str, IoError> {
-        if self.arguments.is_empty() { Err(self.malformed("takes a name")) } else { Ok(self.arguments) }
+        if self.arguments.is_empty() { Err(self.malformed("expected a name")) } else { Ok(self.arguments) }
     }
 
     pub(super) fn number<T: FromStr>(&self, word: &str) -> Result<T, IoError> {

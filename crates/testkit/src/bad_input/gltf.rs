@@ -58,7 +58,7 @@ fn headers() -> Vec<Case> {
         Case::new(row, "a.gltf", json, refused("Parse", format!("a.gltf:{message}")))
     };
     let version = |row, asset: &str, version: &str| {
-        let message = format!("glTF version {version} is not supported, only 2.0");
+        let message = format!("glTF version {version} is not supported (supported: 2.0)");
         bad(row, r#""version":"2.0""#, asset, "Version", &message)
     };
     vec![
@@ -77,41 +77,41 @@ fn accessors() -> Vec<Case> {
     let accessor = |row, from: &str, to: &str, message: &str| bad(row, from, to, "Accessor", message);
     let (count, offset) = (r#"5126,"count":3"#, r#""byteOffset":0,"componentType""#);
     let (length, bytes) = (r#""byteLength":36"#, r#"[{"byteLength":39"#);
-    let beyond = "elements reach beyond the buffer view";
+    let beyond = "elements exceed the buffer view";
     let (huge, last) = ("9223372036854775808", "18446744073709551615");
     let nowhere = r#""bufferView":0,"byteOffset":0,"#;
     let endless = format!(r#""componentType":5126,"count":{huge}"#);
     vec![
-        accessor(47, r#""POSITION":0"#, r#""POSITION":9"#, "accessors[9]: does not exist, there are 2"),
+        accessor(47, r#""POSITION":0"#, r#""POSITION":9"#, "accessors[9]: does not exist (accessors: 2)"),
         accessor(48, count, &format!(r#"5126,"count":{huge}"#), &format!("accessors[0]: {huge} {beyond}")),
         bad(
             48,
             &format!(r#"{nowhere}"componentType":{count}"#),
             &endless,
             "TooLarge",
-            "accessors[0]: more than 8388608 elements without a buffer view",
+            "accessors[0]: too many elements without a buffer view (limit: 8388608)",
         ),
-        bad(48, nowhere, "", "Empty", "has no triangles"),
+        bad(48, nowhere, "", "Empty", "scene has no triangles"),
         accessor(
             49,
             offset,
             &format!(r#""byteOffset":{last},"componentType""#),
             &format!("accessors[0]: 3 {beyond}"),
         ),
-        accessor(50, length, r#""byteLength":40"#, "bufferViews[0]: reaches beyond its buffer"),
+        accessor(50, length, r#""byteLength":40"#, "bufferViews[0]: buffer view exceeds its buffer"),
         accessor(
             50,
             r#""byteOffset":36"#,
             &format!(r#""byteOffset":{last}"#),
-            "bufferViews[1]: reaches beyond its buffer",
+            "bufferViews[1]: buffer view exceeds its buffer",
         ),
         accessor(
             50,
             length,
             r#""byteLength":36,"byteStride":8"#,
-            "accessors[0]: a stride of 8 is less than an element of 12 bytes",
+            "accessors[0]: byte stride 8 is less than the element size of 12",
         ),
-        accessor(51, bytes, r#"[{"byteLength":41"#, "buffers[0]: has 40 bytes instead of 41"),
+        accessor(51, bytes, r#"[{"byteLength":41"#, "buffers[0]: buffer has 40 bytes; 41 are declared"),
         accessor(52, "VEC3", "SCALAR", "accessors[0]: positions must be VEC3 of floats"),
         accessor(53, "5126", "5123", "accessors[0]: positions must be VEC3 of floats"),
         accessor(54, "5121", "5126", "accessors[1]: indices must be SCALAR of unsigned integers"),
@@ -119,25 +119,25 @@ fn accessors() -> Vec<Case> {
 }
 
 fn primitives() -> Vec<Case> {
-    let index = |message: &str| format!("{message} refers to none of the");
+    let index = |message: &str| format!("{message} is out of range");
     let mode = r#""mode":4"#;
-    let points = "a.glb: meshes[0].primitives[1]: primitives of points or lines skipped: 1";
+    let points = "a.glb: meshes[0].primitives[1]: primitives of points or lines are skipped: 1";
     vec![
         bad(
             55,
             r#"5126,"count":3"#,
             r#"5126,"count":2"#,
             "Index",
-            &format!("{} 2 vertices", index("accessors[1]: index 2")),
+            &format!("{} (vertices: 2)", index("accessors[1]: index 2")),
         ),
         bad(
             55,
             mode,
             r#""material":3"#,
             "Index",
-            &format!("{} 0 materials", index("meshes[0].primitives[0]: index 3")),
+            &format!("{} (materials: 0)", index("meshes[0].primitives[0]: index 3")),
         ),
-        bad(56, mode, r#""mode":7"#, "Parse", "meshes[0].primitives[0]: mode 7 is not known"),
+        bad(56, mode, r#""mode":7"#, "Parse", "meshes[0].primitives[0]: primitive mode 7 is not supported"),
         but(56, r#""mode":4}"#, r#""mode":4},{"attributes":{"POSITION":0},"mode":0}"#, loaded(&[points])),
         but(56, mode, r#""mode":5"#, loaded(&[])),
         but(56, mode, r#""mode":6"#, loaded(&[])),
@@ -149,21 +149,21 @@ fn uris() -> Vec<Case> {
         let buffer = format!(r#"[{{"uri":"{uri}","byteLength":39"#);
         bad(row, r#"[{"byteLength":39"#, &buffer, kind, &format!("buffers[0]: {message}"))
     };
-    let outside = |name: &str| format!("`{name}` is not within the file's own folder");
+    let outside = |name: &str| format!("`{name}` is outside the scene's folder");
     vec![
         uri(57, "%FF.bin", "Uri", "malformed URI: is not UTF-8"),
         uri(58, "../x.bin", "PathEscape", &outside("../x.bin")),
         uri(58, "%2e%2e/x.bin", "PathEscape", &outside("../x.bin")),
         uri(59, "/etc/passwd", "PathEscape", &outside("/etc/passwd")),
-        uri(60, "file:///etc/hosts", "Scheme", "URIs of scheme `file:` are not followed"),
-        uri(61, "http://a/b.bin", "Scheme", "URIs of scheme `http:` are not followed"),
+        uri(60, "file:///etc/hosts", "Scheme", "URI scheme `file:` is not supported"),
+        uri(61, "http://a/b.bin", "Scheme", "URI scheme `http:` is not supported"),
     ]
 }
 
 fn nodes() -> Vec<Case> {
     let nodes = |row, graph: &str, kind, message: &str| bad(row, r#"[{"mesh":0}]"#, graph, kind, message);
     let scaled = |x: &str| format!(r#"[{{"mesh":0,"matrix":[{x},0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}}]"#);
-    let (own, two) = ("is its own ancestor", "has more than one parent");
+    let (own, two) = ("node is its own ancestor", "node has more than one parent");
     let limit = "1.152921504606847e18";
     let mut chain = String::from("[");
     for child in 1..1_000_000 {
@@ -173,29 +173,29 @@ fn nodes() -> Vec<Case> {
     vec![
         nodes(62, r#"[{"mesh":0,"children":[0]}]"#, "Cycle", &format!("nodes[0]: {own}")),
         nodes(62, r#"[{"mesh":0},{"children":[2]},{"children":[1]}]"#, "Cycle", &format!("nodes[1]: {own}")),
-        nodes(62, r#"[{"mesh":7}]"#, "Index", "nodes[0]: index 7 refers to none of the 1 meshes"),
-        nodes(62, r#"[{"children":[7]}]"#, "Index", "nodes[0]: index 7 refers to none of the 1 nodes"),
+        nodes(62, r#"[{"mesh":7}]"#, "Index", "nodes[0]: index 7 is out of range (meshes: 1)"),
+        nodes(62, r#"[{"children":[7]}]"#, "Index", "nodes[0]: index 7 is out of range (nodes: 1)"),
         nodes(63, r#"[{"children":[1,1]},{"mesh":0}]"#, "NotATree", &format!("nodes[1]: {two}")),
         nodes(63, r#"[{"mesh":0},{"children":[0]}]"#, "NotATree", &format!("nodes[0]: {two}")),
         but(64, r#"[{"mesh":0}]"#, &chain, loaded(&[])),
-        nodes(65, &scaled("0"), "Domain", "nodes[0]: the matrix can not be inverted"),
+        nodes(65, &scaled("0"), "Domain", "nodes[0]: matrix is singular"),
         nodes(
             66,
             &scaled("1e300"),
             "Domain",
-            &format!("nodes[0]: transform has 1e300, which is beyond {limit}"),
+            &format!("nodes[0]: transform component 1e300 exceeds {limit} in magnitude"),
         ),
         nodes(
             66,
             r#"[{"mesh":0,"scale":[1e18,1,1],"translation":[1e18,0,0]}]"#,
             "Domain",
-            "nodes[0]: coordinate 2e18 is beyond 1.1529215e18",
+            "nodes[0]: coordinate 2e18 exceeds 1.1529215e18 in magnitude",
         ),
         nodes(
             66,
             r#"[{"scale":[1e18,1,1],"children":[1]},{"mesh":0,"scale":[2,1,1]}]"#,
             "Domain",
-            &format!("nodes[1]: transform has 2e18, which is beyond {limit}"),
+            &format!("nodes[1]: transform component 2e18 exceeds {limit} in magnitude"),
         ),
     ]
 }
@@ -203,7 +203,7 @@ fn nodes() -> Vec<Case> {
 fn extensions() -> Vec<Case> {
     let required = |row, extension: &str| {
         let required = format!(r#","extensionsRequired":["{extension}"],"scene""#);
-        let message = format!("extension `{extension}` is required and not supported");
+        let message = format!("required extension `{extension}` is not supported");
         bad(row, r#","scene""#, &required, "Unsupported", &message)
     };
     let used = r#","extensionsUsed":["KHR_lights_punctual"],"scene""#;
@@ -211,7 +211,7 @@ fn extensions() -> Vec<Case> {
         required(67, "VENDOR_magic"),
         required(68, "KHR_draco_mesh_compression"),
         required(68, "EXT_meshopt_compression"),
-        but(67, r#","scene""#, used, loaded(&["a.glb: extension `KHR_lights_punctual` ignored"])),
+        but(67, r#","scene""#, used, loaded(&["a.glb: extension `KHR_lights_punctual` is ignored"])),
     ]
 }
 
@@ -225,8 +225,8 @@ fn sparse() -> Vec<Case> {
     };
     let accessor = |message: &str| refused("Accessor", format!("a.glb: accessors[0]: {message}"));
     vec![
-        sparse(69, 2, 3, accessor("sparse index 2 is beyond its 2 elements")),
-        sparse(70, 3, 4, accessor("4 elements reach beyond the buffer view")),
+        sparse(69, 2, 3, accessor("sparse index 2 is out of range (elements: 2)")),
+        sparse(70, 3, 4, accessor("4 elements exceed the buffer view")),
         sparse(70, 3, 3, loaded(&[])),
     ]
 }
@@ -243,16 +243,16 @@ fn containers() -> Vec<Case> {
         Case::new(row, "a.glb", bytes, refused(kind, format!("a.glb: {message}")))
     };
     let length = good.len() as u32;
-    let wrong_length = format!("has {length} bytes, but its header says {}", length + 1);
-    let cut_off = refused("Parse", "a.glb: the header is cut off");
+    let wrong_length = format!("file has {length} bytes, but its header says {}", length + 1);
+    let cut_off = refused("Parse", "a.glb: header is truncated");
     vec![
-        image(71, "{}", "has neither a URI nor a buffer view"),
-        image(72, r#"{"bufferView":0}"#, "lies in a buffer view and has no MIME type"),
-        changed(73, 12, 0, "Parse", "a chunk is empty"),
+        image(71, "{}", "image has neither a URI nor a buffer view"),
+        image(72, r#"{"bufferView":0}"#, "image in a buffer view has no MIME type"),
+        changed(73, 12, 0, "Parse", "chunk is empty"),
         changed(74, 8, length + 1, "Parse", &wrong_length),
-        changed(74, 12, length, "Parse", "a chunk is cut off"),
-        changed(74, 16, 0, "Parse", "the first chunk is not JSON"),
-        changed(74, 4, 1, "Version", "glTF version 1 is not supported, only 2.0"),
+        changed(74, 12, length, "Parse", "chunk is truncated"),
+        changed(74, 16, 0, "Parse", "first chunk is not JSON"),
+        changed(74, 4, 1, "Version", "glTF version 1 is not supported (supported: 2.0)"),
         Case::new(74, "a.glb", b"glTF\x02\0", cut_off).beside("b.bin", Content::Bytes(Vec::new())),
     ]
 }

@@ -16,28 +16,28 @@ pub(super) fn cases() -> Vec<Case> {
 /// Rows with one bad line, the fifth if not said otherwise.
 fn statements() -> Vec<Case> {
     let index = |row, line: &'static str, index: &str, of: &str| {
-        (row, line, "Index", format!("5: index {index} refers to none of the {of} above it"))
+        (row, line, "Index", format!("5: index {index} is out of range ({of})"))
     };
     let parse = |row, line: &'static str, message: &str| (row, line, "Parse", message.to_owned());
     let not_finite = |row, line: &'static str| (row, line, "NonFinite", "5: coordinate is not finite".into());
     let lines = [
-        index(1, "f 1 2 0", "0", "4 vertices"),
-        index(2, "f 1 2 5", "5", "4 vertices"),
-        index(3, "f 1 2 -5", "-5", "4 vertices"),
+        index(1, "f 1 2 0", "0", "vertices above: 4"),
+        index(2, "f 1 2 5", "5", "vertices above: 4"),
+        index(3, "f 1 2 -5", "-5", "vertices above: 4"),
         parse(4, "f 1 2 99999999999999999999", "5: f: `99999999999999999999` is not a number"),
         parse(5, "f a b c", "5: f: `a` is not a number"),
-        parse(6, "f", "5: f: takes three corners or more"),
-        parse(9, "vt 0 0\nvn 0 0 1\nf 1/1/1/1 2 3", "7: f: a corner has more than v/vt/vn"),
-        parse(10, "v 1 2", "5: v: takes 3, 4 or 6 numbers"),
-        parse(11, "v 1 2 3 0", "5: v: the weight is zero"),
+        parse(6, "f", "5: f: expected at least three vertices"),
+        parse(9, "vt 0 0\nvn 0 0 1\nf 1/1/1/1 2 3", "7: f: a vertex has more indices than v/vt/vn"),
+        parse(10, "v 1 2", "5: v: expected 3, 4 or 6 numbers"),
+        parse(11, "v 1 2 3 0", "5: v: weight is zero"),
         not_finite(12, "v 0 nan 0"),
         not_finite(13, "v 0 0 inf"),
         not_finite(14, "v 1e999 0 0"),
         not_finite(15, "v 1 1 1 1e-45"),
-        (15, "v 1 1 1e30", "Domain", "5: coordinate 1e30 is beyond 1.1529215e18".into()),
-        index(16, "f 1/1 2 3", "1", "0 texture coordinates"),
-        index(17, "f 1//2 2 3", "2", "0 normals"),
-        parse(25, "# \0", "5: holds a NUL byte"),
+        (15, "v 1 1 1e30", "Domain", "5: coordinate 1e30 exceeds 1.1529215e18 in magnitude".into()),
+        index(16, "f 1/1 2 3", "1", "texture coordinates above: 0"),
+        index(17, "f 1//2 2 3", "2", "normals above: 0"),
+        parse(25, "# \0", "5: text contains a NUL byte"),
     ];
     let case = |(row, line, kind, message)| {
         obj(row, format!("{SQUARE}{line}\nf 1 2 3\n"), refused(kind, format!("a.obj:{message}")))
@@ -48,11 +48,11 @@ fn statements() -> Vec<Case> {
 /// Rows that load, with a warning or without.
 fn faces() -> Vec<Case> {
     let short = |row, face: &str| {
-        let outcome = loaded(&["a.obj:5: faces of fewer than three vertices skipped: 1"]);
+        let outcome = loaded(&["a.obj:5: faces with fewer than three vertices are skipped: 1"]);
         obj(row, format!("{SQUARE}{face}\nf 1 2 3\n"), outcome)
     };
     let flat = |row, text: &str| {
-        let outcome = loaded(&["a.obj:5: vertex normals ignored: 1"]);
+        let outcome = loaded(&["a.obj:5: vertex normals are ignored: 1"]);
         obj(row, format!("{SQUARE}{text}\n"), outcome)
     };
     vec![
@@ -65,7 +65,7 @@ fn faces() -> Vec<Case> {
 
 fn files() -> Vec<Case> {
     let good = format!("{SQUARE}f 1 2 3\n");
-    let empty = || refused("Empty", "a.obj: has no triangles");
+    let empty = || refused("Empty", "a.obj: scene has no triangles");
     vec![
         obj(20, "", empty()),
         obj(20, SQUARE, empty()),
@@ -80,7 +80,7 @@ fn files() -> Vec<Case> {
 fn libraries() -> Vec<Case> {
     let naming = |row, name: &str, outcome| obj(row, format!("mtllib {name}\n{SQUARE}f 1 2 3\n"), outcome);
     let escape =
-        |name: &str| refused("PathEscape", format!("a.obj:1: `{name}` is not within the file's own folder"));
+        |name: &str| refused("PathEscape", format!("a.obj:1: `{name}` is outside the scene's folder"));
     let no_file = || refused("NotRegularFile", "a.mtl: is not a regular file");
     vec![
         naming(26, "none.mtl", loaded(&["a.obj:1: material library `none.mtl` does not exist"])),
@@ -106,16 +106,16 @@ fn materials() -> Vec<Case> {
         let message = format!("a.mtl:1: material `m`: reflectance {albedo} is not within [0, 1]");
         with(row, &format!("newmtl m\n{line}\n"), refused("Material", message))
     };
-    let again = "a.mtl:3: material `m` is defined again, the last one counts";
-    let unknown = "a.obj:2: material `m` is not defined, grey used instead";
+    let again = "a.mtl:3: material `m` is redefined; the last definition is used";
+    let unknown = "a.obj:2: material `m` is not defined; grey is used instead";
     let glass = [
-        "a.mtl:1: textures of material `m` ignored",
-        "a.mtl:1: transparency of material `m` ignored",
-        "a.mtl:1: material `m` approximated by an ideal diffuse surface",
+        "a.mtl:1: textures of material `m` are ignored",
+        "a.mtl:1: transparency of material `m` is ignored",
+        "a.mtl:1: material `m` is approximated by an ideal diffuse surface",
     ];
     vec![
         with(31, "newmtl m\nKd 0.5\n", loaded(&[])),
-        with(32, "newmtl m\nKd\n", refused("Parse", "a.mtl:2: Kd: takes 1 or 3 numbers")),
+        with(32, "newmtl m\nKd\n", refused("Parse", "a.mtl:2: Kd: expected 1 or 3 numbers")),
         impossible(33, "Kd nan 0 0", "(NaN, 0, 0)"),
         impossible(34, "Kd -1 0 0", "(-1, 0, 0)"),
         impossible(35, "Kd 5 5 5", "(5, 5, 5)"),
@@ -128,18 +128,18 @@ fn materials() -> Vec<Case> {
 /// Rows of many, and of too many, within the default limits.
 fn sizes() -> Vec<Case> {
     let switching = "usemtl red\nf 1 2 3\nusemtl blue\nf 3 2 1\n".repeat(1 << 16);
-    let missing = ["red", "blue"].map(|name| format!("material `{name}` is not defined, grey used instead"));
+    let missing =
+        ["red", "blue"].map(|name| format!("material `{name}` is not defined; grey is used instead"));
     let missing = [format!("a.obj:5: {}", missing[0]), format!("a.obj:7: {}", missing[1])];
     let long_line = format!("{SQUARE}# {}\nf 1 2 3\n", "-".repeat(16 << 20));
     let many_corners = format!("{SQUARE}f {}\n", "1 2 3 ".repeat(30_000));
     let dart = format!("{SQUARE}v 0.9 0.5 0\nf 1 2 3 4\nf 1 2 5 3 4\nf 2 5 3\n");
     let bow_tie = format!("{SQUARE}f 1 3 2 4\n");
-    let odd =
-        |line: u32| format!("a.obj:{line}: polygons that are not convex, cut into fans all the same: 1");
+    let odd = |line: u32| format!("a.obj:{line}: non-convex polygons are triangulated as fans: 1");
     vec![
         obj(38, format!("{SQUARE}{switching}"), Outcome::Loaded { warnings: missing.into() }),
-        obj(39, long_line, refused("TooLarge", "a.obj:5: more than 16777216 bytes in a line")),
-        obj(40, many_corners, refused("TooLarge", "a.obj:5: more than 65536 corners of a polygon")),
+        obj(39, long_line, refused("TooLarge", "a.obj:5: too many bytes in a line (limit: 16777216)")),
+        obj(40, many_corners, refused("TooLarge", "a.obj:5: too many vertices in a polygon (limit: 65536)")),
         obj(41, dart, Outcome::Loaded { warnings: vec![odd(7)] }),
         obj(41, bow_tie, Outcome::Loaded { warnings: vec![odd(5)] }),
     ]
