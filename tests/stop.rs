@@ -84,6 +84,30 @@ fn time_ends_a_render_in_whole_passes() {
     assert_eq!(run(&whole, Stop::default(), &()).film, picture.film);
 }
 
+/// The first pass that a run adds is finished however little time there is, also where the picture that it
+/// goes on from holds others.
+#[test]
+fn a_resumed_run_adds_a_pass_however_short_its_time() {
+    let (scene, camera) = light_over_floor();
+    let settings = Settings::new(32, 32, 64);
+    let passes = |range| Render::new(&scene, &camera, &settings).passes(range).run(&()).expect("it is good");
+    let at_once = stop(|s| s.seconds = Some(1e-9));
+    let resume = |picture, stop| {
+        Render::new(&scene, &camera, &settings).until(stop).resume(picture).run(&()).expect("it is good")
+    };
+    for (held, then) in [(0..1, 0..2), (0..2, 0..3), (1..3, 0..3)] {
+        let picture = resume(passes(held), at_once);
+        assert_eq!((picture.ending, &picture.film), (Ending::Seconds, &passes(then).film));
+    }
+    let whole = resume(passes(0..3), at_once);
+    assert_eq!((whole.ending, &whole.film), (Ending::Samples, &passes(0..4).film));
+    assert_eq!(resume(whole.clone(), at_once), whole, "there is no pass to add");
+    // The pilot takes all the time.
+    let pilot = stop(|s| (s.seconds, s.relative_rmse, s.pilot) = (Some(1e-9), Some(1e-9), Some(2)));
+    let picture = resume(passes(0..1), pilot);
+    assert_eq!(picture.film.passes(), [0..1, 2..3]);
+}
+
 /// A pilot's passes are not part of the picture, and their error alone decides on its length.
 #[test]
 fn two_stages_render_what_the_pilot_asks_for() {
@@ -282,6 +306,52 @@ fn a_panic_is_an_error_and_the_next_render_works() {
         assert!(witness.passes.load(Ordering::Relaxed) >= 1, "whole passes were handed over");
         let again = render(&scene, &camera, &settings, &()).expect("it panics only once");
         assert_eq!(again.film, run(&settings, Stop::default(), &()).film);
+    }
+}
+
+/// Panics in one of its methods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Faulty {
+    Progress,
+    Cancelled,
+    PassDone,
+}
+
+impl Monitor for Faulty {
+    fn progress(&self, _progress: Progress) {
+        assert_ne!(*self, Self::Progress, "faulty");
+    }
+
+    fn cancelled(&self) -> bool {
+        assert_ne!(*self, Self::Cancelled, "faulty");
+        false
+    }
+
+    fn pass_done(&self, _picture: &Picture) {
+        assert_ne!(*self, Self::PassDone, "faulty");
+    }
+}
+
+#[test]
+fn a_panic_in_any_method_of_a_monitor_is_an_error() {
+    let (scene, camera) = light_over_floor();
+    let settings = Settings::new(32, 32, 64);
+    let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(1e-6), Some(2)));
+    for faulty in [Faulty::Progress, Faulty::Cancelled, Faulty::PassDone] {
+        for stop in [Stop::default(), plan] {
+            let error = Render::new(&scene, &camera, &settings).until(stop).run(&faulty);
+            let error = error.expect_err("the monitor panics");
+            let message = match (&error, faulty) {
+                (RenderError::Monitor { message, samples }, Faulty::PassDone) => {
+                    assert_eq!(*samples, 16);
+                    message
+                }
+                (RenderError::Worker { message, .. }, Faulty::Progress | Faulty::Cancelled) => message,
+                _ => panic!("{faulty:?}: {error:?}"),
+            };
+            assert!(message.contains("faulty"), "{faulty:?}: {message}");
+            assert!(error.to_string().ends_with(message.as_str()), "{error}");
+        }
     }
 }
 

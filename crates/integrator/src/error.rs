@@ -35,14 +35,23 @@ pub enum RenderError {
         /// Index of the sample within the pixel.
         sample: u32,
     },
-    /// Something panicked while a tile was rendered: an accelerator or a monitor. The process and
-    /// later renders go on.
+    /// Something panicked while a tile was rendered: an accelerator, or
+    /// [`Monitor::progress`](crate::Monitor::progress) or
+    /// [`Monitor::cancelled`](crate::Monitor::cancelled). The process and later renders go on.
     #[error("panic in the tile at pixel ({x}, {y}): {message}")]
     Worker {
         /// Column of the tile's upper left pixel.
         x: u32,
         /// Row of it, 0 at the top.
         y: u32,
+        /// What the panic said.
+        message: String,
+    },
+    /// [`Monitor::pass_done`](crate::Monitor::pass_done) panicked.
+    #[error("panic in the monitor, which was handed {samples} samples a pixel: {message}")]
+    Monitor {
+        /// Samples of each pixel of the picture that it was handed.
+        samples: u32,
         /// What the panic said.
         message: String,
     },

@@ -1,14 +1,13 @@
 use super::meter::Meter;
 use super::monitor::Monitor;
+use crate::caught::caught;
 use crate::film::{Block, Moments, Tally};
 use crate::path::{Job, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_geom::Accel;
 use globillum_material::Rgb;
 use rayon::prelude::*;
-use std::any::Any;
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Samples of a pixel in one wavefront: with the pixels of a tile, about a thousand rays.
 const WAVEFRONT_SAMPLES: u32 = 4;
@@ -41,9 +40,9 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
             .map_init(Wavefront::default, |wavefront, tile| {
-                // Unwind safe: a tile clears what a panic in the one before left in the wavefront.
-                let tile_task = AssertUnwindSafe(|| self.render_tile(wavefront, tile, pass, &cancelled));
-                catch_unwind(tile_task).unwrap_or_else(|payload| Err(worker_error(tile, payload.as_ref())))
+                // A tile clears what a panic in the one before left in the wavefront.
+                let result = caught(|| self.render_tile(wavefront, tile, pass, &cancelled));
+                result.unwrap_or_else(|message| Err(RenderError::Worker { x: tile.x, y: tile.y, message }))
             })
             .collect();
         // A pass without one of its tiles is dropped.
@@ -110,11 +109,4 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         let tally = Tally { samples, observations };
         (Block { first: pass, passes: 1, tally, pixels }, counters)
     }
-}
-
-fn worker_error(tile: Tile, payload: &(dyn Any + Send)) -> RenderError {
-    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
-    let message = text.unwrap_or_else(|| "a panic without a message".to_owned());
-    RenderError::Worker { x: tile.x, y: tile.y, message }
 }

@@ -1,6 +1,7 @@
 use super::monitor::Monitor;
 use super::pass::PassRenderer;
 use super::stop::Stop;
+use crate::caught::caught;
 use crate::{Ending, Picture, RenderError};
 use globillum_geom::Accel;
 use std::ops::{ControlFlow, Range};
@@ -28,16 +29,17 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
 
     /// Looks at the error after each pass, and stops where it is small enough.
     fn until_goals_met(&self, picture: &mut Picture, passes: Range<u32>) -> Result<Ending, RenderError> {
+        let before = picture.samples;
         for pass in passes.clone() {
             let excess = self.stop.excess(&picture.film);
             if excess.is_some_and(|excess| excess <= 1.0) {
                 return Ok(Ending::Goals);
             }
             self.expect(picture, pass..passes.end, excess);
-            if let Some(ending) = self.add_pass(picture, pass)? {
+            if let Some(ending) = self.add_pass(picture, pass, before)? {
                 return Ok(ending);
             }
-            self.renderer.monitor.pass_done(picture);
+            self.tell(picture)?;
         }
         let met = self.stop.excess(&picture.film).is_some_and(|excess| excess <= 1.0);
         Ok(if met { Ending::Goals } else { Ending::Samples })
@@ -50,6 +52,7 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         passes: Range<u32>,
         pilot: u32,
     ) -> Result<Ending, RenderError> {
+        let before = picture.samples;
         let second = passes.start.saturating_add(pilot).min(passes.end);
         let planned = match self.plan(picture, passes.start..second)? {
             ControlFlow::Continue(planned) => planned,
@@ -61,10 +64,10 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         });
         for pass in second..end {
             self.expect(picture, pass..end, None);
-            if let Some(ending) = self.add_pass(picture, pass)? {
+            if let Some(ending) = self.add_pass(picture, pass, before)? {
                 return Ok(ending);
             }
-            self.renderer.monitor.pass_done(picture);
+            self.tell(picture)?;
         }
         Ok(if enough { Ending::Goals } else { Ending::Samples })
     }
@@ -79,7 +82,7 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         let mut trial = Picture::new(picture.film.emptied(), picture.pass_samples, picture.key);
         for pass in pilot.clone() {
             self.expect(&trial, pass..pilot.end, None);
-            match self.add_pass(&mut trial, pass)? {
+            match self.add_pass(&mut trial, pass, 0)? {
                 None => {}
                 Some(Ending::Seconds) => break,
                 Some(ending) => return Ok(ControlFlow::Break(ending)),
@@ -90,15 +93,22 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         Ok(ControlFlow::Continue(excess.map(|excess| (excess * rendered).ceil().max(1.0))))
     }
 
+    /// Hands the picture to the monitor.
+    fn tell(&self, picture: &Picture) -> Result<(), RenderError> {
+        let told = caught(|| self.renderer.monitor.pass_done(picture));
+        told.map_err(|message| RenderError::Monitor { samples: picture.samples, message })
+    }
+
     /// Renders one pass and adds it to the picture, unless that holds it; the reason if there was
-    /// no time for it, or the monitor did not want it.
-    fn add_pass(&self, picture: &mut Picture, pass: u32) -> Result<Option<Ending>, RenderError> {
+    /// no time for it, or the monitor did not want it. The picture had `before` samples a pixel when
+    /// passes began to be added.
+    fn add_pass(&self, picture: &mut Picture, pass: u32, before: u32) -> Result<Option<Ending>, RenderError> {
         if picture.film.holds(pass) {
             return Ok(None);
         }
         let PassRenderer { monitor, meter, .. } = self.renderer;
-        // A first pass is finished in any case: there is no picture without one.
-        let limited = picture.samples > 0;
+        // The first pass is finished in any case: how long one takes is not known before.
+        let limited = picture.samples > before;
         let pass_seconds = meter.seconds_for(self.renderer.samples_of(pass..pass + 1));
         if limited && meter.is_over_in(pass_seconds) {
             return Ok(Some(Ending::Seconds));

@@ -92,8 +92,9 @@ impl<'a, A: Accel> Render<'a, A> {
     /// [`RenderError::Param`] for settings, stop conditions or passes out of range,
     /// [`RenderError::Checkpoint`] for a picture to resume that is another one,
     /// [`RenderError::Threads`] if no threads can be had, [`RenderError::NonFinite`] for a sample
-    /// that is NaN or infinite, [`RenderError::Worker`] for a panic in an accelerator or monitor.
-    /// The passes before an error were handed to [`Monitor::pass_done`].
+    /// that is NaN or infinite. A panic does not leave this method: it is [`RenderError::Worker`] from an
+    /// accelerator, [`Monitor::progress`] or [`Monitor::cancelled`], and [`RenderError::Monitor`] from
+    /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
     pub fn run(mut self, monitor: &impl Monitor) -> Result<Picture, RenderError> {
         self.settings.validate()?;
         self.stop.validate()?;

@@ -23,8 +23,14 @@ use crate::{Film, RenderError};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Stop {
-    /// A limit: seconds from the start of this run. No pass begins that would, going by the ones
-    /// before, end later, and one that does is dropped; but the first pass is always finished.
+    /// A limit: seconds from the start of this run. No pass begins that would, going by those that
+    /// this run has rendered, end later, and one that does is dropped.
+    ///
+    /// The first pass that this run adds to the picture is always finished, however small the limit
+    /// is: a run, [resumed](crate::Render::resume) or not, adds at least one pass, unless the picture
+    /// holds all of them, the goals are met before, or the monitor cancels. So it takes at most the limit
+    /// or the time of one pass, and of one more where there is a [pilot](Stop::pilot), whose first
+    /// pass is finished too.
     pub seconds: Option<f64>,
     /// A goal: the upper end of the 95 % interval of the picture's relative error
     /// ([`ImageError`](crate::ImageError)) is at most this.
