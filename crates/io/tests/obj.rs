@@ -223,7 +223,10 @@ fn impossible_or_malformed_materials_are_named() {
         ("Kd 5 5 5", "a.mtl:1: material `m`: reflectance (5, 5, 5) is not within [0, 1]"),
         ("Kd -1 0 0", "a.mtl:1: material `m`: reflectance (-1, 0, 0) is not within [0, 1]"),
         ("Kd nan", "a.mtl:1: material `m`: reflectance (NaN, NaN, NaN) is not within [0, 1]"),
-        ("Ke -1", "a.mtl:1: material `m`: radiance (-1, -1, -1) is not within [0, 1e100]"),
+        (
+            "Ke -1",
+            "a.mtl:1: material `m`: radiance (-1, -1, -1) has a component that is neither 0 nor within [1e-50, 1e50]",
+        ),
         ("newmtl", "a.mtl:2: newmtl: expected a name"),
     ];
     for (mtl, expected) in cases {

@@ -9,7 +9,11 @@ pub enum Sides {
     Both,
 }
 
-/// Light that a surface emits evenly in all directions.
+/// Radiance that a surface emits, the same in all directions.
+///
+/// Each component is 0 or within [`Emission::MIN_RADIANCE`] and [`Emission::MAX_RADIANCE`], as every finite
+/// `f32` above zero is. Errors are estimated from fourth powers of radiance, which stay within the range of
+/// `f64` (docs/numerics.md).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
     radiance: Rgb,
@@ -20,15 +24,20 @@ impl Emission {
     /// No light at all.
     pub const NONE: Self = Self { radiance: Rgb::BLACK, sides: Sides::Front };
 
-    /// The largest radiance: sums and squares of it stay finite.
-    pub const MAX_RADIANCE: f64 = 1e100;
+    /// The smallest radiance above zero of a component.
+    pub const MIN_RADIANCE: f64 = 1e-50;
+
+    /// The largest radiance of a component.
+    pub const MAX_RADIANCE: f64 = 1e50;
 
     /// Emits `radiance`, in power per area and steradian, from `sides`.
     ///
     /// # Errors
-    /// [`MaterialError::Emission`] for a component outside `[0, MAX_RADIANCE]` or NaN.
+    /// [`MaterialError::Emission`] for a component that is neither 0 nor within
+    /// `[MIN_RADIANCE, MAX_RADIANCE]`, or NaN.
     pub fn new(radiance: Rgb, sides: Sides) -> Result<Self, MaterialError> {
-        let valid = radiance.to_array().iter().all(|x| (0.0..=Self::MAX_RADIANCE).contains(x));
+        let range = Self::MIN_RADIANCE..=Self::MAX_RADIANCE;
+        let valid = radiance.to_array().iter().all(|x| *x == 0.0 || range.contains(x));
         if valid { Ok(Self { radiance, sides }) } else { Err(MaterialError::Emission(radiance)) }
     }
 

@@ -29,7 +29,7 @@ impl Material {
     /// A black surface that emits `radiance` from its front.
     ///
     /// # Errors
-    /// [`MaterialError::Emission`] for a component outside `[0, Emission::MAX_RADIANCE]` or NaN.
+    /// Those of [`Emission::new`].
     pub fn light(radiance: Rgb) -> Result<Self, MaterialError> {
         let bsdf = Bsdf::Lambert(Reflectance::default());
         Ok(Self { bsdf, emission: Emission::new(radiance, Sides::Front)? })
@@ -52,10 +52,17 @@ mod tests {
             assert!(Material::lambert(Rgb::new(0.5, bad, 0.5)).is_err(), "{bad}");
             assert!(Material::mirror(Rgb::new(bad, 0.5, 0.5)).is_err(), "{bad}");
         }
-        for bad in [-0.1, 1.1e100, f64::NAN, f64::INFINITY] {
-            assert!(Material::light(Rgb::new(0.5, bad, 0.5)).is_err(), "{bad}");
+        for bad in [-0.1, 5e-324, 1e-300, 0.9e-50, 1.1e50, 1e300, f64::NAN, f64::INFINITY] {
+            let error = Material::light(Rgb::new(0.5, bad, 0.5)).unwrap_err().to_string();
+            assert!(
+                error.contains(") has a component that is neither 0 nor within [1e-50, 1e50]"),
+                "{error}"
+            );
         }
-        assert!(Material::light(Rgb::splat(1000.0)).is_ok());
+        let extremes = [f32::from_bits(1), f32::MAX].map(f64::from);
+        for good in [0.0, -0.0, 1e-50, 1000.0, 1e50].into_iter().chain(extremes) {
+            assert!(Material::light(Rgb::new(0.5, good, 0.5)).is_ok(), "{good}");
+        }
     }
 
     #[test]

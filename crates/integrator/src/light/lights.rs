@@ -5,6 +5,9 @@ use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
 
 /// The triangles that emit light, chosen with probability proportional to their power.
+///
+/// Every one of them has a probability above zero, a normal number, whatever their sizes and
+/// radiances.
 #[derive(Clone, Debug)]
 pub struct Lights {
     /// In the order of the table.
@@ -130,6 +133,29 @@ mod tests {
             assert!(light.emission.toward(1.0).g > 0.0);
         }
         assert!(self::lights(&[0.0]).1.is_empty());
+    }
+
+    /// The least power that a light may have beside the greatest: neither is lost.
+    #[test]
+    fn the_weakest_light_has_a_chance_beside_the_strongest() {
+        let (least, most) = (f32::from_bits(1), Triangles::MAX_COORDINATE);
+        let lights = [
+            (least, Rgb::new(0.0, 0.0, Emission::MIN_RADIANCE), Sides::Front),
+            (most, Rgb::splat(Emission::MAX_RADIANCE), Sides::Both),
+        ];
+        let mut model = Model::default();
+        for (size, radiance, sides) in lights {
+            let emission = Emission::new(radiance, sides).unwrap();
+            let material = Material::lambert(Rgb::BLACK).unwrap().emitting(emission);
+            let corners = [Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::ONE].map(|v| v * size);
+            model.add(material, [Triangle { vertices: corners }]);
+        }
+        let chosen = Lights::of(&model, &Triangles::new(model.triangles().to_vec()).unwrap());
+        let [weak, strong] = [0, 1].map(|i| &chosen.lights[i]);
+        assert!(weak.choice_prob.is_normal() && weak.choice_prob < 1e-200, "{weak:?}");
+        assert!(weak.area_density.0.is_normal() && strong.area_density.0.is_normal(), "{weak:?}, {strong:?}");
+        assert_eq!(strong.choice_prob, 1.0);
+        assert_eq!(chosen.choose(0.0).unwrap().triangle, 0);
     }
 
     /// A million lights whose powers differ by a factor of 1e12 are chosen in proportion.
