@@ -50,8 +50,6 @@ mod plain;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod report;
 mod special;
-#[cfg(feature = "images")]
-mod srgb;
 mod temporary;
 
 pub use atomic::AtomicFile;

@@ -1,6 +1,6 @@
+use crate::IoError;
 use crate::atomic::AtomicFile;
 use crate::path::extension_of;
-use crate::{IoError, srgb};
 use globillum_integrator::Film;
 use globillum_material::Rgb;
 use image::codecs::openexr::OpenExrEncoder;
@@ -34,15 +34,15 @@ impl PictureFormat {
 
     /// The bytes of a file; `pixels` come row by row from the top.
     fn encode(self, width: u32, height: u32, pixels: impl Iterator<Item = Rgb>) -> ImageResult<Vec<u8>> {
-        let components = pixels.flat_map(Rgb::to_array);
         let mut file = Cursor::new(Vec::new());
         match self {
             Self::Png => {
-                let bytes: Vec<u8> = components.map(to_byte).collect();
+                let bytes: Vec<u8> = pixels.flat_map(Rgb::to_srgb8).collect();
                 PngEncoder::new(&mut file).write_image(&bytes, width, height, ExtendedColorType::Rgb8)?;
             }
             Self::Exr => {
-                let bytes: Vec<u8> = components.flat_map(|x| (x as f32).to_ne_bytes()).collect();
+                let components = pixels.flat_map(Rgb::to_array).map(|x| x as f32);
+                let bytes: Vec<u8> = components.flat_map(f32::to_ne_bytes).collect();
                 OpenExrEncoder::new(&mut file).write_image(
                     &bytes,
                     width,
@@ -53,10 +53,6 @@ impl PictureFormat {
         }
         Ok(file.into_inner())
     }
-}
-
-fn to_byte(linear: f64) -> u8 {
-    (srgb::encode(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
 }
 
 /// A picture to be written, under a name that is known to be writable.
@@ -118,15 +114,6 @@ impl PictureFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bytes_are_rounded_to_nearest() {
-        let known = [(-1.0, 0), (0.0, 0), (0.000_151, 0), (0.000_153, 1), (0.5, 188), (1.0, 255), (7.0, 255)];
-        for (linear, byte) in known {
-            assert_eq!(to_byte(linear), byte, "{linear}");
-        }
-        assert_eq!((to_byte(f64::NAN), to_byte(f64::INFINITY)), (0, 255));
-    }
 
     #[test]
     fn rows_run_from_the_top() {

@@ -24,6 +24,7 @@ mod error;
 mod material;
 mod reflectance;
 mod rgb;
+mod srgb;
 pub mod warp;
 
 pub use bsdf::{Bsdf, BsdfSample, Density};
@@ -32,3 +33,4 @@ pub use error::MaterialError;
 pub use material::Material;
 pub use reflectance::Reflectance;
 pub use rgb::Rgb;
+pub use srgb::srgb_encode;

@@ -7,6 +7,7 @@ mod error;
 mod fuzz;
 mod moments;
 mod picture;
+mod pixels;
 mod student;
 
 pub(crate) use block::Block;
