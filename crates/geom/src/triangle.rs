@@ -1,6 +1,6 @@
 use crate::exact::cross;
-use crate::{Aabb, PdfArea};
-use glam::{DVec3, Vec3};
+use crate::{Aabb, GeomError, PdfArea, Triangles};
+use glam::{DAffine3, DVec3, Vec3};
 
 /// A triangle with `f32` vertices, the unit of all geometry.
 ///
@@ -15,6 +15,32 @@ impl Triangle {
     /// The triangle with these corners.
     pub const fn new(v0: Vec3, v1: Vec3, v2: Vec3) -> Self {
         Self { vertices: [v0, v1, v2] }
+    }
+
+    /// The triangle whose corners are `corners` after `transform`, computed in `f64` and rounded once.
+    ///
+    /// Its front is where it was: a transform that mirrors, whose determinant is negative, reverses the order
+    /// of corners as they are seen, so the second and the third vertex change places.
+    pub fn transformed(corners: [DVec3; 3], transform: &DAffine3) -> Self {
+        let [a, b, c] = corners.map(|corner| transform.transform_point3(corner).as_vec3());
+        let mirrors = transform.matrix3.determinant() < 0.0;
+        if mirrors { Self::new(a, c, b) } else { Self::new(a, b, c) }
+    }
+
+    /// Checks that all coordinates are finite and within [`Triangles::MAX_COORDINATE`].
+    ///
+    /// # Errors
+    /// [`GeomError::NonFinite`] or [`GeomError::Domain`] for the first vertex that is not, of triangle `index`.
+    pub fn validate(&self, index: usize) -> Result<(), GeomError> {
+        for (vertex, v) in self.vertices.iter().enumerate() {
+            if !v.is_finite() {
+                return Err(GeomError::NonFinite { triangle: index, vertex });
+            }
+            if let Some(value) = v.to_array().into_iter().find(|x| x.abs() > Triangles::MAX_COORDINATE) {
+                return Err(GeomError::Domain { triangle: index, vertex, value });
+            }
+        }
+        Ok(())
     }
 
     /// The smallest box around the triangle.

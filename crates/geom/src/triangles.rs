@@ -36,7 +36,7 @@ impl Triangles {
         let mut live = Vec::with_capacity(triangles.len());
         let mut bounds = Aabb::EMPTY;
         for (index, triangle) in triangles.iter_mut().enumerate() {
-            check_vertices(index, triangle)?;
+            triangle.validate(index)?;
             // A negative zero would show in the sign of a zero `t`.
             triangle.vertices = triangle.vertices.map(|v| v + Vec3::ZERO);
             if !triangle.is_degenerate() {
@@ -115,18 +115,6 @@ impl Triangles {
 fn check_count(count: usize) -> Result<(), GeomError> {
     let limit = Triangles::MAX_COUNT;
     if count > limit { Err(GeomError::TooMany { count, limit }) } else { Ok(()) }
-}
-
-fn check_vertices(index: usize, triangle: &Triangle) -> Result<(), GeomError> {
-    for (vertex, v) in triangle.vertices.iter().enumerate() {
-        if !v.is_finite() {
-            return Err(GeomError::NonFinite { triangle: index, vertex });
-        }
-        if let Some(value) = v.to_array().into_iter().find(|x| x.abs() > Triangles::MAX_COORDINATE) {
-            return Err(GeomError::Domain { triangle: index, vertex, value });
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,4 +1,6 @@
-use globillum_geom::Triangle;
+use crate::RenderError;
+use glam::DAffine3;
+use globillum_geom::{Aabb, Triangle};
 use globillum_material::Material;
 use std::collections::TryReserveError;
 
@@ -95,11 +97,109 @@ impl Model {
         &self.materials[self.material_ids[index] as usize]
     }
 
+    /// The smallest box around all vertices; [`Aabb::EMPTY`] if there are none. Coordinates that are NaN are
+    /// left out.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::around(self.triangles.iter().flat_map(|triangle| triangle.vertices))
+    }
+
+    /// Moves, turns, scales or mirrors all triangles. Points are computed in `f64` and rounded once to
+    /// `f32`.
+    ///
+    /// Fronts stay where they were ([`Triangle::transformed`]): a mirrored lamp shines from the same side of
+    /// its surface. A transform that flattens makes degenerate triangles, which are never hit. Emitted
+    /// radiance is not scaled, so a lamp of twice the size has four times the power.
+    ///
+    /// ```
+    /// use glam::{DAffine3, DVec3, Vec3};
+    /// use globillum_geom::Triangle;
+    /// use globillum_integrator::Model;
+    /// use globillum_material::{Material, Rgb};
+    ///
+    /// let mut model = Model::default();
+    /// let triangle = Triangle::new(Vec3::ZERO, Vec3::X * 8.0, Vec3::Y * 4.0);
+    /// model.add(Material::lambert(Rgb::splat(0.5))?, [triangle]);
+    /// // To a box of side 1 around the origin, whatever its units were.
+    /// let bounds = model.bounds();
+    /// let center = 0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3());
+    /// let scale = 1.0 / bounds.extent().max_element();
+    /// model.transform(&(DAffine3::from_scale(DVec3::splat(scale)) * DAffine3::from_translation(-center)))?;
+    /// assert_eq!((model.bounds().min, model.bounds().max), (Vec3::new(-0.5, -0.25, 0.0), Vec3::new(0.5, 0.25, 0.0)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RenderError::Geometry`] for the first triangle with a coordinate that is then not finite or beyond
+    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE). The model is then as it was.
+    pub fn transform(&mut self, transform: &DAffine3) -> Result<(), RenderError> {
+        let moved = |(index, triangle): (usize, &Triangle)| {
+            let moved = Triangle::transformed(triangle.vertices.map(|v| v.as_dvec3()), transform);
+            moved.validate(index).map(|()| moved)
+        };
+        self.triangles = self.triangles.iter().enumerate().map(moved).collect::<Result<_, _>>()?;
+        Ok(())
+    }
+
     /// Adds all of `other` after what is already there.
     pub fn append(&mut self, other: &Model) {
         let offset = self.materials.len() as u32;
         self.triangles.extend(&other.triangles);
         self.material_ids.extend(other.material_ids.iter().map(|id| id + offset));
         self.materials.extend(&other.materials);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DMat3, DVec3, Vec3};
+    use globillum_geom::GeomError;
+    use globillum_material::Rgb;
+
+    fn model() -> Model {
+        let mut model = Model::default();
+        let grey = Material::lambert(Rgb::splat(0.5)).unwrap();
+        model.add(grey, [Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)]);
+        model.add(grey, [Triangle::new(Vec3::Z, Vec3::new(0.0, 3.0, 1.0), Vec3::new(-2.0, 0.0, 1.0))]);
+        model
+    }
+
+    #[test]
+    fn bounds_hold_all_vertices() {
+        assert_eq!(model().bounds(), Aabb { min: Vec3::new(-2.0, 0.0, 0.0), max: Vec3::new(1.0, 3.0, 1.0) });
+        assert!(Model::default().bounds().is_empty());
+    }
+
+    /// A normal goes through the inverse transpose; a mirrored one must come out on the same side.
+    #[test]
+    fn fronts_stay_where_they_were() {
+        let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.8);
+        for scale in [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0), DVec3::new(2.0, -3.0, 0.5), DVec3::splat(-1.5)]
+        {
+            let transform = DAffine3 {
+                matrix3: (turn * DMat3::from_diagonal(scale)).into(),
+                translation: DVec3::new(5.0, -1.0, 2.0),
+            };
+            let mut moved = model();
+            moved.transform(&transform).unwrap();
+            let normals = transform.matrix3.inverse().transpose();
+            for (before, after) in model().triangles().iter().zip(moved.triangles()) {
+                let expected = (normals * before.normal()).normalize();
+                assert!((after.normal() - expected).length() < 1e-6, "{scale}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_leaves_the_domain_is_an_error_that_names_its_triangle() {
+        for (scale, expected) in [
+            (1e18, GeomError::Domain { triangle: 1, vertex: 1, value: 3e18 }),
+            (1e300, GeomError::NonFinite { triangle: 0, vertex: 1 }),
+            (f64::NAN, GeomError::NonFinite { triangle: 0, vertex: 0 }),
+        ] {
+            let mut moved = model();
+            let error = moved.transform(&DAffine3::from_scale(DVec3::splat(scale))).unwrap_err();
+            assert_eq!((error, moved), (RenderError::Geometry(expected), model()));
+        }
     }
 }

@@ -44,21 +44,21 @@ pub(super) fn add_all<'a>(
     })
 }
 
-/// Moves a triangle into the world. A transform that mirrors would turn its front to the back.
+/// Moves a triangle into the world.
 fn place(
     corners: [DVec3; 3],
     world: &DAffine3,
     node: usize,
     loading: &Loading<'_>,
 ) -> Result<Triangle, IoError> {
-    let [a, b, c] = corners.map(|corner| world.transform_point3(corner).as_vec3());
+    let placed = Triangle::transformed(corners, world);
     let limit = Triangles::MAX_COORDINATE;
-    if let Some(x) = [a, b, c].iter().flat_map(|v| v.to_array()).find(|x| !(-limit..=limit).contains(x)) {
+    if let Some(x) = placed.vertices.iter().flat_map(|v| v.to_array()).find(|x| !(-limit..=limit).contains(x))
+    {
         let message = format!("coordinate {x:e} exceeds {limit:e} in magnitude");
         return Err(IoError::Domain { at: loading.at(Place::Node(node)), message });
     }
-    let mirrored = world.matrix3.determinant() < 0.0;
-    Ok(if mirrored { Triangle::new(a, c, b) } else { Triangle::new(a, b, c) })
+    Ok(placed)
 }
 
 /// What has been opened of a mesh.
