@@ -13,7 +13,7 @@ use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
-/// Radiance of the floor of C3 at its middle, for a lamp of radiance 1.
+/// Radiance of the floor of C3 at its middle, for a light of radiance 1.
 const TRUTH: f64 = 0.277_063_212;
 
 /// `model` with lengths times `size` and what it emits times `radiance`; an error if that is refused.
@@ -60,7 +60,7 @@ fn what_is_accepted_is_rendered_right() {
     let mut accepted = Vec::new();
     for radiance in radiances {
         for size in lengths {
-            let Ok(model) = scaled(&scenes::lamp_over_floor(), size as f32, radiance) else { continue };
+            let Ok(model) = scaled(&scenes::light_over_floor(), size as f32, radiance) else { continue };
             accepted.push(radiance);
             let scene = scene(&model);
             for estimator in ALL {
@@ -80,7 +80,7 @@ fn what_is_accepted_is_rendered_right() {
 /// each error, by all estimators.
 #[test]
 fn powers_of_two_change_no_bit() {
-    let mirrors = scenes::lamp_beside_mirror();
+    let mirrors = scenes::light_beside_mirror();
     for (sampler, path_reuse) in [(Sampler::Sobol, PathReuse::Fours), (Sampler::Independent, PathReuse::Off)]
     {
         for estimator in ALL {
@@ -111,10 +111,10 @@ fn powers_of_two_change_no_bit() {
 #[test]
 fn a_dim_light_is_found_beside_a_strong_one() {
     let (dim, strong) = (1e-50, 1e50);
-    let mut model = scaled(&scenes::lamp_over_floor(), 1.0, dim).expect("within the range");
+    let mut model = scaled(&scenes::light_over_floor(), 1.0, dim).expect("within the range");
     let p = |x: f64, z: f64| DVec3::new(x * 1e6, -1e6, z * 1e6);
     let below = quad(p(-1.0, -1.0), p(1.0, -1.0), p(1.0, 1.0), p(-1.0, 1.0));
-    model.add(Material::lamp(Rgb::splat(strong)).expect("within the range"), below);
+    model.add(Material::light(Rgb::splat(strong)).expect("within the range"), below);
     let scene = scene(&model);
     for estimator in [Estimator::Bsdf, Estimator::Mis] {
         let mut settings = independent_pixels(32, 32, 128);

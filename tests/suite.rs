@@ -24,3 +24,6 @@ mod scans;
 mod solid_angle;
 mod stop;
 mod warps;
+mod equilibrium;
+mod extremes;
+mod own_estimator;

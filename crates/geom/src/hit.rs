@@ -4,7 +4,12 @@
 /// [`Triangles::surface_point`](crate::Triangles::surface_point).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Ray parameter, in multiples of the ray's direction; strictly inside the ray's range.
+    /// Ray parameter, strictly inside the ray's range: the hit is at `origin + t * direction`, so `t` is a
+    /// length along the ray in multiples of the direction's.
+    ///
+    /// The distance from the origin is `t * direction.length()`. The planar depth, as a depth buffer holds it,
+    /// is `t * direction.dot(forward)`, with the camera's unit view direction `forward`; `t` itself is that
+    /// depth where directions are not normalised but reach the plane at distance 1.
     pub t: f64,
     /// Barycentric weight of the triangle's second vertex, in `[0, 1]`.
     pub u: f64,

@@ -39,7 +39,7 @@ pub use error::{CheckpointError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;
 pub use film::{Ending, Film, ImageError, Picture};
-pub use light::{LightSampling, Lights};
+pub use light::{LightSample, LightSampler, LightSampling, Lights};
 pub use path::{Counters, Replay, Vertex, replay};
 pub use run::{Monitor, PixelGoal, Progress, Render, Stop, render};
 pub use sampler::{Sampler, Stream};

@@ -7,7 +7,7 @@ use globillum_material::Emission;
 /// The triangles that emit light, chosen with probability proportional to their power.
 ///
 /// Every one of them has a probability above zero, a normal number, whatever their sizes and
-/// radiances.
+/// radiances. Points on them are chosen by a [`LightSampler`](crate::LightSampler).
 #[derive(Clone, Debug)]
 pub struct Lights {
     /// In the order of the table.
@@ -75,8 +75,8 @@ impl Lights {
         self.lights.is_empty()
     }
 
-    /// The indices of the triangles that emit.
-    pub(crate) fn triangles(&self) -> impl Iterator<Item = u32> {
+    /// The indices of the triangles that emit, ascending; degenerate ones are none of them.
+    pub fn triangles(&self) -> impl Iterator<Item = u32> {
         self.lights.iter().map(|light| light.triangle)
     }
 

@@ -8,5 +8,4 @@ mod sampling;
 
 pub use lights::Lights;
 pub(crate) use mirrors::{Image, PlaneMirrors};
-pub(crate) use sampling::LightSampler;
-pub use sampling::LightSampling;
+pub use sampling::{LightSample, LightSampler, LightSampling};

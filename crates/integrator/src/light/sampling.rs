@@ -1,6 +1,7 @@
 use super::lights::Lights;
+use crate::Interaction;
 use glam::DVec3;
-use globillum_geom::{PdfSolidAngle, SphericalTriangle, SurfacePoint, Triangle, Triangles};
+use globillum_geom::{Hit, PdfSolidAngle, SphericalTriangle, SurfacePoint, Triangle, Triangles};
 use globillum_material::{Emission, Rgb};
 
 /// How a point is chosen on a light's triangle. The mean is right with either; the variance differs.
@@ -15,9 +16,52 @@ pub enum LightSampling {
     SolidAngle,
 }
 
-/// Chooses points on the lights for one shaded point, and knows the density of every choice.
+/// Chooses points on the lights for one shaded point, and knows the density of every choice: what an
+/// estimator of direct light needs. [`Scene::light_sampler`](crate::Scene::light_sampler) makes one.
+///
+/// Densities are per steradian of the directions that leave the shaded point, over all lights together.
+/// Whether a light is hidden has no part in them.
+///
+/// An estimator of direct light by next events alone, on a floor of albedo 1/2 under a square light:
+///
+/// ```
+/// use glam::{DVec3, Vec3};
+/// use globillum_geom::{Accel, Frame, Ray, Triangle, WideKdTree};
+/// use globillum_integrator::{LightSampling, Model, Scene, Stream};
+/// use globillum_material::{Material, Rgb};
+///
+/// fn radiance(scene: &Scene<WideKdTree>, ray: &Ray, numbers: Stream) -> Rgb {
+///     let Some(hit) = scene.accel().intersect(ray) else { return scene.environment() };
+///     let at = scene.interaction(ray, &hit);
+///     let lights = scene.light_sampler(LightSampling::SolidAngle, at.point.position);
+///     let Some(light) = lights.sample(numbers.uniform(0), numbers.uniform_pair(1)) else {
+///         return at.emitted();
+///     };
+///     let is_hidden = |segment| scene.accel().occluded(&segment);
+///     if at.point.segment_to(&light.point).is_none_or(is_hidden) {
+///         return at.emitted();
+///     }
+///     let frame = Frame::around(at.point.normal);
+///     let (wo, wi) = (frame.to_local(at.wo), frame.to_local(light.direction));
+///     at.emitted() + at.material.bsdf.eval(wo, wi) * light.radiance * (wi.z.abs() / light.pdf.0)
+/// }
+///
+/// let mut model = Model::default();
+/// let square = |y: f32| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x, y, z));
+/// let [a, b, c, d] = square(0.0);
+/// model.add(Material::lambert(Rgb::splat(0.5))?, [Triangle::new(a, c, b), Triangle::new(a, d, c)]);
+/// let [a, b, c, d] = square(1.0);
+/// model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c), Triangle::new(a, c, d)]);
+/// let scene = Scene::build(&model, WideKdTree::build)?;
+/// let eye = DVec3::new(0.1, 0.5, 0.2);
+/// let ray = Ray::new(eye, -eye); // toward the middle of the floor
+/// let sum: f64 = (0..10_000).map(|i| radiance(&scene, &ray, Stream::new(0, 0, i)).g).sum();
+/// // Albedo times the form factor of a square seen from below its middle.
+/// assert!((sum / 10_000.0 - 0.277_063).abs() < 0.003, "{sum}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LightSampler<'a> {
+pub struct LightSampler<'a> {
     pub(crate) lights: &'a Lights,
     pub(crate) triangles: &'a Triangles,
     pub(crate) sampling: LightSampling,
@@ -27,22 +71,24 @@ pub(crate) struct LightSampler<'a> {
 
 /// A point on a light, chosen by [`LightSampler::sample`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LightSample {
+#[non_exhaustive]
+pub struct LightSample {
     /// The point.
-    pub(crate) point: SurfacePoint,
-    /// Unit direction from the shaded point.
-    pub(crate) direction: DVec3,
-    /// What is emitted toward the shaded point; not black.
-    pub(crate) radiance: Rgb,
-    /// Density of the direction, the choice of the triangle included.
-    pub(crate) pdf: PdfSolidAngle,
+    pub point: SurfacePoint,
+    /// Unit direction, in the world, from the shaded point.
+    pub direction: DVec3,
+    /// Radiance that is emitted toward the shaded point; not black.
+    pub radiance: Rgb,
+    /// Density of the direction per steradian, the choice of the triangle included; above zero.
+    pub pdf: PdfSolidAngle,
 }
 
 impl LightSampler<'_> {
-    /// Chooses a triangle by `choice` in `[0, 1)` and a point of it by `u` in `[0, 1)^2`. `None` if
-    /// nothing emits, or the point chosen does not emit toward the shaded one.
+    /// Chooses a triangle by `choice` in `[0, 1)` and a point of it by `u` in `[0, 1)^2`, all three
+    /// independent. `None` if nothing emits, or the point chosen does not emit toward the shaded one: then
+    /// this sample brings nothing.
     #[inline(always)]
-    pub(crate) fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
+    pub fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
         let light = self.lights.choose(choice)?;
         let triangle = self.triangles.get(light.triangle);
         let spherical = if light.may_look_large(self.from) { self.by_solid_angle(triangle) } else { None };
@@ -63,9 +109,22 @@ impl LightSampler<'_> {
         Some(LightSample { point, direction, radiance, pdf })
     }
 
-    /// The density with which [`LightSampler::sample`] chooses the direction to `point`, which lies on
-    /// triangle `index` that emits `emission`; 0 for a point seen edge-on.
-    pub(crate) fn pdf(&self, index: u32, point: &SurfacePoint, emission: &Emission) -> PdfSolidAngle {
+    /// The density per steradian with which [`LightSampler::sample`] chooses the direction to the point `at`,
+    /// which is where a ray from the shaded point met `hit`; 0 if nothing is emitted there, or it is seen
+    /// edge-on.
+    ///
+    /// It weighs a direction that was chosen by scattering, of density `p`, in multiple importance sampling:
+    /// by the balance heuristic its share is `p / (p + pdf)`.
+    #[inline(always)]
+    pub fn pdf(&self, hit: &Hit, at: &Interaction<'_>) -> PdfSolidAngle {
+        if at.emitted().is_black() {
+            return PdfSolidAngle(0.0);
+        }
+        self.density(hit.triangle, &at.point, &at.material.emission)
+    }
+
+    /// [`LightSampler::pdf`] for `point`, which lies on triangle `index` that emits `emission`.
+    fn density(&self, index: u32, point: &SurfacePoint, emission: &Emission) -> PdfSolidAngle {
         let triangle = self.triangles.get(index);
         match self.by_solid_angle(triangle) {
             Some(spherical) => spherical.pdf().chosen_with(self.lights.choice_prob(triangle, emission)),
@@ -150,9 +209,9 @@ mod tests {
                 for i in 0..1000 {
                     let numbers = Stream::new(3, 0, i);
                     let (choice, u) = (numbers.uniform(0), numbers.uniform_pair(1));
-                    let Some(sample) = sampler.sample(choice, u) else { continue };
+                    let Some(sample) = lights.sample(choice, u) else { continue };
                     let index = lights.choose(choice).unwrap().triangle;
-                    let asked = sampler.pdf(index, &sample.point, &emissions[index as usize]);
+                    let asked = lights.density(index, &sample.point, &emissions[index as usize]);
                     assert_eq!(asked, sample.pdf, "{sampling:?} {from}");
                     assert!(sample.pdf.0 > 0.0 && (sample.direction.length() - 1.0).abs() < 1e-14);
                 }

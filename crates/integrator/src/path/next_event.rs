@@ -23,14 +23,12 @@ impl<A> Job<'_, A> {
     /// The radiance that the surface emits along the path, times its multiple importance sampling weight.
     #[inline(always)]
     pub(super) fn emitted(&self, path: &Path, hit: &Hit, at: &Interaction<'_>) -> Rgb {
-        let emission = &at.material.emission;
-        let emitted = emission.toward(at.point.normal.dot(at.wo));
+        let emitted = at.emitted();
         if emitted.is_black() {
             return emitted;
         }
         let MisContext { density, from, from_prob, .. } = path.mis;
-        let by_light_sample =
-            || self.light_sampler(from).pdf(hit.triangle, &at.point, emission).chosen_with(from_prob);
+        let by_light_sample = || self.light_sampler(from).pdf(hit, at).chosen_with(from_prob);
         emitted * self.settings.estimator.weight_of_emission(density, by_light_sample)
     }
 

@@ -1,9 +1,11 @@
 //! What is rendered: the model, the scene built from it, and the camera.
 
 mod camera;
+mod interaction;
 mod model;
 
 pub use camera::Camera;
+pub use interaction::Interaction;
 pub use model::{MaterialId, Model};
 
 use crate::RenderError;
@@ -25,18 +27,6 @@ pub struct Scene<A> {
     environment: Rgb,
 }
 
-/// A hit, looked up: where it is and what is there.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct Interaction<'a> {
-    /// The point on the triangle.
-    pub point: SurfacePoint,
-    /// What the triangle is made of.
-    pub material: &'a Material,
-    /// Unit direction, in the world, back along the ray.
-    pub wo: DVec3,
-}
-
 impl<A> Scene<A> {
     /// What triangle `index` is made of.
     pub(crate) fn material(&self, index: u32) -> &Material {
@@ -53,8 +43,8 @@ impl<A> Scene<A> {
         &self.lights
     }
 
-    /// How points on the lights are chosen where `from` is shaded.
-    pub(crate) fn light_sampler(&self, sampling: LightSampling, from: DVec3) -> LightSampler<'_> {
+    /// Chooses points on the lights by `sampling` where `from` is shaded.
+    pub fn light_sampler(&self, sampling: LightSampling, from: DVec3) -> LightSampler<'_> {
         LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, from }
     }
 
