@@ -177,7 +177,7 @@ mod tests {
         for scale in [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0), DVec3::new(2.0, -3.0, 0.5), DVec3::splat(-1.5)]
         {
             let transform = DAffine3 {
-                matrix3: (turn * DMat3::from_diagonal(scale)).into(),
+                matrix3: turn * DMat3::from_diagonal(scale),
                 translation: DVec3::new(5.0, -1.0, 2.0),
             };
             let mut moved = model();
