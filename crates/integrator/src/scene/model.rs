@@ -106,9 +106,9 @@ impl Model {
     /// Moves, turns, scales or mirrors all triangles. Points are computed in `f64` and rounded once to
     /// `f32`.
     ///
-    /// Fronts stay where they were ([`Triangle::transformed`]): a mirrored lamp shines from the same side of
+    /// Fronts stay where they were ([`Triangle::transformed`]): a mirrored light shines from the same side of
     /// its surface. A transform that flattens makes degenerate triangles, which are never hit. Emitted
-    /// radiance is not scaled, so a lamp of twice the size has four times the power.
+    /// radiance is not scaled, so a light of twice the size has four times the power.
     ///
     /// ```
     /// use glam::{DAffine3, DVec3, Vec3};
