@@ -20,7 +20,7 @@ impl Monitor for Bar {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let file = PictureFile::create("cornell.png".as_ref())?;
-    let scene = Scene::build(&cornell::with_blocks(false)?, WideKdTree::build)?;
+    let scene = Scene::build(cornell::with_blocks(false)?, WideKdTree::build)?;
     let camera = cornell::camera()?;
     let settings = Settings::new(512, 512, 64);
 

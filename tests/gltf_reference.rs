@@ -33,7 +33,7 @@ fn reference(name: &str) -> Option<(Loaded, Reference)> {
 fn check(name: &str, samples: [u32; 2]) {
     let Some((loaded, reference)) = reference(name) else { return };
     assert_eq!(loaded.report.warnings, []);
-    let scene = Scene::build(&loaded.model, WideKdTree::build).expect("it is good");
+    let scene = Scene::build(loaded.model, WideKdTree::build).expect("it is good");
     for (max_bounces, samples) in [None, Some(1)].into_iter().zip(samples) {
         let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
         settings.max_bounces = max_bounces;

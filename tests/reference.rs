@@ -26,7 +26,7 @@ fn deviation(
     let reference = Reference::parse(reference);
     let blocks = if max_bounces.is_some() { &reference.direct } else { &reference.path };
     let model = cornell::with_blocks(specular).expect("the box is good");
-    let scene = Scene::build(&model, WideKdTree::build).expect("the box is good");
+    let scene = Scene::build(model, WideKdTree::build).expect("the box is good");
     let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
     (settings.estimator, settings.path_reuse, settings.max_bounces) = (estimator, path_reuse, max_bounces);
     let camera = cornell::camera().expect("the camera is good");

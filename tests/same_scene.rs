@@ -84,7 +84,7 @@ const CORNERS: [[f32; 3]; 10] = [
 const INDICES: [u8; 14] = [0, 1, 2, 0, 2, 3, 3, 2, 5, 4, 6, 7, 8, 9];
 
 fn picture(model: &Model) -> Film {
-    let scene = Scene::build(model, |t| KdTree::build(t, &KdOptions::default())).expect("it is good");
+    let scene = Scene::build(model.clone(), |t| KdTree::build(t, &KdOptions::default())).expect("it is good");
     let camera =
         Camera::look_at(DVec3::new(0.3, 1.0, 4.0), DVec3::Y * 0.6, DVec3::Y, 0.7).expect("so is this");
     render(&scene, &camera, &Settings::new(24, 24, 16), &()).expect("it is good").film

@@ -285,7 +285,7 @@ fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Failing> {
         let inner: Box<dyn Accel> = STRUCTURES[0].1(triangles)?;
         Ok(Failing { inner, left: AtomicU32::new(rays), how })
     };
-    Scene::build(model, build).expect("the model is good")
+    Scene::build(model.clone(), build).expect("the model is good")
 }
 
 /// A panicking worker ends the render with an error and leaves nothing locked.

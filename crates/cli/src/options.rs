@@ -66,7 +66,7 @@ pub struct Job<'a> {
 
 impl Job<'_> {
     /// Renders, writes what was asked for and prints the figures.
-    pub fn run(self, model: &Model, camera: &Camera, environment: Rgb) -> Result<()> {
+    pub fn run(self, model: Model, camera: &Camera, environment: Rgb) -> Result<()> {
         let start = Instant::now();
         let scene = Scene::build(model, |triangles| self.accel.build(triangles))?;
         let scene = scene.with_environment(environment)?;

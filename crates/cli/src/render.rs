@@ -44,5 +44,5 @@ pub fn run(options: &Options) -> Result<()> {
         None => view::of_all(&loaded.model, options.render.aspect())
             .with_context(|| format!("{}: can not be seen whole", options.scene.display()))?,
     };
-    job.run(&loaded.model, &camera, options.environment)
+    job.run(loaded.model, &camera, options.environment)
 }

@@ -35,12 +35,12 @@ pub enum RenderError {
         /// Index of the sample within the pixel.
         sample: u32,
     },
-    /// Something panicked while a tile was rendered: an accelerator, or
+    /// Something panicked while a tile was rendered or before the first one: an accelerator, or
     /// [`Monitor::progress`](crate::Monitor::progress) or
     /// [`Monitor::cancelled`](crate::Monitor::cancelled). The process and later renders go on.
     #[error("panic in the tile at pixel ({x}, {y}): {message}")]
     Worker {
-        /// Column of the tile's upper left pixel.
+        /// Column of the tile's upper left pixel; 0 before the first tile.
         x: u32,
         /// Row of it, 0 at the top.
         y: u32,

@@ -17,7 +17,7 @@
 //! let mut model = Model::default();
 //! let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 //! model.add(Material::light(Rgb::new(1.0, 0.5, 0.25))?, [Triangle::new(a, b, c)]);
-//! let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+//! let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
 //! let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 40.0_f64.to_radians())?;
 //! let picture = render(&scene, &camera, &Settings::new(8, 8, 4), &())?;
 //! assert_eq!(picture.film.mean(3, 3), Rgb::new(1.0, 0.5, 0.25));

@@ -15,7 +15,7 @@ fn film() -> Film {
     let corners = [Vec3::new(-9.0, 0.0, -1.0), Vec3::new(0.0, -99.0, -1.0), Vec3::new(9.0, 0.0, -1.0)];
     let mut model = Model::default();
     model.add(Material::light(Rgb::new(2.0, 0.5, 0.25)).unwrap(), [Triangle { vertices: corners }]);
-    let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
+    let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
     let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7).unwrap();
     render(&scene, &camera, &Settings::new(3, 2, 1), &()).unwrap().film
 }

@@ -13,7 +13,7 @@ use globillum_material::{Emission, Material, Rgb, Sides};
 /// If it is not good after all.
 pub fn scene(model: &Model, build: Builder) -> Scene<Box<dyn Accel>> {
     let upcast = |accel: Box<dyn Measurable>| -> Box<dyn Accel> { accel };
-    Scene::build(model, |triangles| build(triangles).map(upcast)).expect("the model is good")
+    Scene::build(model.clone(), |triangles| build(triangles).map(upcast)).expect("the model is good")
 }
 
 /// A camera at `eye` whose whole picture is one point, `target` as good as exactly.

@@ -16,7 +16,7 @@ use crate::{CheckpointError, Counters};
 /// # let mut model = Model::default();
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
-/// # let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
 /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let settings = Settings::new(8, 8, 64); // four passes of 16 samples
 /// let mut here = Render::new(&scene, &camera, &settings).passes(0..2).run(&())?;

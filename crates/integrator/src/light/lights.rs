@@ -1,5 +1,4 @@
 use super::alias_table::AliasTable;
-use crate::Model;
 use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
@@ -37,8 +36,8 @@ impl Light {
 }
 
 impl Lights {
-    pub(crate) fn of(model: &Model, triangles: &Triangles) -> Self {
-        let emission = |index: u32| model.material(index as usize).emission;
+    /// The triangles whose `emission`, asked by index, is not black.
+    pub(crate) fn of(triangles: &Triangles, emission: impl Fn(u32) -> Emission) -> Self {
         let (emitting, powers): (Vec<_>, Vec<_>) = triangles
             .live()
             .iter()
@@ -108,19 +107,15 @@ mod tests {
     use super::*;
     use crate::Stream;
     use glam::Vec3;
-    use globillum_material::{Material, Rgb, Sides};
+    use globillum_material::{Rgb, Sides};
 
     /// Triangles of area 1/2 and of these radiances.
     fn lights(radiances: &[f64]) -> (Triangles, Lights) {
-        let mut model = Model::default();
-        for (i, &radiance) in radiances.iter().enumerate() {
-            let corner = Vec3::new(i as f32, 0.0, 0.0);
-            let emission = Emission::new(Rgb::splat(radiance), Sides::Front).unwrap();
-            let material = Material::lambert(Rgb::BLACK).unwrap().emitting(emission);
-            model.add(material, [Triangle::new(corner, corner + Vec3::X, corner + Vec3::Y)]);
-        }
-        let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
-        let lights = Lights::of(&model, &triangles);
+        let corner = |i: usize| Vec3::new(i as f32, 0.0, 0.0);
+        let triangle = |i| Triangle::new(corner(i), corner(i) + Vec3::X, corner(i) + Vec3::Y);
+        let triangles = Triangles::new((0..radiances.len()).map(triangle).collect()).unwrap();
+        let emission = |i: u32| Emission::new(Rgb::splat(radiances[i as usize]), Sides::Front).unwrap();
+        let lights = Lights::of(&triangles, emission);
         (triangles, lights)
     }
 
@@ -143,14 +138,10 @@ mod tests {
             (least, Rgb::new(0.0, 0.0, Emission::MIN_RADIANCE), Sides::Front),
             (most, Rgb::splat(Emission::MAX_RADIANCE), Sides::Both),
         ];
-        let mut model = Model::default();
-        for (size, radiance, sides) in lights {
-            let emission = Emission::new(radiance, sides).unwrap();
-            let material = Material::lambert(Rgb::BLACK).unwrap().emitting(emission);
-            let corners = [Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::ONE].map(|v| v * size);
-            model.add(material, [Triangle { vertices: corners }]);
-        }
-        let chosen = Lights::of(&model, &Triangles::new(model.triangles().to_vec()).unwrap());
+        let corners = [Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::ONE];
+        let triangles = lights.map(|(size, ..)| Triangle { vertices: corners.map(|v| v * size) });
+        let emissions = lights.map(|(_, radiance, sides)| Emission::new(radiance, sides).unwrap());
+        let chosen = Lights::of(&Triangles::new(triangles.to_vec()).unwrap(), |i| emissions[i as usize]);
         let [weak, strong] = [0, 1].map(|i| &chosen.lights[i]);
         assert!(weak.choice_prob.is_normal() && weak.choice_prob < 1e-200, "{weak:?}");
         assert!(weak.area_density.0.is_normal() && strong.area_density.0.is_normal(), "{weak:?}, {strong:?}");

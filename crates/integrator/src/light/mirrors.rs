@@ -2,10 +2,9 @@
 
 use super::lights::{Light, Lights};
 use super::mirror_plane::{PlaneMirror, Sphere};
-use crate::{Model, Stream};
+use crate::Stream;
 use glam::DVec3;
 use globillum_geom::{Accel, Triangle, Triangles};
-use globillum_material::Bsdf;
 
 /// The plane mirrors of a scene, in which lights are looked for.
 ///
@@ -35,20 +34,25 @@ pub(crate) struct Image<'a> {
 
 /// Mirrors, a bit each.
 #[derive(Clone, Copy)]
-struct Candidates(u64);
+struct MirrorSet(u64);
 
 impl PlaneMirrors {
     /// The least part of all mirrors' area that the triangles of a plane have together, so that there
-    /// are at most [`Candidates::MAX`] planes. Smaller ones are left to scattering, and so are curved
+    /// are at most [`MirrorSet::MAX`] planes. Smaller ones are left to scattering, and so are curved
     /// mirrors, whose planes are all small.
-    const LEAST_PLANE: f64 = 1.0 / Candidates::MAX as f64;
+    const LEAST_PLANE: f64 = 1.0 / MirrorSet::MAX as f64;
 
     /// The least part of all mirrors' area that a triangle of a plane has: at most 256 are looked at for
     /// one sample.
     const LEAST_TRIANGLE: f64 = 1.0 / 256.0;
 
     /// Groups the ideal mirrors by planes; none if nothing emits.
-    pub(crate) fn of<A: Accel>(model: &Model, triangles: &Triangles, lights: &Lights, accel: &A) -> Self {
+    pub(crate) fn of<A: Accel>(
+        triangles: &Triangles,
+        is_mirror: impl Fn(u32) -> bool,
+        lights: &Lights,
+        accel: &A,
+    ) -> Self {
         let emitting = lights.triangles().flat_map(|index| triangles.get(index).vertices);
         let light_bounds = Sphere::around(emitting);
         if lights.is_empty() {
@@ -56,7 +60,7 @@ impl PlaneMirrors {
         }
         let mut planes = Vec::new();
         let mut members = Vec::new();
-        for mut group in groups(model, triangles) {
+        for mut group in coplanar_mirrors(triangles, is_mirror) {
             group.plane.lit = lit(&group, triangles, lights, accel);
             members.extend(group.members.iter().map(|&index| (index, planes.len())));
             planes.push(group.plane);
@@ -94,21 +98,21 @@ impl PlaneMirrors {
         candidates.contains(plane).then(|| self.image(from, plane, candidates))
     }
 
-    fn image(&self, from: DVec3, plane: usize, candidates: Candidates) -> Image<'_> {
+    fn image(&self, from: DVec3, plane: usize, candidates: MirrorSet) -> Image<'_> {
         let mirror = &self.planes[plane];
         let choice_prob = 1.0 / f64::from(candidates.count());
         Image { mirror, plane, position: mirror.image_of(from), choice_prob }
     }
 
     /// Mirrors in which a light may be seen from `from`.
-    fn candidates(&self, from: DVec3) -> Candidates {
+    fn candidates(&self, from: DVec3) -> MirrorSet {
         let may_show = |mirror: &PlaneMirror| u64::from(mirror.may_show(&self.light_bounds, from));
         let shifted = (0..).zip(&self.planes).map(|(plane, mirror)| may_show(mirror) << plane);
-        Candidates(shifted.fold(0, |all, one| all | one))
+        MirrorSet(shifted.fold(0, |all, one| all | one))
     }
 }
 
-impl Candidates {
+impl MirrorSet {
     const MAX: usize = u64::BITS as usize;
 
     fn count(self) -> u32 {
@@ -127,21 +131,20 @@ impl Candidates {
 }
 
 /// A plane mirror with the indices of its triangles.
-struct Group {
+struct CoplanarMirrors {
     plane: PlaneMirror,
     members: Vec<u32>,
 }
 
 /// The mirrors' large triangles by the planes in which they lie, without small planes.
-fn groups(model: &Model, triangles: &Triangles) -> Vec<Group> {
-    let is_mirror = |index: &u32| matches!(model.material(*index as usize).bsdf, Bsdf::Mirror(_));
-    let mirrors = triangles.live().iter().copied().filter(is_mirror);
+fn coplanar_mirrors(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool) -> Vec<CoplanarMirrors> {
+    let mirrors = triangles.live().iter().copied().filter(|&index| is_mirror(index));
     let mut mirrors: Vec<(u32, f64)> = mirrors.map(|index| (index, triangles.get(index).area())).collect();
     let total: f64 = mirrors.iter().map(|(_, area)| area).sum();
     mirrors.retain(|&(_, area)| area >= PlaneMirrors::LEAST_TRIANGLE * total);
     // The largest triangles know best where their plane is.
     mirrors.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<CoplanarMirrors> = Vec::new();
     for (index, _) in mirrors {
         let triangle = triangles.get(index);
         match groups.iter_mut().find(|group| group.plane.contains(triangle)) {
@@ -149,19 +152,21 @@ fn groups(model: &Model, triangles: &Triangles) -> Vec<Group> {
                 group.plane.add(triangle);
                 group.members.push(index);
             }
-            None => groups.push(Group { plane: PlaneMirror::through(triangle), members: vec![index] }),
+            None => {
+                groups.push(CoplanarMirrors { plane: PlaneMirror::through(triangle), members: vec![index] })
+            }
         }
     }
     groups.retain(|group| group.plane.area >= PlaneMirrors::LEAST_PLANE * total);
     // As a sum of rounded areas may have it.
-    groups.truncate(Candidates::MAX);
+    groups.truncate(MirrorSet::MAX);
     groups
 }
 
 /// Whether lights are seen from the plane's back, and from its front: not if none of 128 segments
 /// between points of mirror and lights is free. The inside of a body of mirrors is so told from its
 /// outside. A side that sees a light after all is left to scattering.
-fn lit<A: Accel>(group: &Group, triangles: &Triangles, lights: &Lights, accel: &A) -> [bool; 2] {
+fn lit<A: Accel>(group: &CoplanarMirrors, triangles: &Triangles, lights: &Lights, accel: &A) -> [bool; 2] {
     let mut lit = [false; 2];
     for (i, &member) in (0..128).zip(group.members.iter().cycle()) {
         let numbers = Stream::new(0, group.members[0].into(), i);
@@ -186,23 +191,17 @@ mod tests {
     use glam::Vec3;
     use globillum_geom::conformance::shapes::{cuboid, icosphere, quad};
     use globillum_geom::{KdOptions, KdTree, Ray};
-    use globillum_material::{Material, Rgb};
+    use globillum_material::{Emission, Rgb, Sides};
 
-    fn mirror() -> Material {
-        Material::mirror(Rgb::splat(0.9)).unwrap()
-    }
-
-    /// Mirrors under a light that faces down.
+    /// The mirrors among `mirrors` that may show a light that faces down.
     fn under_a_light(mirrors: impl IntoIterator<Item = Triangle>) -> (Triangles, Lights, PlaneMirrors) {
         let p = DVec3::new;
-        let mut model = Model::default();
         let light = quad(p(-1.0, 4.0, -1.0), p(1.0, 4.0, -1.0), p(1.0, 4.0, 1.0), p(-1.0, 4.0, 1.0));
-        model.add(Material::light(Rgb::WHITE).unwrap(), light);
-        model.add(mirror(), mirrors);
-        let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
-        let lights = Lights::of(&model, &triangles);
+        let triangles = Triangles::new(light.into_iter().chain(mirrors).collect()).unwrap();
+        let glow = Emission::new(Rgb::WHITE, Sides::Front).unwrap();
+        let lights = Lights::of(&triangles, |index| if index < 2 { glow } else { Emission::NONE });
         let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
-        let mirrors = PlaneMirrors::of(&model, &triangles, &lights, &tree);
+        let mirrors = PlaneMirrors::of(&triangles, |index| index >= 2, &lights, &tree);
         (triangles, lights, mirrors)
     }
 
@@ -253,11 +252,10 @@ mod tests {
             let (.., found) = under_a_light(mirrors);
             assert_eq!((found.planes.len(), found.members.len()), (planes, members), "{what}");
         }
-        let mut dark = Model::default();
-        dark.add(mirror(), block());
-        let triangles = Triangles::new(dark.triangles().to_vec()).unwrap();
+        let triangles = Triangles::new(block()).unwrap();
         let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
-        let found = PlaneMirrors::of(&dark, &triangles, &Lights::of(&dark, &triangles), &tree);
+        let dark = Lights::of(&triangles, |_| Emission::NONE);
+        let found = PlaneMirrors::of(&triangles, |_| true, &dark, &tree);
         assert!(found.is_empty());
     }
 

@@ -167,25 +167,23 @@ struct Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Model, Stream};
+    use crate::Stream;
     use glam::Vec3;
-    use globillum_material::{Material, Sides};
+    use globillum_material::Sides;
 
     /// Lights of several sizes, radiances and sides around the origin, and what does not emit.
     fn lights() -> (Triangles, Vec<Emission>, Lights) {
-        let mut model = Model::default();
-        let mut add = |[a, b, c]: [[f32; 3]; 3], radiance: f64, sides: Sides| {
-            let emission = Emission::new(Rgb::splat(radiance), sides).unwrap();
-            let material = Material::lambert(Rgb::BLACK).unwrap().emitting(emission);
-            model.add(material, [Triangle::new(Vec3::from(a), Vec3::from(b), Vec3::from(c))]);
+        let (mut triangles, mut emissions) = (Vec::new(), Vec::new());
+        let mut add = |vertices: [[f32; 3]; 3], radiance: f64, sides: Sides| {
+            emissions.push(Emission::new(Rgb::splat(radiance), sides).unwrap());
+            triangles.push(Triangle { vertices: vertices.map(Vec3::from) });
         };
         add([[-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [0.0, 1.0, 1.0]], 10.0, Sides::Front);
         add([[-2.0, -3.0, 0.0], [-2.0, 3.0, 1.0], [-2.0, 0.0, 4.0]], 0.0, Sides::Both);
         add([[2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 3.0]], 5.0, Sides::Both);
         add([[30.0, 0.0, 1.0], [30.0, 1.0, 0.0], [30.0, 0.0, 0.0]], 20.0, Sides::Both);
-        let triangles = Triangles::new(model.triangles().to_vec()).unwrap();
-        let emissions = (0..4).map(|i| model.material(i).emission).collect();
-        let lights = Lights::of(&model, &triangles);
+        let triangles = Triangles::new(triangles).unwrap();
+        let lights = Lights::of(&triangles, |i| emissions[i as usize]);
         (triangles, emissions, lights)
     }
 

@@ -155,7 +155,7 @@ mod tests {
             let wall = quad(p(x, 0.0, 3.0), p(x, 3.0, 3.0), p(x, 3.0, -3.0), p(x, 0.0, -3.0));
             model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), wall);
         }
-        Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
     }
 
     /// A camera, the ray through the middle of its picture, and what that ray meets: the floor.

@@ -279,7 +279,7 @@ mod tests {
         model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), mirror);
         let light = quad(p(-0.5, 1.5, -0.5), p(0.5, 1.5, -0.5), p(0.5, 1.5, 0.5), p(-0.5, 1.5, 0.5));
         model.add(Material::light(Rgb::splat(5.0)).unwrap(), light);
-        Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::monitor::Monitor;
 use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
+use crate::caught::caught;
 use crate::path::Job;
 use crate::{Camera, CheckpointError, Film, Picture, RenderError, Scene, Settings};
 use globillum_geom::Accel;
@@ -40,7 +41,7 @@ pub fn render<A: Accel>(
 /// # let mut model = Model::default();
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
-/// # let scene = Scene::build(&model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
 /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let settings = Settings::new(32, 32, u32::MAX);
 /// let mut stop = Stop::default();
@@ -105,7 +106,9 @@ impl<'a, A: Accel> Render<'a, A> {
             .build()
             .map_err(|error| RenderError::Threads(error.to_string()))?;
         let meter = Meter::new(self.stop.seconds);
-        let job = Job::new(self.scene, self.camera, self.settings);
+        // The accelerator is asked for the mirrors' visibility.
+        let job = caught(|| Job::new(self.scene, self.camera, self.settings))
+            .map_err(|message| RenderError::Worker { x: 0, y: 0, message })?;
         let pass_loop = PassLoop { renderer: PassRenderer { job, monitor, meter: &meter }, stop: self.stop };
         threads.install(|| pass_loop.add_passes(picture, passes))
     }
@@ -139,5 +142,58 @@ impl<'a, A: Accel> Render<'a, A> {
             return Err(CheckpointError::Mismatch("number of samples").into());
         }
         Ok(picture)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MirrorSampling, Model};
+    use glam::{DVec3, Vec3};
+    use globillum_geom::conformance::shapes::quad;
+    use globillum_geom::{Aabb, Hit, Ray};
+    use globillum_material::{Material, Rgb};
+
+    /// Has nothing, and panics when asked for visibility.
+    #[derive(Debug)]
+    struct Panicking;
+
+    impl Accel for Panicking {
+        fn intersect(&self, _: &Ray) -> Option<Hit> {
+            None
+        }
+
+        fn occluded(&self, _: &Ray) -> bool {
+            panic!("no visibility")
+        }
+
+        fn bounds(&self) -> Aabb {
+            Aabb::around([Vec3::NEG_ONE, Vec3::ONE])
+        }
+
+        fn bytes(&self) -> usize {
+            0
+        }
+    }
+
+    /// The visibility between mirrors and lights is asked for by a render that samples lights in mirrors,
+    /// not when the scene is built.
+    #[test]
+    fn only_mirror_sampling_asks_for_the_visibility_of_mirrors() {
+        let p = DVec3::new;
+        let mut model = Model::default();
+        let light = quad(p(-1.0, 1.0, -1.0), p(1.0, 1.0, -1.0), p(1.0, 1.0, 1.0), p(-1.0, 1.0, 1.0));
+        model.add(Material::light(Rgb::WHITE).unwrap(), light);
+        let mirror = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
+        model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), mirror);
+        let scene = Scene::build(model, |_| Ok(Panicking)).unwrap();
+        let camera = Camera::look_at(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0).unwrap();
+        let mut settings = Settings::new(4, 4, 1);
+        settings.mirror_sampling = MirrorSampling::Off;
+        assert!(render(&scene, &camera, &settings, &()).is_ok());
+        settings.mirror_sampling = MirrorSampling::Planes;
+        let message = "no visibility".to_owned();
+        let result = render(&scene, &camera, &settings, &());
+        assert_eq!(result, Err(RenderError::Worker { x: 0, y: 0, message }));
     }
 }

@@ -12,7 +12,8 @@ use crate::RenderError;
 use crate::light::{LightSampler, LightSampling, Lights, PlaneMirrors};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, SurfacePoint, Triangles};
-use globillum_material::{Emission, Material, Rgb, Sides};
+use globillum_material::{Bsdf, Emission, Material, Rgb, Sides};
+use std::sync::OnceLock;
 
 /// A scene ready for rendering: triangles, their materials, the lights among them, and the
 /// accelerator that finds them.
@@ -23,7 +24,7 @@ pub struct Scene<A> {
     material_ids: Vec<u32>,
     materials: Vec<Material>,
     lights: Lights,
-    mirrors: PlaneMirrors,
+    mirrors: OnceLock<PlaneMirrors>,
     environment: Rgb,
 }
 
@@ -48,11 +49,6 @@ impl<A> Scene<A> {
         LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, from }
     }
 
-    /// The plane mirrors in which lights are looked for.
-    pub(crate) fn mirrors(&self) -> &PlaneMirrors {
-        &self.mirrors
-    }
-
     /// The radiance that arrives from outside.
     pub fn environment(&self) -> Rgb {
         self.environment
@@ -62,25 +58,24 @@ impl<A> Scene<A> {
 impl<A: Accel> Scene<A> {
     /// Checks the model's triangles and hands them to `build` for an accelerator.
     ///
-    /// Where there are lights and plane mirrors, the accelerator is then asked for up to 128 segments a
-    /// plane, of at most 64 planes, whether they are occluded; a panic in it is passed on.
-    ///
     /// # Errors
     /// [`RenderError::Geometry`] for bad triangles, or what `build` returns.
     pub fn build(
-        model: &Model,
+        model: Model,
         build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
     ) -> Result<Self, RenderError> {
-        let triangles = Triangles::new(model.triangles().to_vec())?;
-        let lights = Lights::of(model, &triangles);
+        let Model { triangles, material_ids, materials } = model;
+        let triangles = Triangles::new(triangles)?;
+        let emission = |index: u32| materials[material_ids[index as usize] as usize].emission;
+        let lights = Lights::of(&triangles, emission);
         let accel = build(&triangles)?;
         Ok(Self {
-            mirrors: PlaneMirrors::of(model, &triangles, &lights, &accel),
             accel,
-            lights,
             triangles,
-            material_ids: model.material_ids().to_vec(),
-            materials: model.materials().to_vec(),
+            material_ids,
+            materials,
+            lights,
+            mirrors: OnceLock::new(),
             environment: Rgb::BLACK,
         })
     }
@@ -94,6 +89,16 @@ impl<A: Accel> Scene<A> {
         // What an light may not emit can not arrive from outside either.
         Emission::new(radiance, Sides::Both)?;
         Ok(Self { environment: radiance, ..self })
+    }
+
+    /// The plane mirrors in which lights are sampled.
+    ///
+    /// The first call finds them. Where there are lights and plane mirrors, it asks the accelerator whether up
+    /// to 128 segments for each of at most 64 planes are occluded.
+    pub(crate) fn mirrors(&self) -> &PlaneMirrors {
+        let is_mirror = |index| matches!(self.material(index).bsdf, Bsdf::Mirror(_));
+        let find = || PlaneMirrors::of(&self.triangles, is_mirror, &self.lights, &self.accel);
+        self.mirrors.get_or_init(find)
     }
 
     /// The accelerator.

@@ -23,10 +23,10 @@ use std::collections::TryReserveError;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
-    triangles: Vec<Triangle>,
-    /// For each triangle, its position in `materials`.
-    material_ids: Vec<u32>,
-    materials: Vec<Material>,
+    pub(super) triangles: Vec<Triangle>,
+    /// For each triangle, the index of its material in `materials`.
+    pub(super) material_ids: Vec<u32>,
+    pub(super) materials: Vec<Material>,
 }
 
 /// A material of a [`Model`], as [`Model::add_material`] hands it out.

@@ -96,7 +96,7 @@ impl Subject {
     /// The scene as it is lit by its own lights alone.
     pub(crate) fn without_environment(&self, accel: AccelKind) -> Result<Scene<Box<dyn Accel>>> {
         let build = |triangles: &_| -> Result<Box<dyn Accel>, GeomError> { accel.build(triangles) };
-        Ok(Scene::build(&self.model, build)?)
+        Ok(Scene::build(self.model.clone(), build)?)
     }
 
     /// The closed form of a square picture, if there is one.
