@@ -52,7 +52,7 @@ pub enum LightSampling {
 /// model.add(Material::lambert(Rgb::splat(0.5))?, [Triangle::new(a, c, b), Triangle::new(a, d, c)]);
 /// let [a, b, c, d] = square(1.0);
 /// model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c), Triangle::new(a, c, d)]);
-/// let scene = Scene::build(&model, WideKdTree::build)?;
+/// let scene = Scene::build(model, WideKdTree::build)?;
 /// let eye = DVec3::new(0.1, 0.5, 0.2);
 /// let ray = Ray::new(eye, -eye); // toward the middle of the floor
 /// let sum: f64 = (0..10_000).map(|i| radiance(&scene, &ray, Stream::new(0, 0, i)).g).sum();
