@@ -1,139 +1,180 @@
-use crate::Traced;
+//! What came of a render, as a table for people and as JSON for programs.
+
+use crate::flags::RenderFlags;
+use crate::monitor::Traced;
 use anyhow::Result;
-use globillum::geom::Accel;
-use globillum::integrator::{Ending, Picture, Scene};
+use globillum::geom::{Accel, SimdLevel};
+use globillum::integrator::{Ending, Film, Picture, Scene, Settings};
 use serde::Serialize;
+use std::fmt::{self, Display};
+use std::ops::Range;
 use std::path::PathBuf;
 
-/// The figures of a render.
+/// Settings and figures of a render. The keys of its JSON are described in the README of this crate.
 #[derive(Debug, Serialize)]
-pub struct Summary {
-    build_seconds: f64,
-    render_seconds: f64,
-    camera_rays: u64,
-    bounce_rays: u64,
-    shadow_rays: u64,
-    rays_per_second: f64,
-    samples_per_pixel: u32,
-    samples: u64,
-    samples_per_second: f64,
-    roulette_ends: u64,
-    limit_ends: u64,
+pub(crate) struct Summary<'a> {
+    version: &'static str,
+    arguments: Vec<String>,
+    scene: &'a str,
+    simd: String,
+    #[serde(flatten)]
+    flags: &'a RenderFlags,
+    roulette_start: u32,
+    roulette_threshold: f64,
+
     triangles: usize,
     degenerate_triangles: usize,
     lights: usize,
     accelerator_bytes: usize,
+    build_seconds: f64,
+    render_seconds: f64,
+    samples_per_pixel: u32,
+    passes_held: Vec<[u32; 2]>,
+    samples: u64,
+    camera_rays: u64,
+    bounce_rays: u64,
+    shadow_rays: u64,
+    roulette_ends: u64,
+    limit_ends: u64,
+    samples_per_second: f64,
+    rays_per_second: f64,
     image_mean: [f64; 3],
-    /// Root mean squared error of the pixels over the picture's mean, and the interval that holds it
-    /// with a probability of 95 %; none while it is not known.
-    relative_rmse: Option<f64>,
-    relative_rmse_95: Option<[f64; 2]>,
+    #[serde(flatten)]
+    error: PictureError,
     ended_by: &'static str,
 }
 
-impl Summary {
-    /// Gathers the figures; the counts are the whole picture's, the rates those of this run.
-    pub fn new<A: Accel>(
+/// How long a run took, and what it traced in this time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Timing {
+    pub(crate) build_seconds: f64,
+    pub(crate) render_seconds: f64,
+    pub(crate) traced: Traced,
+}
+
+impl<'a> Summary<'a> {
+    /// Gathers the figures; counts are those of the whole picture, rates those of this run.
+    pub(crate) fn new<A: Accel>(
+        name: &'a str,
+        flags: &'a RenderFlags,
+        settings: &Settings,
         scene: &Scene<A>,
         picture: &Picture,
-        traced: Traced,
-        build_seconds: f64,
-        render_seconds: f64,
+        timing: Timing,
     ) -> Self {
+        let Timing { build_seconds, render_seconds, traced } = timing;
         let counters = picture.counters;
-        let error = picture.film.error();
-        let known = error.relative_rmse.is_finite();
         Self {
-            build_seconds,
-            render_seconds,
-            camera_rays: counters.camera_rays,
-            bounce_rays: counters.bounce_rays,
-            shadow_rays: counters.shadow_rays,
-            rays_per_second: traced.rays as f64 / render_seconds,
-            samples_per_pixel: picture.samples,
-            samples: counters.camera_rays,
-            samples_per_second: traced.samples as f64 / render_seconds,
-            roulette_ends: counters.roulette_ends,
-            limit_ends: counters.limit_ends,
+            version: env!("CARGO_PKG_VERSION"),
+            arguments: std::env::args_os().skip(1).map(|word| word.to_string_lossy().into()).collect(),
+            scene: name,
+            simd: format!("{:?}", SimdLevel::best()).to_lowercase(),
+            flags,
+            roulette_start: settings.roulette.start,
+            roulette_threshold: settings.roulette.threshold,
             triangles: scene.triangles().len(),
             degenerate_triangles: scene.triangles().degenerate_count(),
             lights: scene.lights().len(),
             accelerator_bytes: scene.accel().bytes(),
+            build_seconds,
+            render_seconds,
+            samples_per_pixel: picture.samples,
+            passes_held: passes(&picture.film).map(|range| [range.start, range.end]).collect(),
+            samples: counters.camera_rays,
+            camera_rays: counters.camera_rays,
+            bounce_rays: counters.bounce_rays,
+            shadow_rays: counters.shadow_rays,
+            roulette_ends: counters.roulette_ends,
+            limit_ends: counters.limit_ends,
+            samples_per_second: traced.samples as f64 / render_seconds,
+            rays_per_second: traced.rays as f64 / render_seconds,
             image_mean: picture.film.image_mean().to_array(),
-            relative_rmse: known.then_some(error.relative_rmse),
-            relative_rmse_95: known.then_some(error.interval_95).filter(|interval| interval[1].is_finite()),
+            error: PictureError::of(&picture.film),
             ended_by: reason(picture.ending),
         }
     }
 
     /// The figures as JSON.
-    pub fn to_json(&self) -> Result<String> {
+    pub(crate) fn to_json(&self) -> Result<String> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// Prints the figures as a table, and where the pictures went.
-    pub fn print(&self, out: &[PathBuf]) -> Result<()> {
-        let million = |n: u64| n as f64 / 1e6;
-        let [r, g, b] = self.image_mean;
-        println!(
-            "triangles     {} ({} emit, {} degenerate)",
-            self.triangles, self.lights, self.degenerate_triangles
-        );
-        println!(
-            "accelerator   {:.1} kB, built in {:.3} s",
-            self.accelerator_bytes as f64 / 1e3,
-            self.build_seconds
-        );
-        println!(
-            "samples       {} a pixel, {:.2} million in all",
-            self.samples_per_pixel,
-            million(self.samples)
-        );
-        println!(
-            "rays          {:.2} million camera, {:.2} bounce, {:.2} shadow",
-            million(self.camera_rays),
-            million(self.bounce_rays),
-            million(self.shadow_rays)
-        );
-        println!(
-            "render        {:.2} s: {:.2} million samples and {:.2} million rays a second",
-            self.render_seconds,
-            self.samples_per_second / 1e6,
-            self.rays_per_second / 1e6
-        );
+    /// The figures as a table, with the names of the pictures.
+    pub(crate) fn to_table(&self, pictures: &[PathBuf]) -> String {
+        let names = pictures.iter().map(|path| format!("picture       {}\n", path.display()));
+        format!("{self}{}", names.collect::<String>())
+    }
+}
+
+impl Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let million = |count: u64| count as f64 / 1e6;
+        let [triangles, emit, degenerate] = [self.triangles, self.lights, self.degenerate_triangles];
+        writeln!(f, "triangles     {triangles} ({emit} emit, {degenerate} degenerate)")?;
+        let kilobytes = self.accelerator_bytes as f64 / 1e3;
+        writeln!(f, "accelerator   {kilobytes:.1} kB, built in {:.3} s", self.build_seconds)?;
+        let samples = million(self.samples);
+        writeln!(f, "samples       {} per pixel, {samples:.2} million in all", self.samples_per_pixel)?;
+        let [camera, bounce, shadow] = [self.camera_rays, self.bounce_rays, self.shadow_rays].map(million);
+        writeln!(f, "rays          {camera:.2} million camera, {bounce:.2} bounce, {shadow:.2} shadow")?;
+        let [samples, rays] = [self.samples_per_second, self.rays_per_second].map(|rate| rate / 1e6);
+        let seconds = self.render_seconds;
+        writeln!(
+            f,
+            "render        {seconds:.2} s: {samples:.2} million samples and {rays:.2} million rays a second"
+        )?;
         if self.limit_ends > 0 {
-            println!("bounce limit  ended {} paths: light of more bounces is missing", self.limit_ends);
+            let paths = self.limit_ends;
+            writeln!(f, "bounce limit  ended {paths} paths: radiance of more bounces is missing")?;
         }
-        println!("image mean    ({r:.6}, {g:.6}, {b:.6})");
-        println!("ended by      {}", self.ended_by);
-        if let Some((error, interval)) = self.relative_rmse.zip(self.relative_rmse_95) {
-            print_error_line(error, interval);
-        }
-        for path in out {
-            println!("picture       {}", path.display());
-        }
-        Ok(())
+        let [r, g, b] = self.image_mean;
+        writeln!(f, "image mean    ({r:.6}, {g:.6}, {b:.6})")?;
+        writeln!(f, "ended by      {}", self.ended_by)?;
+        self.error.fmt(f)
     }
 }
 
-/// Prints how many samples and passes a picture has, and how far it is from the truth.
-pub fn print_error(picture: &Picture) {
-    let passes = picture
-        .film
-        .passes()
-        .iter()
-        .map(|range| format!("{}..{}", range.start, range.end))
-        .collect::<Vec<_>>();
-    println!("samples       {} a pixel, passes {}", picture.samples, passes.join(", "));
-    let error = picture.film.error();
-    if error.relative_rmse.is_finite() {
-        print_error_line(error.relative_rmse, error.interval_95);
+/// How far a picture is from its expectation.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct PictureError {
+    /// Root mean squared error of the pixels over the picture's mean; `None` while it is not known.
+    relative_rmse: Option<f64>,
+    /// Its 95 % confidence interval.
+    relative_rmse_95: Option<[f64; 2]>,
+}
+
+impl PictureError {
+    fn of(film: &Film) -> Self {
+        let error = film.error();
+        let known = error.relative_rmse.is_finite();
+        Self {
+            relative_rmse: known.then_some(error.relative_rmse),
+            relative_rmse_95: known.then_some(error.interval_95).filter(|interval| interval[1].is_finite()),
+        }
     }
 }
 
-fn print_error_line(error: f64, interval: [f64; 2]) {
-    let [error, low, high] = [error, interval[0], interval[1]].map(|x| 100.0 * x);
-    println!("error         {error:.3} % of the mean (with 95 % confidence {low:.3} to {high:.3} %)");
+impl Display for PictureError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some((error, interval)) = self.relative_rmse.zip(self.relative_rmse_95) else { return Ok(()) };
+        let [error, low, high] = [error, interval[0], interval[1]].map(|share| 100.0 * share);
+        writeln!(
+            f,
+            "error         {error:.3} % of the mean (95 % confidence interval {low:.3} to {high:.3} %)"
+        )
+    }
+}
+
+/// Samples, passes and error of a picture, as lines of the table.
+pub(crate) fn of_merged(picture: &Picture) -> String {
+    let passes = passes(&picture.film).map(|range| format!("{}..{}", range.start, range.end));
+    let passes = passes.collect::<Vec<_>>().join(", ");
+    let error = PictureError::of(&picture.film);
+    format!("samples       {} per pixel, passes {passes}\n{error}", picture.samples)
+}
+
+fn passes(film: &Film) -> impl Iterator<Item = Range<u32>> {
+    film.passes().into_iter()
 }
 
 fn reason(ending: Ending) -> &'static str {
@@ -141,7 +182,7 @@ fn reason(ending: Ending) -> &'static str {
         Ending::Samples => "all samples taken",
         Ending::Goals => "the error reached",
         Ending::Seconds => "the time given",
-        Ending::Cancelled => "being cancelled",
+        Ending::Cancelled => "a signal",
         _ => "nothing",
     }
 }

@@ -1,3 +1,5 @@
+//! Cameras and colours on the command line.
+
 use globillum::geom::Aabb;
 use globillum::glam::DVec3;
 use globillum::integrator::{Camera, Model, RenderError};
@@ -6,28 +8,41 @@ use globillum::material::Rgb;
 /// Degrees from bottom to top, where nothing else is asked for.
 const FIELD_OF_VIEW: f64 = 40.0;
 
-/// Reads `from/to`, `from/to/up` or `from/to/up/degrees`.
+/// Parses a camera from `from/to`, `from/to/up` or `from/to/up/degrees`, with three coordinates each and the
+/// vertical field of view in degrees; up is `0,1,0` and the field of view 40 degrees by default.
+///
+/// # Errors
+/// What is wrong with it, in a few words.
 pub fn parse_camera(text: &str) -> Result<Camera, String> {
     let parts: Vec<_> = text.split('/').collect();
-    let (from, to, up, fov) = match parts[..] {
+    let (from, to, up, degrees) = match parts[..] {
         [from, to] => (from, to, None, None),
         [from, to, up] => (from, to, Some(up), None),
-        [from, to, up, fov] => (from, to, Some(up), Some(fov)),
-        _ => return Err("wants two to four parts: from/to/up/degrees".into()),
+        [from, to, up, degrees] => (from, to, Some(up), Some(degrees)),
+        _ => return Err("must have two to four parts: from/to/up/degrees".into()),
     };
     let vector = |text| parse_numbers(text).map(DVec3::from_array);
-    let fov = fov.map_or(Ok([FIELD_OF_VIEW]), parse_numbers)?[0];
-    Camera::look_at(vector(from)?, vector(to)?, up.map_or(Ok(DVec3::Y), vector)?, fov.to_radians())
-        .map_err(|error| error.to_string())
+    let [degrees] = degrees.map_or(Ok([FIELD_OF_VIEW]), parse_numbers)?;
+    let camera =
+        Camera::look_at(vector(from)?, vector(to)?, up.map_or(Ok(DVec3::Y), vector)?, degrees.to_radians());
+    camera.map_err(|error| match error {
+        RenderError::Camera(reason) => reason.into(),
+        RenderError::Param { .. } => "the field of view must be above 0 and below 180 degrees".into(),
+        other => other.to_string(),
+    })
 }
 
-/// Reads `r,g,b`, or one number for a grey.
+/// Parses a radiance from `r,g,b`, or from one number for a grey.
+///
+/// # Errors
+/// What is wrong with it, in a few words.
 pub fn parse_colour(text: &str) -> Result<Rgb, String> {
-    if text.contains(',') {
-        parse_numbers(text).map(Rgb::from)
-    } else {
-        Ok(Rgb::splat(parse_numbers::<1>(text)?[0]))
-    }
+    let numbers = match text.contains(',') {
+        true => parse_numbers(text)?,
+        false => [parse_numbers::<1>(text)?[0]; 3],
+    };
+    let valid = numbers.iter().all(|&x| x >= 0.0 && x.is_finite());
+    if valid { Ok(Rgb::from(numbers)) } else { Err("each radiance must be 0 or a number above".into()) }
 }
 
 fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
@@ -36,8 +51,11 @@ fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     numbers.try_into().map_err(|_| format!("`{text}` is not {N} numbers"))
 }
 
-/// A camera a little above and beside the scene that sees all of it, in a picture `aspect` times
-/// as wide as high.
+/// A camera in front of `model`, a little above and to the right, that sees all of it in a picture `aspect`
+/// times as wide as high.
+///
+/// # Errors
+/// [`RenderError::Camera`] if the model has no extent, or one beyond what `f64` can hold.
 pub fn of_all(model: &Model, aspect: f64) -> Result<Camera, RenderError> {
     let bounds = Aabb::around(model.triangles().iter().flat_map(|t| t.vertices));
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());

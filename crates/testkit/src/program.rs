@@ -13,10 +13,23 @@ pub struct Program {
 }
 
 impl Program {
+    /// The program in `folder`, to be started.
+    pub fn command(&self, folder: &Path, arguments: &[&str]) -> Command {
+        let mut command = Command::new(self.path);
+        command.current_dir(folder).args(self.first).args(arguments);
+        command
+    }
+
     /// Runs the program in `folder`.
     pub fn run(&self, folder: &Path, arguments: &[&str]) -> Output {
-        let mut command = Command::new(self.path);
-        command.current_dir(folder).args(self.first).args(arguments).output().expect("the program starts")
+        self.command(folder, arguments).output().expect("the program starts")
+    }
+
+    /// Runs the program in `folder`, where it must succeed; returns what it writes to standard output.
+    pub fn succeed(&self, folder: &Path, arguments: &[&str]) -> String {
+        let output = self.run(folder, arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
     /// Fails unless, in a folder filled by `fill`, the program ends with exit code 1 and one line on
@@ -38,7 +51,8 @@ impl Program {
     }
 }
 
-fn names(folder: &Path) -> Vec<std::ffi::OsString> {
+/// The names of all that is in `folder`, sorted.
+pub fn names(folder: &Path) -> Vec<std::ffi::OsString> {
     let entries = std::fs::read_dir(folder).expect("the folder is there");
     let mut names: Vec<_> = entries.map(|e| e.expect("an entry").file_name()).collect();
     names.sort();

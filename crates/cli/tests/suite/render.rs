@@ -1,11 +1,9 @@
-//! `examples/render.rs` as a person meets it: what it writes, and what it says when it can not.
-#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+//! `globillum render`: what it writes, and what it says if it cannot. Rows are those of the table of bad
+//! input in docs/testing.md.
 
+use crate::RENDER;
 use globillum_testkit::bad_input::{self, Outcome};
-use globillum_testkit::program::Program;
 use std::path::Path;
-
-const RENDER: Program = Program { path: env!("CARGO_BIN_EXE_globillum"), first: &["render"] };
 
 /// A light over a floor, seen by nobody yet.
 const ROOM: &str = "mtllib room.mtl
@@ -31,7 +29,7 @@ fn rows_1_to_82_bad_scenes_are_one_line_that_names_file_and_place() {
     for case in bad_input::cases() {
         let (row, folder) = (case.row, tempfile::tempdir().expect("a temporary folder"));
         if !case.write(folder.path()).expect("an empty folder can be filled") {
-            eprintln!("SKIPPED: row {row} needs a pipe or a link, which can not be made here");
+            eprintln!("SKIPPED: row {row} needs a pipe or a link, which cannot be made here");
             continue;
         }
         let output = RENDER.run(folder.path(), &[&[case.scene()], &size[..]].concat());
@@ -53,7 +51,7 @@ fn rows_1_to_82_bad_scenes_are_one_line_that_names_file_and_place() {
 #[test]
 fn scenes_that_are_not_there_and_of_other_formats_are_named() {
     assert_refused(&[], &["SCENE"]);
-    assert_refused(&["none.obj"], &["none.obj: cannot be read"]);
+    assert_refused(&["none.obj"], &["none.obj: can", "not be read"]);
     assert_refused(&["folder.png"], &["folder.png: unknown scene format"]);
     assert_refused(&["room.obj", "--max-triangles", "3"], &["room.obj:13: too many triangles (limit: 3)"]);
 }
@@ -71,7 +69,10 @@ fn row_84_no_width_or_height() {
 
 #[test]
 fn row_85_too_many_pixels() {
-    assert_refused(&["room.obj", "--width", "1000000", "--height", "1000000"], &["width x height", "2^27"]);
+    assert_refused(
+        &["room.obj", "--width", "1000000", "--height", "1000000"],
+        &["--width 1000000 --height 1000000: must be at most 134217728 pixels"],
+    );
     assert_refused(&["room.obj", "--width", "4294967296"], &["--width"]);
 }
 
@@ -79,7 +80,10 @@ fn row_85_too_many_pixels() {
 fn row_86_field_of_view() {
     for fov in ["0", "-1", "180", "nan"] {
         let camera = format!("0,0,4/0,0,0/0,1,0/{fov}");
-        assert_refused(&["room.obj", "--camera", &camera], &["--camera", "fov_y"]);
+        assert_refused(
+            &["room.obj", "--camera", &camera],
+            &["--camera", "the field of view must be above 0 and below 180 degrees"],
+        );
     }
 }
 
@@ -110,15 +114,21 @@ fn rows_89_and_90_any_number_of_threads_and_any_seed() {
     for threads in ["0", "1", "3"] {
         assert_eq!(picture(&["--threads", threads]), seeds[0], "{threads} threads");
     }
-    assert_refused(&["room.obj", "--threads", "1025"], &["threads = 1025"]);
+    assert_refused(
+        &["room.obj", "--threads", "1025"],
+        &["--threads 1025: must be an integer from 0 to 1024"],
+    );
     assert_refused(&["room.obj", "--seed=-1"], &["--seed"]);
 }
 
 /// Tiles are not for users to choose; what they choose is a pass.
 #[test]
 fn row_91_passes_of_no_samples() {
-    assert_refused(&["room.obj", "--pass-spp", "0"], &["pass_samples = 0"]);
-    assert_refused(&["room.obj", "--passes", "2..2"], &["passes"]);
+    assert_refused(
+        &["room.obj", "--pass-spp", "0"],
+        &["--pass-spp 0: must be a power of two from 1 to 65536"],
+    );
+    assert_refused(&["room.obj", "--passes", "2..2"], &["--passes 2..2: must be A..B"]);
 }
 
 #[test]
@@ -138,25 +148,34 @@ fn row_92_no_bounces_leave_what_is_emitted() {
 
 #[test]
 fn colours_and_exposures_are_numbers() {
-    assert_refused(&["room.obj", "--environment", "-1"], &["radiance (-1, -1, -1)"]);
-    assert_refused(&["room.obj", "--environment", "nan"], &["radiance (NaN, NaN, NaN)"]);
-    assert_refused(&["room.obj", "--exposure", "inf"], &["--exposure inf"]);
+    assert_refused(
+        &["room.obj", "--environment", "-1"],
+        &["--environment -1: each radiance must be 0 or a number above"],
+    );
+    assert_refused(
+        &["room.obj", "--environment", "nan"],
+        &["--environment nan: each radiance must be 0 or a number above"],
+    );
+    assert_refused(&["room.obj", "--exposure", "inf"], &["--exposure inf: must be a finite number"]);
 }
 
 #[test]
 fn row_93_a_picture_that_is_a_folder() {
-    assert_refused(&["room.obj", "--out", "folder.png"], &["folder.png: cannot be written: is a directory"]);
+    assert_refused(
+        &["room.obj", "--out", "folder.png"],
+        &["folder.png: can", "not be written: is a directory"],
+    );
 }
 
 #[test]
 fn row_94_pictures_where_nothing_can_be_written() {
-    assert_refused(&["room.obj", "--out", "nowhere/a.png"], &["nowhere/a.png: cannot be written"]);
-    assert_refused(&["room.obj", "--out", "room.obj/a.png"], &["room.obj/a.png: cannot be written"]);
+    assert_refused(&["room.obj", "--out", "nowhere/a.png"], &["nowhere/a.png: can", "not be written"]);
+    assert_refused(&["room.obj", "--out", "room.obj/a.png"], &["room.obj/a.png: can", "not be written"]);
     assert_refused(
         &["room.obj", "--stats", "nowhere/stats.json"],
-        &["nowhere/stats.json: cannot be written"],
+        &["nowhere/stats.json: can", "not be written"],
     );
-    assert_refused(&["room.obj", "--checkpoint", "nowhere/cp"], &["nowhere/cp: cannot be written"]);
+    assert_refused(&["room.obj", "--checkpoint", "nowhere/cp"], &["nowhere/cp: can", "not be written"]);
 }
 
 /// No room is left while the picture, the figures or the checkpoint are being written: what was
@@ -176,6 +195,7 @@ fn row_95_a_disk_that_fills_up() {
         let output = std::process::Command::new("sh")
             .args(["-c", "trap '' XFSZ; ulimit -f 1; exec \"$@\"", "sh"])
             .arg(RENDER.path)
+            .args(RENDER.first)
             .args(size)
             .args([flag, name])
             .current_dir(folder.path())
@@ -183,7 +203,8 @@ fn row_95_a_disk_that_fills_up() {
             .expect("there is a shell");
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{message}");
-        assert!(message.starts_with(&format!("error: {name}: cannot be written: ")), "{message}");
+        assert!(message.starts_with(&format!("error: {name}: can")), "{message}");
+        assert!(message.contains("not be written: "), "{message}");
         assert_eq!((message.lines().count(), names()), (1, before), "{message}");
         assert_eq!(std::fs::read(&old).expect("it is there"), b"old");
     }

@@ -1,0 +1,56 @@
+//! The program's commands.
+
+mod cornell;
+mod merge;
+mod render;
+
+use crate::report::report_and_exit;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+const LONG_ABOUT: &str = "\
+Renders pictures with global illumination by path tracing: light that reaches the camera directly, by way of
+mirrors, and after any number of diffuse bounces.
+
+A picture comes with its own error: the standard error of each pixel, and a confidence interval for the
+picture's. Its bits depend on scene, camera and settings alone, not on the number of threads, the accelerator
+or the processor.";
+
+const EXAMPLES: &str = "\
+Exit codes: 0 if all went well; 1 after an error, which is one line on standard error; 130 after Ctrl-C
+(SIGINT) and 143 after SIGTERM.
+
+Examples:
+  globillum cornell                              the Cornell box, to cornell.png
+  globillum render SCENE.glb --error 0.01        a scene file, to 1 % error, to render.png
+  globillum merge a.part b.part --out all.png    one picture of two parts
+  globillum help render                          all about one command";
+
+/// Renders pictures with global illumination by path tracing, and says how large their error is
+#[derive(Debug, Parser)]
+#[command(name = "globillum", version, long_about = LONG_ABOUT, after_long_help = EXAMPLES)]
+#[command(max_term_width = 110, arg_required_else_help = false)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(render::Options),
+    Cornell(cornell::Options),
+    Merge(merge::Options),
+}
+
+/// Runs the program with the arguments of this process, and returns its exit code.
+///
+/// Errors are one line on standard error, with code 1. After SIGINT or SIGTERM the complete passes of a
+/// picture are written, and the code is 128 and the number of the signal; the second signal ends the
+/// process at once.
+pub fn run() -> ExitCode {
+    report_and_exit(Cli::try_parse(), |cli| match &cli.command {
+        Command::Render(options) => render::run(options),
+        Command::Cornell(options) => cornell::run(options),
+        Command::Merge(options) => merge::run(options),
+    })
+}

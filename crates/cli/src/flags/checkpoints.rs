@@ -1,0 +1,49 @@
+use crate::{checkpoint, parse};
+use anyhow::{Result, ensure};
+use globillum::geom::Accel;
+use globillum::integrator::Render;
+use serde::{Serialize, Serializer};
+use std::ops::Range;
+use std::path::PathBuf;
+
+#[derive(clap::Args, Clone, Debug, Serialize)]
+#[command(next_help_heading = "Checkpoints")]
+pub(crate) struct CheckpointFlags {
+    /// Save the passes rendered so far in FILE, while rendering and at the end
+    #[arg(long, value_name = "FILE")]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Seconds between two checkpoints; 0 saves after each pass
+    ///
+    /// Checkpoints are saved between passes, the first one after 5 seconds at the latest.
+    #[arg(long, value_name = "S", default_value_t = 60.0, requires = "checkpoint")]
+    #[arg(value_parser = parse::not_negative, allow_negative_numbers = true)]
+    pub(crate) save_every: f64,
+    /// Continue from the checkpoint if it exists
+    ///
+    /// Scene, camera and settings must be the same but for --spp, --threads, --accel and the stop conditions.
+    /// The picture has the bits of one that was rendered at once.
+    #[arg(long, requires = "checkpoint")]
+    resume: bool,
+    /// Render only passes A to B - 1, to be joined with others by `globillum merge`
+    #[arg(long, value_name = "A..B", value_parser = parse::passes, allow_negative_numbers = true)]
+    #[serde(serialize_with = "as_text")]
+    pub(crate) passes: Option<Range<u32>>,
+}
+
+impl CheckpointFlags {
+    /// The same render, of the passes asked for, resumed from the checkpoint if it is there.
+    pub(crate) fn apply_to<'a, A: Accel>(&self, render: Render<'a, A>) -> Result<Render<'a, A>> {
+        let render = match &self.passes {
+            Some(passes) => render.passes(passes.clone()),
+            None => render,
+        };
+        let Some(path) = self.checkpoint.as_ref().filter(|path| path.exists()) else { return Ok(render) };
+        ensure!(self.resume, "{}: exists already; --resume continues from it", path.display());
+        Ok(render.resume(checkpoint::read(path)?))
+    }
+}
+
+/// A range as it is written on the command line.
+fn as_text<S: Serializer>(range: &Option<Range<u32>>, serializer: S) -> Result<S::Ok, S::Error> {
+    range.as_ref().map(|range| format!("{}..{}", range.start, range.end)).serialize(serializer)
+}

@@ -1,0 +1,116 @@
+//! Choices by the names they have on the command line.
+
+use clap::ValueEnum;
+use globillum::integrator::{Estimator, LightSampling, MirrorSampling, PathReuse, PixelFilter, Sampler};
+use serde::Serialize;
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SamplerKind {
+    /// Independent random numbers
+    Independent,
+    /// Sobol' points with Owen scrambling, stratified within each pass
+    Sobol,
+}
+
+impl From<SamplerKind> for Sampler {
+    fn from(kind: SamplerKind) -> Self {
+        match kind {
+            SamplerKind::Independent => Self::Independent,
+            SamplerKind::Sobol => Self::Sobol,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum FilterKind {
+    /// The pixel's own square, evenly
+    Box,
+    /// A pyramid two pixels wide
+    Tent,
+}
+
+impl From<FilterKind> for PixelFilter {
+    fn from(kind: FilterKind) -> Self {
+        match kind {
+            FilterKind::Box => Self::Box,
+            FilterKind::Tent => Self::Tent,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum EstimatorKind {
+    /// BSDF sampling alone: paths that happen to meet a light
+    Bsdf,
+    /// Next event estimation alone: points chosen on lights
+    Light,
+    /// Both, weighted by multiple importance sampling
+    Mis,
+}
+
+impl From<EstimatorKind> for Estimator {
+    fn from(kind: EstimatorKind) -> Self {
+        match kind {
+            EstimatorKind::Bsdf => Self::Bsdf,
+            EstimatorKind::Light => Self::Light,
+            EstimatorKind::Mis => Self::Mis,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum LightSamplingKind {
+    /// Uniformly by area
+    Area,
+    /// Uniformly by solid angle
+    SolidAngle,
+}
+
+impl From<LightSamplingKind> for LightSampling {
+    fn from(kind: LightSamplingKind) -> Self {
+        match kind {
+            LightSamplingKind::Area => Self::Area,
+            LightSamplingKind::SolidAngle => Self::SolidAngle,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum MirrorSamplingKind {
+    /// Only by scattering
+    Off,
+    /// In ideal mirrors that lie in at most 64 planes
+    Planes,
+}
+
+impl From<MirrorSamplingKind> for MirrorSampling {
+    fn from(kind: MirrorSamplingKind) -> Self {
+        match kind {
+            MirrorSamplingKind::Off => Self::Off,
+            MirrorSamplingKind::Planes => Self::Planes,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum PathReuseKind {
+    /// Each pixel rests on its own paths; errors of pixels are independent
+    Off,
+    /// Four pixels of a block share path suffixes from their second diffuse vertex
+    Fours,
+}
+
+impl From<PathReuseKind> for PathReuse {
+    fn from(kind: PathReuseKind) -> Self {
+        match kind {
+            PathReuseKind::Off => Self::Off,
+            PathReuseKind::Fours => Self::Fours,
+        }
+    }
+}

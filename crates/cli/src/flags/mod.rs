@@ -1,0 +1,119 @@
+//! The flags of the commands that render, grouped as `--help` shows them. They serialize under their own
+//! names: that is how `--stats` records them.
+
+mod checkpoints;
+mod kinds;
+mod output;
+mod picture;
+mod sampling;
+mod speed;
+mod stop;
+
+pub(crate) use checkpoints::CheckpointFlags;
+pub(crate) use output::PictureOutput;
+
+use anyhow::{Result, ensure};
+use globillum::geom::Accel;
+use globillum::integrator::{Camera, Render, Scene, Settings, Stop};
+use output::StatsOutput;
+use picture::PictureFlags;
+use sampling::SamplingFlags;
+use serde::Serialize;
+use speed::SpeedFlags;
+use stop::StopFlags;
+
+/// How a picture is rendered, whatever it shows.
+#[derive(clap::Args, Clone, Debug, Serialize)]
+pub(crate) struct RenderFlags {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) picture: PictureFlags,
+    #[command(flatten)]
+    #[serde(flatten)]
+    sampling: SamplingFlags,
+    #[command(flatten)]
+    #[serde(flatten)]
+    stop: StopFlags,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) checkpoints: CheckpointFlags,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) output: PictureOutput,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) stats: StatsOutput,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) speed: SpeedFlags,
+}
+
+/// Samples of a pixel if no flag says anything else.
+const SAMPLES: u32 = 64;
+
+impl RenderFlags {
+    /// The same flags with what they leave open decided: samples, threads and pictures' files.
+    pub(crate) fn resolved(&self, default_out: &str) -> Result<Self> {
+        let mut flags = self.clone();
+        flags.sampling.spp = self.limit();
+        flags.speed.threads = self.speed.resolved_threads();
+        if flags.output.out.is_empty() {
+            flags.output.out.push(default_out.into());
+        }
+        flags.check()?;
+        Ok(flags)
+    }
+
+    /// Samples of a pixel at which the render ends; `None` if only the error or the time ends it.
+    fn limit(&self) -> Option<u32> {
+        let asked = self.sampling.spp;
+        asked.or_else(|| match &self.checkpoints.passes {
+            Some(passes) => Some(passes.end.saturating_mul(self.sampling.pass_spp)),
+            None if self.stop.is_given() => None,
+            None => Some(SAMPLES),
+        })
+    }
+
+    /// Checks flags against each other.
+    fn check(&self) -> Result<()> {
+        let (width, height) = (self.picture.width, self.picture.height);
+        let pixels = u64::from(width) * u64::from(height);
+        ensure!(
+            pixels <= Settings::MAX_PIXELS,
+            "--width {width} --height {height}: must be at most {} pixels together",
+            Settings::MAX_PIXELS
+        );
+        let passes = self.settings().passes();
+        if let Some(asked) = self.checkpoints.passes.as_ref().filter(|asked| asked.end > passes) {
+            let (start, end, spp) = (asked.start, asked.end, self.settings().samples);
+            anyhow::bail!("--passes {start}..{end}: --spp {spp} has only passes 0..{passes}");
+        }
+        Ok(())
+    }
+
+    /// The settings of the library for these flags.
+    pub(crate) fn settings(&self) -> Settings {
+        let samples = self.limit().unwrap_or(u32::MAX);
+        let mut settings = Settings::new(self.picture.width, self.picture.height, samples);
+        settings.filter = self.picture.filter.into();
+        settings.threads = self.speed.threads;
+        self.sampling.apply_to(&mut settings);
+        settings
+    }
+
+    /// What may end the render before all samples are taken.
+    pub(crate) fn stop(&self) -> Stop {
+        self.stop.conditions()
+    }
+
+    /// The render that these flags ask for; a checkpoint to resume from is read.
+    pub(crate) fn render<'a, A: Accel>(
+        &self,
+        scene: &'a Scene<A>,
+        camera: &'a Camera,
+        settings: &'a Settings,
+    ) -> Result<Render<'a, A>> {
+        let render = Render::new(scene, camera, settings).until(self.stop());
+        self.checkpoints.apply_to(render)
+    }
+}

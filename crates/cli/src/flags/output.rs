@@ -1,0 +1,31 @@
+use crate::parse;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Where pictures go.
+#[derive(clap::Args, Clone, Debug, Default, Serialize)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct PictureOutput {
+    /// Write the picture to FILE, as PNG or OpenEXR by its extension; `-` is standard output, as PNG
+    ///
+    /// May be given several times. PNG has 8 bits per component in sRGB, for looking at; OpenEXR has linear
+    /// radiance in Rec. 709 primaries as 32-bit floats, for measuring. A file appears when it is complete.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Vec<PathBuf>,
+    /// Brighten PNG pictures by this number of stops, each of which doubles radiance
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = parse::finite)]
+    #[arg(allow_negative_numbers = true)]
+    pub(crate) exposure: f64,
+}
+
+/// Where the figures go.
+#[derive(clap::Args, Clone, Debug, Serialize)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct StatsOutput {
+    /// Write settings and figures of the render to FILE as JSON; `-` is standard output
+    ///
+    /// Settings have the names of their flags, with underscores. The table goes to standard error if `-` is
+    /// given here or to --out.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) stats: Option<PathBuf>,
+}

@@ -1,0 +1,61 @@
+use super::kinds::{EstimatorKind, LightSamplingKind, MirrorSamplingKind, PathReuseKind, SamplerKind};
+use crate::parse;
+use globillum::integrator::Settings;
+use serde::Serialize;
+
+#[derive(clap::Args, Clone, Debug, Serialize)]
+#[command(next_help_heading = "Sampling")]
+pub(crate) struct SamplingFlags {
+    /// Samples per pixel [default: 64, or no limit with --error or --seconds]
+    ///
+    /// The render ends at this number even if --error or --seconds would let it go on.
+    #[arg(long, value_name = "N", value_parser = parse::integer(1..=u32::MAX), allow_negative_numbers = true)]
+    pub(crate) spp: Option<u32>,
+    /// Samples per pixel in one pass, a power of two
+    ///
+    /// A picture is made of whole passes. The points of the Sobol' sampler are stratified within a pass, and
+    /// the standard error is estimated from the differences between passes.
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = parse::power_of_two)]
+    #[arg(allow_negative_numbers = true)]
+    pub(crate) pass_spp: u32,
+    /// Seed of the random numbers, from 0 to 2^64 - 1
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::integer(0..=u64::MAX))]
+    #[arg(allow_negative_numbers = true)]
+    seed: u64,
+    /// Sampler: where random numbers come from
+    #[arg(long, value_enum, default_value_t = SamplerKind::Sobol)]
+    sampler: SamplerKind,
+    /// Estimator of the radiance along a path
+    #[arg(long, value_enum, default_value_t = EstimatorKind::Mis)]
+    estimator: EstimatorKind,
+    /// How next event estimation chooses a point on a light
+    #[arg(long, value_enum, default_value_t = LightSamplingKind::SolidAngle)]
+    light_sampling: LightSamplingKind,
+    /// Whether next event estimation also reaches lights by way of plane mirrors
+    #[arg(long, value_enum, default_value_t = MirrorSamplingKind::Planes)]
+    mirror_sampling: MirrorSamplingKind,
+    /// Path reuse: whether neighbouring pixels share path suffixes
+    #[arg(long, value_enum, default_value_t = PathReuseKind::Fours)]
+    path_reuse: PathReuseKind,
+    /// Most bounces of a path, at most 2^20 [default: no limit]
+    ///
+    /// 0 leaves emitted radiance only, 1 adds direct illumination. A limit biases the picture: radiance of
+    /// more bounces is missing. Without one, Russian roulette alone ends paths, which has no bias.
+    #[arg(long, value_name = "N", value_parser = parse::integer(0..=Settings::MAX_BOUNCES))]
+    #[arg(allow_negative_numbers = true)]
+    max_bounces: Option<u32>,
+}
+
+impl SamplingFlags {
+    /// Changes what these flags decide, but for the number of samples.
+    pub(crate) fn apply_to(&self, settings: &mut Settings) {
+        settings.pass_samples = self.pass_spp;
+        settings.seed = self.seed;
+        settings.sampler = self.sampler.into();
+        settings.estimator = self.estimator.into();
+        settings.light_sampling = self.light_sampling.into();
+        settings.mirror_sampling = self.mirror_sampling.into();
+        settings.path_reuse = self.path_reuse.into();
+        settings.max_bounces = self.max_bounces;
+    }
+}

@@ -1,0 +1,37 @@
+use crate::parse;
+use globillum::integrator::Stop;
+use serde::Serialize;
+
+#[derive(clap::Args, Clone, Debug, Serialize)]
+#[command(next_help_heading = "When to stop")]
+pub(crate) struct StopFlags {
+    /// Stop when the picture's relative standard error is at most E, such as 0.01 for 1 %
+    ///
+    /// The error is the root mean squared error of the pixels over the picture's mean. What has to fall to E
+    /// is the upper end of its 95 % confidence interval.
+    #[arg(long, value_name = "E", value_parser = parse::positive, allow_negative_numbers = true)]
+    error: Option<f64>,
+    /// Two stages: plan the samples for --error from this number of passes, which are then dropped
+    ///
+    /// Stopping as soon as the error is small biases the mean a little; with a pilot, what is averaged has no
+    /// say in when to stop (Stein 1945). At least 2 passes.
+    #[arg(long, value_name = "PASSES", requires = "error", value_parser = parse::integer(2..=u32::MAX))]
+    #[arg(allow_negative_numbers = true)]
+    pilot: Option<u32>,
+    /// Stop after this time in seconds, at the end of a pass; at least one pass is rendered
+    #[arg(long, value_name = "S", value_parser = parse::positive, allow_negative_numbers = true)]
+    seconds: Option<f64>,
+}
+
+impl StopFlags {
+    /// Whether an error or a time ends the render.
+    pub(crate) fn is_given(&self) -> bool {
+        self.error.is_some() || self.seconds.is_some()
+    }
+
+    pub(crate) fn conditions(&self) -> Stop {
+        let mut stop = Stop::default();
+        (stop.relative_rmse, stop.pilot, stop.seconds) = (self.error, self.pilot, self.seconds);
+        stop
+    }
+}

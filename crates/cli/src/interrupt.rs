@@ -1,0 +1,81 @@
+//! Signals that ask the program to end.
+
+use globillum::io::LoadMonitor;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::error::Error;
+use std::fmt;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Whether the program was asked to end, by SIGINT (Ctrl-C) or SIGTERM. The second signal ends it at once.
+#[derive(Debug)]
+pub(crate) struct Interrupt {
+    /// The last signal's number; 0 before the first.
+    signal: Arc<AtomicUsize>,
+}
+
+impl Interrupt {
+    /// Catches signals from now on, in the whole process.
+    pub(crate) fn catch() -> std::io::Result<Self> {
+        let (signal, caught) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
+        for number in [SIGINT, SIGTERM] {
+            // They run in this order: what the first signal notes, the second finds.
+            flag::register_conditional_shutdown(number, exit_code(number), Arc::clone(&caught))?;
+            flag::register(number, Arc::clone(&caught))?;
+            flag::register_usize(number, Arc::clone(&signal), number as usize)?;
+        }
+        Ok(Self { signal })
+    }
+
+    /// Whether there was a signal.
+    pub(crate) fn is_asked(&self) -> bool {
+        self.signal.load(Ordering::Relaxed) != 0
+    }
+
+    /// The error that ends the program after a signal; `kept` says what is left of its work.
+    pub(crate) fn error(&self, kept: impl Into<String>) -> Interrupted {
+        Interrupted { signal: self.signal.load(Ordering::Relaxed) as i32, kept: kept.into() }
+    }
+
+    /// Fails if there was a signal. To be asked while there is nothing yet to keep.
+    pub(crate) fn check(&self) -> Result<(), Interrupted> {
+        if self.is_asked() { Err(self.error(NOTHING)) } else { Ok(()) }
+    }
+}
+
+/// What is kept if nothing is complete.
+pub(crate) const NOTHING: &str = "nothing is complete, so no file is written";
+
+impl LoadMonitor for Interrupt {
+    fn cancelled(&self) -> bool {
+        self.is_asked()
+    }
+}
+
+/// The program ends because a signal asked it to.
+#[derive(Debug)]
+pub(crate) struct Interrupted {
+    signal: i32,
+    kept: String,
+}
+
+impl Interrupted {
+    /// 128 and the signal's number, as shells have it.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        ExitCode::from(exit_code(self.signal) as u8)
+    }
+}
+
+impl fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "interrupted: {}", self.kept)
+    }
+}
+
+impl Error for Interrupted {}
+
+fn exit_code(signal: i32) -> i32 {
+    128 + signal
+}

@@ -1,0 +1,82 @@
+use crate::checkpoint::Checkpoint;
+use crate::console;
+use crate::flags::RenderFlags;
+use crate::interrupt::Interrupt;
+use crate::monitor::RenderMonitor;
+use crate::output::Outputs;
+use crate::summary::{Summary, Timing};
+use anyhow::Result;
+use globillum::integrator::{Camera, Ending, Model, Picture, Scene};
+use globillum::material::Rgb;
+use std::time::Instant;
+
+/// What a picture shows.
+pub(crate) struct Subject {
+    /// What the figures call it.
+    pub(crate) name: String,
+    pub(crate) model: Model,
+    pub(crate) camera: Camera,
+    /// Radiance from all directions.
+    pub(crate) environment: Rgb,
+}
+
+/// A picture to be rendered: its flags are checked, its files open.
+pub(crate) struct Job {
+    flags: RenderFlags,
+    outputs: Outputs,
+    checkpoint: Option<Checkpoint>,
+    pub(crate) interrupt: Interrupt,
+}
+
+impl Job {
+    /// Checks flags and opens files: what cannot work is known before any work. From here on signals are
+    /// caught, so that no temporary file is left.
+    pub(crate) fn prepare(flags: &RenderFlags, default_out: &str) -> Result<Self> {
+        let flags = flags.resolved(default_out)?;
+        let interrupt = Interrupt::catch()?;
+        let outputs = Outputs::open(&flags.output, flags.stats.stats.as_deref())?;
+        let checkpoints = &flags.checkpoints;
+        let checkpoint = checkpoints.checkpoint.as_deref();
+        let checkpoint = checkpoint.map(|path| Checkpoint::new(path, checkpoints.save_every)).transpose()?;
+        Ok(Self { flags, outputs, checkpoint, interrupt })
+    }
+
+    /// Renders, writes what was asked for, and prints the figures.
+    pub(crate) fn run(self, subject: &Subject) -> Result<()> {
+        let Self { flags, outputs, checkpoint, interrupt } = self;
+        let start = Instant::now();
+        let scene = Scene::build(&subject.model, |triangles| flags.speed.accel.build(triangles))?
+            .with_environment(subject.environment)?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        interrupt.check()?;
+
+        let settings = flags.settings();
+        let render = flags.render(&scene, &subject.camera, &settings)?;
+        let monitor = RenderMonitor::new(checkpoint, &interrupt);
+        let start = Instant::now();
+        let picture = render.run(&monitor)?;
+        let render_seconds = start.elapsed().as_secs_f64();
+        let traced = monitor.finish(&picture)?;
+        if picture.samples == 0 {
+            interrupt.check()?;
+        }
+
+        let timing = Timing { build_seconds, render_seconds, traced };
+        let summary = Summary::new(&subject.name, &flags, &settings, &scene, &picture, timing);
+        let data_on_stdout = outputs.fill_stdout();
+        let written = outputs.write(&picture.film, || summary.to_json())?;
+        console::print_table(&summary.to_table(&written), data_on_stdout)?;
+        report_interrupt(&picture, &interrupt)
+    }
+}
+
+/// Fails if a signal ended the render, and says what was kept.
+fn report_interrupt(picture: &Picture, interrupt: &Interrupt) -> Result<()> {
+    match picture.ending {
+        Ending::Cancelled => {
+            let kept = format!("complete passes are kept, {} samples per pixel", picture.samples);
+            Err(interrupt.error(kept).into())
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,68 @@
+use crate::checkpoint::Checkpoint;
+use crate::interrupt::Interrupt;
+use crate::progress::ProgressBar;
+use anyhow::Result;
+use globillum::integrator::{Monitor, Picture, Progress};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Shows progress, saves checkpoints between passes, and ends the render at a signal.
+pub(crate) struct RenderMonitor<'a> {
+    bar: ProgressBar,
+    interrupt: &'a Interrupt,
+    checkpoint: Mutex<Option<Checkpoint>>,
+    rays: AtomicU64,
+    samples: AtomicU64,
+}
+
+/// What a run traced itself: not what its picture held before, but with a pilot's passes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Traced {
+    pub(crate) rays: u64,
+    pub(crate) samples: u64,
+}
+
+impl<'a> RenderMonitor<'a> {
+    pub(crate) fn new(checkpoint: Option<Checkpoint>, interrupt: &'a Interrupt) -> Self {
+        Self {
+            bar: ProgressBar::new(),
+            interrupt,
+            checkpoint: Mutex::new(checkpoint),
+            rays: AtomicU64::new(0),
+            samples: AtomicU64::new(0),
+        }
+    }
+
+    /// Takes the bar off the terminal, and saves the checkpoint the last time if the picture has any pass.
+    pub(crate) fn finish(self, picture: &Picture) -> Result<Traced> {
+        self.bar.finish();
+        let checkpoint = self.checkpoint.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if let Some(checkpoint) = checkpoint.filter(|_| picture.samples > 0) {
+            checkpoint.finish(picture)?;
+        }
+        let [rays, samples] = [self.rays, self.samples].map(AtomicU64::into_inner);
+        Ok(Traced { rays, samples })
+    }
+
+    fn checkpoint(&self) -> MutexGuard<'_, Option<Checkpoint>> {
+        self.checkpoint.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Monitor for RenderMonitor<'_> {
+    fn progress(&self, progress: Progress) {
+        self.rays.fetch_max(progress.rays, Ordering::Relaxed);
+        self.samples.fetch_max(progress.samples_done, Ordering::Relaxed);
+        self.bar.show(&progress);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.interrupt.is_asked() || self.checkpoint().as_ref().is_some_and(Checkpoint::has_failed)
+    }
+
+    fn pass_done(&self, picture: &Picture) {
+        if let Some(checkpoint) = self.checkpoint().as_mut() {
+            checkpoint.save_if_due(picture);
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Files that are open before the render begins, so that a mistyped name costs no time.
+
+use crate::console;
+use crate::flags::PictureOutput;
+use anyhow::{Context, Result, ensure};
+use globillum::integrator::Film;
+use globillum::io::{AtomicFile, PictureFile};
+use std::io::{IsTerminal, stdout};
+use std::path::{Path, PathBuf};
+
+/// The name of standard output as a file.
+const STDOUT: &str = "-";
+
+/// Where pictures and figures go.
+#[derive(Debug)]
+pub(crate) struct Outputs {
+    pictures: Vec<Target<PictureFile>>,
+    stats: Option<Target<AtomicFile>>,
+    exposure: f64,
+}
+
+#[derive(Debug)]
+enum Target<F> {
+    /// A file and its name.
+    File(PathBuf, F),
+    StandardOutput,
+}
+
+impl Outputs {
+    /// Opens what can be opened; nothing is written yet.
+    pub(crate) fn open(pictures: &PictureOutput, stats: Option<&Path>) -> Result<Self> {
+        let exposure = pictures.exposure;
+        let names = || pictures.out.iter().map(PathBuf::as_path);
+        let twice = names().chain(stats).filter(|&path| path == Path::new(STDOUT)).count() > 1;
+        ensure!(!twice, "-: standard output can be given only once");
+        let shown = names().any(|path| path == Path::new(STDOUT)) && stdout().is_terminal();
+        ensure!(!shown, "--out -: standard output is a terminal, which shows no pictures");
+        let picture = |path: &Path| Ok(PictureFile::create(path)?.exposed(exposure));
+        Ok(Self {
+            pictures: names().map(|path| Target::open(path, picture)).collect::<Result<_>>()?,
+            stats: stats.map(|path| Target::open(path, |path| Ok(AtomicFile::create(path)?))).transpose()?,
+            exposure,
+        })
+    }
+
+    /// Whether standard output takes a file.
+    pub(crate) fn fill_stdout(&self) -> bool {
+        let stats = self.stats.as_ref().is_some_and(Target::is_stdout);
+        stats || self.pictures.iter().any(Target::is_stdout)
+    }
+
+    /// Writes the picture wherever it shall go, and then the figures; returns the pictures' files.
+    pub(crate) fn write(self, film: &Film, stats: impl FnOnce() -> Result<String>) -> Result<Vec<PathBuf>> {
+        let mut written = Vec::new();
+        for picture in self.pictures {
+            match picture {
+                Target::StandardOutput => console::print(&png(film, self.exposure)?)?,
+                Target::File(path, file) => {
+                    file.write(film)?;
+                    written.push(path);
+                }
+            }
+        }
+        match self.stats {
+            None => {}
+            Some(Target::StandardOutput) => console::print(stats()?.as_bytes())?,
+            Some(Target::File(_, file)) => {
+                let json = stats()?;
+                file.commit(|writer| writer.write_all(json.as_bytes()))?;
+            }
+        }
+        Ok(written)
+    }
+}
+
+impl<F> Target<F> {
+    fn open(path: &Path, create: impl FnOnce(&Path) -> Result<F>) -> Result<Self> {
+        if path == Path::new(STDOUT) {
+            return Ok(Self::StandardOutput);
+        }
+        Ok(Self::File(path.into(), create(path)?))
+    }
+
+    fn is_stdout(&self) -> bool {
+        matches!(self, Self::StandardOutput)
+    }
+}
+
+/// The bytes of the picture as a PNG file.
+fn png(film: &Film, exposure: f64) -> Result<Vec<u8>> {
+    let folder = tempfile::tempdir().context("folder for temporary files")?;
+    let path = folder.path().join("picture.png");
+    PictureFile::create(&path)?.exposed(exposure).write(film)?;
+    std::fs::read(&path).with_context(|| path.display().to_string())
+}

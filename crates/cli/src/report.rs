@@ -1,0 +1,45 @@
+use crate::interrupt::Interrupted;
+use crate::{console, usage};
+use anyhow::anyhow;
+use std::process::ExitCode;
+
+/// Runs a program with its parsed `options`, and returns its exit code.
+///
+/// Help and version go to standard output, with code 0. What goes wrong goes to standard error as one line
+/// that begins with `error: `, with code 1; that includes arguments that cannot be parsed.
+pub fn report_and_exit<O>(
+    options: clap::error::Result<O>,
+    run: impl FnOnce(&O) -> anyhow::Result<()>,
+) -> ExitCode {
+    let result = match options {
+        Ok(options) => run(&options),
+        Err(help) if !help.use_stderr() => print_help(&help),
+        Err(error) => Err(anyhow!(usage::message(&error))),
+    };
+    let Err(error) = result else { return ExitCode::SUCCESS };
+    if let Some(interrupted) = error.downcast_ref::<Interrupted>() {
+        console::note(interrupted);
+        return interrupted.exit_code();
+    }
+    console::note(format_args!("error: {}", in_one_line(&error)));
+    ExitCode::FAILURE
+}
+
+/// Prints help or version as clap does, in colour on a terminal.
+fn print_help(help: &clap::Error) -> anyhow::Result<()> {
+    match help.print() {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+/// What went wrong and why; most errors of the library say why themselves.
+fn in_one_line(error: &anyhow::Error) -> String {
+    let mut line = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !line.ends_with(&cause) {
+            line = format!("{line}: {cause}");
+        }
+    }
+    line
+}

@@ -1,0 +1,83 @@
+//! Checkpoints: parts of a picture, merged, resumed, and renders that are killed.
+
+use crate::{CORNELL, MERGE};
+use globillum_testkit::program::names;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+
+const SMALL: [&str; 8] = ["--width", "32", "--height", "24", "--pass-spp", "2", "--out", "a.exr"];
+
+fn read(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+#[test]
+fn parts_of_a_picture_are_merged_to_the_whole() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let render = |arguments: &[&str]| CORNELL.succeed(folder, &[&SMALL[..], arguments].concat());
+    render(&["--spp", "12", "--checkpoint", "whole"]);
+    let whole = read(folder, "a.exr");
+    for (part, passes) in [("1", "0..3"), ("2", "3..4"), ("3", "4..6")] {
+        render(&["--passes", passes, "--checkpoint", part]);
+    }
+    let said = MERGE.succeed(folder, &["2", "3", "1", "--out", "b.exr", "--checkpoint", "all"]);
+    assert!(said.contains("12 per pixel, passes 0..6") && said.contains("error "), "{said}");
+    assert_eq!(read(folder, "b.exr"), whole);
+    assert_eq!(read(folder, "all"), read(folder, "whole"));
+    for (parts, message) in [(["1", "1"], "held twice"), (["1", "a.exr"], "a.exr: is no checkpoint")] {
+        let output = MERGE.run(folder, &[&parts[..], &["--out", "c.png"]].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && said.contains(message), "{said}");
+    }
+    render(&["--seed", "1", "--passes", "0..1", "--checkpoint", "4"]);
+    let output = MERGE.run(folder, &["1", "4", "--out", "c.png"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("4: belongs to another picture"));
+}
+
+#[test]
+fn an_error_can_be_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for pilot in [&[][..], &["--pilot", "4"]] {
+        let said = CORNELL.succeed(folder.path(), &[&SMALL[..], &["--error", "0.1"], pilot].concat());
+        assert!(said.contains("ended by      the error reached"), "{said}");
+    }
+    let said =
+        CORNELL.succeed(folder.path(), &[&SMALL[..], &["--seconds", "0.2", "--error", "1e-9"]].concat());
+    assert!(said.contains("ended by      the time given"), "{said}");
+}
+
+/// A run that finds nothing left to do traces nothing, however much its picture holds.
+#[test]
+fn rates_are_those_of_the_run() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let render = |flags: &[&str]| {
+        CORNELL.succeed(folder.path(), &[&SMALL[..], &["--spp", "8", "--checkpoint", "all"], flags].concat())
+    };
+    let idle = "0.00 million samples and 0.00 million rays a second";
+    assert!(!render(&[]).contains(idle));
+    let said = render(&["--resume"]);
+    assert!(said.contains(idle) && said.contains("samples       8 per pixel, 0.01 million in all"), "{said}");
+}
+
+/// A render that is killed a hundred times and resumed each time has the bits of one that was not.
+#[test]
+fn a_render_survives_being_killed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let flags = ["--spp", "1000", "--threads", "1", "--checkpoint"];
+    CORNELL.succeed(folder, &[&SMALL[..], &flags, &["whole"]].concat());
+    let resume = [&SMALL[..], &flags, &["parts", "--resume", "--save-every", "0"]].concat();
+    for i in 0..100 {
+        let mut command = CORNELL.command(folder, &resume);
+        let mut child = command.stdout(Stdio::null()).spawn().expect("the program starts");
+        std::thread::sleep(Duration::from_millis(10 + 37 * i % 29));
+        child.kill().expect("it is our own");
+        child.wait().expect("it is our own");
+    }
+    assert!(folder.join("parts").exists(), "none came as far as a first checkpoint");
+    CORNELL.succeed(folder, &resume);
+    assert_eq!(read(folder, "parts"), read(folder, "whole"));
+    assert_eq!(names(folder), ["a.exr", "parts", "whole"], "what the killed ones left is gone");
+}

@@ -1,0 +1,79 @@
+//! Help, version, and what the program says to commands that it does not have.
+
+use crate::GLOBILLUM;
+use std::path::Path;
+
+fn help(arguments: &[&str]) -> String {
+    GLOBILLUM.succeed(Path::new("."), arguments)
+}
+
+#[test]
+fn help_is_headed_by_what_the_program_does_and_ends_with_examples() {
+    for (arguments, head) in [
+        (&["--help"][..], "Renders pictures with global illumination"),
+        (&["render", "--help"], "Renders a scene file"),
+        (&["cornell", "--help"], "Renders a built-in scene"),
+        (&["merge", "--help"], "Joins checkpoints"),
+    ] {
+        let said = help(arguments);
+        assert!(said.starts_with(head), "{said}");
+        let (_, examples) = said.split_once("\nExamples:\n").expect("there are examples");
+        assert!(examples.lines().all(|line| line.starts_with("  ")), "{examples}");
+        assert!(examples.contains("globillum "), "{examples}");
+        let short = help(&[&arguments[..arguments.len() - 1], &["-h"]].concat());
+        assert!(short.starts_with(head) && short.len() < said.len(), "{short}");
+    }
+}
+
+#[test]
+fn flags_are_grouped_and_in_the_terms_of_the_field() {
+    for command in ["render", "cornell"] {
+        let said = help(&[command, "--help"]);
+        let headings =
+            ["Scene:", "Picture:", "Sampling:", "When to stop:", "Checkpoints:", "Output:", "Speed (the"];
+        let places = headings.map(|heading| said.find(&format!("\n{heading}")));
+        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
+        for term in [
+            "Samples per pixel",
+            "next event estimation",
+            "Russian roulette",
+            "multiple importance sampling",
+            "standard error",
+            "[default: 512]",
+            "[default: 64, or no limit",
+        ] {
+            assert!(said.contains(term), "{term}");
+        }
+        assert!(!said.to_lowercase().contains("light"));
+    }
+}
+
+/// An example that names a flag or a value that is not there would be refused.
+#[test]
+fn examples_can_be_parsed() {
+    for command in ["render", "cornell", "merge"] {
+        let said = help(&[command, "--help"]).replace("\\\n", " ");
+        let (_, examples) = said.split_once("\nExamples:\n").expect("there are examples");
+        for line in examples.lines().filter_map(|line| line.trim().strip_prefix("globillum ")) {
+            let words = line.split(" | ").next().unwrap_or(line).split_whitespace();
+            let arguments: Vec<&str> = words.chain(["--help"]).collect();
+            assert!(help(&arguments).starts_with("Renders") || line.starts_with("merge"), "{line}");
+        }
+    }
+}
+
+#[test]
+fn the_version_is_that_of_the_package() {
+    assert_eq!(help(&["--version"]), format!("globillum {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn commands_that_are_not_there_are_named() {
+    let refused = |arguments: &[&str], words: &[&str]| GLOBILLUM.assert_refused(|_| (), arguments, words);
+    refused(&[], &["a command is missing: render, cornell, merge"]);
+    refused(&["rendr"], &["unknown command rendr (a similar command exists: render)"]);
+    refused(&["--sped"], &["unexpected argument --sped"]);
+    refused(&["merge"], &["<CHECKPOINT>... is missing"]);
+    refused(&["merge", "a"], &["neither --out nor --checkpoint is given"]);
+    refused(&["render", "a.obj", "b.obj"], &["unexpected argument b.obj"]);
+}

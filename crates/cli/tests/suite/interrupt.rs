@@ -1,0 +1,86 @@
+//! Signals that end a render.
+
+use crate::{CORNELL, MERGE};
+use globillum_testkit::program::names;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+fn start(folder: &Path, arguments: &[&str]) -> Child {
+    let mut command = CORNELL.command(folder, arguments);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
+}
+
+/// Waits until a file whose name begins with `prefix` is in `folder`.
+fn wait_for(folder: &Path, prefix: &str, child: &mut Child) {
+    let is_there = || names(folder).iter().any(|name| name.to_string_lossy().starts_with(prefix));
+    while !is_there() {
+        assert_eq!(child.try_wait().expect("it is our own"), None, "it ended before {prefix} was there");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn send(signal: &str, child: &Child) {
+    let status = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(status.expect("there is a `kill`").success());
+}
+
+fn end(child: Child) -> (Output, String) {
+    let output = child.wait_with_output().expect("it is our own");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output, said)
+}
+
+/// Nothing but a signal ends this render.
+const ENDLESS: [&str; 6] = ["--width", "48", "--height", "32", "--error", "1e-12"];
+
+#[test]
+fn the_first_signal_keeps_complete_passes() {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let folder = folder.path();
+        let files = ["--out", "a.exr", "--checkpoint", "parts", "--save-every", "0", "--stats", "stats.json"];
+        let mut child = start(folder, &[&ENDLESS[..], &files, &["--pass-spp", "1"]].concat());
+        wait_for(folder, "parts", &mut child);
+        send(signal, &child);
+        let (output, said) = end(child);
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        let stats = std::fs::read(folder.join("stats.json")).expect("it was written");
+        let stats: serde_json::Value = serde_json::from_slice(&stats).expect("it is JSON");
+        let samples = stats["samples_per_pixel"].as_u64().filter(|&samples| samples > 0).expect("one pass");
+        let kept = format!("interrupted: complete passes are kept, {samples} samples per pixel\n");
+        assert_eq!((said, &stats["ended_by"]), (kept, &"a signal".into()));
+        assert!(String::from_utf8_lossy(&output.stdout).contains("ended by      a signal"));
+        MERGE.succeed(folder, &["parts", "--out", "b.exr"]);
+        let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.join(name)).expect("a picture"));
+        assert!(a == b, "picture and checkpoint hold the same passes");
+        assert_eq!(names(folder), ["a.exr", "b.exr", "parts", "stats.json"]);
+    }
+}
+
+#[test]
+fn a_signal_before_the_first_complete_pass_leaves_no_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let files = ["--out", "a.png", "--checkpoint", "parts", "--stats", "stats.json", "--pass-spp", "65536"];
+    let mut child = start(folder.path(), &[&ENDLESS[..], &files].concat());
+    // Its temporary files are there once signals are caught.
+    wait_for(folder.path(), ".a.png.", &mut child);
+    send("-INT", &child);
+    let (output, said) = end(child);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert_eq!(said, "interrupted: nothing is complete, so no file is written\n");
+    assert!(output.stdout.is_empty() && names(folder.path()).is_empty(), "{:?}", names(folder.path()));
+}
+
+/// Making and building the scene cannot be interrupted: only the second signal ends it at once.
+#[test]
+fn the_second_signal_ends_the_program_at_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut child = start(folder.path(), &["--scene", "3", "--triangles", "3000000", "--out", "a.png"]);
+    wait_for(folder.path(), ".a.png.", &mut child);
+    send("-INT", &child);
+    send("-TERM", &child);
+    let (output, said) = end(child);
+    assert_eq!((output.status.code(), said.as_str()), (Some(143), ""));
+    assert!(output.stdout.is_empty());
+}

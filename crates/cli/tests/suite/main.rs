@@ -1,0 +1,20 @@
+//! The program `globillum` as its users meet it.
+#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+
+mod checkpoints;
+mod cornell;
+mod example;
+mod help;
+#[cfg(unix)]
+mod interrupt;
+mod output;
+mod render;
+mod stats;
+
+use globillum_testkit::program::Program;
+
+const PATH: &str = env!("CARGO_BIN_EXE_globillum");
+const GLOBILLUM: Program = Program { path: PATH, first: &[] };
+const CORNELL: Program = Program { path: PATH, first: &["cornell"] };
+const RENDER: Program = Program { path: PATH, first: &["render"] };
+const MERGE: Program = Program { path: PATH, first: &["merge"] };
