@@ -50,6 +50,11 @@ fn io() {
 }
 
 #[test]
+fn scenes() {
+    assert_listed("crates/scenes", "scenes.rs.txt");
+}
+
+#[test]
 fn facade() {
     assert_listed(".", "globillum.rs.txt");
 }

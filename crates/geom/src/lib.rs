@@ -43,6 +43,8 @@ mod probe;
 mod prune;
 mod ray;
 mod search;
+#[cfg(feature = "shapes")]
+pub mod shapes;
 mod spherical;
 mod surface;
 mod triangle;

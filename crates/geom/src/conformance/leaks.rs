@@ -1,5 +1,5 @@
 use super::Source;
-use super::shapes::Mesh;
+use crate::shapes::Mesh;
 use crate::{Accel, Ray};
 use glam::DVec3;
 

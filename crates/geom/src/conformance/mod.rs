@@ -23,9 +23,10 @@ mod compare;
 mod leaks;
 pub mod oracle;
 mod regime;
-pub mod shapes;
 mod source;
 
+#[doc(no_inline)]
+pub use crate::shapes;
 pub use compare::{Violation, compare};
 pub use leaks::{Target, leaks};
 pub use regime::Regime;

@@ -1,10 +1,9 @@
-//! A hall with statues in two rows, a mirror for its right wall, a floor of tiles, and two strings
-//! of lights.
+//! A hall with two rows of statues, a mirror as its right wall, a tiled floor, and two strings of lights.
 
 use super::{CLAY, GREEN, RED, SILVER, WHITE, stand};
 use glam::DVec3;
 use globillum_geom::Triangle;
-use globillum_geom::conformance::shapes::{cuboid, icosphere, quad};
+use globillum_geom::shapes::{cuboid, icosphere, quad};
 use globillum_integrator::{Camera, Model, RenderError};
 use globillum_material::{Material, MaterialError, Rgb};
 
@@ -27,18 +26,20 @@ const LIGHT_RADIUS: f64 = 0.1;
 const WARM: Rgb = Rgb::new(11.0, 6.6, 2.9);
 const COOL: Rgb = Rgb::new(3.6, 6.0, 9.9);
 
-/// The camera at the entrance, which looks down the aisle.
+/// The camera of [`hall_with_statues`](super::hall_with_statues), at the entrance: it looks down the aisle.
 ///
 /// # Errors
-/// None in fact; the type is that of [`Camera::look_at`].
+/// Never: all constants are in range. The type is that of [`Camera::look_at`].
 pub fn camera() -> Result<Camera, RenderError> {
     Camera::look_at(DVec3::new(-0.35, 1.2, 2.45), DVec3::new(0.3, 0.9, -2.0), DVec3::Y, 0.95)
 }
 
-/// The hall with copies of `meshes`, in turn, and 7,680 emitting triangles.
+/// A hall with eight statues, which are copies of `meshes` in turn (none if there are no meshes), a mirror as
+/// its right wall, and 7,680 light triangles in 24 small spheres. It reaches from z = 2.5 to z = -8. The meshes
+/// must [have an extent](super::has_extent).
 ///
 /// # Errors
-/// None in fact; the type is that of the materials' constructors.
+/// Never: all constants are in range. The type is that of the materials' constructors.
 pub fn with_statues(meshes: &[Vec<Triangle>]) -> Result<Model, MaterialError> {
     let mut model = walls()?;
     lay_tiles(&mut model)?;
@@ -99,7 +100,7 @@ fn lay_tiles(model: &mut Model) -> Result<(), MaterialError> {
 fn hang_lights(model: &mut Model, x: f64, radiance: Rgb) -> Result<(), MaterialError> {
     let sphere = icosphere(2);
     for number in 0..LIGHTS {
-        // The string sags between its ends as a chain does, about.
+        // The string sags between its ends, about as a chain does.
         let share = number as f64 / (LIGHTS - 1) as f64;
         let sag = 1.4 * share * (1.0 - share);
         let place = DVec3::new(x, 2.3 - sag, 1.2 - SPACING * number as f64);
@@ -114,7 +115,7 @@ mod tests {
     use crate::cornell::knot;
 
     #[test]
-    fn the_hall_has_as_many_lights_as_it_says() {
+    fn the_hall_has_as_many_light_triangles_as_it_says() {
         let model = with_statues(&[knot(1000)]).unwrap();
         let emits = |id: &u32| !model.materials()[*id as usize].emission.is_none();
         assert_eq!(model.material_ids().iter().filter(|id| emits(id)).count(), 7680);

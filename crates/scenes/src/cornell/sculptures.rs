@@ -1,25 +1,27 @@
-//! Closed meshes that are pleasant to look at, as fine as one likes.
+//! Closed meshes that are pleasant to look at, of any fineness.
 
 use glam::DVec3;
 use globillum_geom::Triangle;
+use libm::{cos, log, pow, sin, sincos, tan};
 use std::f64::consts::{PI, TAU};
 
-/// A twisted ribbon tied into a trefoil knot that stands upright, of about so many triangles.
+/// A twisted ribbon tied into a trefoil knot that stands upright: a closed mesh of about `triangles`
+/// triangles, at least 18, that face outward.
 pub fn knot(triangles: usize) -> Vec<Triangle> {
     // Six times as long as it is wide around, so six times as many cuts that way.
     let across = ((triangles as f64 / 12.0).sqrt() as usize).max(3);
     let around = (triangles / (2 * across)).max(3);
     let core = |u: f64| {
-        let radius = 2.0 + (3.0 * u).cos();
-        DVec3::new(radius * (2.0 * u).sin(), radius * (2.0 * u).cos(), 1.3 * (3.0 * u).sin())
+        let radius = 2.0 + cos(3.0 * u);
+        DVec3::new(radius * sin(2.0 * u), radius * cos(2.0 * u), 1.3 * sin(3.0 * u))
     };
     let point = |i: usize, j: usize| {
         let [u, v] = [(i, around), (j, across)].map(|(k, n)| TAU * k as f64 / n as f64);
         let tangent = (core(u + 1e-4) - core(u - 1e-4)).normalize();
         let side = tangent.cross(DVec3::Z).normalize();
         let up = side.cross(tangent);
-        let (twist_sin, twist_cos) = (3.0 * u).sin_cos();
-        let (wide, narrow) = (0.7 * rounded(v.cos()), 0.26 * rounded(v.sin()));
+        let (twist_sin, twist_cos) = sincos(3.0 * u);
+        let (wide, narrow) = (0.7 * rounded(cos(v)), 0.26 * rounded(sin(v)));
         let (a, b) = (wide * twist_cos - narrow * twist_sin, wide * twist_sin + narrow * twist_cos);
         core(u) + side * a + up * b
     };
@@ -28,11 +30,11 @@ pub fn knot(triangles: usize) -> Vec<Triangle> {
 
 /// One coordinate of a circle, drawn towards the square around it: a superellipse of exponent 3.
 fn rounded(x: f64) -> f64 {
-    x.signum() * x.abs().powf(2.0 / 3.0)
+    x.signum() * pow(x.abs(), 2.0 / 3.0)
 }
 
-/// A pine cone: scales along the spirals of a sunflower, smaller and smaller towards both ends; of
-/// about so many triangles.
+/// A pine cone with scales along spirals, smaller towards both ends: a closed mesh of about `triangles`
+/// triangles, at least 24, that face outward.
 pub fn pine_cone(triangles: usize) -> Vec<Triangle> {
     let around = ((triangles as f64 / 1.4).sqrt() as usize).max(3);
     let along = (triangles / (2 * around)).max(3);
@@ -43,16 +45,17 @@ pub fn pine_cone(triangles: usize) -> Vec<Triangle> {
         // The ends are a little open to one another: no ring shrinks to a point.
         let polar = PI * (i as f64 + 0.5) / (along as f64 + 1.0);
         // Mercator's projection keeps angles, so that scales keep their shape wherever they are.
-        let height = -(polar / 2.0).tan().ln();
+        let height = -log(tan(polar / 2.0));
         let [one, other] = [p * angle + q * height, q * angle - p * height];
-        let scale = ((one / 2.0).cos() * (other / 2.0).cos()).powi(2).powf(0.35);
+        let product = cos(one / 2.0) * cos(other / 2.0);
+        let scale = pow(product * product, 0.35);
         // Wider below the middle, and every scale lifts its upper rim.
-        let radius = polar.sin() * (0.62 - 0.16 * polar.cos());
-        let relief = 0.16 * polar.sin() * scale;
+        let radius = sin(polar) * (0.62 - 0.16 * cos(polar));
+        let relief = 0.16 * sin(polar) * scale;
         DVec3::new(
-            (radius + relief) * angle.sin(),
-            0.95 * polar.cos() + 0.4 * relief,
-            (radius + relief) * angle.cos(),
+            (radius + relief) * sin(angle),
+            0.95 * cos(polar) + 0.4 * relief,
+            (radius + relief) * cos(angle),
         )
     };
     let mut mesh = strip(along, around, &point);

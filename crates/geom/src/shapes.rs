@@ -45,7 +45,9 @@ pub fn quad(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> [Triangle; 2] {
 /// A box around `center`, `half` its half sides, turned by `yaw` radians about the y axis; faces
 /// outward.
 pub fn cuboid(center: DVec3, half: DVec3, yaw: f64) -> Vec<Triangle> {
-    let turn = DQuat::from_rotation_y(yaw);
+    // Not the platform's functions: the same triangles on every machine.
+    let (sin, cos) = libm::sincos(0.5 * yaw);
+    let turn = DQuat::from_xyzw(0.0, sin, 0.0, cos);
     let corner = |x, y, z| center + turn * (half * DVec3::new(x, y, z));
     let corners: Vec<DVec3> = (0..8)
         .map(|i| [i >> 2 & 1, i >> 1 & 1, i & 1].map(|bit| f64::from(2 * bit - 1)))
