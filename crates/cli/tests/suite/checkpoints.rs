@@ -40,7 +40,7 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
 fn an_error_can_be_asked_for() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for pilot in [&[][..], &["--pilot", "4"]] {
-        let said = CORNELL.succeed(folder.path(), &[&SMALL[..], &["--error", "0.1"], pilot].concat());
+        let said = CORNELL.succeed(folder.path(), &[&SMALL[..], &["--error", "0.3"], pilot].concat());
         assert!(said.contains("ended by      the error reached"), "{said}");
     }
     let said =

