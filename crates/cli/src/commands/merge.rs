@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use std::path::PathBuf;
 
 const LONG_ABOUT: &str = "\
-Joins checkpoints of one picture whose passes were rendered in parts, with --passes, on one machine or on
+Joins checkpoints of one picture whose passes were rendered in parts, with --passes, on one machine or on \
 several. The picture has the bits of one that was rendered at once, whatever the order of the parts.
 
 The parts must be of the same scene, camera and settings, and no pass may be in two of them.";

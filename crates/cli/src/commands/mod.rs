@@ -9,15 +9,15 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 const LONG_ABOUT: &str = "\
-Renders pictures with global illumination by path tracing: light that reaches the camera directly, by way of
+Renders pictures with global illumination by path tracing: light that reaches the camera directly, by way of \
 mirrors, and after any number of diffuse bounces.
 
-A picture comes with its own error: the standard error of each pixel, and a confidence interval for the
-picture's. Its bits depend on scene, camera and settings alone, not on the number of threads, the accelerator
+A picture comes with its own error: the standard error of each pixel, and a confidence interval for the \
+picture's. Its bits depend on scene, camera and settings alone, not on the number of threads, the accelerator \
 or the processor.";
 
 const EXAMPLES: &str = "\
-Exit codes: 0 if all went well; 1 after an error, which is one line on standard error; 130 after Ctrl-C
+Exit codes: 0 if all went well; 1 after an error, which is one line on standard error; 130 after Ctrl-C \
 (SIGINT) and 143 after SIGTERM.
 
 Examples:

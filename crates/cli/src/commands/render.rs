@@ -12,8 +12,8 @@ Renders a scene file, Wavefront OBJ or glTF 2.0, and prints samples, rays, time 
 
 What the file says and the renderer has not, such as textures, is left out with a warning on standard error.
 
-Ctrl-C (SIGINT) and SIGTERM end the render after the passes that are complete: picture, figures and
-checkpoint are written, and the exit code is 130 or 143. If no pass is complete, no file is written. A
+Ctrl-C (SIGINT) and SIGTERM end the render after the passes that are complete: picture, figures and \
+checkpoint are written, and the exit code is 130 or 143. If no pass is complete, no file is written. A \
 second signal ends the program at once.";
 
 const EXAMPLES: &str = "\
