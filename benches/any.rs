@@ -4,7 +4,7 @@
 mod common;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use globillum_testkit::lab::Query;
+use globillum_testkit::query::Query;
 
 fn any(criterion: &mut Criterion) {
     common::bench_queries(criterion, [Query::AnyShadow, Query::AnyBounce]);

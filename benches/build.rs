@@ -6,7 +6,7 @@
 mod common;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use globillum_testkit::lab::{Buffers, Query};
+use globillum_testkit::query::{Buffers, Query};
 
 fn build(criterion: &mut Criterion) {
     for common::Case { subject, rays } in common::cases() {

@@ -4,8 +4,8 @@ use criterion::{BenchmarkGroup, Criterion, Throughput, measurement::WallTime};
 use globillum::geom::{Accel, KdOptions, KdTree};
 use globillum::io::load_obj;
 use globillum_testkit::accelerators::{self, Builder};
-use globillum_testkit::lab::{Buffers, Query};
 use globillum_testkit::meshes::{Subject, procedural};
+use globillum_testkit::query::{Buffers, Query};
 use globillum_testkit::rays::Rays;
 
 /// Camera rays are those of a picture with so many pixels on each side.

@@ -15,10 +15,10 @@
 //! that does to `t`, `u` and `v` depends on the triangle, and exact arithmetic knows it.
 
 use glam::{DVec3, Vec3};
+use globillum_exact::{Crossing, Rational, Vector, error, rounded};
 use globillum_geom::decide::{Intersection, Shear};
 use globillum_geom::{Ray, Triangle};
 use globillum_testkit::aimed::{Aimed, edge_on, interpolate, ordinary, sliver};
-use globillum_testkit::exact::{Crossing, Rational, Vector, error, rounded};
 use proptest::prelude::*;
 
 /// Unit roundoff of `f64`.

@@ -1,23 +1,22 @@
 //! Where figures come from: what those who repeat them need to know.
 
 /// What the machine calls its processor, where that is known.
-pub fn cpu_model() -> Option<String> {
+pub(crate) fn cpu_model() -> Option<String> {
     let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = info.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// The command that runs this example once more.
-pub fn command(example: &str) -> String {
+/// The command that runs `program` of this package once more, with the same options.
+pub(crate) fn command(program: &str) -> String {
     let options: Vec<_> = std::env::args().skip(1).collect();
     let separator = if options.is_empty() { "" } else { " -- " };
-    format!("cargo run --release -p globillum-lab --bin {example}{separator}{}", options.join(" "))
+    format!("cargo run --release -p globillum-lab --bin {program}{separator}{}", options.join(" "))
 }
 
 /// Today in Greenwich, as year, month and day (Hinnant, "chrono-compatible low-level date algorithms",
 /// 2013).
-#[allow(dead_code, reason = "not every example says when it ran")]
-pub fn date() -> String {
+pub(crate) fn date() -> String {
     let since_1970 = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
     // Days since 1 March of the year 0: leap days come last in a year, and 400 years are 146097 days.
     let days = since_1970.as_secs() / 86_400 + 719_468;

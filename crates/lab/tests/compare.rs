@@ -1,4 +1,4 @@
-//! `examples/compare` as a person meets it: what it writes, and what it says when it can not.
+//! The program `compare` as a person meets it: what it writes, and what it says when it cannot.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -13,7 +13,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
         .current_dir(folder)
         .args(arguments)
         .output()
-        .expect("the example starts")
+        .expect("the program starts")
 }
 
 /// Fails with exit code 1 and one line on standard error that holds each of `words`.
@@ -61,7 +61,9 @@ fn everything_is_written_and_all_rows_have_one_hash() {
     // Brute force, the grid, the usual tree, the wide one and seven rules.
     assert_eq!(hashes.len(), 11, "{csv}");
     assert!(hashes.iter().all(|hash| hash == &hashes[0] && hash.len() == 16), "{csv}");
-    for name in ["compare.svg", "heat-quad-kd.png", "heat-quad-sliding.png", "heat-quad-grid.png"] {
+    for name in
+        ["compare.svg", "compare.png", "heat-quad-kd.png", "heat-quad-sliding.png", "heat-quad-grid.png"]
+    {
         let bytes = std::fs::read(folder.path().join("compare").join(name)).expect(name);
         assert!(bytes.starts_with(b"<svg") || bytes.starts_with(b"\x89PNG"), "{name}");
     }

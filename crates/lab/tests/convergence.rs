@@ -1,4 +1,4 @@
-//! `examples/convergence` as a person meets it: what it writes, and what it says when it can not.
+//! The program `convergence` as a person meets it: what it writes, and what it says when it cannot.
 
 use globillum_testkit::program::Program;
 use std::path::Path;
@@ -34,7 +34,7 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["none.obj"], &["none.obj"]);
     assert_refused(&["bad.obj"], &["bad.obj:2"]);
     assert_refused(&["dark.obj"], &["dark.obj", "nothing shines", "--environment"]);
-    assert_refused(&["c3", "c3"], &["two scenes", "c3"]);
+    assert_refused(&["corner", "corner"], &["two scenes", "corner"]);
     assert_refused(&["--spp", "12"], &["--spp 12", "power of two"]);
     assert_refused(&["--spp", "2"], &["--spp"]);
     assert_refused(&["--side", "7"], &["--side", "7"]);
@@ -47,13 +47,13 @@ fn bad_input_is_one_line_that_names_it() {
 /// Random numbers are fixed, and so are the verdicts, whatever the machine is busy with.
 #[test]
 fn what_is_biased_on_purpose_is_found_and_nothing_else() {
-    let (folder, report) = report(&["c3", "cornell"], &["--accel", "wide", "--side", "64"]);
+    let (folder, report) = report(&["corner", "cornell"], &["--accel", "wide", "--side", "64"]);
     let verdicts = |scene: &str| -> Vec<String> {
         let section = report.split("\n## ").find(|section| section.starts_with(scene)).expect("a section");
         let rows = section.lines().filter(|line| line.contains(" +- "));
         rows.map(str::to_owned).collect()
     };
-    for (scene, biased) in [("c3", 0), ("cornell", 1)] {
+    for (scene, biased) in [("corner", 0), ("cornell", 1)] {
         let verdicts = verdicts(scene);
         assert_eq!(verdicts.len(), 8, "{report}");
         let [right @ .., cut_short] = &verdicts[..] else { panic!("no rows") };

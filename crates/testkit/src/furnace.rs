@@ -1,11 +1,4 @@
-//! Furnaces: closed rooms whose walls shine, in which no path can gather less than all there is.
-
-use crate::accelerators::Builder;
-use crate::scenes::{furnace, scene};
-use crate::stats::independent_pixels;
-use glam::DVec3;
-use globillum_integrator::{Camera, Estimator, render};
-use globillum_material::Rgb;
+//! What a path gathers in a furnace: a closed room whose walls shine.
 
 /// What a path of a furnace of radiance 1 and albedo `rho` gathers in `bounces` bounces, added up as
 /// a path does it, to the bit.
@@ -16,55 +9,4 @@ pub fn truncated_series(rho: f64, bounces: u32) -> f64 {
         throughput *= rho;
     }
     radiance
-}
-
-/// What became of the paths of a furnace.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Loss {
-    /// All of them.
-    pub paths: u32,
-    /// Those that did not gather what they should, to the bit: they left, or met a wall from behind.
-    pub lost: u32,
-    /// The mean radiance.
-    pub mean: f64,
-}
-
-/// Paths of 64 bounces, by scattering alone, in a cubic furnace of albedo 0.8 whose half side is
-/// `half`, around `center`; `side` squared of them. Their exact mean is 5 but for a part in a
-/// million.
-///
-/// # Panics
-/// If the furnace can not be built or rendered.
-pub fn loss(build: Builder, half: f64, center: DVec3, side: u32) -> Loss {
-    const RHO: f64 = 0.8;
-    const BOUNCES: u32 = 64;
-    let eye = center + half * DVec3::new(0.1, 0.2, 0.3);
-    let toward = half * DVec3::new(0.4, -0.3, 0.8);
-    let up = toward.any_orthogonal_vector();
-    let camera = Camera::look_at(eye, eye + toward, up, 2.5).expect("eye and target are apart");
-    // One sample a pixel: the sum of several equal ones would be rounded.
-    let mut settings = independent_pixels(side, side, 1);
-    (settings.estimator, settings.max_bounces) = (Estimator::Bsdf, Some(BOUNCES));
-    settings.roulette.start = u32::MAX;
-    let scene = scene(&furnace(RHO, half, center), build);
-    let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
-    let truth = Rgb::splat(truncated_series(RHO, BOUNCES));
-    let lost = film.means().filter(|&mean| mean != truth).count() as u32;
-    Loss { paths: side * side, lost, mean: film.image_mean().g }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accelerators::{ACCELERATORS, STRUCTURES};
-    use globillum_geom::Triangles;
-
-    #[test]
-    fn a_furnace_keeps_its_paths_and_a_room_without_walls_none() {
-        let kept = loss(STRUCTURES[0].1, 1e-3, DVec3::splat(1e3), 16);
-        assert_eq!((kept.paths, kept.lost), (256, 0));
-        assert!((kept.mean - 5.0).abs() < 1e-5, "{kept:?}");
-        let nothing: Builder = |_| ACCELERATORS[0].1(&Triangles::new(Vec::new())?);
-        assert_eq!(loss(nothing, 1.0, DVec3::ZERO, 16), Loss { paths: 256, lost: 256, mean: 0.0 });
-    }
 }

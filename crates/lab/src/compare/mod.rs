@@ -1,0 +1,120 @@
+//! Compares every accelerator and every splitting rule on a few meshes:
+//! `cargo run --release -p globillum-lab --bin compare`.
+//!
+//! docs/accelerators.md shows the tables and says what they mean.
+
+#![allow(clippy::print_stdout, reason = "a program talks to people")]
+
+mod chart;
+mod heat;
+mod measure;
+mod row;
+mod shape;
+mod structures;
+mod tables;
+
+use crate::machine::{command, cpu_model};
+use anyhow::{Context, Result, ensure};
+use clap::Parser;
+use globillum::geom::{Accel, KdOptions, KdTree};
+use globillum_cli::load_mesh;
+use globillum_testkit::meshes::{Subject, procedural};
+use globillum_testkit::rays::Rays;
+use measure::measure;
+use row::Row;
+use std::path::{Path, PathBuf};
+use structures::Structures;
+
+/// Compares every accelerator and every splitting rule on a few meshes.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+pub struct Options {
+    /// Compare on this mesh instead of the procedural ones; may be given several times
+    #[arg(long, value_name = "FILE.obj")]
+    mesh: Vec<PathBuf>,
+    /// Camera rays are those of a square picture with so many pixels on each side
+    #[arg(long, default_value_t = 192, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    side: u32,
+    /// How often each thing is timed; the median counts
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    repeats: u32,
+    #[command(flatten)]
+    structures: Structures,
+    /// The folder for compare.csv, compare.svg, compare.png and the heat maps
+    #[arg(long, value_name = "DIR", default_value = "compare")]
+    out: PathBuf,
+}
+
+/// Measures, prints and writes everything.
+///
+/// # Errors
+/// An option that makes no sense, a file that cannot be read or written, naming it.
+pub fn run(options: &Options) -> Result<()> {
+    let subjects = options.subjects()?;
+    let folder = &options.out;
+    std::fs::create_dir_all(folder).with_context(|| format!("{}: can not be made", folder.display()))?;
+    let contenders = options.structures.contenders();
+    let progress =
+        indicatif::ProgressBar::new((subjects.len() * contenders.len()) as u64 * u64::from(options.repeats));
+    let mut rows: Vec<Vec<Row>> = Vec::new();
+    for subject in &subjects {
+        let rays = rays_of(subject, options.side)?;
+        let measured = measure(&contenders, subject, &rays, options.repeats as usize, || progress.inc(1))?;
+        rows.push(row::rows(&subject.name, subject.triangles.live().len(), &rays, measured));
+    }
+    progress.finish_and_clear();
+
+    for (subject, rows) in subjects.iter().zip(&rows) {
+        tables::print(rows);
+        shape::print(&subject.triangles, &options.structures)?;
+        heat::print_histogram(subject, options.side, &options.structures)?;
+    }
+    tables::print_totals(&rows);
+    println!("{}: `{}`", cpu_model().unwrap_or_else(|| "unknown".to_owned()), command("compare"));
+
+    let mut written = vec![row::write_csv(folder, &rows)?];
+    written.extend(chart::write(folder, &rows)?);
+    for subject in &subjects {
+        written.extend(heat::write_maps(folder, subject, options.side, &options.structures)?);
+    }
+    written.iter().for_each(|path| println!("{}", path.display()));
+    assert_one_hash(&rows)
+}
+
+/// The rays of the subject's picture, by a tree that has a row of its own.
+fn rays_of(subject: &Subject, side: u32) -> Result<Rays> {
+    let accel: &dyn Accel = &KdTree::build(&subject.triangles, &KdOptions::default())?;
+    Ok(Rays::new(subject, accel, side))
+}
+
+fn assert_one_hash(rows: &[Vec<Row>]) -> Result<()> {
+    for rows in rows {
+        for row in rows {
+            ensure!(row.hash == rows[0].hash, "{}: {} answers differently", row.mesh, row.accelerator);
+        }
+    }
+    Ok(())
+}
+
+impl Options {
+    fn subjects(&self) -> Result<Vec<Subject>> {
+        if self.mesh.is_empty() {
+            return Ok(procedural()?);
+        }
+        let subjects = self.mesh.iter().map(|path| subject_from(path)).collect::<Result<Vec<_>>>()?;
+        for (i, subject) in subjects.iter().enumerate() {
+            let twice = subjects[..i].iter().any(|other| other.name == subject.name);
+            ensure!(!twice, "--mesh: two are called {}, and so would be their pictures", subject.name);
+        }
+        Ok(subjects)
+    }
+}
+
+fn subject_from(path: &Path) -> Result<Subject> {
+    let mesh = load_mesh(path)?;
+    let name =
+        path.file_stem().map_or_else(|| path.display().to_string(), |s| s.to_string_lossy().into_owned());
+    let subject = Subject::new(name, mesh)?;
+    ensure!(!subject.triangles.live().is_empty(), "{}: no triangle can be hit", path.display());
+    Ok(subject)
+}

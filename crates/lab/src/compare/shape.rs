@@ -1,0 +1,43 @@
+//! What the trees look like, rule by rule.
+#![allow(clippy::print_stdout, reason = "a program talks to people")]
+
+use super::structures::{Structures, name};
+use crate::table::table;
+use anyhow::Result;
+use globillum::geom::{KdTree, SplitRule, Triangles};
+
+/// A line for each rule.
+pub(crate) fn print(triangles: &Triangles, structures: &Structures) -> Result<()> {
+    let mut table = table(&[
+        "rule",
+        "depth",
+        "nodes",
+        "leaves",
+        "empty",
+        "refs/tri",
+        "empty volume",
+        "aspect",
+        "expected visits",
+        "expected tests",
+        "expected cost",
+    ]);
+    for rule in SplitRule::ALL {
+        let options = structures.kd(rule);
+        let stats = KdTree::build(triangles, &options)?.stats();
+        table.add_row([
+            name(rule).to_owned(),
+            stats.depth.to_string(),
+            stats.nodes.to_string(),
+            stats.leaves.to_string(),
+            stats.empty_leaves.to_string(),
+            format!("{:.2}", stats.references_per_triangle),
+            format!("{:.1} %", 100.0 * stats.empty_volume),
+            format!("{:.1}", stats.aspect),
+            format!("{:.1}", stats.expected_visits),
+            format!("{:.1}", stats.expected_tests),
+            format!("{:.1}", stats.expected_cost(options.traversal_cost)),
+        ]);
+    }
+    println!("{table}\n");
+    Ok(())
+}

@@ -1,0 +1,97 @@
+//! What is compared.
+
+use globillum::integrator::{Estimator, PathReuse, Sampler, Settings};
+use globillum_cli::AccelKind;
+
+/// A way to make a picture, but for what finds the triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Combination {
+    pub(crate) estimator: Estimator,
+    pub(crate) sampler: Sampler,
+    /// Whether pixels reuse each other's paths.
+    pub(crate) path_reuse: PathReuse,
+    /// `None` but for the one that is biased on purpose.
+    pub(crate) max_bounces: Option<u32>,
+}
+
+const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
+const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
+
+impl Combination {
+    /// How many [`Combination::unbiased`] there are.
+    pub(crate) const UNBIASED: usize = ESTIMATORS.len() * SAMPLERS.len() + 1;
+
+    /// Biased where light of more bounces matters; it shows that the report notices.
+    pub(crate) const CUT_SHORT: Self = Self {
+        estimator: Estimator::Mis,
+        sampler: Sampler::Independent,
+        path_reuse: PathReuse::Off,
+        max_bounces: Some(2),
+    };
+
+    /// What is usual.
+    const REUSE: Self = Self {
+        estimator: Estimator::Mis,
+        sampler: Sampler::Sobol,
+        path_reuse: PathReuse::Fours,
+        max_bounces: None,
+    };
+
+    /// All that is right on average.
+    pub(crate) fn unbiased() -> impl Iterator<Item = Self> {
+        let path_reuse = PathReuse::Off;
+        let with = move |estimator| {
+            SAMPLERS.map(|sampler| Self { estimator, sampler, path_reuse, max_bounces: None })
+        };
+        ESTIMATORS.into_iter().flat_map(with).chain([Self::REUSE])
+    }
+
+    /// Puts it into settings.
+    pub(crate) fn apply(self, settings: &mut Settings) {
+        (settings.estimator, settings.sampler) = (self.estimator, self.sampler);
+        (settings.path_reuse, settings.max_bounces) = (self.path_reuse, self.max_bounces);
+    }
+
+    /// The estimator in words.
+    pub(crate) fn estimator_name(self) -> String {
+        let name = match self.estimator {
+            Estimator::Bsdf => "Bsdf",
+            Estimator::Light => "Light",
+            Estimator::Mis => "Mis",
+            _ => "another",
+        };
+        match (self.max_bounces, self.path_reuse) {
+            (Some(limit), _) => format!("{name}, at most {limit} bounces"),
+            (None, PathReuse::Off) => name.to_owned(),
+            (None, _) => format!("{name}, path reuse"),
+        }
+    }
+
+    /// A name for files: `mis-sobol-reuse`.
+    pub(crate) fn file_name(self) -> String {
+        let estimator = format!("{:?}", self.estimator).to_lowercase();
+        let sampler = format!("{:?}", self.sampler).to_lowercase();
+        let reuse = if self.path_reuse == PathReuse::Off { "" } else { "-reuse" };
+        let limit = self.max_bounces.map_or(String::new(), |limit| format!("-{limit}-bounces"));
+        format!("{estimator}-{sampler}{reuse}{limit}")
+    }
+
+    /// The sampler in words.
+    pub(crate) fn sampler_name(self) -> &'static str {
+        match self.sampler {
+            Sampler::Independent => "independent",
+            Sampler::Sobol => "Sobol'",
+            _ => "another",
+        }
+    }
+}
+
+/// The accelerator in words.
+pub(crate) fn accel_name(accel: AccelKind) -> &'static str {
+    match accel {
+        AccelKind::Wide => "wide k-d tree",
+        AccelKind::Kd => "k-d tree",
+        AccelKind::Grid => "uniform grid",
+        AccelKind::Brute => "brute force",
+    }
+}
