@@ -513,6 +513,29 @@ fn empty_space_at_no_cost() {
     }
 }
 
+/// Where no plane pays, each is on trial, and twice as many follow. They are fewer than half of what the
+/// documentation allows for their halves; each takes no more than 16 allocations.
+#[test]
+fn lookahead_tries_a_bounded_number_of_planes() {
+    let triangles = Triangles::new(icosphere(2).triangles()).unwrap();
+    let brute = BruteForce::build(&triangles);
+    let rays = aimed_rays(&triangles, 200);
+    let b = 8 * triangles.live().len() as u64;
+    let most = 16 * (60 * b / 2);
+    for lookahead in [1, 12, 20, u32::MAX] {
+        for rule in SplitRule::ALL {
+            let mut options = KdOptions::by_rule(rule);
+            (options.lookahead, options.leaf_size, options.traversal_cost) = (lookahead, 0, 1e6);
+            let (tree, allocated) = measured(|| KdTree::build(&triangles, &options).unwrap());
+            let count = allocated.count_total;
+            assert!(count <= most, "{rule:?}, lookahead {lookahead}: {count} allocations, not {most}");
+            for ray in &rays {
+                assert_same("k-d tree", &tree, ray, brute.intersect(ray));
+            }
+        }
+    }
+}
+
 #[test]
 fn costs_out_of_range() {
     let triangles = Triangles::new(vec![CORNER]).unwrap();

@@ -11,9 +11,43 @@ use crate::{Aabb, GeomError, Triangles};
 /// Leaves references and nodes countable in `u32`.
 const MAX_REFERENCES: usize = 1 << 31;
 
-/// The room that the leaves of a tree over `count` triangles may take; see [`Cell::room`].
-fn room_for(count: usize) -> usize {
-    (8 * count).clamp(1, MAX_REFERENCES)
+/// What may yet be spent on a cell and all below it.
+#[derive(Clone, Copy)]
+struct Budget {
+    /// Room that the leaves may take: one for each reference, and one for an empty leaf, so that nodes
+    /// are bounded too. What is taken out again gives its room back.
+    room: usize,
+    /// Room that the halves of cells on trial may take, in all; what is taken out again has spent it.
+    trials: usize,
+}
+
+impl Budget {
+    /// That of a tree over `count` triangles.
+    fn of_tree(count: usize) -> Self {
+        let room = (8 * count).clamp(1, MAX_REFERENCES);
+        Self { room, trials: room.saturating_mul(KdTree::MAX_DEPTH as usize) }
+    }
+
+    /// What is left for each half of a cell, shared in proportion to what the halves need at once. What the
+    /// lower one leaves goes to the upper one later.
+    fn share(self, needed: [usize; 2], on_trial: bool) -> [Self; 2] {
+        let both = needed[0] + needed[1];
+        let lower = |spare: usize| (spare as f64 * needed[0] as f64 / both as f64) as usize;
+        let (room, trials) = (self.room - both, self.trials - if on_trial { both } else { 0 });
+        let (lower_room, lower_trials) = (lower(room), lower(trials));
+        [
+            Self { room: needed[0] + lower_room, trials: lower_trials },
+            Self { room: needed[1] + (room - lower_room), trials: trials - lower_trials },
+        ]
+    }
+}
+
+impl std::ops::Add for Budget {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { room: self.room + other.room, trials: self.trials + other.trials }
+    }
 }
 
 /// Far below what an `f32` coordinate can tell, far above what rounding does in `f64`.
@@ -31,9 +65,11 @@ impl KdTree {
     /// Large cells are built side by side on the threads of the current rayon pool; the tree is the
     /// same for any number of them.
     ///
-    /// Memory is bounded beforehand. Over `n` live triangles the leaves hold at most `b = 8 n`
-    /// references (never more than `2^31`), there are fewer than `2 b` nodes (one over nothing), and
-    /// the tree is at most [`KdTree::MAX_DEPTH`] deep. Building takes at most `200 n + 240 b + 1024`
+    /// Memory and work are bounded beforehand, whatever the options. Over `n` live triangles the leaves hold
+    /// at most `b = 8 n` references (never more than `2^31`), there are fewer than `2 b` nodes (one over
+    /// nothing), and the tree is at most [`KdTree::MAX_DEPTH`] deep. Planes that do not pay by themselves
+    /// ([`KdOptions::lookahead`]), and all planes below them, are tried as long as their halves hold `60 b`
+    /// references in all. Building takes at most `200 n + 240 b + 1024`
     /// bytes beside the triangles: for each triangle in the cell that is being halved, and for each of
     /// `b`, a box and its six events, 76 bytes; and for each of `b` a box and two nodes, 52 bytes, in
     /// vectors that hold up to three times their content while they grow; this on any number of threads,
@@ -61,7 +97,8 @@ impl KdTree {
             members,
             depth_left: options.max_depth.min(Self::MAX_DEPTH),
             unpaid: 0,
-            room: room_for(live.len()),
+            on_trial: false,
+            budget: Budget::of_tree(live.len()),
         };
         let builder =
             Builder { triangles, options, costs: options.costs(), slack: slack_for(&triangles.bounds()) };
@@ -82,9 +119,10 @@ struct Cell {
     depth_left: u32,
     /// How many planes right above did not pay by themselves.
     unpaid: u32,
-    /// How much room the leaves below may take: one for each reference, and one for an empty
-    /// leaf, so that nodes are bounded too. Enough to make this cell a leaf.
-    room: usize,
+    /// Whether some plane above did not pay by itself, and may be taken out again.
+    on_trial: bool,
+    /// Enough to make this cell a leaf.
+    budget: Budget,
 }
 
 /// The room that a leaf with `count` references takes.
@@ -97,11 +135,14 @@ struct Choice {
     split: Split,
     /// How many planes in a row, this one the last, do not pay by themselves.
     unpaid: u32,
+    /// Whether this plane or one above does not pay by itself.
+    on_trial: bool,
 }
 
 /// What became of a cell.
 struct Built {
-    room_left: usize,
+    /// Of the cell's budget.
+    left: Budget,
     /// Expected cost of a ray that meets the cell, times half the cell's area.
     cost: f64,
 }
@@ -116,7 +157,7 @@ struct Builder<'a> {
 }
 
 /// The halves of a cell with so many members are built side by side. Part of what a tree is: they
-/// do not pass on room to each other.
+/// do not pass on what is left to each other.
 const SIDE_BY_SIDE: usize = 4096;
 
 impl Builder<'_> {
@@ -129,16 +170,17 @@ impl Builder<'_> {
 
     /// Adds the nodes of `cell` to `branch`.
     fn subdivide(&self, cell: Cell, branch: &mut Branch, moves: &mut Vec<Move>) -> Built {
-        let (area, count, room) = (cell.bounds.half_area(), cell.members.len(), cell.room);
-        let as_leaf = Built { room_left: room - room_of_leaf(count), cost: area * count as f64 };
+        let (area, count, budget) = (cell.bounds.half_area(), cell.members.len(), cell.budget);
+        let left = Budget { room: budget.room - room_of_leaf(count), ..budget };
+        let as_leaf = Built { left, cost: area * count as f64 };
         let start = branch.len();
-        let Some(Choice { split, unpaid }) = self.choose_split(&cell) else {
+        let Some(choice) = self.choose_split(&cell) else {
             branch.add_leaf(cell.members);
             return as_leaf;
         };
-        let halves = self.halve(cell, &split, unpaid, moves);
-        branch.add_split(&split.plane);
-        let Built { room_left, cost } = if count < SIDE_BY_SIDE {
+        let halves = self.halve(cell, &choice, moves);
+        branch.add_split(&choice.split.plane);
+        let Built { left, cost } = if count < SIDE_BY_SIDE {
             self.one_by_one(halves, branch, moves)
         } else {
             // Freed for those below, who have their own.
@@ -146,11 +188,12 @@ impl Builder<'_> {
             self.side_by_side(halves, branch)
         };
         let cost = area * self.costs.traversal + cost;
-        if unpaid > 0 && cost >= as_leaf.cost {
+        if choice.unpaid > 0 && cost >= as_leaf.cost {
             branch.collapse(start);
-            return as_leaf;
+            let left = Budget { room: as_leaf.left.room, ..left };
+            return Built { left, ..as_leaf };
         }
-        Built { room_left, cost }
+        Built { left, cost }
     }
 
     /// Adds the nodes of both halves of a cell whose own node comes last in `branch`.
@@ -158,9 +201,9 @@ impl Builder<'_> {
         let parent = branch.nodes.len() - 1;
         let lower = self.subdivide(lower, branch, moves);
         branch.point_to_upper(parent);
-        upper.room += lower.room_left;
+        upper.budget = upper.budget + lower.left;
         let upper = self.subdivide(upper, branch, moves);
-        Built { room_left: upper.room_left, cost: lower.cost + upper.cost }
+        Built { left: upper.left, cost: lower.cost + upper.cost }
     }
 
     /// The same on two threads, where there are two.
@@ -171,7 +214,7 @@ impl Builder<'_> {
         branch.append(&lower_branch);
         branch.point_to_upper(parent);
         branch.append(&upper_branch);
-        Built { room_left: lower.room_left + upper.room_left, cost: lower.cost + upper.cost }
+        Built { left: lower.left + upper.left, cost: lower.cost + upper.cost }
     }
 
     /// Where to halve `cell`; `None` where it is to be a leaf: by the same criteria, whichever rule
@@ -187,31 +230,31 @@ impl Builder<'_> {
         };
         let pays = self.costs.of_split(bounds, &split) < members.len() as f64;
         let unpaid = if pays { 0 } else { cell.unpaid + 1 };
-        let fits = split.counts.map(room_of_leaf).into_iter().sum::<usize>() <= cell.room;
-        (fits && unpaid <= self.options.lookahead).then_some(Choice { split, unpaid })
+        let on_trial = cell.on_trial || !pays;
+        let needed: usize = split.counts.map(room_of_leaf).into_iter().sum();
+        let fits = needed <= cell.budget.room && (!on_trial || needed <= cell.budget.trials);
+        (fits && unpaid <= self.options.lookahead).then_some(Choice { split, unpaid, on_trial })
     }
 
-    fn halve(&self, cell: Cell, split: &Split, unpaid: u32, moves: &mut Vec<Move>) -> [Cell; 2] {
-        let needed = split.counts.map(room_of_leaf);
-        let spare = cell.room - needed[0] - needed[1];
-        // Shared in proportion; what the lower cell leaves goes to the upper one later.
-        let share = (spare as f64 * needed[0] as f64 / (needed[0] + needed[1]) as f64) as usize;
-        let [lower_room, upper_room] = [needed[0] + share, needed[1] + (spare - share)];
+    fn halve(&self, cell: Cell, choice: &Choice, moves: &mut Vec<Move>) -> [Cell; 2] {
+        let &Choice { ref split, unpaid, on_trial } = choice;
+        let budgets = cell.budget.share(split.counts.map(room_of_leaf), on_trial);
         let halves = split.plane.halves(&cell.bounds);
         let ([lower, upper], parts) = self.distribute(&cell, split, moves);
         let [lower_events, upper_events] = match &cell.events {
             Some(events) => events.divide(moves, [&lower, &upper], parts).map(Some),
             None => [None, None],
         };
-        let child = |bounds, members, events, room| Cell {
+        let child = |bounds, members, events, budget| Cell {
             bounds,
             members,
             events,
             depth_left: cell.depth_left - 1,
             unpaid,
-            room,
+            on_trial,
+            budget,
         };
-        [child(halves[0], lower, lower_events, lower_room), child(halves[1], upper, upper_events, upper_room)]
+        [child(halves[0], lower, lower_events, budgets[0]), child(halves[1], upper, upper_events, budgets[1])]
     }
 
     /// What is in each half, at most as many as the split counts: the members on its side of the
