@@ -3,7 +3,7 @@
 //! A hit's computed `t` puts the ray's point within `24 u * reach` of a point of the triangle, on
 //! every axis, where `u = 2^-53` and `reach` is the largest coordinate distance between the ray's
 //! origin and the scene's bounds (docs/numerics.md derives it). Accelerators therefore widen
-//! every plane by [`Pruner::slack`], which covers that and the rounding of the plane's own
+//! every plane by [`Ray::pruning_slack`], which covers that and the rounding of the plane's own
 //! parameter, and visit what the widened planes admit.
 
 use crate::{Aabb, Ray};
@@ -34,19 +34,46 @@ const SLACK_ULPS: f64 = 64.0;
 /// slack.
 pub(crate) const PARALLEL: f64 = f64::from_bits((1023 - 200) << 52);
 
+impl Ray {
+    /// By how much an accelerator widens what it prunes by: a length, in the scene's unit, along each axis, for
+    /// triangles within `bounds`.
+    ///
+    /// It is `64 u reach`, with `u = 2^-53` and `reach` the largest coordinate distance between the origin and
+    /// `bounds`: infinite for the empty box, not a number for a ray that is not [traceable](Ray::is_traceable).
+    ///
+    /// A box that holds a triangle, or the part of it that is listed there, may be passed over if the exact line
+    /// misses the box once all six faces are moved outward by this length, or meets it only where `t` is out of
+    /// the ray's range, or beyond the best hit so far. Of the 64, 24 are what a computed hit needs: the point at
+    /// its `t` lies within `24 u reach`, along each axis, of a point of the triangle, however thin the triangle
+    /// is and from whatever side it is seen (docs/numerics.md has the proof). The other 40 are for the roundings
+    /// of the accelerator: a face relative to the origin, and the parameter at which the ray crosses it, take 4.
+    ///
+    /// ```
+    /// use glam::{DVec3, Vec3};
+    /// use globillum_geom::{Aabb, Ray};
+    ///
+    /// let bounds = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+    /// let ray = Ray::new(DVec3::new(0.5, 0.5, 8.0), -DVec3::Z);
+    /// assert_eq!(ray.pruning_slack(&bounds), 64.0 * 2.0_f64.powi(-53) * 8.0);
+    /// ```
+    #[inline(always)]
+    pub fn pruning_slack(&self, bounds: &Aabb) -> f64 {
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let (below, above) = (largest(min - self.origin), largest(max - self.origin));
+        let reach = if below > above { below } else { above };
+        SLACK_ULPS * (f64::EPSILON / 2.0) * reach
+    }
+}
+
 impl Pruner {
     /// Prepares a [traceable](Ray::is_traceable) ray for a scene within `bounds`.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, bounds: &Aabb) -> Self {
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let smallest = PARALLEL * largest(ray.direction);
         let lifted = |d: f64| if d.abs() < smallest { smallest } else { d };
         let DVec3 { x, y, z } = ray.direction;
         let direction = DVec3::new(lifted(x), lifted(y), lifted(z));
-        let (below, above) = (largest(min - ray.origin), largest(max - ray.origin));
-        let reach = if below > above { below } else { above };
-        let slack = SLACK_ULPS * (f64::EPSILON / 2.0) * reach;
-        Self { origin: ray.origin, direction, inverse: 1.0 / direction, slack }
+        Self { origin: ray.origin, direction, inverse: 1.0 / direction, slack: ray.pruning_slack(bounds) }
     }
 
     /// The parameter at which the ray has gone `distance` along `axis`, the slack added if
