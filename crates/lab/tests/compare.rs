@@ -40,6 +40,7 @@ fn bad_input_is_one_line_that_names_it() {
     on_quad("--resolution", "4096,4096,1", &["grid references", "1056"]);
     on_quad("--resolution", "4,4", &["resolution", "three numbers"]);
     on_quad("--side", "0", &["--side", "0"]);
+    on_quad("--farther", "0.5", &["--farther", "0.5", "[1, 1e15]"]);
     on_quad("--mesh", "quad.obj", &["--mesh", "quad"]);
     assert_refused(&["--mesh", "none.obj"], &["none.obj"]);
     assert_refused(&["--mesh", "bad.obj"], &["bad.obj:2"]);

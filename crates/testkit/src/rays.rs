@@ -2,7 +2,7 @@
 
 use crate::meshes::Subject;
 use glam::DVec3;
-use globillum_geom::{Accel, Frame, Hit, Ray};
+use globillum_geom::{Accel, Frame, GeomError, Hit, KdOptions, KdTree, Ray};
 use globillum_integrator::Stream;
 use globillum_material::warp::CosineHemisphere;
 
@@ -20,9 +20,12 @@ pub struct Rays {
 }
 
 impl Rays {
-    /// The rays of a square picture with `side` pixels on each side. `accel` holds the triangles
-    /// of `subject`.
-    pub fn new(subject: &Subject, accel: &dyn Accel, side: u32) -> Self {
+    /// The rays of a square picture of `subject` with `side` pixels on each side.
+    ///
+    /// # Errors
+    /// What building a [`KdTree`] says, whose hits the other rays start from.
+    pub fn new(subject: &Subject, side: u32) -> Result<Self, GeomError> {
+        let accel = KdTree::build(&subject.triangles, &KdOptions::default())?;
         let camera = camera_rays(subject, side);
         let (mut bounce, mut shadow) = (Vec::new(), Vec::new());
         for (ray, index) in camera.iter().zip(0..) {
@@ -35,7 +38,7 @@ impl Rays {
             to_light.t_max = 1.0;
             shadow.push(to_light);
         }
-        Self { camera, bounce, shadow }
+        Ok(Self { camera, bounce, shadow })
     }
 }
 

@@ -31,7 +31,7 @@ fn all_costs(subject: &Subject, side: u32, structures: &Structures) -> Result<[C
     let kd = KdTree::build(triangles, &structures.usual_kd())?;
     let sliding = KdTree::build(triangles, &structures.kd(SplitRule::SlidingMidpoint))?;
     let grid = UniformGrid::build(triangles, &structures.grid())?;
-    let rays = Rays::new(subject, &kd, side).camera;
+    let rays = Rays::new(subject, side)?.camera;
     Ok([costs("kd", &kd, &rays), costs("sliding", &sliding, &rays), costs("grid", &grid, &rays)])
 }
 

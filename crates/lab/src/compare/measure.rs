@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn all_accelerators_have_one_hash_and_a_wrong_one_another() {
         let subject = Subject::new("statue", statue(500).triangles()).unwrap();
-        let rays = Rays::new(&subject, &*accelerators::ACCELERATORS[0].1(&subject.triangles).unwrap(), 16);
+        let rays = Rays::new(&subject, 16).unwrap();
         assert!(rays.bounce.len() > 20 && rays.shadow.len() == rays.bounce.len());
         let nothing: Builder = |_| accelerators::ACCELERATORS[0].1(&Triangles::new(Vec::new())?);
         let contenders = accelerators::all().chain([("nothing", nothing)]);

@@ -16,7 +16,6 @@ mod tables;
 use crate::machine::{command, cpu_model};
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use globillum::geom::{Accel, KdOptions, KdTree};
 use globillum_cli::load_mesh;
 use globillum_testkit::meshes::{Subject, procedural};
 use globillum_testkit::rays::Rays;
@@ -35,6 +34,9 @@ pub struct Options {
     /// Camera rays are those of a square picture with so many pixels on each side
     #[arg(long, default_value_t = 192, value_parser = clap::value_parser!(u32).range(1..=4096))]
     side: u32,
+    /// The camera stands so many times as far away, and sees as much of the mesh
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = farther)]
+    farther: f64,
     /// How often each thing is timed; the median counts
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     repeats: u32,
@@ -58,7 +60,7 @@ pub fn run(options: &Options) -> Result<()> {
         indicatif::ProgressBar::new((subjects.len() * contenders.len()) as u64 * u64::from(options.repeats));
     let mut rows: Vec<Vec<Row>> = Vec::new();
     for subject in &subjects {
-        let rays = rays_of(subject, options.side)?;
+        let rays = Rays::new(subject, options.side)?;
         let measured = measure(&contenders, subject, &rays, options.repeats as usize, || progress.inc(1))?;
         rows.push(row::rows(&subject.name, subject.triangles.live().len(), &rays, measured));
     }
@@ -81,12 +83,6 @@ pub fn run(options: &Options) -> Result<()> {
     assert_one_hash(&rows)
 }
 
-/// The rays of the subject's picture, by a tree that has a row of its own.
-fn rays_of(subject: &Subject, side: u32) -> Result<Rays> {
-    let accel: &dyn Accel = &KdTree::build(&subject.triangles, &KdOptions::default())?;
-    Ok(Rays::new(subject, accel, side))
-}
-
 fn assert_one_hash(rows: &[Vec<Row>]) -> Result<()> {
     for rows in rows {
         for row in rows {
@@ -98,6 +94,16 @@ fn assert_one_hash(rows: &[Vec<Row>]) -> Result<()> {
 
 impl Options {
     fn subjects(&self) -> Result<Vec<Subject>> {
+        let mut subjects = self.meshes()?;
+        for subject in &mut subjects {
+            subject.eye = subject.target + self.farther * (subject.eye - subject.target);
+            subject.half_height /= self.farther;
+        }
+        Ok(subjects)
+    }
+
+    /// Each from where it is usually seen.
+    fn meshes(&self) -> Result<Vec<Subject>> {
         if self.mesh.is_empty() {
             return Ok(procedural()?);
         }
@@ -108,6 +114,13 @@ impl Options {
         }
         Ok(subjects)
     }
+}
+
+/// A distance at which rays can still be told apart.
+fn farther(text: &str) -> Result<f64, String> {
+    let factor: f64 = text.parse().map_err(|_| "a number is needed".to_owned())?;
+    let range = 1.0..=1e15;
+    if range.contains(&factor) { Ok(factor) } else { Err("it must lie in [1, 1e15]".to_owned()) }
 }
 
 fn subject_from(path: &Path) -> Result<Subject> {

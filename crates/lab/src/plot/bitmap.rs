@@ -146,7 +146,8 @@ mod tests {
         // Three letters, two gaps between them: the second holds the space.
         let of_words = gaps("'s m");
         assert!(of_words.len() >= 2 && of_words.iter().any(|&gap| gap >= 5), "{of_words:?}");
-        assert_eq!(gaps("lll").len(), 2);
-        assert_eq!(gaps("lll")[0], gaps("lll")[1]);
+        // Alike, but for a pixel's share.
+        let alike = gaps("lll");
+        assert!(alike.len() == 2 && alike[0].abs_diff(alike[1]) <= 1, "{alike:?}");
     }
 }
