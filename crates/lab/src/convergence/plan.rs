@@ -33,7 +33,7 @@ pub struct Options {
     /// Rays for each figure of a ray-triangle test; 200,000 by default, 20,000 with --quick
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..))]
     rays: Option<u32>,
-    /// Less of everything: a report in less than a minute
+    /// Less of everything: a report in about a minute
     #[arg(long)]
     quick: bool,
     /// The accelerators that take part

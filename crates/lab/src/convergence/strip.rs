@@ -112,7 +112,7 @@ impl Strip<'_> {
 
     /// What the colours of the lower row mean.
     fn draw_scale<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<()> {
-        const WIDTH: i32 = 300;
+        const WIDTH: i32 = 450;
         // The numbers at its ends stand out on both sides.
         let (left, top) = (3 * GAP as i32, (self.size().1 - BOTTOM + 4) as i32);
         errors().draw(area, (left, top), WIDTH, |error| format!("{} %", short(100.0 * error)))?;
