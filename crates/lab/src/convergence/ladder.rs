@@ -9,13 +9,14 @@ use super::verdict::Verdict;
 use crate::timing::{median, timed};
 use anyhow::Result;
 use globillum::geom::Accel;
-use globillum::integrator::{Scene, render};
+use globillum::integrator::{Film, Scene, render};
 use globillum_cli::AccelKind;
 use globillum_testkit::hash;
 
 /// Seconds that all runs of a picture take, about.
-const ENOUGH: f64 = 0.1;
-const MOST_RUNS: f64 = 9.0;
+const ENOUGH: f64 = 0.2;
+/// Odd, so that there is a middle one.
+const MOST_RUNS: usize = 9;
 
 /// A picture of so many samples.
 pub(crate) struct Level {
@@ -41,17 +42,37 @@ impl Ladder {
         reference: &Reference,
         plan: &Plan,
     ) -> Result<Self> {
-        let truth = reference.truth(combination);
-        let level = |&samples: &u32| -> Result<Level> {
+        let settings = |samples: u32| {
             let mut settings = plan.settings(samples);
             combination.apply(&mut settings);
             settings.pass_samples = samples;
             // Levels share no random numbers, so that their errors are independent.
             settings.seed = settings.seed.wrapping_add(u64::from(samples) << 32);
-            let (film, seconds) = median_time(|| Ok(render(scene, &subject.camera, &settings, &())?.film))?;
-            Ok(Level { samples, seconds, errors: Errors::of(&film, truth), hash: hash::of_film(&film) })
+            settings
         };
-        Ok(Self { accel, combination, levels: plan.samples.iter().map(level).collect::<Result<_>>()? })
+        let run = |samples: u32| -> Result<(Film, f64)> {
+            let (picture, seconds) = timed(|| render(scene, &subject.camera, &settings(samples), &()));
+            Ok((picture?.film, seconds))
+        };
+        let first: Vec<(Film, f64)> = plan.samples.iter().map(|&n| run(n)).collect::<Result<_>>()?;
+        let mut times: Vec<Vec<f64>> = first.iter().map(|&(_, seconds)| vec![seconds]).collect();
+        // In turn, so that a disturbance meets all levels alike.
+        for turn in 1..MOST_RUNS {
+            for (&samples, times) in plan.samples.iter().zip(&mut times) {
+                if turn < runs(times[0]) {
+                    times.push(run(samples)?.1);
+                }
+            }
+        }
+        let truth = reference.truth(combination);
+        let level = |((&samples, (film, _)), times): ((&u32, (Film, f64)), Vec<f64>)| Level {
+            samples,
+            seconds: median(times),
+            errors: Errors::of(&film, truth),
+            hash: hash::of_film(&film),
+        };
+        let levels = plan.samples.iter().zip(first).zip(times).map(level).collect();
+        Ok(Self { accel, combination, levels })
     }
 
     /// The level of most samples.
@@ -76,16 +97,7 @@ impl Ladder {
     }
 }
 
-/// What `work` returned last, and the median of the seconds that it took: the shorter a run, the more of
-/// them, since a disturbance weighs more.
-fn median_time<T>(work: impl Fn() -> Result<T>) -> Result<(T, f64)> {
-    let (result, first) = timed(&work);
-    let (mut result, mut times) = (result?, vec![first]);
-    let runs = (ENOUGH / first).ceil().clamp(1.0, MOST_RUNS) as usize | 1;
-    for _ in 1..runs {
-        let (again, seconds) = timed(&work);
-        result = again?;
-        times.push(seconds);
-    }
-    Ok((result, median(times)))
+/// How often a picture is timed that takes so many seconds: a disturbance weighs more in a short time.
+fn runs(seconds: f64) -> usize {
+    ((ENOUGH / seconds).ceil() as usize | 1).min(MOST_RUNS)
 }
