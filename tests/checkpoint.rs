@@ -187,5 +187,5 @@ fn what_is_not_a_whole_checkpoint_is_refused() {
     assert_eq!(Picture::from_bytes(b"\x89PNG and so on"), Err(CheckpointError::NoCheckpoint));
     let mut newer = bytes;
     newer[8] += 1;
-    assert_eq!(Picture::from_bytes(&newer), Err(CheckpointError::Version(2)));
+    assert_eq!(Picture::from_bytes(&newer), Err(CheckpointError::Version(3)));
 }

@@ -6,6 +6,7 @@ mod architecture;
 mod cancel;
 mod checkpoint;
 mod closed_form;
+mod coverage;
 mod determinism;
 mod equilibrium;
 mod error_bars;

@@ -94,4 +94,4 @@ pub enum CheckpointError {
 }
 
 /// The version of the checkpoint format that this library writes and reads.
-pub(crate) const CHECKPOINT_VERSION: u32 = 1;
+pub(crate) const CHECKPOINT_VERSION: u32 = 2;

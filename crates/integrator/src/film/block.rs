@@ -1,3 +1,4 @@
+use super::dispersion::{Dispersion, Squares};
 use super::moments::{Moments, Tally};
 use std::fmt;
 use std::ops::Range;
@@ -14,9 +15,15 @@ pub(crate) struct Block {
     pub(crate) passes: u32,
     pub(crate) tally: Tally,
     pub(crate) pixels: Vec<Moments>,
+    /// Between its halves; unknown of a single pass.
+    pub(crate) dispersion: Dispersion,
 }
 
 impl Block {
+    pub(crate) fn of_pass(first: u32, tally: Tally, pixels: Vec<Moments>) -> Self {
+        Self { first, passes: 1, tally, pixels, dispersion: Dispersion::default() }
+    }
+
     pub(crate) fn range(&self) -> Range<u64> {
         let first = u64::from(self.first);
         first..first + u64::from(self.passes)
@@ -35,7 +42,9 @@ impl Block {
     }
 
     /// Takes in the other half.
-    pub(crate) fn join(&mut self, next: &Self) {
+    pub(crate) fn join(&mut self, next: &Self, squares: Squares) {
+        self.dispersion =
+            Dispersion::between([&self.pixels, &next.pixels], [self.tally, next.tally], squares);
         let (n, m) = (self.tally.samples, next.tally.samples);
         for (own, other) in self.pixels.iter_mut().zip(&next.pixels) {
             *own = own.joined(n, other, m);

@@ -2,10 +2,11 @@
 //!
 //! All numbers are little-endian. A header (magic, version, key, width, height, samples in a pass,
 //! kind of path reuse, counters, number of blocks) is followed by the blocks of the film (first pass,
-//! passes, samples, observations, then for each pixel the sum and the spread of three components as
-//! `f64`), and by a checksum of all bytes before it.
+//! passes, samples, observations, variance and degrees of freedom of its dispersion, then for each pixel the
+//! sum and the spread of three components as `f64`), and by a checksum of all bytes before it.
 
 use super::block::Block;
+use super::dispersion::Dispersion;
 use super::moments::{Moments, Tally};
 use super::{Film, Picture};
 use crate::error::CHECKPOINT_VERSION;
@@ -18,7 +19,7 @@ const MAGIC: [u8; 8] = *b"GLBLPASS";
 /// Bytes of a pixel in a block: six numbers.
 const PIXEL_BYTES: u64 = 48;
 /// Bytes of a block before its pixels.
-const BLOCK_BYTES: u64 = 24;
+const BLOCK_BYTES: u64 = 40;
 /// Passes are numbered by 32 bits: the tree's nodes that cover any number of them, gaps included,
 /// are fewer than this for every picture that is rendered in a sensible number of parts.
 const MAX_BLOCKS: u32 = 1 << 20;
@@ -134,6 +135,8 @@ fn put_block(bytes: &mut Vec<u8>, block: &Block) {
     bytes.extend(block.passes.to_le_bytes());
     bytes.extend(block.tally.samples.to_le_bytes());
     bytes.extend(block.tally.observations.to_le_bytes());
+    bytes.extend(block.dispersion.variance.to_le_bytes());
+    bytes.extend(block.dispersion.dof.to_le_bytes());
     for pixel in &block.pixels {
         let numbers = pixel.sum.to_array().into_iter().chain(pixel.spread.to_array());
         bytes.extend(numbers.flat_map(f64::to_le_bytes));
@@ -160,9 +163,12 @@ impl Reader<'_> {
         Ok(u64::from_le_bytes(self.take()?))
     }
 
+    fn f64(&mut self) -> Result<f64, CheckpointError> {
+        Ok(f64::from_le_bytes(self.take()?))
+    }
+
     fn rgb(&mut self) -> Result<Rgb, CheckpointError> {
-        let mut component = || Ok(f64::from_le_bytes(self.take()?));
-        Ok(Rgb::new(component()?, component()?, component()?))
+        Ok(Rgb::new(self.f64()?, self.f64()?, self.f64()?))
     }
 
     fn counters(&mut self) -> Result<Counters, CheckpointError> {
@@ -176,6 +182,10 @@ impl Reader<'_> {
     fn block(&mut self, pixels: usize) -> Result<Block, CheckpointError> {
         let (first, passes) = (self.u32()?, self.u32()?);
         let tally = Tally { samples: self.u64()?, observations: self.u64()? };
+        let dispersion = Dispersion { variance: self.f64()?, dof: self.f64()? };
+        if !dispersion.is_possible() {
+            return Err(CheckpointError::Malformed("dispersion"));
+        }
         if !Block::is_node(first, passes) {
             return Err(CheckpointError::Malformed("block of passes"));
         }
@@ -190,6 +200,6 @@ impl Reader<'_> {
             if moments.are_possible() { Ok(moments) } else { Err(CheckpointError::Malformed("radiance")) }
         };
         let pixels = (0..pixels).map(|_| moments(self)).collect::<Result<_, _>>()?;
-        Ok(Block { first, passes, tally, pixels })
+        Ok(Block { first, passes, tally, pixels, dispersion })
     }
 }

@@ -47,7 +47,7 @@ mod tests {
         let mut blocks = Vec::new();
         for (first, sum, spread) in passes {
             blocks.extend([first, 1].into_iter().flat_map(u32::to_le_bytes));
-            blocks.extend([1_u64, 1].into_iter().flat_map(u64::to_le_bytes));
+            blocks.extend([1_u64, 1, 0, 0].into_iter().flat_map(u64::to_le_bytes));
             blocks.extend([sum, sum, sum, spread, spread, spread].into_iter().flat_map(f64::to_le_bytes));
             count += 1;
         }
@@ -70,6 +70,15 @@ mod tests {
         for passes in impossible {
             let result = Picture::from_bytes(&checkpoint(passes.iter().copied()));
             assert_eq!(result, Err(CheckpointError::Malformed("radiance")), "{passes:?}");
+        }
+        for (variance, dof) in [(f64::NAN, 1.0), (-1.0, 1.0), (1.0, f64::INFINITY), (1.0, 0.0)] {
+            let mut bytes = checkpoint([(0, 1.0, 0.0)]);
+            // Before the pixel and the checksum.
+            let at = bytes.len() - 8 - 48 - 16;
+            bytes[at..at + 8].copy_from_slice(&variance.to_le_bytes());
+            bytes[at + 8..at + 16].copy_from_slice(&f64::to_le_bytes(dof));
+            let result = Picture::from_bytes(&resealed(&bytes).unwrap());
+            assert_eq!(result, Err(CheckpointError::Malformed("dispersion")), "{variance}, {dof}");
         }
         let mut huge = picture(1 << 20, 1 << 20).to_bytes();
         assert_eq!(Picture::from_bytes(&huge), Err(CheckpointError::Malformed("size")));

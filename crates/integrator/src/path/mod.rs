@@ -14,5 +14,6 @@ mod wavefront;
 pub use counters::Counters;
 pub(crate) use job::Job;
 pub use replay::{Replay, Vertex, replay};
+pub(crate) use reuse_groups::SIDE as REUSE_BLOCK_SIDE;
 pub(crate) use tile::Tile;
 pub(crate) use wavefront::Wavefront;

@@ -3,7 +3,7 @@
 use super::tile::Tile;
 
 /// Pixels along each side of the blocks that are divided into groups.
-const SIDE: u32 = 4;
+pub(crate) const SIDE: u32 = 4;
 
 /// The affine plane of order 4: five classes of parallel lines through the points `4 y + x`; any two
 /// points lie on one line. Listed is the line of each class through 0. The others follow by adding, without

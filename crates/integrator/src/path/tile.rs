@@ -13,13 +13,18 @@ const SIDE: u32 = 16;
 impl Tile {
     /// All tiles of a picture, row by row.
     pub(crate) fn all(width: u32, height: u32) -> impl Iterator<Item = Tile> {
-        let starts = |size: u32| (0..size.div_ceil(SIDE)).map(|i| i * SIDE);
+        Self::grid(width, height, SIDE)
+    }
+
+    /// A picture in squares of this side, row by row; less of them at its right and bottom.
+    pub(crate) fn grid(width: u32, height: u32, side: u32) -> impl Iterator<Item = Tile> {
+        let starts = move |size: u32| (0..size.div_ceil(side)).map(move |i| i * side);
         starts(height).flat_map(move |y| {
             starts(width).map(move |x| Tile {
                 x,
                 y,
-                width: SIDE.min(width - x),
-                height: SIDE.min(height - y),
+                width: side.min(width - x),
+                height: side.min(height - y),
             })
         })
     }

@@ -107,6 +107,6 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
             }
         };
         let tally = Tally { samples, observations };
-        (Block { first: pass, passes: 1, tally, pixels }, counters)
+        (Block::of_pass(pass, tally, pixels), counters)
     }
 }

@@ -47,7 +47,8 @@ pub struct Stop {
 /// An error that single pixels are to reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGoal {
-    /// The largest standard error of a component, relative to the mean radiance of the picture.
+    /// The largest standard error of a component, relative to the mean radiance of the picture. A pixel whose
+    /// samples have all missed its light has one of 0, and counts as good.
     pub error: f64,
     /// The share of all pixels that must reach it, in `(0, 1]`.
     pub share: f64,
