@@ -1,5 +1,5 @@
 use crate::decide::Shear;
-use crate::search::{Any, Closest, Search, offer_all};
+use crate::query::{AnyHit, ClosestHit, Query, offer_all};
 use crate::{Aabb, Accel, Hit, Probe, Ray, Traverse, Triangles};
 
 /// Tests every triangle: slow, and the definition of what every other structure must answer.
@@ -17,21 +17,21 @@ impl BruteForce {
 
 impl Traverse for BruteForce {
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.search(ray, Closest::new(ray), probe).hit()
+        self.query(ray, ClosestHit::new(ray), probe).hit()
     }
 
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.search(ray, Any::new(ray), probe).found()
+        self.query(ray, AnyHit::new(ray), probe).found()
     }
 }
 
 impl BruteForce {
-    /// Runs `search` over all triangles: the one loop behind every query.
-    fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
+    /// Runs `query` over all triangles: the one loop behind every query.
+    fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
         if let Some(shear) = Shear::new(ray) {
-            offer_all(&shear, &self.triangles, self.triangles.live().iter().copied(), &mut search, probe);
+            offer_all(&shear, &self.triangles, self.triangles.live().iter().copied(), &mut query, probe);
         }
-        search
+        query
     }
 }
 

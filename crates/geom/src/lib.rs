@@ -31,6 +31,8 @@ mod accel;
 mod brute;
 #[cfg(feature = "conformance")]
 pub mod conformance;
+#[allow(unsafe_code)]
+mod cpu;
 pub mod decide;
 mod error;
 mod exact;
@@ -41,8 +43,8 @@ mod kdtree;
 mod measure;
 mod probe;
 mod prune;
+mod query;
 mod ray;
-mod search;
 #[cfg(feature = "shapes")]
 pub mod shapes;
 mod spherical;
@@ -54,6 +56,7 @@ mod wide;
 pub use aabb::Aabb;
 pub use accel::Accel;
 pub use brute::BruteForce;
+pub use cpu::SimdLevel;
 pub use error::GeomError;
 pub use frame::Frame;
 pub use grid::{GridOptions, UniformGrid};
@@ -66,4 +69,4 @@ pub use spherical::SphericalTriangle;
 pub use surface::SurfacePoint;
 pub use triangle::Triangle;
 pub use triangles::Triangles;
-pub use wide::{SimdLevel, WideKdTree};
+pub use wide::WideKdTree;

@@ -1,6 +1,6 @@
 //! Rays where rounding matters: at edges and vertices, along axes and within planes.
 
-use super::Source;
+use super::source::Source;
 use crate::{Ray, Triangle};
 use glam::DVec3;
 

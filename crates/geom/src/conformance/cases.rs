@@ -1,8 +1,10 @@
 //! Hard cases by name, as docs/testing.md lists them.
 
 use super::aim::ray_at;
-use super::{Seeded, Source, Tally, Violation, compare, oracle};
+use super::compare::{Tally, Violation, compare};
+use super::oracle;
 use crate::shapes::{icosphere, quad, statue};
+use super::source::{Seeded, Source};
 use crate::{Accel, GeomError, Ray, Triangle, Triangles};
 use glam::{DVec3, Vec3};
 use std::f64;

@@ -1,4 +1,4 @@
-use super::{Tally, oracle};
+use super::oracle;
 use crate::{Accel, Hit, Ray, Triangle};
 use std::fmt;
 
@@ -32,6 +32,23 @@ impl fmt::Display for Violation {
 }
 
 impl std::error::Error for Violation {}
+
+/// What a suite tried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Tally {
+    /// Rays compared.
+    pub rays: u64,
+    /// How many of them hit something.
+    pub hits: u64,
+}
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.hits += other.hits;
+    }
+}
 
 /// A hit as its bits, in which equal means equal.
 fn bits(hit: Option<Hit>) -> Option<([u64; 3], u32)> {

@@ -1,5 +1,5 @@
-use super::Source;
 use crate::shapes::Mesh;
+use super::source::Source;
 use crate::{Accel, Ray};
 use glam::DVec3;
 

@@ -1,5 +1,6 @@
 use super::aim::{point_of, ray_at, with_some_range};
-use super::{Source, Tally, Violation, compare};
+use super::compare::{Tally, Violation, compare};
+use super::source::Source;
 use crate::{Accel, GeomError, Ray, Triangle, Triangles};
 use glam::{DVec3, Vec3};
 

@@ -1,4 +1,5 @@
-use super::{Lattice, UniformGrid};
+use super::lattice::Lattice;
+use super::uniform::UniformGrid;
 use crate::{Aabb, GeomError, Triangles};
 
 /// How a [`UniformGrid`] is built.

@@ -1,25 +1,25 @@
-use super::UniformGrid;
 use super::mailbox::Mailbox;
+use super::uniform::UniformGrid;
 use super::walk::Walk;
 use crate::decide::Shear;
-use crate::search::{Any, Closest, Search, offer_all};
+use crate::query::{AnyHit, ClosestHit, Query, offer_all};
 use crate::{Hit, Probe, Ray, Traverse};
 
 impl Traverse for UniformGrid {
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.search(ray, Closest::new(ray), probe).hit()
+        self.query(ray, ClosestHit::new(ray), probe).hit()
     }
 
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.search(ray, Any::new(ray), probe).found()
+        self.query(ray, AnyHit::new(ray), probe).found()
     }
 }
 
 impl UniformGrid {
-    /// Runs `search` along `ray`: the one traversal behind every query.
-    fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
-        let Some(shear) = Shear::new(ray) else { return search };
-        let Some(walk) = Walk::new(&self.lattice, &self.triangles.bounds(), ray) else { return search };
+    /// Runs `query` along `ray`: the one traversal behind every query.
+    fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
+        let Some(shear) = Shear::new(ray) else { return query };
+        let Some(walk) = Walk::new(&self.lattice, &self.triangles.bounds(), ray) else { return query };
         let mut mailbox = Mailbox::new();
         walk.for_each_cell(|cell| {
             probe.visit();
@@ -27,10 +27,10 @@ impl UniformGrid {
             if !listed.is_empty() {
                 probe.open();
                 let new = listed.iter().copied().filter(|&triangle| mailbox.is_new(triangle));
-                offer_all(&shear, &self.triangles, new, &mut search, probe);
+                offer_all(&shear, &self.triangles, new, &mut query, probe);
             }
-            search.t_end()
+            query.t_end()
         });
-        search
+        query
     }
 }

@@ -1,4 +1,4 @@
-use super::Lattice;
+use super::lattice::Lattice;
 use crate::decide::main_axis;
 use crate::prune::{Pruner, Span};
 use crate::{Aabb, Ray};

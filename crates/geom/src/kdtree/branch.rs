@@ -1,6 +1,6 @@
-use super::Node;
 use super::member::Member;
 use super::plane::Plane;
+use super::tree::Node;
 
 /// A part of a tree under construction, whose nodes and members are counted from its own start.
 #[derive(Debug, Default)]

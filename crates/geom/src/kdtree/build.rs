@@ -2,10 +2,11 @@ use super::branch::Branch;
 use super::cost::CostModel;
 use super::events::{Events, Move};
 use super::member::Member;
+use super::options::{KdOptions, SplitRule};
 use super::plane::{Place, Split};
 use super::rules::choose_plane;
 use super::sweep::cheapest_split;
-use super::{KdOptions, KdTree, SplitRule};
+use super::tree::KdTree;
 use crate::{Aabb, GeomError, Triangles};
 
 /// Leaves references and nodes countable in `u32`.
@@ -226,7 +227,9 @@ impl Builder<'_> {
         }
         let split = match &cell.events {
             Some(events) => cheapest_split(bounds, members.len(), events, &self.costs)?,
-            None => Split::count(choose_plane(self.options, bounds, members)?, members),
+            None => {
+                Split::count(choose_plane(self.options, bounds, members)?, members.iter().map(|m| &m.bounds))
+            }
         };
         let pays = self.costs.of_split(bounds, &split) < members.len() as f64;
         let unpaid = if pays { 0 } else { cell.unpaid + 1 };
@@ -269,7 +272,7 @@ impl Builder<'_> {
         moves.clear();
         let mut sides = split.counts.map(Vec::with_capacity);
         for member in &cell.members {
-            let place = split.plane.place(member);
+            let place = split.plane.place(&member.bounds);
             let end = match place {
                 Place::Both => 0,
                 Place::Lower | Place::Upper => {
@@ -281,7 +284,7 @@ impl Builder<'_> {
             moves.push(Move::to(place, end));
         }
         let parts = sides.each_ref().map(Vec::len);
-        for member in cell.members.iter().filter(|member| split.plane.place(member) == Place::Both) {
+        for member in cell.members.iter().filter(|member| split.plane.place(&member.bounds) == Place::Both) {
             let halves = member.halves(&cell.bounds, &split.plane, self.triangles, self.slack);
             for (list, part) in sides.iter_mut().zip(halves) {
                 list.extend(part);

@@ -1,5 +1,5 @@
-use super::KdTree;
 use super::cost::CostModel;
+use super::tree::KdTree;
 use crate::GeomError;
 
 /// Where a [`KdTree`] halves a cell.

@@ -1,4 +1,3 @@
-use super::member::Member;
 use crate::Aabb;
 
 /// A plane `axis = position`.
@@ -32,10 +31,10 @@ pub(super) struct Split {
 }
 
 impl Plane {
-    /// On which side of the plane `member` lies.
+    /// On which side of the plane a box lies.
     #[inline]
-    pub(super) fn place(&self, member: &Member) -> Place {
-        let (min, max) = (member.bounds.min[self.axis], member.bounds.max[self.axis]);
+    pub(super) fn place(&self, bounds: &Aabb) -> Place {
+        let (min, max) = (bounds.min[self.axis], bounds.max[self.axis]);
         let below = min < self.position;
         let lower = below | ((max == self.position) & (self.within == Side::Lower));
         // In numbers, since a branch would be foreseen half the time.
@@ -58,11 +57,11 @@ impl Plane {
 }
 
 impl Split {
-    /// The plane, with the members on its sides counted.
-    pub(super) fn count(plane: Plane, members: &[Member]) -> Self {
+    /// The plane, with the boxes on its sides counted.
+    pub(super) fn count<'a>(plane: Plane, boxes: impl Iterator<Item = &'a Aabb>) -> Self {
         let mut counts = [0; 2];
-        for member in members {
-            match plane.place(member) {
+        for bounds in boxes {
+            match plane.place(bounds) {
                 Place::Lower => counts[0] += 1,
                 Place::Upper => counts[1] += 1,
                 Place::Both => counts = counts.map(|count| count + 1),

@@ -2,8 +2,8 @@
 //! Mount, 1998).
 
 use super::member::Member;
+use super::options::{KdOptions, SplitRule};
 use super::plane::{Place, Plane, Side};
-use super::{KdOptions, SplitRule};
 use crate::Aabb;
 
 /// Where `options.rule` halves `cell`; `None` if it can not be halved.
@@ -81,7 +81,7 @@ impl Surroundings<'_> {
 
     /// The plane, moved to the nearest box if all are on one side of it.
     fn slide(&self, plane: Plane) -> Plane {
-        let all = |place| self.members.iter().all(|m| plane.place(m) == place);
+        let all = |place| self.members.iter().all(|m| plane.place(&m.bounds) == place);
         let bounds = || self.members.iter().map(|m| m.bounds);
         if all(Place::Upper) {
             let nearest = bounds().map(|b| b.min[plane.axis]).fold(f32::INFINITY, f32::min);

@@ -1,4 +1,4 @@
-use super::{KdTree, Node};
+use super::tree::{KdTree, Node};
 use crate::Aabb;
 
 /// What a [`KdTree`] looks like, and what a ray is expected to cost in it.

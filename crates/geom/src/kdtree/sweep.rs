@@ -71,7 +71,7 @@ mod tests {
         let (members, cell) = (members(&boxes), boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b)));
         let mut visited = 0;
         sweep(&cell, 0, boxes.len(), Events::new(&members).along(0), |split| {
-            assert_eq!(split, Split::count(split.plane, &members));
+            assert_eq!(split, Split::count(split.plane, members.iter().map(|m| &m.bounds)));
             visited += 1;
         });
         assert_eq!(visited, 5);

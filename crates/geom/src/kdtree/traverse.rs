@@ -1,7 +1,7 @@
-use super::{KdTree, Node};
+use super::tree::{KdTree, Node};
 use crate::decide::Shear;
 use crate::prune::{Pruner, Span};
-use crate::search::{Any, Closest, Search, offer_all};
+use crate::query::{AnyHit, ClosestHit, Query, offer_all};
 use crate::{Hit, Probe, Ray, Traverse};
 use arrayvec::ArrayVec;
 
@@ -13,51 +13,51 @@ struct Pending {
 
 impl Traverse for KdTree {
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.search(ray, Closest::new(ray), probe).hit()
+        self.query(ray, ClosestHit::new(ray), probe).hit()
     }
 
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.search(ray, Any::new(ray), probe).found()
+        self.query(ray, AnyHit::new(ray), probe).found()
     }
 }
 
 impl KdTree {
-    /// Runs `search` along `ray`: the one traversal behind every query.
+    /// Runs `query` along `ray`: the one traversal behind every query.
     ///
     /// Front to back over cells whose planes are widened by the pruning slack, so a ray near a
     /// plane visits both sides (Havran 2000, with thick planes).
-    fn search<S: Search, P: Probe>(&self, ray: &Ray, mut search: S, probe: &mut P) -> S {
+    fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
         if let Some(shear) = Shear::new(ray) {
             let bounds = self.triangles.bounds();
             if !bounds.is_empty() {
                 let pruner = Pruner::new(ray, &bounds);
                 let span = pruner.clip(ray, &bounds);
-                self.traverse(&shear, &pruner, span, &mut search, probe);
+                self.traverse(&shear, &pruner, span, &mut query, probe);
             }
         }
-        search
+        query
     }
 
-    fn traverse<S: Search, P: Probe>(
+    fn traverse<Q: Query, P: Probe>(
         &self,
         shear: &Shear,
         pruner: &Pruner,
         span: Span,
-        search: &mut S,
+        query: &mut Q,
         probe: &mut P,
     ) {
         // Each level leaves at most one node behind, so the stack can not overflow.
         let mut pending = ArrayVec::<Pending, { KdTree::MAX_DEPTH as usize + 1 }>::new();
         pending.push(Pending { node: 0, span });
         while let Some(Pending { mut node, mut span }) = pending.pop() {
-            while span.start <= span.end.min(search.t_end()) {
+            while span.start <= span.end.min(query.t_end()) {
                 match self.nodes[node as usize] {
                     Node::Leaf { first, count } => {
                         if count > 0 {
                             probe.open();
                         }
                         let listed = &self.references[first as usize..][..count as usize];
-                        offer_all(shear, &self.triangles, listed.iter().copied(), search, probe);
+                        offer_all(shear, &self.triangles, listed.iter().copied(), query, probe);
                         break;
                     }
                     Node::Split { axis, position, upper } => {
@@ -106,8 +106,8 @@ mod tests {
         let shear = Shear::new(ray).expect("the ray is traceable");
         let mut pruner = Pruner::new(ray, &bounds);
         pruner.slack *= factor;
-        let (mut search, mut visits) = (Closest::new(ray), Visits::default());
-        tree.traverse(&shear, &pruner, pruner.clip(ray, &bounds), &mut search, &mut visits);
+        let (mut query, mut visits) = (ClosestHit::new(ray), Visits::default());
+        tree.traverse(&shear, &pruner, pruner.clip(ray, &bounds), &mut query, &mut visits);
         visits.0
     }
 

@@ -1,75 +1,43 @@
-//! A k-d tree for many rays: eight cells a node, triangles by the block, searched in `f32` and
-//! decided in `f64`.
+//! A wide tree for many rays: k-d planes above, an 8-wide bounding volume hierarchy below, traversed in `f32`
+//! and decided in `f64`.
 //!
-//! - [`subtrees`]: the cells of a binary tree; what a leaf holds is [halved](halve) until it fits
-//!   into [`blocks`], and what many rays visit into smaller ones;
-//! - [`collapse`]: they become the up to eight cells of a [`node`], in the scene's own [`space`];
-//! - [`course`]: a ray in that space, with a bound for every error;
-//! - [`step`] finds the cells of a node that a ray meets, [`filter`] the triangles of a block;
-//! - a ray is searched for [`alone`]; of a [`batch`], coherent ones from one point in a [`pencil`], other
-//!   coherent ones in a [`packet`], whose [`frustum`] meets nodes for all of them on its [`descent`], and
-//!   others in a [`wave`] of many that take their steps in turn;
-//! - [`candidates`]: what is left, a triangle a hit and mostly none otherwise, is decided, for
-//!   coherent rays eight at a time ([`verdicts`]).
-//!
-//! All of it is written once, over the vectors of [`simd`], for the [`level`] that the machine has.
+//! - [`build`]: a k-d tree by the surface area heuristic (Wald and Havran, 2006) down to cells of some hundred
+//!   triangles, which are clipped to their cells; object splits in bins below (Wald, 2007), down to leaf blocks of up to
+//!   eight triangles; the binary tree is collapsed into nodes of up to eight children where the expected cost is least
+//!   (Ylitie, Karras and Laine, 2017).
+//! - [`tree`]: what traversal reads, which are nodes with the bounds of their children, and leaf blocks. The planes are not
+//!   stored.
+//! - [`trace`]: a ray alone, a packet of 64 coherent rays from a common origin, or a stream of all other rays. A
+//!   conservative test in `f32` leaves few triangles, which are decided exactly (docs/numerics.md).
+//! - [`simd`]: vectors of eight lanes. All of the above is written once over them, for each level of
+//!   [`cpu`](crate::cpu).
 
-mod alone;
-mod batch;
-mod blocks;
-mod candidates;
-mod collapse;
-mod course;
-mod descent;
-mod filter;
-mod frustum;
-mod goal;
-mod halve;
-mod leaf;
-mod level;
-mod node;
-mod packet;
-mod pencil;
-mod scratch;
+mod build;
 #[allow(unsafe_code)]
 mod simd;
-mod slots;
-mod space;
-mod step;
-mod subtrees;
 mod trace;
-mod verdicts;
-mod wave;
+mod tree;
 
-pub use level::SimdLevel;
+use crate::cpu::{SimdLevel, Token};
+use crate::query::{AnyHit, ClosestHit};
+use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, SplitRule, Traverse, Triangles};
+use trace::{query_batch, query_one};
+use tree::Tree;
 
-use crate::search::{Any, Closest};
-use crate::{Aabb, Accel, GeomError, Hit, KdOptions, KdTree, Probe, Ray, SplitRule, Traverse, Triangles};
-use alone::search_alone;
-use batch::search_batch;
-use blocks::Blocks;
-use collapse::Collapse;
-use level::Token;
-use node::{Child, Node};
-use simd::Simd;
-use space::Space;
-use subtrees::Subtrees;
-
-/// A [`KdTree`] whose nodes hold up to eight cells each, in the boxes of what these hold. Planes part
-/// the scene down to cells of some hundred triangles; below, these are grouped by where they are, and
-/// tested eight at a time.
+/// An 8-wide bounding volume hierarchy over the cells of a k-d tree: the fastest structure here for rays, and the
+/// default of the integrator.
 ///
-/// Made for batches: many rays are searched for in turn, so that their waiting overlaps, and 64 in a row
-/// that take nearly the same way (counted from the batch's beginning) are searched for together.
+/// A [`KdTree`](crate::KdTree)'s planes separate the scene into cells of some hundred triangles. Below a cell, triangles are
+/// grouped by an object split, down to blocks of up to eight. Every node stores the bounds of up to eight children.
 ///
-/// The search uses the best vector instructions of the machine it runs on; the answers are the same
-/// with any.
+/// Batches are faster than single rays: many rays are in flight at once, which hides memory latency, and 64
+/// coherent rays from one point, such as those of 8 x 8 pixels (counted from the start of the batch), are traversed as
+/// a packet.
+///
+/// It uses the best vector instructions of the machine; the answers are the same with any.
 #[derive(Clone, Debug)]
 pub struct WideKdTree {
-    triangles: Triangles,
-    space: Space,
-    nodes: Vec<Node>,
-    blocks: Blocks,
+    tree: Tree,
     token: Token,
 }
 
@@ -118,13 +86,7 @@ impl WideKdTree {
     /// As [`KdTree::build`], and [`GeomError::Budget`] for a tree with more than some 134 million
     /// references.
     pub fn build_with(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
-        let (tree, mut members) = KdTree::build_with_members(triangles, options)?;
-        Child::check_references(tree.references.len())?;
-        let triangles = triangles.clone();
-        let space = Space::new(&triangles.bounds());
-        let subtrees = Subtrees::new(&tree, &mut members);
-        let Collapse { nodes, blocks, .. } = Collapse::run(&triangles, &subtrees, &members, space);
-        Ok(Self { triangles, space, nodes, blocks, token: Token::new(SimdLevel::Avx512) })
+        Ok(Self { tree: build::build(triangles, options)?, token: Token::new(SimdLevel::Avx512) })
     }
 
     /// The same tree, searched with the instructions of `level`, or the best below it that this
@@ -138,40 +100,25 @@ impl WideKdTree {
     pub fn level(&self) -> SimdLevel {
         self.token.level()
     }
-
-    /// The triangles of a block.
-    fn listed(&self, child: u32) -> &[u32] {
-        let (first, count) = Child::block(child);
-        self.blocks.indices(first, count)
-    }
-
-    /// Where a child is, found without a branch, which would be mispredicted.
-    #[inline(always)]
-    fn address(&self, child: u32) -> *const u8 {
-        let (nodes, blocks) = (self.nodes.as_ptr().cast::<u8>(), self.blocks.as_ptr());
-        let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) as usize);
-        let (starts, sizes) = ([nodes, blocks], [size_of::<Node>(), Blocks::STRIDE]);
-        starts[is_block & 1].wrapping_add(place * sizes[is_block & 1])
-    }
 }
 
-/// Runs an expression compiled for the tree's level, with the vectors of that level at hand.
+/// Runs an expression, compiled for the tree's level; `$simd` is the token of that level.
 macro_rules! vectorized {
-    ($tree:expr, |$simd:ident| $search:expr) => {
+    ($tree:expr, |$simd:ident| $query:expr) => {
         match $tree.token {
             Token::Portable($simd) => $simd.vectorize(
                 #[inline(always)]
-                || $search,
+                || $query,
             ),
             #[cfg(target_arch = "x86_64")]
             Token::Avx2($simd) => $simd.vectorize(
                 #[inline(always)]
-                || $search,
+                || $query,
             ),
             #[cfg(target_arch = "x86_64")]
             Token::Avx512($simd) => $simd.vectorize(
                 #[inline(always)]
-                || $search,
+                || $query,
             ),
         }
     };
@@ -179,11 +126,11 @@ macro_rules! vectorized {
 
 impl Traverse for WideKdTree {
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        vectorized!(self, |simd| search_alone::<_, Closest, P>(simd, self, ray, probe)).hit()
+        vectorized!(self, |simd| query_one::<_, ClosestHit, P>(simd, &self.tree, ray, probe)).hit()
     }
 
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        vectorized!(self, |simd| search_alone::<_, Any, P>(simd, self, ray, probe)).found()
+        vectorized!(self, |simd| query_one::<_, AnyHit, P>(simd, &self.tree, ray, probe)).found()
     }
 }
 
@@ -197,18 +144,19 @@ impl Accel for WideKdTree {
     }
 
     fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        vectorized!(self, |simd| search_batch(simd, self, rays, hits, |search: Closest| search.hit()));
+        vectorized!(self, |simd| query_batch(simd, &self.tree, rays, hits, |query: ClosestHit| query.hit()));
     }
 
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
-        vectorized!(self, |simd| search_batch(simd, self, rays, occluded, |search: Any| search.found()));
+        vectorized!(self, |simd| query_batch(simd, &self.tree, rays, occluded, |query: AnyHit| query
+            .found()));
     }
 
     fn bounds(&self) -> Aabb {
-        self.triangles.bounds()
+        self.tree.triangles.bounds()
     }
 
     fn bytes(&self) -> usize {
-        self.triangles.bytes() + size_of_val(&*self.nodes) + self.blocks.bytes()
+        self.tree.bytes()
     }
 }

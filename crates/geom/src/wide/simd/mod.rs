@@ -1,26 +1,44 @@
-//! Eight lanes at a time, on whatever the machine has.
+//! Vectors of eight lanes, on whatever the machine has.
 //!
-//! The searches are written once, over [`Simd`]. A value of a type that implements it is a token:
-//! it can be made only where the instructions exist, so using it is safe.
+//! The traversals are written once, over [`Simd`]. A value of a type that implements it is a token
+//! of [`cpu`](crate::cpu): it exists only where the instructions do, so using it is safe.
 
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
 mod portable;
 #[cfg(target_arch = "x86_64")]
-mod rows;
-
-#[cfg(target_arch = "x86_64")]
-pub(super) use avx2::Avx2;
-#[cfg(target_arch = "x86_64")]
-pub(super) use avx512::Avx512;
-pub(super) use portable::Portable;
+mod x86;
 
 use crate::{Ray, Triangle};
 
 /// How many lanes a vector has.
 pub(super) const LANES: usize = 8;
+
+/// How many rays a packet has, and at most are in flight in a stream: one for each bit of a [`RayMask`].
+pub(super) const PACKET: usize = 64;
+
+/// How many vectors the rays of a packet fill.
+pub(super) const GROUPS: usize = PACKET / LANES;
+
+/// A set of rays, a bit each. It is kept in a register: were it a list in memory, the place of an
+/// entry would depend on the outcome of a node test, and later loads would wait for it.
+pub(super) type RayMask = u64;
+
+/// The set bits of a mask of rays or lanes, ascending. An iterator and not a closure: what is not
+/// inlined is not compiled for the instruction set.
+pub(super) struct Bits(pub(super) RayMask);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let bit = self.0.trailing_zeros() as usize % PACKET;
+        self.0 &= self.0 - 1;
+        Some(bit)
+    }
+}
 
 /// Nine rows of `count` coordinates, up to eight, one after another: those of three vertices along
 /// each axis. Readable a vector beyond the end.
@@ -73,9 +91,6 @@ pub(super) trait Simd: Copy {
     /// Eight `u32`.
     type I: Copy;
 
-    /// Runs `f`, compiled for this instruction set.
-    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R;
-
     fn splat(self, x: f32) -> Self::F;
     fn load(self, x: &[f32; LANES]) -> Self::F;
     fn store(self, to: &mut [f32; LANES], x: Self::F);
@@ -123,8 +138,8 @@ pub(super) trait Simd: Copy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::level::{SimdLevel, Token};
     use super::*;
+    use crate::cpu::{SimdLevel, Token};
     use glam::{DVec3, Vec3};
 
     fn at_every_level(check: impl Fn(SimdLevel, RayColumns<LANES>, CornerColumns)) {

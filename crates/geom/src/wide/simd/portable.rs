@@ -1,12 +1,9 @@
-//! Plain Rust, for machines without the instructions the others need.
+//! Vectors in plain Rust, for every machine.
 
 use super::{CornerColumns, LANES, RayColumns, Simd};
+use crate::cpu::Portable;
 use crate::{Ray, Triangle};
 use std::array::from_fn;
-
-/// Any machine.
-#[derive(Clone, Copy, Debug)]
-pub(in super::super) struct Portable;
 
 type F = [f32; LANES];
 type I = [u32; LANES];
@@ -19,11 +16,6 @@ fn mask_of(bit: impl Fn(usize) -> bool) -> u8 {
 impl Simd for Portable {
     type F = F;
     type I = I;
-
-    #[inline(always)]
-    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
-        f()
-    }
 
     #[inline(always)]
     fn splat(self, x: f32) -> F {

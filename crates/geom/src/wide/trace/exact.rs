@@ -1,0 +1,186 @@
+//! The exact decision in `f64` of what the conservative test leaves: a ray's candidates are kept until it has
+//! been traversed, or until there are eight, and then decided.
+
+use super::ray_setup::AXES;
+use crate::decide::{Intersection, Shear};
+use crate::query::Query;
+use crate::wide::simd::{LANES, Simd};
+use crate::{Ray, Triangles};
+use glam::DVec3;
+
+/// How many candidates are kept before they are decided.
+pub(super) const CAPACITY: usize = 8;
+
+/// The triangles that a ray may hit, each with a lower bound of its `t`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Candidates {
+    count: usize,
+    starts: [f32; CAPACITY],
+    indices: [u32; CAPACITY],
+}
+
+impl Candidates {
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    #[inline(always)]
+    pub(super) fn is_full(&self) -> bool {
+        self.count == CAPACITY
+    }
+
+    /// Adds a triangle. The candidates must not be full.
+    #[inline(always)]
+    pub(super) fn add(&mut self, start: f32, index: u32) {
+        let at = self.count % CAPACITY;
+        // A triangle that straddles cells of the k-d tree is found in several leaf blocks.
+        let is_new = (at == 0) | (self.indices[at.wrapping_sub(1) % CAPACITY] != index);
+        self.starts[at] = start;
+        self.indices[at] = index;
+        self.count = at + usize::from(is_new);
+    }
+
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Candidate `at`; `None` if it begins beyond `t_end`, or there are no more than `at`.
+    #[inline(always)]
+    pub(super) fn get(&self, at: usize, t_end: f32) -> Option<u32> {
+        // Comparisons with NaN are false: such a candidate is kept.
+        let is_beyond = at >= self.count || self.starts[at % CAPACITY] > t_end;
+        (!is_beyond).then_some(self.indices[at % CAPACITY])
+    }
+
+    /// Decides those that do not begin beyond `t_end`, and clears all. The ray must be traceable.
+    #[inline(always)]
+    pub(super) fn decide<Q: Query>(&mut self, t_end: f32, ray: &Ray, triangles: &Triangles, query: &mut Q) {
+        let count = std::mem::take(&mut self.count).min(CAPACITY);
+        if count == 0 {
+            return;
+        }
+        let shear = Shear::of_traceable(ray);
+        for (&start, &index) in self.starts.iter().zip(&self.indices).take(count) {
+            // Comparisons with NaN are false: such a candidate is decided.
+            if start > t_end {
+                continue;
+            }
+            if let Some(intersection) = shear.decide_likely(triangles.get(index)) {
+                query.offer(intersection, index);
+            }
+        }
+    }
+}
+
+/// Vectors of eight rays, component by component.
+type Columns = [[f64; LANES]; 3];
+
+#[inline(always)]
+fn get(columns: &Columns, lane: usize) -> DVec3 {
+    DVec3::new(columns[0][lane], columns[1][lane], columns[2][lane])
+}
+
+/// The [`Shear`]s of eight rays with one main axis, a column for each number. Components are in its order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shears {
+    pub(super) main_axis: usize,
+    pub(super) origin: Columns,
+    /// The directions along x and y, divided by that along z.
+    pub(super) slopes: [[f64; LANES]; 2],
+    pub(super) direction_z: [f64; LANES],
+}
+
+/// The decisions about one candidate of each of eight rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Decisions {
+    t: [f64; LANES],
+    u: [f64; LANES],
+    v: [f64; LANES],
+    indices: [u32; LANES],
+    is_hit: [bool; LANES],
+}
+
+impl Shears {
+    pub(super) const NONE: Self = {
+        let zero = [0.0; LANES];
+        Self { main_axis: 0, origin: [zero; 3], slopes: [zero; 2], direction_z: zero }
+    };
+
+    /// Decides those of each ray's candidates that do not begin beyond `t_end`, and returns how many of
+    /// `decisions` were made.
+    #[inline(always)]
+    pub(super) fn decide<S: Simd>(
+        &self,
+        simd: S,
+        candidates: &[Candidates; LANES],
+        t_end: &[f32; LANES],
+        triangles: &Triangles,
+        decisions: &mut [Decisions],
+    ) -> usize {
+        let most = candidates.iter().map(Candidates::count).max().unwrap_or(0);
+        let rounds = most.min(decisions.len());
+        for (round, decisions) in decisions.iter_mut().take(rounds).enumerate() {
+            self.decide_one(simd, round, candidates, t_end, triangles, decisions);
+        }
+        rounds
+    }
+
+    #[inline(always)]
+    fn decide_one<S: Simd>(
+        &self,
+        simd: S,
+        round: usize,
+        candidates: &[Candidates; LANES],
+        t_end: &[f32; LANES],
+        triangles: &Triangles,
+        decisions: &mut Decisions,
+    ) {
+        let mut chosen = [triangles.get(0); LANES];
+        let mut is_candidate = [false; LANES];
+        for (i, is_candidate) in is_candidate.iter_mut().enumerate() {
+            let index = candidates[i].get(round, t_end[i]);
+            *is_candidate = index.is_some();
+            // Where there is none, any triangle will do.
+            decisions.indices[i] = index.unwrap_or(0);
+            chosen[i] = triangles.get(decisions.indices[i]);
+        }
+        let corners = simd.corners(chosen);
+        let axes = AXES[self.main_axis % 3];
+        let mut permuted = [[[0.0; LANES]; 3]; 3];
+        for (permuted, vertices) in permuted.iter_mut().zip(corners.as_chunks::<3>().0) {
+            for (to, axis) in permuted.iter_mut().zip(axes) {
+                for (to, x) in to.iter_mut().zip(&vertices[usize::from(axis) % 3]) {
+                    *to = f64::from(*x);
+                }
+            }
+        }
+        for i in 0..LANES {
+            let slopes = [self.slopes[0][i], self.slopes[1][i]];
+            let shear = Shear::of_slopes(self.main_axis, get(&self.origin, i), slopes, self.direction_z[i]);
+            let [a, b, c] = &permuted;
+            let (at, is_hit) = shear.decide_permuted([get(a, i), get(b, i), get(c, i)]);
+            (decisions.t[i], decisions.u[i], decisions.v[i]) = (at.t, at.u, at.v);
+            decisions.is_hit[i] = is_hit;
+        }
+        for (is_hit, is_candidate) in decisions.is_hit.iter_mut().zip(is_candidate) {
+            *is_hit &= is_candidate;
+        }
+    }
+}
+
+impl Decisions {
+    pub(super) const NONE: Self = {
+        let zero = [0.0; LANES];
+        Self { t: zero, u: zero, v: zero, indices: [0; LANES], is_hit: [false; LANES] }
+    };
+
+    /// Offers ray `i` its candidate, if it is hit.
+    #[inline(always)]
+    pub(super) fn offer<Q: Query>(&self, i: usize, query: &mut Q) {
+        if self.is_hit[i] {
+            query.offer(Intersection { t: self.t[i], u: self.u[i], v: self.v[i] }, self.indices[i]);
+        }
+    }
+}

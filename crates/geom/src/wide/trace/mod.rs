@@ -1,0 +1,104 @@
+//! Traversal, and the dispatch between its kinds: [single](single) rays, coherent rays from a common origin as
+//! a [packet], and all other rays as a [stream].
+//!
+//! The packet and the stream share what lies below both: the [conservative triangle test](prefilter)'s
+//! types and the [exact decision](exact).
+
+mod exact;
+mod leaf_test;
+mod node_test;
+mod packet;
+mod prefilter;
+mod ray_setup;
+mod single;
+mod stack;
+mod stream;
+
+use super::simd::{PACKET, Simd};
+use super::tree::Tree;
+use crate::query::Query;
+use crate::{Probe, Ray};
+use packet::Packet;
+use single::query_single;
+use stack::Traversal;
+use std::cell::Cell;
+use stream::query_stream;
+
+/// Answers the query of one ray, and tells `probe` what is done for it.
+#[inline(always)]
+pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: &Ray, probe: &mut P) -> Q {
+    Scratch::lend(
+        #[inline(always)]
+        |scratch| query_single(simd, tree, ray, &mut scratch.traversals[0], probe),
+    )
+}
+
+/// Answers the query of every ray; `answer` makes of it what goes to `answers`, in the rays' order.
+#[inline(always)]
+pub(super) fn query_batch<S: Simd, Q: Query, T: Clone + Default>(
+    simd: S,
+    tree: &Tree,
+    rays: &[Ray],
+    answers: &mut Vec<T>,
+    answer: impl Fn(Q) -> T,
+) {
+    answers.clear();
+    answers.reserve(rays.len());
+    Scratch::lend(
+        #[inline(always)]
+        |Scratch { traversals, packet, starts }| {
+            starts.clear();
+            for start in (0..rays.len()).step_by(PACKET) {
+                // Packet by packet, so that answers are in the cache when they are overwritten.
+                answers.resize(rays.len().min(start + PACKET), T::default());
+                let is_packet = rays[start..].first_chunk().is_some_and(
+                    #[inline(always)]
+                    |set| {
+                        packet.query(simd, tree, set, |i, query| {
+                            answers[start + i] = answer(query);
+                            // The rays of the next packet, which are needed soon.
+                            simd.prefetch(rays.as_ptr().wrapping_add(start + PACKET + i));
+                        })
+                    },
+                );
+                if !is_packet {
+                    starts.push(start as u32);
+                }
+            }
+            query_stream(simd, tree, rays, starts, traversals, |i, query| answers[i] = answer(query));
+        },
+    );
+}
+
+/// The memory that traversals work in, kept for each thread so that queries do not allocate.
+#[derive(Debug)]
+struct Scratch {
+    /// One for each ray in flight; on the heap, since they are large.
+    traversals: Box<[Traversal; PACKET]>,
+    packet: Packet,
+    /// Where in a batch the sets of rays start that go to the stream, [`PACKET`] from each.
+    starts: Vec<u32>,
+}
+
+thread_local! {
+    static SCRATCH: Cell<Option<Box<Scratch>>> = const { Cell::new(None) };
+}
+
+impl Scratch {
+    /// Lends this thread's to `work`.
+    #[inline(always)]
+    fn lend<T>(work: impl FnOnce(&mut Self) -> T) -> T {
+        let mut scratch = SCRATCH.take().unwrap_or_else(Self::idle);
+        let result = work(&mut scratch);
+        SCRATCH.set(Some(scratch));
+        result
+    }
+
+    #[cold]
+    fn idle() -> Box<Self> {
+        let traversals: Vec<Traversal> = (0..PACKET).map(|_| Traversal::idle()).collect();
+        // Through a vector, since an array of half a megabyte would be made on the stack.
+        let traversals = traversals.into_boxed_slice().try_into().expect("as many as were made");
+        Box::new(Self { traversals, packet: Packet::idle(), starts: Vec::new() })
+    }
+}

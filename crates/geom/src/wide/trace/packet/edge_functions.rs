@@ -1,0 +1,343 @@
+//! The conservative ray/triangle test for rays from a common origin, in `f32`.
+//!
+//! The edge functions of [`Shear::decide`](crate::decide::Shear::decide) are linear in a ray's slopes, since
+//! the rays share their origin. For the triangles of a leaf block they are computed once, around a central ray of
+//! those that may meet the block, so that little cancels. A ray then adds two products for each edge
+//! function. The error bounds hold for all of these rays (docs/numerics.md).
+
+use super::setup::CommonOrigin;
+use super::slope_bounds::SlopeBounds;
+use crate::wide::simd::{LANES, Simd};
+use crate::wide::trace::prefilter::{Filtered, Vertices};
+
+/// Unit roundoff of `f32`.
+const U: f32 = f32::EPSILON / 2.0;
+/// Error of a hit's depth beyond that of the weights, in units of `U`.
+const HIT_ERR: f32 = 26.0;
+/// Error of a vertex projected along the central ray, beyond that of the offset, in units of `U`.
+const VERTEX_ERR: f32 = 8.0;
+/// Error of an edge function of vertices up to `m` across from the central ray and up to a depth of `b - 1` from the
+/// origin, for rays whose slopes deviate by up to `d` from those of the central ray, in units of `U`: the factors of
+/// `m * m`, of `m * b` and of `m * b * d`.
+const ACROSS_ERR: f32 = 13.0;
+const DEPTH_ERR: f32 = 0.5;
+const DEVIATION_ERR: f32 = 37.0;
+
+/// The central ray of those that may meet a leaf block.
+pub(super) struct CentralRay {
+    /// Its deviation from the packet's middle ray.
+    pub(super) deviation: [f32; 2],
+    /// How far the other rays' slopes are from its own at most.
+    reach: [f32; 2],
+    slope: [f32; 2],
+    offset: [f32; 2],
+    sense: f32,
+    /// The depth of the origin.
+    start: f32,
+    /// The error of an edge function is at most `m * (err[0] + b * err[1] + m * err[2]) + b * err[3] + err[4]`.
+    err: [f32; 5],
+}
+
+impl CentralRay {
+    #[inline(always)]
+    pub(super) fn new(common: &CommonOrigin, bounds: &SlopeBounds) -> Self {
+        let SlopeBounds { low, high } = *bounds;
+        let (mut deviation, mut slope, mut offset) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+        let (mut reach, mut furthest) = ([0.0; 2], 0.0_f32);
+        for axis in 0..2 {
+            deviation[axis] = 0.5 * (low[axis] + high[axis]);
+            let exact = f64::from(common.middle[axis]) + f64::from(deviation[axis]);
+            slope[axis] = exact as f32;
+            offset[axis] = (common.origin[axis] - exact * common.origin.z) as f32;
+            reach[axis] = larger(high[axis] - deviation[axis], deviation[axis] - low[axis]);
+            furthest = larger(furthest, offset[axis].abs());
+        }
+        let furthest_slope = larger(reach[0], reach[1]);
+        let vertex_err = (VERTEX_ERR + furthest) * U;
+        let err = [
+            4.0 * vertex_err,
+            (DEPTH_ERR + DEVIATION_ERR * furthest_slope) * U,
+            ACROSS_ERR * U,
+            4.1 * furthest_slope * vertex_err,
+            2.2 * vertex_err * vertex_err,
+        ];
+        Self {
+            deviation,
+            reach,
+            slope,
+            offset,
+            sense: common.sense as f32,
+            start: common.origin.z as f32,
+            err,
+        }
+    }
+
+    /// The distances of vertices from the central ray, along axis x or y.
+    #[inline(always)]
+    fn project<S: Simd>(&self, simd: S, axis: usize, x: &[S::F; 3], depths: &[S::F; 3]) -> [S::F; 3] {
+        let (slope, offset) = (simd.splat(-self.slope[axis]), simd.splat(self.offset[axis]));
+        [
+            simd.sub(simd.mul_add(slope, depths[0], x[0]), offset),
+            simd.sub(simd.mul_add(slope, depths[1], x[1]), offset),
+            simd.sub(simd.mul_add(slope, depths[2], x[2]), offset),
+        ]
+    }
+}
+
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The edge functions of eight triangles, or of one in all lanes, around a central ray.
+#[derive(Clone, Copy)]
+pub(super) struct EdgeFunctions<F> {
+    /// Each edge function at the central ray, and its growth for each unit of deviation from it along x and y.
+    edges: [[F; 3]; 3],
+    /// A bound for the error of each of them.
+    edge_err: F,
+    /// The depth of vertex 0, and the differences of those of vertices 1 and 2.
+    depth: [F; 3],
+    /// The error of a hit's depth is at most this divided by the sum of the edge functions, plus a constant.
+    depth_err: F,
+}
+
+/// [`EdgeFunctions`] in memory.
+pub(super) type StoredEdgeFunctions = EdgeFunctions<[f32; LANES]>;
+
+/// Rays by their deviation from the central ray.
+pub(super) struct RayLanes<S: Simd> {
+    pub(super) deviation: [S::F; 2],
+    pub(super) begin: S::F,
+    pub(super) range_end: S::F,
+    /// Hits at greater depths cannot matter.
+    pub(super) end: S::F,
+}
+
+impl<F: Copy> EdgeFunctions<F> {
+    #[inline(always)]
+    pub(super) fn new<S: Simd<F = F>>(simd: S, center: &CentralRay, v: &Vertices<S>) -> Self {
+        let (sense, start) = (simd.splat(center.sense), simd.splat(center.start));
+        let [a, b, c] = v.z;
+        let depths = [simd.mul(a, sense), simd.mul(b, sense), simd.mul(c, sense)];
+        let [a, b, c] = depths;
+        let from_origin = [simd.sub(a, start), simd.sub(b, start), simd.sub(c, start)];
+        let x = center.project(simd, 0, &v.x, &depths);
+        let y = center.project(simd, 1, &v.y, &depths);
+        let edges = [
+            edge(simd, [&x, &y, &from_origin], 2, 1),
+            edge(simd, [&x, &y, &from_origin], 0, 2),
+            edge(simd, [&x, &y, &from_origin], 1, 0),
+        ];
+        let size = simd.max_abs(largest(simd, x), largest(simd, y));
+        let reach = simd.add(largest(simd, from_origin), simd.splat(1.0));
+        let [e0, e1, e2, e3, e4] = center.err;
+        let (e0, e1, e2) = (simd.splat(e0), simd.splat(e1), simd.splat(e2));
+        let (e3, e4) = (simd.splat(e3), simd.splat(e4));
+        let rate = simd.mul_add(size, e2, simd.mul_add(reach, e1, e0));
+        let edge_err = simd.mul_add(size, rate, simd.mul_add(reach, e3, e4));
+        let depth = [depths[0], simd.sub(depths[1], depths[0]), simd.sub(depths[2], depths[0])];
+        let depth_err = simd.mul(simd.mul(edge_err, simd.splat(8.0)), simd.max_abs(depth[1], depth[2]));
+        Self { edges, edge_err, depth, depth_err }
+    }
+
+    /// The triangles that any of the rays may hit.
+    #[inline(always)]
+    pub(super) fn may_hit<S: Simd<F = F>>(&self, simd: S, center: &CentralRay) -> u8 {
+        let reach = [simd.splat(center.reach[0]), simd.splat(center.reach[1])];
+        let [[a_low, a_high], [b_low, b_high], [c_low, c_high]] =
+            [self.range(simd, reach, 0), self.range(simd, reach, 1), self.range(simd, reach, 2)];
+        // A triangle is missed if one function is negative for all rays and another positive.
+        let negative = simd.min(simd.min(a_high, b_high), c_high);
+        let positive = simd.max(simd.max(a_low, b_low), c_low);
+        let minus_err = simd.sub(simd.splat(0.0), self.edge_err);
+        !(simd.lt(negative, minus_err) & simd.lt(self.edge_err, positive))
+    }
+
+    /// The least and the greatest value of an edge function.
+    #[inline(always)]
+    fn range<S: Simd<F = F>>(&self, simd: S, reach: [F; 2], i: usize) -> [F; 2] {
+        let [at, x, y] = self.edges[i];
+        let growth = simd.mul_add(reach[0], simd.abs(x), simd.mul(reach[1], simd.abs(y)));
+        [simd.sub(at, growth), simd.add(at, growth)]
+    }
+
+    /// The conservative test: in each lane, a triangle and a ray.
+    #[inline(always)]
+    pub(super) fn prefilter<S: Simd<F = F>>(&self, simd: S, rays: &RayLanes<S>) -> Filtered<S> {
+        let zero = simd.splat(0.0);
+        let [e0, e1, e2] = [self.edge(simd, rays, 0), self.edge(simd, rays, 1), self.edge(simd, rays, 2)];
+        let (err, minus_err) = (self.edge_err, simd.sub(zero, self.edge_err));
+        let low = simd.min(simd.min(e0, e1), e2);
+        let high = simd.max(simd.max(e0, e1), e2);
+        let outside = simd.lt(low, minus_err) & simd.lt(err, high);
+        let inside = simd.lt(err, low) | simd.lt(high, minus_err);
+        // The depth of vertex 0, plus the weighted differences of the other vertices' depths.
+        let inverse = simd.div(simd.splat(1.0), simd.add(simd.add(e0, e1), e2));
+        let weighted = simd.mul_add(e1, self.depth[1], simd.mul(e2, self.depth[2]));
+        let depth = simd.mul_add(weighted, inverse, self.depth[0]);
+        let depth_err = simd.mul_add(self.depth_err, simd.abs(inverse), simd.splat(HIT_ERR * U));
+        let (start, end) = (simd.sub(depth, depth_err), simd.add(depth, depth_err));
+        // Comparisons with NaN are false: where an error is unbounded, a hit is possible.
+        let beyond = simd.lt(rays.end, start) | simd.lt(end, rays.begin);
+        let possible = !(outside | beyond);
+        let certain = possible & inside & simd.lt(rays.begin, start) & simd.lt(end, rays.range_end);
+        Filtered { possible, certain, start, end }
+    }
+
+    #[inline(always)]
+    fn edge<S: Simd<F = F>>(&self, simd: S, rays: &RayLanes<S>, i: usize) -> F {
+        let [at, x, y] = self.edges[i];
+        simd.mul_add(rays.deviation[0], x, simd.mul_add(rays.deviation[1], y, at))
+    }
+
+    /// The same with `f` applied to each number.
+    #[inline(always)]
+    fn map<T: Copy>(&self, mut f: impl FnMut(F) -> T) -> EdgeFunctions<T> {
+        let Self { edges: [a, b, c], edge_err, depth: [p, q, r], depth_err } = *self;
+        EdgeFunctions {
+            edges: [[f(a[0]), f(a[1]), f(a[2])], [f(b[0]), f(b[1]), f(b[2])], [f(c[0]), f(c[1]), f(c[2])]],
+            edge_err: f(edge_err),
+            depth: [f(p), f(q), f(r)],
+            depth_err: f(depth_err),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn store<S: Simd<F = F>>(&self, simd: S) -> StoredEdgeFunctions {
+        self.map(
+            #[inline(always)]
+            |x| {
+                let mut stored = [0.0; LANES];
+                simd.store(&mut stored, x);
+                stored
+            },
+        )
+    }
+}
+
+/// The edge function of vertices `i` and `j` at the central ray, and its growth.
+#[inline(always)]
+fn edge<S: Simd>(simd: S, [x, y, depth]: [&[S::F; 3]; 3], i: usize, j: usize) -> [S::F; 3] {
+    [cross(simd, x, y, i, j), cross(simd, y, depth, i, j), cross(simd, depth, x, i, j)]
+}
+
+#[inline(always)]
+fn cross<S: Simd>(simd: S, a: &[S::F; 3], b: &[S::F; 3], i: usize, j: usize) -> S::F {
+    simd.mul_sub(a[i], b[j], simd.mul(b[i], a[j]))
+}
+
+/// The largest magnitude.
+#[inline(always)]
+fn largest<S: Simd>(simd: S, [a, b, c]: [S::F; 3]) -> S::F {
+    simd.max_abs(simd.max_abs(a, b), c)
+}
+
+impl StoredEdgeFunctions {
+    /// One of the triangles, in all lanes.
+    #[inline(always)]
+    pub(super) fn lane<S: Simd>(&self, simd: S, lane: usize) -> EdgeFunctions<S::F> {
+        self.map(
+            #[inline(always)]
+            |x| simd.splat(x[lane % LANES]),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::setup::PacketRays;
+    use super::super::tests::packet;
+    use super::*;
+    use crate::Ray;
+    use crate::conformance::{Seeded, Source};
+    use crate::cpu::Portable;
+    use crate::decide::permute;
+    use crate::wide::simd::PACKET;
+    use crate::wide::tree::normalize::NormalizedSpace;
+    use glam::DVec3;
+
+    const UNIT: NormalizedSpace = NormalizedSpace { center: DVec3::ZERO, scale: 1.0 };
+
+    /// A triangle with a vertex on a ray or near it, in the order of the shear; as small as `10^-5`.
+    fn triangle(source: &mut Seeded, common: &CommonOrigin, ray: &Ray) -> [DVec3; 3] {
+        let size = 10.0_f64.powf(-5.0 * source.unit());
+        let along = permute(ray.direction, common.main_axis);
+        let from = common.origin * DVec3::new(1.0, 1.0, common.sense);
+        let at = from + (source.signed() - from.z) / along.z * along;
+        let mut vertex = || {
+            let aside = DVec3::new(source.signed(), source.signed(), source.signed());
+            (at + size * aside).clamp(DVec3::NEG_ONE, DVec3::ONE)
+        };
+        [vertex(), vertex(), vertex()]
+    }
+
+    /// The edge functions in `f64`, and the depth of the hit if they say that there is one.
+    fn exactly(common: &CommonOrigin, ray: &Ray, vertices: [DVec3; 3]) -> ([f64; 3], Option<f64>) {
+        let (origin, direction) =
+            (permute(ray.origin, common.main_axis), permute(ray.direction, common.main_axis));
+        let project = |v: DVec3| {
+            let v = v - origin;
+            v - v.z / direction.z * direction
+        };
+        let [a, b, c] = vertices.map(project);
+        let edges = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
+        let sum: f64 = edges.iter().sum();
+        let weighted: f64 = (0..3).map(|i| edges[i] * vertices[i].z).sum();
+        let is_hit = edges.iter().all(|e| e / sum >= 0.0);
+        (edges, is_hit.then_some(common.sense * weighted / sum))
+    }
+
+    /// The error of every edge function and depth is within its bound, and the largest is more than a tenth of it,
+    /// so that a bound a tenth as large would fail.
+    #[test]
+    fn errors_are_within_their_bounds() {
+        let (simd, mut source) = (Portable, Seeded::new(11));
+        let (mut worst, mut met, mut certain) = (0.0_f64, 0, 0);
+        for _ in 0..4000 {
+            let rays = packet(&mut source);
+            let (mut common, mut packet_rays) =
+                (CommonOrigin::new(&rays, &UNIT).unwrap(), PacketRays::idle());
+            let (groups, _) = rays.as_chunks();
+            assert!(packet_rays.set(simd, &mut common, groups));
+            let center = CentralRay::new(&common, &SlopeBounds { low: common.low, high: common.high });
+            let triangles: [_; LANES] = std::array::from_fn(|_| {
+                let ray = &rays[source.below(PACKET)];
+                triangle(&mut source, &common, ray)
+            });
+            let column = |i: usize, axis: usize| triangles.map(|t| t[i][axis] as f32);
+            let row = |axis: usize| [0, 1, 2].map(|i| column(i, axis));
+            let functions = EdgeFunctions::new(simd, &center, &Vertices { x: row(0), y: row(1), z: row(2) });
+            let may_hit = functions.may_hit(simd, &center);
+            for slot in (0..PACKET).step_by(9) {
+                let (g, i) = (slot / LANES, slot % LANES);
+                let deviation =
+                    [0, 1].map(|axis| simd.splat(packet_rays.deviation[axis][g][i] - center.deviation[axis]));
+                let [begin, end] = [packet_rays.begin[g][i], packet_rays.end[g][i]].map(|x| simd.splat(x));
+                let lanes = RayLanes { deviation, begin, range_end: end, end };
+                let edges = [0, 1, 2].map(|i| functions.edge(simd, &lanes, i));
+                let filtered = functions.prefilter(simd, &lanes);
+                for lane in 0..LANES {
+                    let (exact, place) = exactly(&common, &rays[slot], triangles[lane]);
+                    for (edge, exact) in edges.iter().zip(exact) {
+                        let err = (f64::from(edge[lane]) - exact).abs() / f64::from(functions.edge_err[lane]);
+                        assert!(err <= 1.0, "{err} of {:?} for {:?}", triangles[lane], rays[slot]);
+                        worst = worst.max(err);
+                    }
+                    let is_certain = filtered.certain >> lane & 1 != 0;
+                    let Some(place) = place.filter(|place| *place >= common.origin.z) else {
+                        assert!(!is_certain, "{:?} by {:?}", triangles[lane], rays[slot]);
+                        continue;
+                    };
+                    let (start, end) = (f64::from(filtered.start[lane]), f64::from(filtered.end[lane]));
+                    assert!(!(place < start || end < place), "{start}..{end}, not {place}");
+                    assert!((may_hit & filtered.possible) >> lane & 1 != 0);
+                    met += 1;
+                    certain += i32::from(is_certain);
+                }
+            }
+        }
+        assert!(worst > 0.1, "{worst}");
+        assert!(met > 10_000 && certain > met / 2, "{certain} of {met}");
+    }
+}

@@ -1,0 +1,157 @@
+//! Packet traversal: 64 coherent rays from a common origin, such as a pinhole camera's, are traversed together.
+//!
+//! What follows from the origin alone is computed once. A ray is then two numbers, its slopes' deviation from
+//! those of a [middle ray](setup). A box becomes [bounds of these slopes](slope_bounds), the [edge
+//! functions](edge_functions) of a triangle are linear in them, and depth is measured along the main axis.
+
+mod edge_functions;
+mod setup;
+mod slope_bounds;
+mod traverse;
+
+use super::exact::{CAPACITY, Decisions};
+use crate::Ray;
+use crate::query::Query;
+use crate::wide::simd::{LANES, PACKET, Simd};
+use crate::wide::tree::Tree;
+use setup::CommonOrigin;
+use traverse::{PacketTraversal, State};
+
+/// The memory of packet traversal, reused between packets to avoid reallocation.
+#[derive(Debug)]
+pub(super) struct Packet {
+    state: State,
+    decisions: [Decisions; CAPACITY],
+}
+
+impl Packet {
+    pub(super) fn idle() -> Self {
+        Self { state: State::idle(), decisions: [Decisions::NONE; CAPACITY] }
+    }
+
+    /// Answers the query of every ray and reports it. If the rays are not coherent, or not from a common
+    /// origin, it does nothing and returns false.
+    #[inline(always)]
+    pub(super) fn query<S: Simd, Q: Query>(
+        &mut self,
+        simd: S,
+        tree: &Tree,
+        rays: &[Ray; PACKET],
+        mut report: impl FnMut(usize, Q),
+    ) -> bool {
+        let (groups, _) = rays.as_chunks::<LANES>();
+        let Self { state, decisions } = self;
+        let Some(mut common) = CommonOrigin::new(rays, &tree.space) else { return false };
+        if tree.triangles.bounds().is_empty() || !state.rays.set(simd, &mut common, groups) {
+            return false;
+        }
+        for candidates in state.candidates.as_flattened_mut() {
+            candidates.clear();
+        }
+        let finished = PacketTraversal::<S, Q>::new(simd, tree, groups, common, state).run();
+        for (g, group) in groups.iter().enumerate() {
+            let (shears, end) = (&state.rays.shears[g], &state.rays.end[g]);
+            let rounds = shears.decide(simd, &state.candidates[g], end, &tree.triangles, decisions);
+            for (i, ray) in group.iter().enumerate() {
+                let mut query = Q::new(ray);
+                for decisions in &decisions[..rounds] {
+                    decisions.offer(i, &mut query);
+                }
+                let slot = g * LANES + i;
+                let is_finished = finished >> slot & 1 != 0;
+                report(slot, if is_finished { query.with_some_hit() } else { query });
+            }
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformance::shapes::icosphere;
+    use crate::conformance::{Seeded, Source};
+    use crate::cpu::Portable;
+    use crate::query::ClosestHit;
+    use crate::wide::build::build;
+    use crate::{Accel, KdOptions, Triangles, WideKdTree};
+    use glam::DVec3;
+
+    fn tree(triangles: &Triangles) -> Tree {
+        build(triangles, &KdOptions::default()).unwrap()
+    }
+
+    /// Rays from one point, up to 30 from a scene that is 2 wide, around a ray through it, up to a tenth apart.
+    pub(super) fn packet(source: &mut Seeded) -> [Ray; PACKET] {
+        let mut vector = || DVec3::new(source.signed(), source.signed(), source.signed());
+        let (place, at) = (vector(), vector());
+        let origin = place * 30.0_f64.powf(1.4 * source.unit() - 0.4);
+        let direction = at - origin;
+        let main_axis = crate::decide::main_axis(direction);
+        // Not too near to where another axis is the main one.
+        let direction = DVec3::from_array(
+            [0, 1, 2].map(|axis| if axis == main_axis { direction[axis] } else { 0.85 * direction[axis] }),
+        );
+        let spread = direction[main_axis].abs() * 10.0_f64.powf(-1.25 - 5.0 * source.unit());
+        std::array::from_fn(|_| {
+            let mut aside = DVec3::new(source.signed(), source.signed(), source.signed());
+            aside[main_axis] = 0.0;
+            Ray::new(origin, direction + spread * aside)
+        })
+    }
+
+    #[test]
+    fn rays_from_one_point_find_what_each_finds_alone() {
+        let triangles = Triangles::new(icosphere(3).triangles()).unwrap();
+        let (tree, alone) = (tree(&triangles), WideKdTree::build(&triangles).unwrap());
+        let (mut source, mut memory, mut hits) = (Seeded::new(5), Packet::idle(), 0);
+        for _ in 0..500 {
+            let mut rays = packet(&mut source);
+            for ray in &mut rays {
+                ray.t_min = (source.signed() * 0.4).max(0.0);
+                ray.t_max = if source.below(2) == 0 { f64::INFINITY } else { ray.t_min + source.unit() };
+            }
+            let (mut reported, mut found) = ([0; PACKET], [None; PACKET]);
+            let is_packet = memory.query(Portable, &tree, &rays, |i, query: ClosestHit| {
+                reported[i] += 1;
+                found[i] = query.hit();
+            });
+            assert!(is_packet);
+            assert_eq!(reported, [1; PACKET]);
+            assert_eq!(found, rays.map(|ray| alone.intersect(&ray)));
+            hits += found.iter().flatten().count();
+        }
+        assert!(hits > 1000, "{hits}");
+    }
+
+    #[test]
+    fn other_rays_are_refused() {
+        let tree = tree(&Triangles::new(icosphere(2).triangles()).unwrap());
+        let mut source = Seeded::new(6);
+        let is_packet =
+            |rays: &[Ray; PACKET]| Packet::idle().query(Portable, &tree, rays, |_, _: ClosestHit| {});
+        let rays = packet(&mut source);
+        assert!(is_packet(&rays));
+        let spoil: [fn(&mut Ray); 10] = [
+            |ray| ray.origin.x = ray.origin.x.next_up(),
+            |ray| ray.origin.y = ray.origin.y.next_up(),
+            |ray| ray.origin.z = ray.origin.z.next_up(),
+            |ray| ray.direction = -ray.direction,
+            |ray| ray.direction = DVec3::new(ray.direction.y, ray.direction.z, ray.direction.x),
+            |ray| ray.direction.y = f64::NAN,
+            |ray| ray.t_min = -1.0,
+            |ray| ray.t_min = f64::NAN,
+            |ray| ray.t_max = 0.0,
+            |ray| ray.direction *= 2.0_f64.powi(700),
+        ];
+        for spoil in spoil {
+            for i in [0, 17, PACKET - 1] {
+                let mut rays = rays;
+                spoil(&mut rays[i]);
+                assert!(!is_packet(&rays), "{:?}", rays[i]);
+            }
+            let from_afar = rays.map(|ray| Ray { origin: ray.origin - 1000.0 * ray.direction, ..ray });
+            assert!(!is_packet(&from_afar));
+        }
+    }
+}

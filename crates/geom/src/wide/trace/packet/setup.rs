@@ -1,0 +1,204 @@
+//! Packet setup: the common origin, and the rays by their deviation from a middle one.
+
+use crate::Ray;
+use crate::decide::{main_axis, permute};
+use crate::wide::simd::{GROUPS, LANES, PACKET, RayMask, Simd};
+use crate::wide::trace::exact::Shears;
+use crate::wide::trace::ray_setup::AXES;
+use crate::wide::tree::normalize::NormalizedSpace;
+use glam::DVec3;
+
+/// An origin further away than this leaves too little of the precision of `f32`; the scene is 2 wide.
+const FAR: f64 = 64.0;
+/// Rays whose slopes are further apart than this visit too few nodes in common.
+const WIDEST: f64 = 0.125;
+
+/// The origin that the rays of a packet share, and a middle ray from it.
+///
+/// Components are in the order of the [`Shear`](crate::decide::Shear), the main axis last. Depth is measured along
+/// the main axis, in the rays' sense; slopes are lengths across for each unit of depth. Rays are given by
+/// their *deviation*, which is their slopes minus those of the middle ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CommonOrigin {
+    pub(super) main_axis: usize,
+    /// The axes x, y and z.
+    pub(super) axes: [usize; 3],
+    /// 1 if the rays ascend along the main axis, -1 if they descend.
+    pub(super) sense: f64,
+    /// The origin as the rays have it.
+    given: DVec3,
+    /// The same in the order of the shear.
+    ray_origin: DVec3,
+    /// The same in normalised space, the last component a depth.
+    pub(super) origin: DVec3,
+    /// The scale of normalised space.
+    scale: f64,
+    /// The slopes of the middle ray.
+    pub(super) middle: [f32; 2],
+    /// The least and the greatest deviations of the rays.
+    pub(super) low: [f32; 2],
+    pub(super) high: [f32; 2],
+    /// The depth at which the first ray's range begins.
+    pub(super) begin: f32,
+    /// The octant of one ray's direction. Children are visited in its order, which need not be that of all
+    /// rays: no answer depends on it.
+    pub(super) octant: u8,
+}
+
+impl CommonOrigin {
+    /// The origin of the first ray, and a ray in the middle of the first and the last; `None` if these two
+    /// are not from one point, or not coherent. The bounds of the deviations follow in
+    /// [`PacketRays::set`].
+    #[inline(always)]
+    pub(super) fn new(rays: &[Ray; PACKET], space: &NormalizedSpace) -> Option<Self> {
+        let (first, last) = (&rays[0], &rays[PACKET - 1]);
+        if first.origin != last.origin || !first.is_traceable() {
+            return None;
+        }
+        let main_axis = main_axis(first.direction);
+        let direction = permute(first.direction, main_axis);
+        let sense = 1.0_f64.copysign(direction.z);
+        let ray_origin = permute(first.origin, main_axis);
+        let mut origin = (ray_origin - permute(space.center, main_axis)) * space.scale;
+        origin.z *= sense;
+        let is_near = origin.abs().max_element() <= FAR;
+        let other = permute(last.direction, main_axis);
+        let (first_slopes, last_slopes) = (direction / direction.z.abs(), other / other.z.abs());
+        if (first_slopes - last_slopes).abs().max_element() > WIDEST {
+            return None;
+        }
+        let DVec3 { x, y, .. } = 0.5 * (first_slopes + last_slopes);
+        let middle = [x as f32, y as f32];
+        let negative = |x: f64| (x.to_bits() >> 63) as u8;
+        let DVec3 { x, y, z } = first.direction;
+        let octant = negative(x) | negative(y) << 1 | negative(z) << 2;
+        let [x, y, z] = AXES[main_axis % 3];
+        let axes = [usize::from(x), usize::from(y), usize::from(z)];
+        let ([low, high], scale, begin) = ([[0.0; 2]; 2], space.scale, 0.0);
+        let origin = Self {
+            main_axis,
+            axes,
+            sense,
+            given: first.origin,
+            ray_origin,
+            origin,
+            scale,
+            middle,
+            low,
+            high,
+            begin,
+            octant,
+        };
+        is_near.then_some(origin)
+    }
+
+    pub(super) fn descends(&self) -> bool {
+        self.sense < 0.0
+    }
+}
+
+/// A depth beyond the scene.
+const BEYOND: f64 = 2.0;
+
+/// The rays of a packet, a column for each number.
+#[derive(Debug)]
+pub(super) struct PacketRays {
+    /// The deviations along x and y.
+    pub(super) deviation: [[[f32; LANES]; GROUPS]; 2],
+    /// The depths at which the rays' ranges begin and end.
+    pub(super) begin: [[f32; LANES]; GROUPS],
+    pub(super) range_end: [[f32; LANES]; GROUPS],
+    /// Hits at greater depths cannot matter.
+    pub(super) end: [[f32; LANES]; GROUPS],
+    pub(super) shears: [Shears; GROUPS],
+}
+
+impl PacketRays {
+    pub(super) fn idle() -> Self {
+        let zero = [[0.0; LANES]; GROUPS];
+        Self { deviation: [zero; 2], begin: zero, range_end: zero, end: zero, shears: [Shears::NONE; GROUPS] }
+    }
+
+    /// Sets up the rays, and bounds their deviations in `origin`. Returns false if they are not coherent, or
+    /// not all from that origin.
+    #[inline(always)]
+    pub(super) fn set<S: Simd>(
+        &mut self,
+        simd: S,
+        origin: &mut CommonOrigin,
+        groups: &[[Ray; LANES]],
+    ) -> bool {
+        let mut fit: RayMask = 0;
+        for (g, group) in groups.iter().enumerate() {
+            fit |= RayMask::from(self.set_group(simd, g, origin, group)) << (g * LANES);
+        }
+        if fit != RayMask::MAX {
+            return false;
+        }
+        let [x, y] = [range(simd, &self.deviation[0]), range(simd, &self.deviation[1])];
+        [origin.low, origin.high] = [[x[0], y[0]], [x[1], y[1]]];
+        origin.begin = range(simd, &self.begin)[0];
+        [x, y].iter().all(|[least, greatest]| f64::from(greatest - least) <= WIDEST)
+    }
+
+    /// Sets up eight rays; returns which of them belong to the packet.
+    #[inline(always)]
+    fn set_group<S: Simd>(&mut self, simd: S, g: usize, common: &CommonOrigin, group: &[Ray; LANES]) -> u8 {
+        let columns = simd.columns(group);
+        let [ox, oy, oz, .., t_min, t_max] = &columns;
+        let [dx, dy, dz] = common.axes.map(|axis| &columns[3 + axis % 3]);
+        let shears = &mut self.shears[g];
+        let origin = common.ray_origin;
+        shears.main_axis = common.main_axis;
+        shears.origin = [[origin.x; LANES], [origin.y; LANES], [origin.z; LANES]];
+        shears.direction_z = *dz;
+        // Without branches, so that the compiler vectorises the loops.
+        for (axis, across) in [dx, dy].into_iter().enumerate() {
+            let (mut slopes, mut deviation) = ([0.0; LANES], [0.0; LANES]);
+            let middle = f64::from(common.middle[axis]);
+            for i in 0..LANES {
+                slopes[i] = across[i] / dz[i];
+                deviation[i] = (slopes[i] * common.sense - middle) as f32;
+            }
+            shears.slopes[axis] = slopes;
+            self.deviation[axis][g] = deviation;
+        }
+        let (mut begins, mut ends) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let rate = dz[i].abs() * common.scale;
+            let (begin, end) = (common.origin.z + t_min[i] * rate, common.origin.z + t_max[i] * rate);
+            begins[i] = begin as f32;
+            ends[i] = (if end < BEYOND { end } else { BEYOND }) as f32;
+        }
+        (self.begin[g], self.range_end[g], self.end[g]) = (begins, ends, ends);
+        let domain = Ray::DIRECTION_DOMAIN;
+        let mut fits = [0.0; LANES];
+        for i in 0..LANES {
+            let along = dz[i] * common.sense;
+            // Comparisons with NaN are false. A ray with two largest components does not fit.
+            let fit = (along > dx[i].abs())
+                & (along > dy[i].abs())
+                & (along >= *domain.start())
+                & (along <= *domain.end())
+                & (t_min[i] >= 0.0)
+                & (t_min[i] < t_max[i])
+                & (ox[i].to_bits() == common.given.x.to_bits())
+                & (oy[i].to_bits() == common.given.y.to_bits())
+                & (oz[i].to_bits() == common.given.z.to_bits());
+            fits[i] = if fit { 1.0 } else { 0.0 };
+        }
+        simd.lt(simd.splat(0.0), simd.load(&fits))
+    }
+}
+
+/// The smallest and the largest of the rays' numbers.
+#[inline(always)]
+pub(super) fn range<S: Simd>(simd: S, numbers: &[[f32; LANES]; GROUPS]) -> [f32; 2] {
+    let zero = simd.splat(0.0);
+    let (mut low, mut minus_high) = (simd.splat(f32::INFINITY), simd.splat(f32::INFINITY));
+    for numbers in numbers {
+        let x = simd.load(numbers);
+        (low, minus_high) = (simd.min(low, x), simd.min(minus_high, simd.sub(zero, x)));
+    }
+    [simd.min_of(low, 0xff), -simd.min_of(minus_high, 0xff)]
+}

@@ -1,0 +1,151 @@
+//! Slope bounds: a box as rays from one origin see it, bounds of the slopes of those that may meet it.
+
+use super::setup::CommonOrigin;
+use crate::wide::simd::{LANES, Simd};
+use crate::wide::tree::node::Node;
+
+/// Unit roundoff of `f32`.
+const U: f32 = f32::EPSILON / 2.0;
+/// Half the thickness of faces, in units of `U` times 1 plus the distance of the origin from the scene's middle.
+const FACE_ERR: f32 = 8.0;
+/// By how much the bounds are widened, in units of `U`.
+const SIDE_ERR: f32 = 16.0;
+/// The depth from the origin at which boxes begin that begin nearer, or behind it.
+const NEAREST: f32 = 1.0 / (1_u64 << 60) as f32;
+
+/// Bounds of rays' deviations, `low..=high` along x and along y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SlopeBounds {
+    pub(super) low: [f32; 2],
+    pub(super) high: [f32; 2],
+}
+
+/// The slope bounds of a node's children, lane by lane, and the depths at which the children begin.
+pub(super) struct ChildBounds {
+    low: [[f32; LANES]; 2],
+    high: [[f32; LANES]; 2],
+    pub(super) near: [f32; LANES],
+}
+
+impl ChildBounds {
+    /// Those of the children that a ray may meet before depth `end`, and the lanes of these.
+    ///
+    /// Boxes and slope bounds are widened by more than all rounding errors (docs/numerics.md).
+    #[inline(always)]
+    pub(super) fn of<S: Simd>(simd: S, node: &Node, common: &CommonOrigin, end: f32) -> (Self, u8) {
+        let origin = common.origin.as_vec3();
+        let thick = FACE_ERR * U * (1.0 + origin.abs().max_element());
+        let [low, high] = faces(simd, node, common, 2);
+        let zero = simd.splat(0.0);
+        let (near, far) =
+            if common.descends() { (simd.sub(zero, high), simd.sub(zero, low)) } else { (low, high) };
+        let slack = simd.splat(FACE_ERR * U);
+        let (near, far) = (simd.sub(near, slack), simd.add(far, slack));
+        let mut met = simd.le(near, simd.splat(end)) & simd.le(simd.splat(common.begin), far);
+        let (near_inverse, far_inverse) =
+            (inverse(simd, near, origin.z + thick), inverse(simd, far, origin.z - thick));
+        let mut bounds = Self { low: [[0.0; LANES]; 2], high: [[0.0; LANES]; 2], near: [0.0; LANES] };
+        simd.store(&mut bounds.near, near);
+        for axis in 0..2 {
+            let [low, high] = faces(simd, node, common, axis);
+            let low = simd.sub(low, simd.splat(origin[axis] + thick));
+            let high = simd.sub(high, simd.splat(origin[axis] - thick));
+            // Each side at the depth where its slope is further out.
+            let low = simd.min(simd.mul(low, near_inverse), simd.mul(low, far_inverse));
+            let high = simd.max(simd.mul(high, near_inverse), simd.mul(high, far_inverse));
+            let low = simd.sub(low, simd.splat(common.middle[axis] + SIDE_ERR * U));
+            let high = simd.sub(high, simd.splat(common.middle[axis] - SIDE_ERR * U));
+            let low = simd.max(low, simd.splat(common.low[axis]));
+            let high = simd.min(high, simd.splat(common.high[axis]));
+            met &= simd.le(low, high);
+            simd.store(&mut bounds.low[axis], low);
+            simd.store(&mut bounds.high[axis], high);
+        }
+        (bounds, met)
+    }
+
+    /// The positions in `order` of the lanes `met`, a bit each.
+    #[inline(always)]
+    pub(super) fn places<S: Simd>(simd: S, met: u8, order: u32) -> u8 {
+        let (yes, no) = (simd.splat(1.0), simd.splat(0.0));
+        simd.lt(no, simd.permute(simd.select(met, yes, no), simd.lane_indices(order)))
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> SlopeBounds {
+        let lane = lane % LANES;
+        let low = [self.low[0][lane], self.low[1][lane]];
+        let high = [self.high[0][lane], self.high[1][lane]];
+        SlopeBounds { low, high }
+    }
+}
+
+/// The lower and upper faces of a node's children along one of the packet's axes.
+#[inline(always)]
+fn faces<S: Simd>(simd: S, node: &Node, common: &CommonOrigin, axis: usize) -> [S::F; 2] {
+    let axis = common.axes[axis] % 3;
+    [simd.load(&node.faces[2 * axis]), simd.load(&node.faces[2 * axis + 1])]
+}
+
+/// The inverse of the depth from `from`.
+#[inline(always)]
+fn inverse<S: Simd>(simd: S, place: S::F, from: f32) -> S::F {
+    let distance = simd.max(simd.sub(place, simd.splat(from)), simd.splat(NEAREST));
+    simd.div(simd.splat(1.0), distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::setup::PacketRays;
+    use super::super::tests::packet;
+    use super::*;
+    use crate::Aabb;
+    use crate::conformance::{Seeded, Source};
+    use crate::cpu::Portable;
+    use crate::wide::simd::PACKET;
+    use crate::wide::tree::node::Child;
+    use crate::wide::tree::normalize::NormalizedSpace;
+    use glam::DVec3;
+
+    /// A point on one of the rays, before its end, is met, and the ray is within its slope bounds; so no ray of a
+    /// packet can miss what it would have found alone.
+    #[test]
+    fn what_lies_on_a_ray_has_it_within_its_slope_bounds() {
+        let space = NormalizedSpace { center: DVec3::ZERO, scale: 1.0 };
+        let (mut source, mut met, mut others) = (Seeded::new(8), 0, 0);
+        while met < 50_000 {
+            let rays = packet(&mut source);
+            let (mut origin, mut packet_rays) =
+                (CommonOrigin::new(&rays, &space).unwrap(), PacketRays::idle());
+            let (groups, _) = rays.as_chunks();
+            assert!(packet_rays.set(Portable, &mut origin, groups));
+            for _ in 0..16 {
+                let slot = source.below(PACKET);
+                let (g, i) = (slot / LANES, slot % LANES);
+                let at = rays[slot].at(2.0 * source.unit());
+                if at.abs().max_element() > 1.0 {
+                    continue;
+                }
+                let aside = at + 0.3 * DVec3::new(source.signed(), source.signed(), source.signed());
+                let mut node = Node::empty();
+                for (lane, at) in [(3, at), (5, aside)] {
+                    let at = at.as_vec3();
+                    node.set(lane, &Aabb { min: at, max: at }, Child::Node(1));
+                }
+                let end = packet_rays.end[g][i];
+                let (bounds, lanes) = ChildBounds::of(Portable, &node, &origin, end);
+                let SlopeBounds { low, high } = bounds.get(3);
+                let is_in = |axis: usize| {
+                    let x = packet_rays.deviation[axis][g][i];
+                    low[axis] <= x && x <= high[axis]
+                };
+                assert!(lanes & 0b1000 != 0 && is_in(0) && is_in(1), "{:?} at {at:?}", rays[slot]);
+                assert!(bounds.near[3] <= end);
+                met += 1;
+                others += i32::from(lanes & 0b10_0000 != 0);
+            }
+        }
+        // It does not meet just anything.
+        assert!(others < met / 10, "{others}");
+    }
+}

@@ -1,0 +1,325 @@
+//! The traversal of a packet: slope bounds meet nodes, rays and triangles meet in leaf blocks.
+
+use super::edge_functions::{CentralRay, EdgeFunctions, RayLanes};
+use super::setup::{CommonOrigin, PacketRays, range};
+use super::slope_bounds::{ChildBounds, SlopeBounds};
+use crate::Ray;
+use crate::query::{ClosestHit, Query};
+use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd};
+use crate::wide::trace::exact::Candidates;
+use crate::wide::trace::prefilter::{Filtered, Vertices};
+use crate::wide::tree::Tree;
+use crate::wide::tree::node::Child;
+use std::marker::PhantomData;
+
+/// The state of a packet's traversal.
+#[derive(Debug)]
+pub(super) struct State {
+    pub(super) rays: PacketRays,
+    pub(super) candidates: [[Candidates; LANES]; GROUPS],
+    filtered: [StoredFiltered; PACKET],
+    /// The children still to be visited, the nearest last.
+    stack: Vec<StackEntry>,
+}
+
+/// A child that rays of the packet may meet.
+#[derive(Clone, Copy, Debug)]
+struct StackEntry {
+    child: u32,
+    /// The depth at which it begins.
+    near: f32,
+    /// The slope bounds of the rays that may meet it.
+    bounds: SlopeBounds,
+}
+
+/// [`Filtered`] in memory.
+#[derive(Clone, Copy, Debug)]
+struct StoredFiltered {
+    starts: [f32; LANES],
+    ends: [f32; LANES],
+    possible: u8,
+    certain: u8,
+}
+
+impl State {
+    pub(super) fn idle() -> Self {
+        let nothing = StoredFiltered { starts: [0.0; LANES], ends: [0.0; LANES], possible: 0, certain: 0 };
+        Self {
+            rays: PacketRays::idle(),
+            candidates: [[Candidates::default(); LANES]; GROUPS],
+            filtered: [nothing; PACKET],
+            stack: Vec::new(),
+        }
+    }
+}
+
+pub(super) struct PacketTraversal<'a, S: Simd, Q> {
+    simd: S,
+    tree: &'a Tree,
+    rays: &'a [[Ray; LANES]],
+    common: CommonOrigin,
+    state: &'a mut State,
+    /// The depth at which the last of the rays ends.
+    end: f32,
+    /// The rays whose any-hit query is answered by a certain hit. They end before everything.
+    finished: RayMask,
+    query: PhantomData<Q>,
+}
+
+/// The triangles of a leaf block that a ray of the packet may hit, and the rays that may meet the block.
+struct LeafTest<F> {
+    /// The block's first reference.
+    first: usize,
+    triangles: u8,
+    rays: RayMask,
+    center: CentralRay,
+    edges: EdgeFunctions<F>,
+}
+
+impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        tree: &'a Tree,
+        rays: &'a [[Ray; LANES]],
+        common: CommonOrigin,
+        state: &'a mut State,
+    ) -> Self {
+        Self { simd, tree, rays, common, state, end: f32::INFINITY, finished: 0, query: PhantomData }
+    }
+
+    /// Visits all that rays of the packet may meet. What is left to decide is in the state's candidates;
+    /// returns the rays that need no decision.
+    #[inline(always)]
+    pub(super) fn run(&mut self) -> RayMask {
+        self.shorten();
+        self.state.stack.clear();
+        self.test_node(Child::ROOT);
+        while let Some(entry) = self.state.stack.pop() {
+            if entry.near > self.end {
+                continue;
+            }
+            if Child::is_block(entry.child) == 1 {
+                self.test_leaf(&entry);
+            } else {
+                self.test_node(entry.child);
+            }
+        }
+        self.finished
+    }
+
+    /// Pushes those of a node's children that rays may meet.
+    #[inline(always)]
+    fn test_node(&mut self, index: u32) {
+        let node = &self.tree.nodes[index as usize];
+        let (bounds, met) = ChildBounds::of(self.simd, node, &self.common, self.end);
+        let order = node.orders[usize::from(self.common.octant & 7)];
+        let mut places = ChildBounds::places(self.simd, met, order);
+        while places != 0 {
+            // The furthest of them.
+            let place = places.ilog2();
+            places ^= 1 << place;
+            let lane = (order >> (3 * place)) as usize % LANES;
+            let (child, near, bounds) = (node.children[lane], bounds.near[lane], bounds.get(lane));
+            self.state.stack.push(StackEntry { child, near, bounds });
+            let address = self.tree.address(child);
+            for line in 0..4 {
+                self.simd.prefetch(address.wrapping_add(64 * line));
+            }
+        }
+    }
+
+    /// Tests a leaf block's triangles and the rays within its slope bounds, in the order that takes fewer tests.
+    #[inline(always)]
+    fn test_leaf(&mut self, entry: &StackEntry) {
+        let rays = self.within(&entry.bounds, entry.near);
+        if rays == 0 {
+            return;
+        }
+        let simd = self.simd;
+        let groups = (0..GROUPS).filter(|g| group_of(rays, *g) != 0).count();
+        let (first, count) = Child::block(entry.child);
+        let rows = self.tree.leaves.rows(first, count);
+        simd.prefetch(self.tree.leaves.indices(first, count).as_ptr());
+        let center = CentralRay::new(&self.common, &entry.bounds);
+        let edges = EdgeFunctions::new(simd, &center, &Vertices::load(simd, rows, self.common.axes));
+        let triangles = edges.may_hit(simd, &center) & rows.lanes();
+        if triangles == 0 {
+            return;
+        }
+        let test = LeafTest { first, triangles, rays, center, edges };
+        let is_shorter = if triangles.count_ones() as usize * groups < rays.count_ones() as usize {
+            self.test_by_triangle(&test)
+        } else {
+            self.test_by_ray(&test)
+        };
+        if is_shorter {
+            self.shorten();
+        }
+    }
+
+    /// The rays within slope bounds that do not end before depth `near`.
+    #[inline(always)]
+    fn within(&self, bounds: &SlopeBounds, near: f32) -> RayMask {
+        let (simd, mut met) = (self.simd, 0);
+        let PacketRays { deviation, end, .. } = &self.state.rays;
+        let low = [simd.splat(bounds.low[0]), simd.splat(bounds.low[1])];
+        let high = [simd.splat(bounds.high[0]), simd.splat(bounds.high[1])];
+        let near = simd.splat(near);
+        for g in 0..GROUPS {
+            let (x, y) = (simd.load(&deviation[0][g]), simd.load(&deviation[1][g]));
+            let across = simd.le(low[0], x) & simd.le(x, high[0]) & simd.le(low[1], y) & simd.le(y, high[1]);
+            met |= RayMask::from(across & simd.le(near, simd.load(&end[g]))) << (g * LANES);
+        }
+        met
+    }
+
+    /// All triangles at once, for each ray. Returns whether any ray has become shorter.
+    ///
+    /// Results are recorded when all rays have been tested: which of them hit something is unpredictable.
+    #[inline(always)]
+    fn test_by_ray(&mut self, test: &LeafTest<S::F>) -> bool {
+        let (simd, rays) = (self.simd, &self.state.rays);
+        let (mut with_possible, mut with_certain) = (0, 0);
+        for slot in Bits(test.rays) {
+            let (g, i) = (slot / LANES % GROUPS, slot % LANES);
+            let from_center = |axis: usize| rays.deviation[axis][g][i] - test.center.deviation[axis];
+            let (x, y) = (from_center(0), from_center(1));
+            let lanes = RayLanes {
+                deviation: [simd.splat(x), simd.splat(y)],
+                begin: simd.splat(rays.begin[g][i]),
+                range_end: simd.splat(rays.range_end[g][i]),
+                end: simd.splat(rays.end[g][i]),
+            };
+            let Filtered { possible, certain, start, end } = test.edges.prefilter(simd, &lanes);
+            let (possible, certain) = (possible & test.triangles, certain & test.triangles);
+            let to = &mut self.state.filtered[slot % PACKET];
+            simd.store(&mut to.starts, start);
+            simd.store(&mut to.ends, end);
+            (to.possible, to.certain) = (possible, certain);
+            with_possible |= RayMask::from(possible != 0) << slot;
+            with_certain |= RayMask::from(certain != 0) << slot;
+        }
+        for slot in Bits(with_possible) {
+            let (g, i) = (slot / LANES % GROUPS, slot % LANES);
+            let StoredFiltered { starts, ends, possible, certain } = self.state.filtered[slot % PACKET];
+            if Q::ANY_HIT && certain != 0 {
+                self.finish(g, i);
+                continue;
+            }
+            for lane in Bits(possible.into()) {
+                self.add(g, i, starts[lane % LANES], self.tree.leaves.index(test.first, lane));
+            }
+            if certain != 0 {
+                let nearest = simd.min_of(simd.load(&ends), certain);
+                let end = &mut self.state.rays.end[g][i];
+                *end = if nearest < *end { nearest } else { *end };
+            }
+        }
+        with_certain != 0
+    }
+
+    /// Eight rays at once, for each triangle. Returns whether any ray has become shorter.
+    #[inline(always)]
+    fn test_by_triangle(&mut self, test: &LeafTest<S::F>) -> bool {
+        let (simd, mut is_shorter) = (self.simd, false);
+        let stored = test.edges.store(simd);
+        for at in Bits(test.triangles.into()) {
+            let index = self.tree.leaves.index(test.first, at);
+            let edges = stored.lane(simd, at);
+            let (mut possible, mut certain) = (0, 0);
+            for g in 0..GROUPS {
+                let group = group_of(test.rays & !self.finished, g);
+                if group != 0 {
+                    let of_group = self.test_group(g, group, &test.center, &edges);
+                    possible |= RayMask::from(of_group.0) << (g * LANES);
+                    certain |= RayMask::from(of_group.1) << (g * LANES);
+                }
+            }
+            is_shorter |= certain != 0;
+            if Q::ANY_HIT {
+                possible &= !certain;
+                for slot in Bits(certain) {
+                    self.finish(slot / LANES % GROUPS, slot % LANES);
+                }
+            }
+            for slot in Bits(possible) {
+                let (g, i) = (slot / LANES % GROUPS, slot % LANES);
+                self.add(g, i, self.state.filtered[g].starts[i], index);
+            }
+        }
+        is_shorter
+    }
+
+    /// One triangle, and the rays of group `g` in the lanes `group`. Returns for which of them a hit is
+    /// possible, and for which it is certain.
+    #[inline(always)]
+    fn test_group(
+        &mut self,
+        g: usize,
+        group: u8,
+        center: &CentralRay,
+        edges: &EdgeFunctions<S::F>,
+    ) -> (u8, u8) {
+        let (simd, rays) = (self.simd, &self.state.rays);
+        let x = simd.sub(simd.load(&rays.deviation[0][g]), simd.splat(center.deviation[0]));
+        let y = simd.sub(simd.load(&rays.deviation[1][g]), simd.splat(center.deviation[1]));
+        let before = simd.load(&rays.end[g]);
+        let (begin, range_end) = (simd.load(&rays.begin[g]), simd.load(&rays.range_end[g]));
+        let lanes = RayLanes { deviation: [x, y], begin, range_end, end: before };
+        let Filtered { possible, certain, start, end } = edges.prefilter(simd, &lanes);
+        let (possible, certain) = (possible & group, certain & group);
+        let nearer = simd.select(certain, simd.min(end, before), before);
+        simd.store(&mut self.state.rays.end[g], nearer);
+        simd.store(&mut self.state.filtered[g].starts, start);
+        (possible, certain)
+    }
+
+    /// Finds where the last of the rays ends.
+    #[inline(always)]
+    fn shorten(&mut self) {
+        self.end = range(self.simd, &self.state.rays.end)[1];
+    }
+
+    /// Ends an any-hit query that has a certain hit.
+    #[inline(always)]
+    fn finish(&mut self, g: usize, i: usize) {
+        self.finished |= 1 << (g * LANES + i);
+        self.state.candidates[g][i].clear();
+        self.state.rays.end[g][i] = f32::NEG_INFINITY;
+    }
+
+    /// Adds a candidate, and decides when there are eight.
+    #[inline(always)]
+    fn add(&mut self, g: usize, i: usize, start: f32, index: u32) {
+        let triangles = &self.tree.triangles;
+        self.simd.prefetch(triangles.get(index));
+        let candidates = &mut self.state.candidates[g][i];
+        candidates.add(start, index);
+        if candidates.is_full() {
+            self.settle(g, i);
+        }
+    }
+
+    /// Decides a ray's candidates, and keeps the one that is hit, if any.
+    #[cold]
+    fn settle(&mut self, g: usize, i: usize) {
+        let (end, ray) = (self.state.rays.end[g][i], &self.rays[g][i]);
+        let mut query = ClosestHit::new(ray);
+        let candidates = &mut self.state.candidates[g][i];
+        candidates.decide(end, ray, &self.tree.triangles, &mut query);
+        let Some(hit) = query.hit() else { return };
+        if Q::ANY_HIT {
+            self.finish(g, i);
+        } else {
+            // Its lower bound is not known any more, so it is always decided.
+            candidates.add(f32::NEG_INFINITY, hit.triangle);
+        }
+    }
+}
+
+/// The lanes of group `g`.
+#[inline(always)]
+fn group_of(rays: RayMask, g: usize) -> u8 {
+    (rays >> (g * LANES)) as u8
+}

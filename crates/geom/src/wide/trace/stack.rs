@@ -1,0 +1,112 @@
+//! The state of one ray's traversal: its current child, and a stack of children still to be visited.
+
+use super::exact::Candidates;
+use super::ray_setup::RaySetup;
+use crate::KdTree;
+use crate::wide::simd::{LANES, Simd};
+use crate::wide::tree::MAX_LEVELS;
+use crate::wide::tree::node::Child;
+
+/// The stack's size: at most one node for each level, and the entry that ends the traversal.
+const DEPTH: usize = 128;
+const _: () = assert!((KdTree::MAX_DEPTH + MAX_LEVELS) as usize + 2 <= DEPTH);
+
+/// The children of a node, from near to far, and where the ray enters them.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+struct StackEntry {
+    starts: [f32; LANES],
+    children: [u32; LANES],
+}
+
+impl StackEntry {
+    /// Ends every traversal.
+    const END: Self = Self { starts: [0.0; LANES], children: [Child::END; LANES] };
+}
+
+/// The traversal of a ray.
+#[repr(C, align(64))]
+#[derive(Debug)]
+pub(super) struct Traversal {
+    // The first cache line holds what a node test needs: these and the first numbers of the setup.
+    /// The current child: the nearest one left.
+    pub(super) child: u32,
+    /// Hits beyond this cannot matter.
+    pub(super) t_end: f32,
+    pub(super) setup: RaySetup,
+    pub(super) candidates: Candidates,
+    /// The index of the ray.
+    pub(super) ray: u32,
+    depth: usize,
+    /// The children of each entry that are still to be visited, a bit each.
+    pending: [u8; DEPTH],
+    entries: [StackEntry; DEPTH],
+}
+
+impl Traversal {
+    pub(super) fn idle() -> Self {
+        Self {
+            child: Child::END,
+            t_end: 0.0,
+            setup: RaySetup::default(),
+            candidates: Candidates::default(),
+            ray: 0,
+            depth: 0,
+            pending: [0; DEPTH],
+            entries: [StackEntry::END; DEPTH],
+        }
+    }
+
+    /// Starts at the root.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, setup: RaySetup, ray: u32) {
+        (self.child, self.setup, self.ray, self.t_end) = (Child::ROOT, setup, ray, setup.end);
+        self.clear();
+    }
+
+    /// Drops all children but the current one, and all candidates.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.pending[0] = 1;
+        self.depth = 1;
+        self.candidates.clear();
+    }
+
+    /// Pushes the children of a node in the lanes of `mask`.
+    #[inline(always)]
+    pub(super) fn push<S: Simd>(&mut self, simd: S, starts: S::F, children: S::I, mask: u8) {
+        let top = self.depth % DEPTH;
+        simd.store(&mut self.entries[top].starts, starts);
+        simd.store_i(&mut self.entries[top].children, children);
+        self.pending[top] = mask;
+        self.depth = top + usize::from(mask != 0);
+    }
+
+    /// Moves on to the nearest child left.
+    #[inline(always)]
+    pub(super) fn advance(&mut self) {
+        let top = self.depth.wrapping_sub(1) % DEPTH;
+        let pending = self.pending[top];
+        self.child = self.entries[top].children[pending.trailing_zeros() as usize % LANES];
+        let pending = pending & pending.wrapping_sub(1);
+        self.pending[top] = pending;
+        self.depth = top + usize::from(pending != 0);
+    }
+
+    /// Drops children that the ray enters beyond `t_end`.
+    #[inline(always)]
+    pub(super) fn drop_beyond<S: Simd>(&mut self, simd: S) {
+        let limit = simd.splat(self.t_end);
+        let depth = self.depth.min(DEPTH);
+        self.depth = 1;
+        for at in 1..depth {
+            let pending = self.pending[at] & simd.le(simd.load(&self.entries[at].starts), limit);
+            if pending != 0 {
+                let to = self.depth % DEPTH;
+                self.pending[to] = pending;
+                self.entries[to] = self.entries[at];
+                self.depth += 1;
+            }
+        }
+    }
+}

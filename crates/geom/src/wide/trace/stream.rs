@@ -1,0 +1,187 @@
+//! Stream traversal: many rays are in flight, and each makes one step before any makes its next, so that
+//! the memory latency of one is hidden by the others.
+//!
+//! Each round branches only on results of the previous one, so nothing stalls: a result decides in
+//! which mask of the next round a ray is.
+
+use super::leaf_test::{LeafHits, record, test_leaf};
+use super::node_test::test_node;
+use super::ray_setup::RaySetups;
+use super::stack::Traversal;
+use crate::Ray;
+use crate::query::Query;
+use crate::wide::simd::{Bits, LANES, PACKET, RayMask, Simd};
+use crate::wide::tree::Tree;
+use crate::wide::tree::node::Child;
+
+/// How many rays are in flight: enough to hide latency, and few enough that their state stays in the first-level
+/// cache (measured, docs/performance.md).
+const IN_FLIGHT: usize = 40;
+const _: () = assert!(IN_FLIGHT <= PACKET);
+
+/// The slots of rays in flight, by what their rays do next.
+#[derive(Default)]
+struct Waiting {
+    nodes: RayMask,
+    blocks: RayMask,
+    ended: RayMask,
+}
+
+struct RayStream<'a, Q, R> {
+    tree: &'a Tree,
+    rays: &'a [Ray],
+    /// Where the sets of [`PACKET`] rays start that are not yet in flight.
+    starts: std::slice::Iter<'a, u32>,
+    /// The next ray.
+    next: usize,
+    /// Where the set of the next ray ends.
+    end: usize,
+    /// The setups of eight rays, of which the next ray is one.
+    setups: RaySetups<LANES>,
+    traversals: &'a mut [Traversal; PACKET],
+    queries: [Option<Q>; PACKET],
+    report: R,
+}
+
+/// Answers the queries of the sets of [`PACKET`] rays that start at `starts`, and hands each to `report`.
+#[inline(always)]
+pub(super) fn query_stream<S: Simd, Q: Query>(
+    simd: S,
+    tree: &Tree,
+    rays: &[Ray],
+    starts: &[u32],
+    traversals: &mut [Traversal; PACKET],
+    report: impl FnMut(usize, Q),
+) {
+    let (starts, setups, queries) = (starts.iter(), RaySetups::idle(), [None; PACKET]);
+    RayStream { tree, rays, starts, next: 0, end: 0, setups, traversals, queries, report }.run(simd);
+}
+
+impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S) {
+        let mut hits = [LeafHits::none(simd); PACKET];
+        let mut waiting = Waiting { ended: RayMask::MAX >> (64 - IN_FLIGHT), ..Waiting::default() };
+        loop {
+            waiting.nodes |= self.replace_ended(simd, waiting.ended);
+            if waiting.nodes | waiting.blocks == 0 {
+                break;
+            }
+            self.test_nodes(simd, waiting.nodes);
+            self.test_leaves(simd, waiting.blocks, &mut hits);
+            waiting = self.advance(simd, waiting.nodes | waiting.blocks);
+        }
+    }
+
+    /// Takes the next ray, and sets up eight if it is the first of them; `None` if there is none left.
+    #[inline(always)]
+    fn next_ray<S: Simd>(&mut self, simd: S) -> Option<usize> {
+        if self.next == self.end {
+            self.next = *self.starts.next()? as usize;
+            self.end = self.rays.len().min(self.next + PACKET);
+        }
+        if self.next.is_multiple_of(LANES) {
+            let Tree { triangles, space, .. } = self.tree;
+            let group = self.rays[self.next..].first_chunk::<LANES>();
+            let group = group.copied().unwrap_or_else(|| self.last_group());
+            // The rays after these, which are needed soon.
+            for i in 0..LANES {
+                simd.prefetch(self.rays.as_ptr().wrapping_add(self.next + 2 * LANES + i));
+            }
+            self.setups.set(&simd.columns(&group), &triangles.bounds(), space);
+        }
+        self.next += 1;
+        Some(self.next - 1)
+    }
+
+    /// The last rays, fewer than eight, filled up with the last one.
+    #[cold]
+    fn last_group(&self) -> [Ray; LANES] {
+        std::array::from_fn(|i| self.rays[(self.next + i).min(self.rays.len() - 1)])
+    }
+
+    /// Reports the queries in the slots `ended`, and begins others there; returns where it did.
+    #[inline(always)]
+    fn replace_ended<S: Simd>(&mut self, simd: S, ended: RayMask) -> RayMask {
+        let mut begun = 0;
+        for slot in Bits(ended) {
+            let traversal = &mut self.traversals[slot];
+            if let Some(mut query) = self.queries[slot].take() {
+                let id = traversal.ray as usize;
+                traversal.candidates.decide(
+                    traversal.t_end,
+                    &self.rays[id],
+                    &self.tree.triangles,
+                    &mut query,
+                );
+                (self.report)(id, query);
+            }
+            begun |= RayMask::from(self.begin_next(simd, slot)) << slot;
+        }
+        begun
+    }
+
+    /// Begins the next query that needs a traversal; returns whether there was one.
+    #[inline(always)]
+    fn begin_next<S: Simd>(&mut self, simd: S, slot: usize) -> bool {
+        while let Some(id) = self.next_ray(simd) {
+            let ray = &self.rays[id];
+            let query = Q::new(ray);
+            if let Some(setup) = self.setups.get(id % LANES) {
+                self.traversals[slot].begin(setup, id as u32);
+                self.queries[slot] = Some(query);
+                return true;
+            }
+            (self.report)(id, query);
+        }
+        false
+    }
+
+    /// Tests the current node of each ray in the slots `nodes`.
+    #[inline(always)]
+    fn test_nodes<S: Simd>(&mut self, simd: S, nodes: RayMask) {
+        for slot in Bits(nodes) {
+            test_node(simd, &self.tree.nodes, &mut self.traversals[slot]);
+        }
+    }
+
+    /// Tests the current leaf block of each ray in the slots `blocks`.
+    ///
+    /// All are tested before the first hit is recorded: whether a ray hits anything is
+    /// unpredictable, and a mispredicted branch discards the tests that have begun after it.
+    #[inline(always)]
+    fn test_leaves<S: Simd>(&mut self, simd: S, blocks: RayMask, hits: &mut [LeafHits<S>; PACKET]) {
+        let mut with_hits: RayMask = 0;
+        for slot in Bits(blocks) {
+            hits[slot] = test_leaf(simd, self.tree, &mut self.traversals[slot]);
+            with_hits |= RayMask::from(hits[slot].any()) << slot;
+        }
+        for slot in Bits(with_hits) {
+            let traversal = &mut self.traversals[slot];
+            if let Some(query) = &mut self.queries[slot] {
+                record(simd, self.tree, &self.rays[traversal.ray as usize], &hits[slot], traversal, query);
+            }
+        }
+    }
+
+    /// Moves each ray on to its nearest child left, and prefetches that.
+    ///
+    /// In a loop of its own, where the results of the tests are known and nothing waits.
+    #[inline(always)]
+    fn advance<S: Simd>(&mut self, simd: S, slots: RayMask) -> Waiting {
+        let mut waiting = Waiting::default();
+        for slot in Bits(slots) {
+            let traversal = &mut self.traversals[slot];
+            traversal.advance();
+            let child = traversal.child;
+            waiting.blocks |= RayMask::from(Child::is_block(child)) << slot;
+            waiting.ended |= RayMask::from(Child::is_end(child)) << slot;
+            let address = self.tree.address(child);
+            for line in 0..5 {
+                simd.prefetch(address.wrapping_add(64 * line));
+            }
+        }
+        waiting.nodes = slots & !(waiting.blocks | waiting.ended);
+        waiting
+    }
+}

@@ -1,0 +1,76 @@
+//! Leaf blocks: up to eight triangles each, as rows of coordinates.
+
+use super::normalize::NormalizedSpace;
+use crate::Triangles;
+use crate::wide::simd::{LANES, Rows};
+
+/// What a vector read at the last row may see beyond the end.
+const PADDING: usize = Rows::COUNT * LANES + LANES;
+
+/// All blocks, one after another. A block of `n` triangles is nine rows of `n` coordinates: each
+/// vertex's x, each one's y, each one's z. A vector read from a row holds what follows in its
+/// excess lanes. Indices are stored apart, since as coordinates they would be denormal numbers, which are
+/// slow to compute with.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LeafBlocks {
+    coordinates: Vec<f32>,
+    indices: Vec<u32>,
+}
+
+impl LeafBlocks {
+    /// Adds a block and returns its place.
+    pub(crate) fn push(
+        &mut self,
+        triangles: &Triangles,
+        space: &NormalizedSpace,
+        indices: impl Iterator<Item = u32>,
+    ) -> u32 {
+        let first = self.indices.len();
+        self.indices.extend(indices);
+        let indices = &self.indices[first..];
+        for axis in 0..3 {
+            for vertex in 0..3 {
+                let coordinate = |&i: &u32| space.coordinate(axis, triangles.get(i).vertices[vertex][axis]);
+                self.coordinates.extend(indices.iter().map(coordinate));
+            }
+        }
+        first as u32
+    }
+
+    /// Ends the last block.
+    pub(crate) fn finish(&mut self) {
+        self.coordinates.extend([0.0; PADDING]);
+        self.coordinates.shrink_to_fit();
+        self.indices.shrink_to_fit();
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.coordinates) + size_of_val(&*self.indices)
+    }
+
+    /// Bytes of coordinates that a triangle takes.
+    pub(crate) const STRIDE: usize = Rows::COUNT * size_of::<f32>();
+
+    /// Where the coordinates are.
+    #[inline(always)]
+    pub(crate) fn as_ptr(&self) -> *const u8 {
+        self.coordinates.as_ptr().cast()
+    }
+
+    /// The block's rows.
+    #[inline(always)]
+    pub(crate) fn rows(&self, first: usize, count: usize) -> Rows<'_> {
+        Rows::new(&self.coordinates[Rows::COUNT * first..], count)
+    }
+
+    /// The triangles of the block.
+    pub(crate) fn indices(&self, first: usize, count: usize) -> &[u32] {
+        &self.indices[first..][..count]
+    }
+
+    /// The index of a triangle of the block.
+    #[inline(always)]
+    pub(crate) fn index(&self, first: usize, lane: usize) -> u32 {
+        self.indices[first + lane]
+    }
+}
