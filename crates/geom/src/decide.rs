@@ -10,7 +10,7 @@
 //! projected triangles still cover after it, edges and vertices included.
 //!
 //! Every accelerator calls this routine, so all agree to the bit. It is inlined everywhere, so that a
-//! search compiled for fused multiply-adds has them here as well; they give the same bits without.
+//! traversal compiled for fused multiply-adds has them here as well; they give the same bits without.
 
 use crate::exact::difference_of_products;
 use crate::{Ray, Triangle};

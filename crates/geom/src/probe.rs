@@ -1,10 +1,10 @@
-//! What a search costs, counted with one meaning in every structure.
+//! What a query costs, counted with one meaning in every structure.
 
 use crate::{Accel, Hit, Ray};
 use std::collections::HashSet;
 use std::ops::AddAssign;
 
-/// Watches a search. The no-op `()` compiles to nothing.
+/// Watches a query. The no-op `()` compiles to nothing.
 pub trait Probe {
     /// An inner node of a tree, or a cell of a grid, was visited.
     #[inline]
@@ -19,7 +19,7 @@ pub trait Probe {
 
 impl Probe for () {}
 
-/// An accelerator whose searches can be watched. The same traversal answers [`Accel`]'s queries for
+/// An accelerator whose queries can be watched. The same traversal answers [`Accel`]'s queries for
 /// single rays.
 pub trait Traverse: Accel {
     /// [`Accel::intersect`], telling `probe` what is done for it.
@@ -29,7 +29,7 @@ pub trait Traverse: Accel {
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool;
 }
 
-/// What searches cost, in all.
+/// What queries cost, in all.
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
@@ -44,9 +44,9 @@ pub trait Traverse: Accel {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counts {
-    /// Searches.
+    /// Queries.
     pub rays: u64,
-    /// Searches that found a hit.
+    /// Queries that found a hit.
     pub hits: u64,
     /// Inner nodes and cells visited.
     pub visits: u64,
@@ -54,7 +54,7 @@ pub struct Counts {
     pub opened: u64,
     /// Triangles tested, repetitions included.
     pub tests: u64,
-    /// Tests of a triangle that the same search had tested before, in another leaf or cell.
+    /// Tests of a triangle that the same query had tested before, in another leaf or cell.
     pub repeats: u64,
 }
 
@@ -85,7 +85,7 @@ impl AddAssign for Counts {
     }
 }
 
-/// Watches one search.
+/// Watches one query.
 #[derive(Default)]
 struct Watch {
     visits: u64,

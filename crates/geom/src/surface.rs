@@ -74,7 +74,7 @@ impl SurfacePoint {
 
     /// The open segment between two surface points, each end offset toward the other.
     ///
-    /// `None` if one of them can not be told from lying in the other's plane: nothing is to be seen
+    /// `None` if one of them cannot be told from lying in the other's plane: nothing is to be seen
     /// along a surface.
     #[inline(always)]
     pub fn segment_to(&self, other: &Self) -> Option<Ray> {

@@ -96,7 +96,7 @@ impl Triangles {
         self.all.is_empty()
     }
 
-    /// How many were found degenerate and can not be hit.
+    /// How many were found degenerate and cannot be hit.
     pub fn degenerate_count(&self) -> usize {
         self.all.len() - self.live.len()
     }

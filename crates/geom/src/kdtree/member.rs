@@ -3,7 +3,7 @@
 //! A triangle's box may touch a cell that the triangle itself does not, and is mostly larger than
 //! the part within the cell. Cutting the triangle at the cell's faces makes for fewer references
 //! and better planes (Havran and Bittner, "On improving kd-trees for ray shooting", 2002). The
-//! k-d tree's own search does not depend on it, since a triangle is decided whole; the wide tree's boxes
+//! k-d tree's own traversal does not depend on it, since a triangle is decided whole; the wide tree's boxes
 //! do (docs/numerics.md).
 
 use super::plane::Plane;

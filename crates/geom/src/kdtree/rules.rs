@@ -6,7 +6,7 @@ use super::options::{KdOptions, SplitRule};
 use super::plane::{Place, Plane, Side};
 use crate::Aabb;
 
-/// Where `options.rule` halves `cell`; `None` if it can not be halved.
+/// Where `options.rule` halves `cell`; `None` if it cannot be halved.
 ///
 /// # Panics
 /// If the rule is the surface area heuristic, which `sweep.rs` carries out, or if there are no

@@ -46,7 +46,7 @@ impl KdTree {
         query: &mut Q,
         probe: &mut P,
     ) {
-        // Each level leaves at most one node behind, so the stack can not overflow.
+        // Each level leaves at most one node behind, so the stack cannot overflow.
         let mut pending = ArrayVec::<Pending, { KdTree::MAX_DEPTH as usize + 1 }>::new();
         pending.push(Pending { node: 0, span });
         while let Some(Pending { mut node, mut span }) = pending.pop() {

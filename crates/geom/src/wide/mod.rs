@@ -2,11 +2,11 @@
 //! and decided in `f64`.
 //!
 //! - [`build`]: a k-d tree by the surface area heuristic (Wald and Havran, 2006) down to cells of some hundred
-//!   triangles, which are clipped to their cells; object splits in bins below (Wald, 2007), down to leaf blocks of up to
-//!   eight triangles; the binary tree is collapsed into nodes of up to eight children where the expected cost is least
-//!   (Ylitie, Karras and Laine, 2017).
-//! - [`tree`]: what traversal reads, which are nodes with the bounds of their children, and leaf blocks. The planes are not
-//!   stored.
+//!   triangles, which are clipped to their cells (Havran and Bittner, 2002); below, object splits in bins (Wald, 2007) down
+//!   to leaf blocks of up to eight triangles. The binary tree is collapsed into nodes of up to eight children at the least
+//!   expected cost (Ylitie, Karras and Laine, 2017).
+//! - [`tree`]: what traversal reads, which are nodes with the bounds of their children, and leaf blocks. The planes
+//!   themselves are not kept.
 //! - [`trace`]: a ray alone, a packet of 64 coherent rays from a common origin, or a stream of all other rays. A
 //!   conservative test in `f32` leaves few triangles, which are decided exactly (docs/numerics.md).
 //! - [`simd`]: vectors of eight lanes. All of the above is written once over them, for each level of
@@ -24,17 +24,18 @@ use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, SplitRule, Trave
 use trace::{query_batch, query_one};
 use tree::Tree;
 
-/// An 8-wide bounding volume hierarchy over the cells of a k-d tree: the fastest structure here for rays, and the
-/// default of the integrator.
+/// A [`KdTree`]'s planes above, an 8-wide bounding volume hierarchy below: the fastest structure of this crate.
 ///
-/// A [`KdTree`](crate::KdTree)'s planes separate the scene into cells of some hundred triangles. Below a cell, triangles are
-/// grouped by an object split, down to blocks of up to eight. Every node stores the bounds of up to eight children.
+/// The planes separate the scene into cells of some hundred triangles. Within a cell, object splits group the
+/// triangles into leaf blocks of up to eight. Every node stores the bounds of up to eight children.
 ///
-/// Batches are faster than single rays: many rays are in flight at once, which hides memory latency, and 64
-/// coherent rays from one point, such as those of 8 x 8 pixels (counted from the start of the batch), are traversed as
-/// a packet.
+/// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
+/// 64 coherent rays in a row from one point, such as those of 8 x 8 pixels, are traversed as a packet. Packets are
+/// counted from the start of the batch.
 ///
-/// It uses the best vector instructions of the machine; the answers are the same with any.
+/// The tree is traversed with the best vector instructions of the machine; the answers are the same with any.
+///
+/// [`KdTree`]: crate::KdTree
 #[derive(Clone, Debug)]
 pub struct WideKdTree {
     tree: Tree,
@@ -54,7 +55,7 @@ impl WideKdTree {
         Self::build_with(triangles, &Self::options(SplitRule::SurfaceArea))
     }
 
-    /// Builds a tree for previews, by sliding midpoint: sooner, for searches that may take a few per cent
+    /// Builds a tree for previews, by sliding midpoint. Building is faster; queries may take a few per cent
     /// longer (docs/performance.md).
     ///
     /// # Errors
@@ -63,40 +64,38 @@ impl WideKdTree {
         Self::build_with(triangles, &Self::options(SplitRule::SlidingMidpoint))
     }
 
-    /// What suits leaves that are parted further: planes only where they save a ray that meets the cell more
-    /// than 400 triangles, so none in cells that have fewer than 360 (measured, docs/performance.md).
+    /// Options for leaves that are split further: planes only where they save a ray that meets the cell more
+    /// than 400 triangles, so none in cells with fewer than 360 (measured, docs/performance.md).
     fn options(rule: SplitRule) -> KdOptions {
         KdOptions { traversal_cost: 400.0, ..KdOptions::by_rule(rule) }
     }
 
-    /// Builds a tree of the cells of the [`KdTree`] with these options; what its leaves hold is parted
-    /// into blocks.
+    /// Builds a tree over the leaves of the [`KdTree`](crate::KdTree) with these options.
     ///
-    /// Memory is bounded beforehand. Over `n` live triangles the tree's leaves hold at most `b = 8 n`
-    /// references (see [`KdTree::build`]), and it takes at most `296 b + 576` bytes: a block of one and a
-    /// node of two cells for each. Building takes at most `1100 b + 2^17` bytes beside the triangles, on up
-    /// to a hundred threads: for each of `b`, two of the k-d tree's nodes, a reference, and a box in a list
-    /// that may hold twice its content, 84 bytes; two subtrees, 152; a block of one, twice, 80; and a node,
-    /// in a list that holds up to three times its content while it grows, 768. The rest is for the way down to
-    /// a node. What comes before takes less: building the k-d tree, and parting its leaves. Blocks and nodes
-    /// are fuller than that: in the smallest cells, meshes and triangles at random take 200 to 1700 `n`
-    /// (measured).
+    /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n`
+    /// references (see [`KdTree::build`](crate::KdTree::build)), and this tree takes at most `296 b + 576` bytes: for
+    /// each reference, a leaf block of one and a node of two children. Building takes at most `1100 b + 2^17` bytes
+    /// beside the triangles, on up to a hundred threads. For each reference these are two nodes of the k-d tree, a
+    /// reference, and a box in a list with room for twice its length, 84 bytes; two binary nodes, 152; a leaf block of
+    /// one, twice, 80; and a node, in a list with room for three times its length while it grows, 768. The rest is for
+    /// the recursion. Earlier steps, which build the k-d tree and split its leaves, take less. In practice blocks and
+    /// nodes are fuller: in the smallest cells, meshes and random triangles take 200 to 1700 `n` bytes (measured).
     ///
     /// # Errors
-    /// As [`KdTree::build`], and [`GeomError::Budget`] for a tree with more than some 134 million
+    /// As [`KdTree::build`](crate::KdTree::build), and [`GeomError::Budget`] for more than about 134 million
     /// references.
     pub fn build_with(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
         Ok(Self { tree: build::build(triangles, options)?, token: Token::new(SimdLevel::Avx512) })
     }
 
-    /// The same tree, searched with the instructions of `level`, or the best below it that this
+    /// The same tree, traversed with the instructions of `level`, or of the best level below it that this
     /// machine has.
     #[must_use]
     pub fn with_level(self, level: SimdLevel) -> Self {
         Self { token: Token::new(level), ..self }
     }
 
-    /// The instructions that it is searched with.
+    /// The instructions that it is traversed with.
     pub fn level(&self) -> SimdLevel {
         self.token.level()
     }
