@@ -1,6 +1,6 @@
 use crate::{Aabb, Accel, Hit, Ray, Traverse, Triangles};
 
-/// A k-d tree, halved by one of several [`SplitRule`]s.
+/// A k-d tree, halved by one of several [`SplitRule`](crate::SplitRule)s.
 ///
 /// A triangle that straddles a plane is listed on both sides, so the cells along a ray
 /// never overlap and can be visited front to back.

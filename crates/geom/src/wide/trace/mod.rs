@@ -1,5 +1,5 @@
-//! Traversal, and the dispatch between its kinds: [single](single) rays, coherent rays from a common origin as
-//! a [packet], and all other rays as a [stream].
+//! Traversal, and the dispatch between its kinds: [`single`] rays, coherent rays from a common origin as
+//! a [`packet`], and all other rays as a [`stream`].
 //!
 //! The packet and the stream share what lies below both: the [conservative triangle test](prefilter)'s
 //! types and the [exact decision](exact).
