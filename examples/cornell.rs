@@ -63,7 +63,7 @@ impl Monitor for Bar {
 /// Renders the picture, writes it, and prints one line about it.
 pub(crate) fn render(options: &Options) -> Result<(), Box<dyn Error>> {
     let file = PictureFile::create(&options.out)?; // A mistyped name fails now, not after the render.
-    let scene = Scene::build(&cornell::with_blocks(false)?, WideKdTree::build)?;
+    let scene = Scene::build(cornell::with_blocks(false)?, WideKdTree::build)?;
     let camera = cornell::camera()?;
     let settings = Settings::new(options.width, options.height, options.spp);
 

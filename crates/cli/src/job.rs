@@ -42,16 +42,17 @@ impl Job {
     }
 
     /// Renders, writes what was asked for, and prints the figures.
-    pub(crate) fn run(self, subject: &Subject) -> Result<()> {
+    pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
+        let Subject { name, model, camera, environment } = subject;
         let start = Instant::now();
-        let scene = Scene::build(&subject.model, |triangles| flags.speed.accel.build(triangles))?
-            .with_environment(subject.environment)?;
+        let scene = Scene::build(model, |triangles| flags.speed.accel.build(triangles))?
+            .with_environment(environment)?;
         let build_seconds = start.elapsed().as_secs_f64();
         interrupt.check()?;
 
         let settings = flags.settings();
-        let render = flags.render(&scene, &subject.camera, &settings)?;
+        let render = flags.render(&scene, &camera, &settings)?;
         let monitor = RenderMonitor::new(checkpoint, &interrupt);
         let start = Instant::now();
         let picture = render.run(&monitor)?;
@@ -62,7 +63,7 @@ impl Job {
         }
 
         let timing = Timing { build_seconds, render_seconds, traced };
-        let summary = Summary::new(&subject.name, &flags, &settings, &scene, &picture, timing);
+        let summary = Summary::new(&name, &flags, &settings, &scene, &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
         let written = outputs.write(&picture.film, || summary.to_json())?;
         console::print_table(&summary.to_table(&written), data_on_stdout)?;

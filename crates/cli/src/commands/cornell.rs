@@ -79,7 +79,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let job = Job::prepare(&options.flags, "cornell.png")?;
     let (model, camera) = options.scene(&job.interrupt)?;
     let name = format!("cornell {}", options.scene);
-    job.run(&Subject { name, model, camera, environment: Rgb::BLACK })
+    job.run(Subject { name, model, camera, environment: Rgb::BLACK })
 }
 
 impl Options {

@@ -69,5 +69,5 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         None => view::of_all(&loaded.model, options.flags.picture.aspect())
             .with_context(|| format!("{name}: cannot be seen whole"))?,
     };
-    job.run(&Subject { name, model: loaded.model, camera, environment: options.environment })
+    job.run(Subject { name, model: loaded.model, camera, environment: options.environment })
 }

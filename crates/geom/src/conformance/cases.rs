@@ -3,8 +3,8 @@
 use super::aim::ray_at;
 use super::compare::{Tally, Violation, compare};
 use super::oracle;
-use crate::shapes::{icosphere, quad, statue};
 use super::source::{Seeded, Source};
+use crate::shapes::{icosphere, quad, statue};
 use crate::{Accel, GeomError, Ray, Triangle, Triangles};
 use glam::{DVec3, Vec3};
 use std::f64;

@@ -1,5 +1,5 @@
-use crate::shapes::Mesh;
 use super::source::Source;
+use crate::shapes::Mesh;
 use crate::{Accel, Ray};
 use glam::DVec3;
 

@@ -207,9 +207,9 @@ mod tests {
                 for i in 0..1000 {
                     let numbers = Stream::new(3, 0, i);
                     let (choice, u) = (numbers.uniform(0), numbers.uniform_pair(1));
-                    let Some(sample) = lights.sample(choice, u) else { continue };
+                    let Some(sample) = sampler.sample(choice, u) else { continue };
                     let index = lights.choose(choice).unwrap().triangle;
-                    let asked = lights.density(index, &sample.point, &emissions[index as usize]);
+                    let asked = sampler.density(index, &sample.point, &emissions[index as usize]);
                     assert_eq!(asked, sample.pdf, "{sampling:?} {from}");
                     assert!(sample.pdf.0 > 0.0 && (sample.direction.length() - 1.0).abs() < 1e-14);
                 }

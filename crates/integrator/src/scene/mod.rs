@@ -11,7 +11,7 @@ pub use model::{MaterialId, Model};
 use crate::RenderError;
 use crate::light::{LightSampler, LightSampling, Lights, PlaneMirrors};
 use glam::DVec3;
-use globillum_geom::{Accel, GeomError, Hit, Ray, SurfacePoint, Triangles};
+use globillum_geom::{Accel, GeomError, Hit, Ray, Triangles};
 use globillum_material::{Bsdf, Emission, Material, Rgb, Sides};
 use std::sync::OnceLock;
 
