@@ -84,7 +84,10 @@ pub(crate) fn render(options: &Options) -> Result<(), Box<dyn Error>> {
 fn main() -> ExitCode {
     let result = Options::parse(Parser::from_env()).and_then(|options| match options {
         Some(options) => render(&options),
-        None => Ok(println!("{USAGE}")),
+        None => {
+            println!("{USAGE}");
+            Ok(())
+        }
     });
     let Err(error) = result else { return ExitCode::SUCCESS };
     eprintln!("error: {error}");
