@@ -61,6 +61,17 @@ fn rates_are_those_of_the_run() {
     assert!(said.contains(idle) && said.contains("samples       8 per pixel, 0.01 million in all"), "{said}");
 }
 
+/// However short the time: before the first pass of a run nothing is known of how long one takes.
+#[test]
+fn a_resumed_render_adds_at_least_one_pass() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let size = ["--width", "256", "--height", "256", "--pass-spp", "1", "--checkpoint", "all"];
+    let render = |flags: &[&str]| CORNELL.succeed(folder.path(), &[&size[..], flags].concat());
+    render(&["--spp", "1"]);
+    let said = render(&["--spp", "100000", "--resume", "--seconds", "1e-6"]);
+    assert!(said.contains("samples       2 per pixel"), "{said}");
+}
+
 /// A render that is killed a hundred times and resumed each time has the bits of one that was not.
 #[test]
 fn a_render_survives_being_killed() {

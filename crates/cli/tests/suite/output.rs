@@ -64,3 +64,22 @@ fn a_picture_or_figures_go_to_standard_output() {
     assert!(String::from_utf8_lossy(&merged.stderr).contains("4 per pixel, passes 0..1"));
     assert_eq!(names(folder.path()), ["a", "a.png"]);
 }
+
+#[cfg(unix)]
+#[test]
+fn figures_are_written_through_to_a_fifo() {
+    use std::io::Read;
+    use std::os::unix::fs::FileTypeExt;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let fifo = folder.path().join("fifo");
+    let made = std::process::Command::new("mkfifo").arg(&fifo).status().expect("there is a `mkfifo`");
+    assert!(made.success());
+    // Opened for both, a FIFO waits neither for a writer nor for a reader.
+    let mut reader = std::fs::File::options().read(true).write(true).open(&fifo).expect("it is there");
+    CORNELL.succeed(folder.path(), &[&SMALL[..], &["--out", "a.png", "--stats", "fifo"]].concat());
+    assert!(std::fs::metadata(&fifo).expect("it is there").file_type().is_fifo(), "it was replaced");
+    let mut figures = [0; 1 << 16];
+    let length = reader.read(&mut figures).expect("it holds the figures");
+    let figures: serde_json::Value = serde_json::from_slice(&figures[..length]).expect("it is JSON");
+    assert_eq!(figures["samples_per_pixel"], 4);
+}
