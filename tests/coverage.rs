@@ -115,17 +115,16 @@ fn coverage_by_fifths(films: &[Film], pixels: &[(f64, f64)]) -> [f64; 5] {
     })
 }
 
-/// Asserts that `share` is from 93 to 97 %, but for what chance does to it where errors of `alike` of `count`
-/// intervals are the same.
-fn assert_near_95(share: f64, count: usize, alike: u32, what: &str) {
-    let tolerance = Z_LIMIT * (0.95 * 0.05 * f64::from(alike) / count as f64).sqrt();
+/// Asserts that `share` is from 93 to 97 %, but for what chance does to it of `count` independent intervals.
+fn assert_near_95(share: f64, count: usize, what: &str) {
+    let tolerance = Z_LIMIT * (0.95 * 0.05 / count as f64).sqrt();
     println!("{what}: {:.1} %, chance {:.1} %", 100.0 * share, 100.0 * tolerance);
     assert!((0.93 - tolerance..=0.97 + tolerance).contains(&share), "{what}: {share} +- {tolerance}");
 }
 
-fn assert_coverage(what: &str, scene: &(Model, Camera), path_reuse: PathReuse) {
+fn assert_coverage(what: &str, scene: &(Model, Camera), sampler: Sampler) {
     let mut settings = Settings::new(SIDE, SIDE, 48 * 4 * 16);
-    settings.path_reuse = path_reuse;
+    (settings.sampler, settings.path_reuse) = (sampler, PathReuse::Off);
     let four = pictures(scene, &settings, 4, 48);
     let sixteen: Vec<Film> = four
         .chunks(4)
@@ -141,20 +140,20 @@ fn assert_coverage(what: &str, scene: &(Model, Camera), path_reuse: PathReuse) {
         let shares = coverage_by_fifths(&films, &pixels);
         let count = films.len() * (SIDE * SIDE / 5) as usize;
         for (fifth, share) in (1..).zip(shares) {
-            let what = format!("{what}, {} passes, fifth {fifth}", films[0].observations());
-            assert_near_95(share, count, path_reuse.dependent_pixels(), &what);
+            let what = format!("{what}, {} samples, fifth {fifth}", films[0].samples());
+            assert_near_95(share, count, &what);
         }
     }
 }
 
 #[test]
 fn on_a_checkered_floor_intervals_hold_the_truth_in_every_fifth_by_skewness() {
-    assert_coverage("checkered floor", &checkered_floor(), PathReuse::Off);
+    assert_coverage("checkered floor", &checkered_floor(), Sampler::Sobol);
 }
 
 #[test]
 fn among_small_mirrors_intervals_hold_the_truth_in_every_fifth_by_skewness() {
-    assert_coverage("small mirrors", &small_mirrors(), PathReuse::Fours);
+    assert_coverage("small mirrors", &small_mirrors(), Sampler::Independent);
 }
 
 /// Most pixels of these have seen nothing, and none of those is exact.
@@ -214,7 +213,7 @@ fn the_interval_of_a_pictures_error_holds_it_and_is_narrow() {
         let share =
             told.iter().filter(|(_, [low, high])| (*low..=*high).contains(&truth)).count() as f64 / count;
         println!("{path_reuse:?}: median width {width:.2}");
-        assert_near_95(share, told.len(), 1, &format!("{path_reuse:?}"));
+        assert_near_95(share, told.len(), &format!("{path_reuse:?}"));
         assert!((0.8..1.3).contains(&width), "{path_reuse:?}: {width}");
     }
 }

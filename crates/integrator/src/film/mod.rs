@@ -113,8 +113,8 @@ impl Film {
     /// is exact, such as one of an empty background, has a margin above 0 in any other picture.
     ///
     /// Measured, by fifths of the pixels by skewness and from 4 passes on: 94 to 98 % in rooms and on a
-    /// checkered floor. The limit is a pixel whose neighbours have missed the rare samples too: 91 to 96 %
-    /// where curved mirrors of a few pixels throw light, 86 to 100 % where a sliver of light covers a
+    /// checkered floor. The limit is a pixel whose neighbours have missed the rare samples too: 87 to 96 %
+    /// where small curved mirrors reflect light, 86 to 100 % where a sliver of light covers a
     /// thirtieth to a thousandth of each pixel. docs/estimators.md has the tables.
     ///
     /// Where nothing of the 3 x 3 varied, one call looks at all pixels: for many, use [`Film::margins_95`].
