@@ -1,11 +1,10 @@
 use crate::hash::fold;
-use crate::{Camera, Estimator, LightSampling, MirrorSampling, PixelFilter, Sampler, Scene, Settings};
+use crate::{Camera, Scene, Settings};
 use glam::DVec3;
 use globillum_material::{Bsdf, Material, Rgb};
 
-/// Hashes all that decides a picture's bits: scene, camera, and settings but for the number of
-/// samples and of threads. Part of it is the library's version, since another one may trace other
-/// paths. Equal keys mean equal pictures, but for a chance of `2^-64`.
+/// A hash of all that determines a picture's bits: scene, camera, settings without the numbers of samples
+/// and threads, and the library's version. Different pictures have equal keys with a probability of `2^-64`.
 pub(crate) fn picture_key<A>(scene: &Scene<A>, camera: &Camera, settings: &Settings) -> u64 {
     let mut key = Key(0);
     env!("CARGO_PKG_VERSION").bytes().for_each(|byte| key.add(byte.into()));
@@ -45,7 +44,7 @@ impl Key {
         match material.bsdf {
             Bsdf::Lambert(albedo) => (self.add(0), self.add_rgb(albedo.rgb())),
             Bsdf::Mirror(reflectance) => (self.add(1), self.add_rgb(reflectance.rgb())),
-            // A kind of surface that came later needs a number here, or must not be hashed as another.
+            // A later kind of surface needs a hash that differs from these.
             ref other => (self.add(2), format!("{other:?}").bytes().for_each(|byte| self.add(byte.into()))),
         };
         self.add_rgb(material.emission.toward(1.0));
@@ -54,28 +53,14 @@ impl Key {
 
     fn add_settings(&mut self, settings: &Settings) {
         let Settings { width, height, samples: _, pass_samples, threads: _, .. } = *settings;
-        let sampler = match settings.sampler {
-            Sampler::Independent => 0,
-            Sampler::Sobol => 1,
-        };
-        let filter = match settings.filter {
-            PixelFilter::Box => 0,
-            PixelFilter::Tent => 1,
-        };
-        let estimator = match settings.estimator {
-            Estimator::Bsdf => 0,
-            Estimator::Light => 1,
-            Estimator::Mis => 2,
-        };
-        let light_sampling = match settings.light_sampling {
-            LightSampling::Area => 0,
-            LightSampling::SolidAngle => 1,
-        };
-        let mirror_sampling = match settings.mirror_sampling {
-            MirrorSampling::Off => 0,
-            MirrorSampling::Planes => 1,
-        };
-        let kinds = [sampler, filter, estimator, light_sampling, mirror_sampling, settings.path_reuse.code()];
+        let kinds = [
+            settings.sampler as u32,
+            settings.filter as u32,
+            settings.estimator as u32,
+            settings.light_sampling as u32,
+            settings.mirror_sampling as u32,
+            settings.path_reuse.code(),
+        ];
         for part in [width, height, pass_samples].into_iter().chain(kinds) {
             self.add(part.into());
         }
