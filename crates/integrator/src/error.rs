@@ -2,14 +2,14 @@ use globillum_geom::GeomError;
 use globillum_material::MaterialError;
 use thiserror::Error;
 
-/// Why a scene could not be set up, or a picture not be rendered.
+/// Why a scene could not be built or a picture not be rendered.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The triangles were refused, or the accelerator could not be built.
+    /// The triangles are invalid, or the accelerator could not be built.
     #[error(transparent)]
     Geometry(#[from] GeomError),
-    /// A radiance or a reflectance was refused.
+    /// A radiance or a reflectance is out of range.
     #[error(transparent)]
     Material(#[from] MaterialError),
     /// A parameter is out of its range.
@@ -22,10 +22,10 @@ pub enum RenderError {
         /// The range it must lie in.
         range: &'static str,
     },
-    /// The camera can not be placed as asked.
+    /// The camera's position and direction are invalid.
     #[error("camera: {0}")]
     Camera(&'static str),
-    /// A sample came out NaN or infinite; it is never dropped or painted black.
+    /// The radiance of a sample is NaN or infinite. Such samples are never dropped.
     #[error("pixel ({x}, {y}), sample {sample}: radiance is not finite")]
     NonFinite {
         /// Column of the pixel.
@@ -35,27 +35,27 @@ pub enum RenderError {
         /// Index of the sample within the pixel.
         sample: u32,
     },
-    /// Something panicked while a tile was rendered or before the first one: an accelerator, or
+    /// A panic while a tile was rendered or before the first tile: in an accelerator,
     /// [`Monitor::progress`](crate::Monitor::progress) or
     /// [`Monitor::cancelled`](crate::Monitor::cancelled). The process and later renders go on.
     #[error("panic in the tile at pixel ({x}, {y}): {message}")]
     Worker {
         /// Column of the tile's upper left pixel; 0 before the first tile.
         x: u32,
-        /// Row of it, 0 at the top.
+        /// Row of that pixel, 0 at the top.
         y: u32,
-        /// What the panic said.
+        /// The message of the panic.
         message: String,
     },
     /// [`Monitor::pass_done`](crate::Monitor::pass_done) panicked.
-    #[error("panic in the monitor, which was handed {samples} samples a pixel: {message}")]
+    #[error("panic in the monitor after {samples} samples per pixel: {message}")]
     Monitor {
-        /// Samples of each pixel of the picture that it was handed.
+        /// Samples per pixel of the picture passed to it.
         samples: u32,
-        /// What the panic said.
+        /// The message of the panic.
         message: String,
     },
-    /// A checkpoint can not be used.
+    /// A checkpoint cannot be used.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// The worker threads could not be started.
@@ -63,32 +63,32 @@ pub enum RenderError {
     Threads(String),
 }
 
-/// Why a checkpoint can not be used.
+/// Why a checkpoint cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// It does not begin as a checkpoint does.
+    /// The first bytes are not those of a checkpoint.
     #[error("is no checkpoint")]
     NoCheckpoint,
-    /// It was written by another version of the format.
+    /// The checkpoint has another version of the format.
     #[error("is a checkpoint of version {0}; this program reads version {CHECKPOINT_VERSION}")]
     Version(u32),
-    /// It has another length than its header says: it was cut short, or more was added.
+    /// The length differs from what the header says: bytes are missing or were added.
     #[error("has another length than its header says")]
     Length,
-    /// Its bytes are not those that were written.
+    /// The checksum is wrong: some bytes were changed.
     #[error("is damaged: its checksum is wrong")]
     Checksum,
-    /// It holds what no render writes.
+    /// A value is one that no render writes.
     #[error("holds an impossible {0}")]
     Malformed(&'static str),
-    /// It is of another picture: what is named here differs.
+    /// The checkpoint belongs to a picture that differs in what is named here.
     #[error("belongs to another picture: the {0} differs")]
     Mismatch(&'static str),
-    /// A pass that is there already.
+    /// Both pictures hold the same pass.
     #[error("pass {pass} is held twice")]
     Overlap {
-        /// The first such pass.
+        /// The first pass that both hold.
         pass: u32,
     },
 }

@@ -1,10 +1,9 @@
-//! Hashing 64 bits at a time, the same on every machine.
+//! 64-bit hashes, the same on every machine.
 
 /// The odd number nearest to `2^64` over the golden ratio.
 pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// A bijection of 64 bits in which every input bit changes about half of the output bits
-/// (Stafford's thirteenth mixer).
+/// A bijection of 64 bits; every input bit changes about half of the output bits (Stafford's mixer 13).
 #[inline]
 pub(crate) fn mix(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -12,7 +11,7 @@ pub(crate) fn mix(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// The hash of what `key` is the hash of, and `part` after it.
+/// Appends `part` to what `key` is the hash of.
 #[inline]
 pub(crate) fn fold(key: u64, part: u64) -> u64 {
     mix(key.wrapping_add(GOLDEN) ^ mix(part.wrapping_add(GOLDEN)))

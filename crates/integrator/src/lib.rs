@@ -1,12 +1,12 @@
-//! How light adds up: Monte-Carlo path tracing over wavefronts of rays.
+//! A Monte Carlo path tracer over wavefronts of rays.
 //!
-//! In the order the data flows: a [`Model`] (triangles with materials) becomes a [`Scene`] with
-//! an accelerator and its [`Lights`]; a [`Camera`] sends rays; [`render`] traces paths tile by
-//! tile, wavefront by wavefront, with random numbers from a [`Sampler`]; a [`Film`] sums what they carry and
-//! tells its own error; a [`Stop`] says when that is enough.
+//! A [`Model`] holds triangles with materials. [`Scene::build`] turns it into a [`Scene`] with an
+//! accelerator and [`Lights`]. [`render`] traces paths from a [`Camera`] through the scene, one tile of
+//! the picture at a time, with random numbers from a [`Sampler`]. A [`Film`] sums their radiance and
+//! estimates its own error; a [`Stop`] ends the render when that is small enough.
 //!
-//! A picture is decided by scene, camera and [`Settings`]: its bits do not depend on the number
-//! of threads, on the accelerator, or on the scene's unit of length.
+//! Scene, camera and [`Settings`] determine every bit of a picture. The number of threads, the accelerator
+//! and the instruction set do not change it.
 //!
 //! ```
 //! use glam::{DVec3, Vec3};

@@ -4,45 +4,42 @@ use glam::DVec3;
 use globillum_geom::PdfSolidAngle;
 use std::f64::consts::FRAC_1_PI;
 
-/// How a surface scatters light, alike on both of its sides.
+/// A bidirectional scattering distribution function, the same on both sides of the surface.
 ///
-/// Directions are unit vectors in the local frame; light is reflected only within the side of
-/// the surface on which `wo` lies.
+/// Directions are unit vectors in the local frame. Light is reflected to the side from which it comes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Bsdf {
-    /// Ideal diffuse: the value is `albedo / pi` per steradian in every direction.
+    /// Ideal diffuse reflection: the value is `albedo / pi` per steradian.
     Lambert(Reflectance),
-    /// Ideal specular: all light goes to the mirror direction, scaled by the reflectance.
+    /// Ideal specular reflection, scaled by the reflectance.
     Mirror(Reflectance),
 }
 
-/// The density with which a direction was chosen.
+/// The density of a sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Density {
     /// A finite density per steradian.
     SolidAngle(PdfSolidAngle),
-    /// All probability in this one direction: no density, and no other technique finds it.
+    /// A delta distribution: all probability in one direction, which no other technique samples.
     Delta,
 }
 
-/// A direction chosen by [`Bsdf::sample`].
+/// A direction sampled by [`Bsdf::sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BsdfSample {
     /// Unit direction, local frame.
     pub wi: DVec3,
-    /// `f |cos| / pdf`, the factor on what arrives along `wi`. Each component in `[0, 1]`.
+    /// `f |cos| / pdf`, the factor on the radiance that arrives along `wi`. Each component is in `[0, 1]`.
     pub weight: Rgb,
     /// The density of `wi`.
     pub density: Density,
 }
 
 impl Bsdf {
-    /// Chooses an incident direction for `wo` as a pure function of `u` in `[0, 1)^2`; a mirror
-    /// ignores `u`.
-    ///
-    /// `None` if `wo` lies in the surface's plane: nothing is reflected there.
+    /// Samples an incident direction for `wo` by `u` in `[0, 1)^2`, which a mirror ignores. `None` if `wo` lies
+    /// in the plane of the surface.
     #[inline(always)]
     pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
         if wo.z == 0.0 {
@@ -62,8 +59,8 @@ impl Bsdf {
         })
     }
 
-    /// The value `f(wo, wi)` per steradian, without the cosine. Black for a mirror, whose value
-    /// is a delta, and where the directions lie on different sides.
+    /// The value `f(wo, wi)` per steradian, without the cosine. Black for a mirror, which is a delta, and for
+    /// directions on different sides.
     #[inline(always)]
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         match self {
@@ -72,8 +69,8 @@ impl Bsdf {
         }
     }
 
-    /// The density per steradian with which [`sample`](Bsdf::sample) chooses `wi`; 0 for a
-    /// mirror and where the directions lie on different sides.
+    /// The density per steradian with which [`sample`](Bsdf::sample) samples `wi`; 0 for a mirror and for
+    /// directions on different sides.
     #[inline(always)]
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> PdfSolidAngle {
         match self {
@@ -84,13 +81,13 @@ impl Bsdf {
         }
     }
 
-    /// Whether its value is alike in all directions, and directions are chosen by the cosine.
+    /// Whether the value is constant and directions are sampled by the cosine.
     #[inline(always)]
     pub fn is_diffuse(&self) -> bool {
         matches!(self, Self::Lambert(_))
     }
 
-    /// Whether all of its light goes to single directions, so that sampling lights is no use.
+    /// Whether it is a delta distribution, for which light samples have no effect.
     #[inline(always)]
     pub fn is_delta(&self) -> bool {
         matches!(self, Self::Mirror(_))

@@ -1,15 +1,15 @@
 use crate::{MaterialError, Rgb};
 
-/// From which side of a triangle something happens.
+/// The sides of a triangle that emit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
-    /// The front, from which the vertices run counter-clockwise.
+    /// The front, from where the vertices run counter-clockwise.
     Front,
-    /// Front and back alike.
+    /// Front and back.
     Both,
 }
 
-/// Radiance that a surface emits, the same in all directions.
+/// The emission of a surface: constant radiance in all directions.
 ///
 /// Each component is 0 or within [`Emission::MIN_RADIANCE`] and [`Emission::MAX_RADIANCE`], as every finite
 /// `f32` above zero is. Errors are estimated from fourth powers of radiance, which stay within the range of
@@ -21,7 +21,7 @@ pub struct Emission {
 }
 
 impl Emission {
-    /// No light at all.
+    /// No emission.
     pub const NONE: Self = Self { radiance: Rgb::BLACK, sides: Sides::Front };
 
     /// The smallest radiance above zero of a component.
@@ -30,7 +30,7 @@ impl Emission {
     /// The largest radiance of a component.
     pub const MAX_RADIANCE: f64 = 1e50;
 
-    /// Emits `radiance`, in power per area and steradian, from `sides`.
+    /// Emission of `radiance`, in power per area and steradian, from `sides`.
     ///
     /// # Errors
     /// [`MaterialError::Emission`] for a component that is neither 0 nor within
@@ -52,13 +52,13 @@ impl Emission {
         if emits { self.radiance } else { Rgb::BLACK }
     }
 
-    /// Radiant exitance: the power that leaves one unit of area, all emitting sides together.
+    /// The radiant exitance: emitted power per area, of all emitting sides.
     pub fn exitance(&self) -> Rgb {
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
         self.radiance * (sides * std::f64::consts::PI)
     }
 
-    /// Whether there is none.
+    /// Whether the radiance is black.
     pub fn is_none(&self) -> bool {
         self.radiance.is_black()
     }

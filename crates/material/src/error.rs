@@ -1,7 +1,7 @@
 use crate::Rgb;
 use thiserror::Error;
 
-/// Why a material could not be made.
+/// Why a material is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MaterialError {

@@ -1,12 +1,11 @@
-//! How a surface scatters light.
+//! Materials: scattering and emission.
 //!
-//! Two ideal surfaces are enough for global illumination to show itself: the Lambertian
-//! ([`Bsdf::Lambert`]), which scatters evenly, and the mirror ([`Bsdf::Mirror`]), which does not
-//! scatter at all. A [`Material`] adds what the surface emits.
+//! A surface is ideally diffuse ([`Bsdf::Lambert`]) or an ideal mirror ([`Bsdf::Mirror`]). A [`Material`]
+//! adds its emission.
 //!
-//! Directions are unit vectors in the surface's local frame, `+z` along the geometric normal;
-//! `wo` points to where the light goes, `wi` to where it comes from. Densities carry their
-//! measure in their type.
+//! Directions are unit vectors in the surface's local frame, whose `+z` is the geometric normal. `wo` is the
+//! outgoing direction and `wi` the incident direction; both point away from the surface. Densities are
+//! typed by their measure.
 //!
 //! ```
 //! use globillum_material::{Bsdf, Reflectance, Rgb};

@@ -1,16 +1,16 @@
 use crate::{Bsdf, Emission, MaterialError, Reflectance, Rgb, Sides};
 
-/// What a triangle is made of: how it scatters light, and what it emits.
+/// The material of a triangle: scattering and emission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// How light is scattered, on both sides.
+    /// Scattering, the same on both sides.
     pub bsdf: Bsdf,
-    /// What is emitted.
+    /// Emission.
     pub emission: Emission,
 }
 
 impl Material {
-    /// An ideal diffuse surface of that albedo.
+    /// An ideal diffuse surface.
     ///
     /// # Errors
     /// [`MaterialError::Reflectance`] unless each component lies in `[0, 1]`.
@@ -18,7 +18,7 @@ impl Material {
         Ok(Self { bsdf: Bsdf::Lambert(Reflectance::new(albedo)?), emission: Emission::NONE })
     }
 
-    /// An ideal mirror of that reflectance.
+    /// An ideal mirror.
     ///
     /// # Errors
     /// [`MaterialError::Reflectance`] unless each component lies in `[0, 1]`.
@@ -26,7 +26,7 @@ impl Material {
         Ok(Self { bsdf: Bsdf::Mirror(Reflectance::new(reflectance)?), emission: Emission::NONE })
     }
 
-    /// A black surface that emits `radiance` from its front.
+    /// A light: a black surface that emits `radiance` from its front.
     ///
     /// # Errors
     /// Those of [`Emission::new`].
@@ -35,7 +35,7 @@ impl Material {
         Ok(Self { bsdf, emission: Emission::new(radiance, Sides::Front)? })
     }
 
-    /// The same material, emitting.
+    /// The same material with this emission.
     #[must_use]
     pub const fn emitting(self, emission: Emission) -> Self {
         Self { emission, ..self }

@@ -1,11 +1,11 @@
 use crate::{MaterialError, Rgb};
 
-/// A reflectance: each component in `[0, 1]`, so that no surface makes light of nothing.
+/// A reflectance, with each component in `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reflectance(Rgb);
 
 impl Reflectance {
-    /// Takes `rgb`.
+    /// The reflectance of these components.
     ///
     /// # Errors
     /// [`MaterialError::Reflectance`] for a component outside `[0, 1]` or NaN.

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign};
 
-/// Three linear colour components, Rec. 709 primaries: a reflectance, a weight or a radiance.
+/// Linear colour with Rec. 709 primaries: a reflectance, a weight or a radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rgb {
     /// Red.
@@ -33,14 +33,14 @@ impl Rgb {
         [self.r, self.g, self.b]
     }
 
-    /// Each component through `f`.
+    /// Applies `f` to each component.
     #[must_use]
     #[inline(always)]
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self::new(f(self.r), f(self.g), f(self.b))
     }
 
-    /// The larger one of each component.
+    /// The component-wise maximum.
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
         Self::new(self.r.max(other.r), self.g.max(other.g), self.b.max(other.b))

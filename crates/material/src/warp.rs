@@ -1,13 +1,12 @@
-//! Maps from the unit square to directions, each with its density and its inverse.
+//! Maps from the unit square to directions, with density and inverse.
 
 use glam::DVec3;
 use globillum_geom::PdfSolidAngle;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-/// Directions of the upper hemisphere with density proportional to their cosine with `+z`.
+/// Cosine-weighted directions of the upper hemisphere (Malley's method).
 ///
-/// The map keeps areas: `u[0]` is the squared sine of the polar angle, `u[1]` the azimuth as a
-/// fraction of a turn (Malley's method, without its disk).
+/// `u[0]` is the squared sine of the polar angle, `u[1]` the azimuth as a fraction of a turn.
 #[derive(Clone, Copy, Debug)]
 pub struct CosineHemisphere;
 
@@ -16,7 +15,7 @@ impl CosineHemisphere {
     #[inline(always)]
     pub fn sample(u: [f64; 2]) -> DVec3 {
         let radius = u[0].sqrt();
-        // Not the platform's sine: the same direction on every machine.
+        // libm gives the same bits on every platform.
         let (sin, cos) = libm::sincos(TAU * u[1]);
         DVec3::new(radius * cos, radius * sin, (1.0 - u[0]).max(0.0).sqrt())
     }

@@ -3,12 +3,11 @@ use super::moments::{Moments, Tally};
 use std::fmt;
 use std::ops::Range;
 
-/// What a power of two of neighbouring passes have added up to, for every pixel.
+/// The sums of `2^k` consecutive passes for every pixel.
 ///
-/// A block of `n` passes starts at a multiple of `n`. Two blocks that make up a larger one are
-/// joined at once, so blocks are the nodes of one fixed binary tree over all passes there could
-/// be: a sum of passes has the same bits in whatever order and places they were rendered, and its
-/// rounding error grows with the logarithm of their number only.
+/// A block of `n` passes starts at a multiple of `n`, and two halves of a larger block are joined at once.
+/// Blocks are thus nodes of a fixed binary tree over all passes: the sum has the same bits in whatever order
+/// the passes are added, and its rounding error grows with the logarithm of their number.
 #[derive(Clone, PartialEq)]
 pub(crate) struct Block {
     pub(crate) first: u32,

@@ -1,4 +1,4 @@
-//! Pictures as bytes.
+//! The checkpoint format.
 //!
 //! All numbers are little-endian. A header (magic, version, key, width, height, samples in a pass,
 //! kind of path reuse, counters, number of blocks) is followed by the blocks of the film (first pass,
@@ -25,7 +25,7 @@ const BLOCK_BYTES: u64 = 40;
 const MAX_BLOCKS: u32 = 1 << 20;
 
 impl Picture {
-    /// The picture with its bookkeeping as bytes, the same on every machine.
+    /// The picture as a checkpoint, the same bytes on every machine.
     pub fn to_bytes(&self) -> Vec<u8> {
         let blocks = self.film.blocks();
         let mut bytes = Vec::with_capacity(
@@ -80,7 +80,7 @@ impl Picture {
             if last.is_some_and(|last| block.range().start < last.range().end) {
                 return Err(CheckpointError::Malformed("order of passes"));
             }
-            // Only the last of all may lack samples, and not a pass of them.
+            // Only the last block may lack samples, fewer than a pass.
             let full = u64::from(block.passes) * u64::from(pass_samples);
             let lacking = full.checked_sub(block.tally.samples);
             if samples != held || lacking.is_none_or(|lacking| lacking >= u64::from(pass_samples)) {
@@ -90,7 +90,7 @@ impl Picture {
             samples += block.tally.samples;
             film.insert(block);
         }
-        // Sums of finite numbers need not be finite.
+        // Blocks were joined, and sums of finite numbers may overflow.
         if film.blocks().iter().flat_map(|block| &block.pixels).any(|moments| !moments.are_possible()) {
             return Err(CheckpointError::Malformed("radiance"));
         }
@@ -99,7 +99,7 @@ impl Picture {
     }
 }
 
-/// The bytes without the checksum, which is that of a checkpoint of this version.
+/// Checks magic, version and checksum; returns the bytes before the checksum.
 fn check(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     let rest = bytes.strip_prefix(&MAGIC).ok_or(CheckpointError::NoCheckpoint)?;
     let version = Reader { bytes: rest }.u32()?;
@@ -113,14 +113,14 @@ fn check(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     if checksum(content) == u64::from_le_bytes(*end) { Ok(content) } else { Err(CheckpointError::Checksum) }
 }
 
-/// `bytes` with the checksum at their end made right.
+/// `bytes` with a correct checksum.
 #[cfg(any(test, feature = "fuzz"))]
 pub(crate) fn resealed(bytes: &[u8]) -> Option<Vec<u8>> {
     let (content, _) = bytes.split_last_chunk::<8>()?;
     Some([content, &checksum(content).to_le_bytes()].concat())
 }
 
-/// A hash in which every bit of every byte, and their number, takes part.
+/// A hash of all bytes and their number.
 fn checksum(bytes: &[u8]) -> u64 {
     let words = bytes.chunks(8).map(|chunk| {
         let mut word = [0; 8];
@@ -143,7 +143,7 @@ fn put_block(bytes: &mut Vec<u8>, block: &Block) {
     }
 }
 
-/// Takes numbers off the front.
+/// Reads numbers from the front.
 struct Reader<'a> {
     bytes: &'a [u8],
 }

@@ -1,11 +1,10 @@
 use super::Film;
 use crate::{CheckpointError, Counters};
 
-/// A picture, whole or in parts, with the bookkeeping that makes it fit others.
+/// The passes of a picture rendered so far.
 ///
-/// It can be [saved](Picture::to_bytes) and continued later or elsewhere
-/// ([`Render::resume`](crate::Render::resume)), and [merged](Picture::merge) with other passes of
-/// the same picture; the bits are those of one run.
+/// A picture can be [saved](Picture::to_bytes), continued ([`Render::resume`](crate::Render::resume)), and
+/// [merged](Picture::merge) with other passes of the same picture; the bits are those of one run.
 ///
 /// ```
 /// use globillum_integrator::{Picture, Render, Settings, render};
@@ -28,16 +27,16 @@ use crate::{CheckpointError, Counters};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Picture {
-    /// The picture: every pixel holds the same number of samples.
+    /// The pixels, with the same number of samples each.
     pub film: Film,
-    /// What was done for it.
+    /// Counts of rays and ends of paths.
     pub counters: Counters,
     /// Samples of each pixel.
     pub samples: u32,
     /// Samples in a pass; only the last one held may have fewer.
     pub pass_samples: u32,
-    /// A hash of all that decides the picture's bits: scene, camera, and settings but for the
-    /// numbers of samples and threads.
+    /// A hash of all that determines the picture's bits: scene, camera, and settings without the numbers of
+    /// samples and threads.
     pub key: u64,
     /// Why no more samples were taken.
     pub ending: Ending,
@@ -47,13 +46,13 @@ pub struct Picture {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Ending {
-    /// It has not: the picture was given to a monitor, read from a checkpoint, or merged.
+    /// Not ended: the picture was passed to a monitor, read from a checkpoint, or merged.
     Open,
     /// All samples asked for were taken.
     Samples,
-    /// The goals for its error were met, or with a pilot, the samples planned for them were taken.
+    /// The goals were met, or with a pilot, the samples planned for them were taken.
     Goals,
-    /// Its time was over.
+    /// The time limit was reached.
     Seconds,
     /// The monitor cancelled it.
     Cancelled,
@@ -64,12 +63,13 @@ impl Picture {
         Self { film, counters: Counters::default(), samples: 0, pass_samples, key, ending: Ending::Open }
     }
 
-    /// Takes in the passes of `other`, rendered of the same scene, camera and settings. Whatever
-    /// the order in which all passes come together, the bits are the same.
+    /// Adds the passes of `other`, rendered of the same scene, camera and settings. The order of merges does
+    /// not change the bits.
     ///
     /// # Errors
     /// [`CheckpointError::Mismatch`] if `other` is another picture, or one of them has a pass cut
-    /// short that is not the last of all; [`CheckpointError::Overlap`] for a pass that both hold. Then this picture is as it was.
+    /// short that is not the last of all; [`CheckpointError::Overlap`] for a pass that both hold. This picture
+    /// is then unchanged.
     pub fn merge(&mut self, other: Self) -> Result<(), CheckpointError> {
         if self.key != other.key {
             return Err(CheckpointError::Mismatch("scene, camera or settings"));

@@ -1,11 +1,11 @@
-/// Chooses an index with probability proportional to its weight, in constant time (Walker 1974,
-/// built by Vose 1991).
+/// Samples an index with probability proportional to its weight, in constant time (Walker 1974, built
+/// by the method of Vose 1991).
 #[derive(Clone, Debug)]
 pub(crate) struct AliasTable {
     columns: Vec<Column>,
 }
 
-/// One of `n` equally likely columns: below `threshold` its own index, above it `alias`.
+/// One of `n` equally likely columns: its own index below `threshold`, and `alias` above.
 #[derive(Clone, Copy, Debug)]
 struct Column {
     threshold: f64,
@@ -13,7 +13,7 @@ struct Column {
 }
 
 impl AliasTable {
-    /// A table over `weights`, all finite and above zero.
+    /// A table of `weights`, which are finite and above zero.
     pub(crate) fn new(weights: &[f64]) -> Self {
         let scale = weights.len() as f64 / weights.iter().sum::<f64>();
         let mut columns: Vec<Column> =
@@ -22,7 +22,7 @@ impl AliasTable {
         let (mut small, mut large): (Vec<_>, Vec<_>) = indices.partition(|&i| columns[i].threshold < 1.0);
         while let (Some(poor), Some(&rich)) = (small.pop(), large.last()) {
             columns[poor].alias = rich as u32;
-            // The rich column gives what the poor one lacks.
+            // The rich column fills up the poor one.
             columns[rich].threshold -= 1.0 - columns[poor].threshold;
             if columns[rich].threshold < 1.0 {
                 large.pop();
@@ -32,7 +32,7 @@ impl AliasTable {
         Self { columns }
     }
 
-    /// The index that `u` in `[0, 1)` chooses; `None` from an empty table.
+    /// The index for `u` in `[0, 1)`; `None` for an empty table.
     #[inline(always)]
     pub(crate) fn sample(&self, u: f64) -> Option<usize> {
         let scaled = u * self.columns.len() as f64;

@@ -3,19 +3,19 @@ use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
 
-/// The triangles that emit light, chosen with probability proportional to their power.
+/// The lights of a scene: its triangles that emit, sampled with probability proportional to power.
 ///
-/// Every one of them has a probability above zero, a normal number, whatever their sizes and
-/// radiances. Points on them are chosen by a [`LightSampler`](crate::LightSampler).
+/// Each light has a positive probability, a normal number, for any size and radiance. A
+/// [`LightSampler`](crate::LightSampler) samples points on lights.
 #[derive(Clone, Debug)]
 pub struct Lights {
-    /// In the order of the table.
+    /// In the order of `table`.
     lights: Vec<Light>,
     table: AliasTable,
     total_power: f64,
 }
 
-/// A triangle that emits, and what of it is the same for every shaded point.
+/// A triangle that emits, with what is precomputed for all shading points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light {
     pub(crate) triangle: u32,
@@ -28,7 +28,7 @@ pub(crate) struct Light {
 }
 
 impl Light {
-    /// Whether it may be a [`SphericalTriangle`] seen from `point`.
+    /// Whether [`SphericalTriangle::new`] may succeed from `point`.
     #[inline(always)]
     pub(crate) fn may_look_large(&self, point: DVec3) -> bool {
         self.middle.distance_squared(point) <= self.reach_sq
@@ -64,40 +64,40 @@ impl Lights {
         }
     }
 
-    /// How many triangles emit.
+    /// The number of lights.
     pub fn len(&self) -> usize {
         self.lights.len()
     }
 
-    /// Whether nothing emits.
+    /// Whether there are no lights.
     pub fn is_empty(&self) -> bool {
         self.lights.is_empty()
     }
 
-    /// The indices of the triangles that emit, ascending; degenerate ones are none of them.
+    /// The indices of the triangles that emit, in ascending order, without degenerate triangles.
     pub fn triangles(&self) -> impl Iterator<Item = u32> {
         self.lights.iter().map(|light| light.triangle)
     }
 
-    /// Chooses a triangle by `u` in `[0, 1)`. `None` if nothing emits.
+    /// Samples a light by `u` in `[0, 1)`; `None` if there is none.
     #[inline(always)]
     pub(crate) fn choose(&self, u: f64) -> Option<&Light> {
         Some(&self.lights[self.table.sample(u)?])
     }
 
-    /// The probability with which `triangle`, which emits `emission`, is chosen.
+    /// The probability of choosing `triangle`, which emits `emission`.
     pub(crate) fn choice_prob(&self, triangle: &Triangle, emission: &Emission) -> f64 {
         power(triangle, emission) / self.total_power
     }
 
-    /// The density of a point that is chosen uniformly by area on the triangle chosen, which emits
-    /// `emission`, over all lights together. The area cancels.
+    /// The density per area of a point on a light that emits `emission`, if the point is sampled uniformly
+    /// by area. Includes the probability of choosing the light, so that the area cancels.
     pub(crate) fn area_density(&self, emission: &Emission) -> PdfArea {
         PdfArea(emission.exitance().luminance() / self.total_power)
     }
 }
 
-/// Emitted power by which triangles are chosen, weighted as the eye does.
+/// The emitted power, as luminance.
 fn power(triangle: &Triangle, emission: &Emission) -> f64 {
     triangle.area() * emission.exitance().luminance()
 }

@@ -2,30 +2,30 @@ use glam::{DVec3, Vec3};
 use globillum_geom::decide::Shear;
 use globillum_geom::{Aabb, Ray, Triangle};
 
-/// Triangles of ideal mirrors that lie in one plane; they reflect on both sides.
+/// The coplanar triangles of an ideal mirror, which reflects on both sides.
 #[derive(Clone, Debug)]
 pub(crate) struct PlaneMirror {
     /// Unit normal of the plane, on its front.
     normal: DVec3,
-    /// A point of it.
+    /// A point of the plane.
     point: DVec3,
-    /// How far from it a vertex may be.
+    /// The largest distance of a vertex from the plane.
     tolerance: f64,
     triangles: Vec<Triangle>,
-    /// Of all triangles.
+    /// The area of all triangles.
     pub(super) area: f64,
-    /// Whether lights were found to be seen from the back, and from the front.
+    /// Whether lights are visible from the back, and from the front.
     pub(super) lit: [bool; 2],
 }
 
 impl PlaneMirror {
-    /// How far a vertex may be from a plane to lie in it, in units of the longest side of the box
-    /// around the first triangle. Corners of a rectangle, rounded to `f32`, are within this where its side
-    /// is at least a tenth of their coordinates.
+    /// The largest distance of a vertex from the plane, in units of the longest side of the first triangle's
+    /// bounds. Corners of a rectangle, rounded to `f32`, are within it if its sides are at least a tenth of
+    /// their coordinates.
     const COPLANAR: f64 = 1.0 / (1 << 18) as f64;
 
-    /// The largest angle between normals, in radians, and so half of how far directions may err. Heights do
-    /// not bound it: strips of a slightly curved mirror are all but in one plane.
+    /// The largest angle between normals in radians, which is half the error of reflected directions.
+    /// [`COPLANAR`](Self::COPLANAR) does not bound it: strips of a slightly curved mirror are nearly coplanar.
     const PARALLEL: f64 = 4.0 * Self::COPLANAR;
 
     pub(super) fn through(triangle: &Triangle) -> Self {
@@ -49,7 +49,7 @@ impl PlaneMirror {
         self.area += triangle.area();
     }
 
-    /// Distance of `position` from the plane, negative behind it.
+    /// The signed distance of `position` from the plane.
     pub(super) fn height(&self, position: DVec3) -> f64 {
         self.normal.dot(position - self.point)
     }
@@ -58,26 +58,26 @@ impl PlaneMirror {
         position - 2.0 * self.height(position) * self.normal
     }
 
-    /// The unit vector `direction` as the mirror shows it.
+    /// The reflection of the unit vector `direction`.
     pub(crate) fn reflect(&self, direction: DVec3) -> DVec3 {
         direction - 2.0 * self.normal.dot(direction) * self.normal
     }
 
-    /// Whether both lie on the same side of the plane, and neither in it.
+    /// Whether both points lie strictly on the same side of the plane.
     pub(crate) fn same_side(&self, a: DVec3, b: DVec3) -> bool {
         self.height(a) * self.height(b) > 0.0
     }
 
-    /// Whether the ray's line meets the mirror in front of its origin, whatever else there is. Decided as
-    /// accelerators do it, so a ray that misses here does not hit there.
+    /// Whether the ray, without regard to `t_max` and other triangles, hits the mirror. Decided as
+    /// accelerators decide it, so a ray that misses here does not hit there.
     pub(crate) fn is_hit_by(&self, ray: &Ray) -> bool {
         let Some(shear) = Shear::new(ray) else { return false };
         self.triangles.iter().any(|triangle| shear.decide(triangle).is_some_and(|hit| hit.t > 0.0))
     }
 
-    /// Whether the mirror may show part of `lights` to `from`. It does not where all of it lies on the
-    /// other side or beyond the window, where no light was found on that side, or where `from` can not
-    /// be told from lying in the plane.
+    /// Whether the mirror may show part of `lights` to `from`. It does not if all of `lights` lies on the
+    /// other side or outside the frustum of the mirror, if no light is visible from that side, or if
+    /// `from` is within rounding of the plane.
     pub(super) fn may_show(&self, lights: &Sphere, from: DVec3) -> bool {
         let height = self.height(from);
         let lights_height = self.height(lights.center) * 1.0_f64.copysign(height);
@@ -90,7 +90,7 @@ impl PlaneMirror {
     }
 }
 
-/// A ball around something.
+/// A bounding sphere.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sphere {
     center: DVec3,
@@ -98,15 +98,15 @@ pub(super) struct Sphere {
 }
 
 impl Sphere {
-    /// Around the box of these points.
+    /// The sphere around the bounds of these points.
     pub(super) fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         let Aabb { min, max } = Aabb::around(points);
         let (min, max) = (min.as_dvec3(), max.as_dvec3());
         Self { center: 0.5 * (min + max), radius: 0.5 * min.distance(max) }
     }
 
-    /// Whether part of it may be seen from `eye` through `window`: not if all of it is beyond one of the
-    /// three planes through `eye` and a side.
+    /// Whether part of the sphere may be visible from `eye` through `window`: not if all of it is outside one
+    /// of the three planes through `eye` and a side.
     fn may_be_seen_through(&self, window: &Triangle, eye: DVec3) -> bool {
         let [a, b, c] = window.vertices.map(|v| v.as_dvec3() - eye);
         let center = self.center - eye;

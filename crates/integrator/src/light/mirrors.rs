@@ -1,4 +1,4 @@
-//! Lights in plane mirrors.
+//! The plane mirrors in which lights are sampled.
 
 use super::lights::{Light, Lights};
 use super::mirror_plane::{PlaneMirror, Sphere};
@@ -6,47 +6,47 @@ use crate::Stream;
 use glam::DVec3;
 use globillum_geom::{Accel, Triangle, Triangles};
 
-/// The plane mirrors of a scene, in which lights are looked for.
+/// The plane mirrors of a scene in which lights are sampled.
 ///
-/// What a point `x` sees in a plane mirror is what its image `x'`, on the other side of the plane,
-/// sees through the mirror's triangles as through a window. Reflection is an isometry: a density
-/// of directions at `x'` is that of the reflected directions at `x`.
+/// A point `x` sees in a plane mirror what its image `x'`, on the other side of the plane, sees through
+/// the mirror's triangles. Reflection is an isometry: the density of a direction at `x'` is that of the
+/// reflected direction at `x`.
 #[derive(Clone, Debug)]
 pub(crate) struct PlaneMirrors {
     planes: Vec<PlaneMirror>,
-    /// The triangles of all planes, each with its plane, by ascending triangle.
+    /// The triangles of all planes in ascending order, each with its plane.
     members: Vec<(u32, usize)>,
-    /// Around everything that emits.
+    /// Bounds all lights.
     light_bounds: Sphere,
 }
 
-/// A shaded point as it is seen in one of the plane mirrors.
+/// The image of a shading point in a plane mirror.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Image<'a> {
     pub(crate) mirror: &'a PlaneMirror,
-    /// Which of the mirrors that is.
+    /// The index of the mirror.
     pub(crate) plane: usize,
-    /// Where the shaded point seems to be.
+    /// The position of the image.
     pub(crate) position: DVec3,
-    /// The probability with which this mirror is chosen for the shaded point, above zero.
+    /// The probability of choosing this mirror at the shading point, above zero.
     pub(crate) choice_prob: f64,
 }
 
-/// Mirrors, a bit each.
+/// A set of mirrors, one bit each.
 #[derive(Clone, Copy)]
 struct MirrorSet(u64);
 
 impl PlaneMirrors {
-    /// The least part of all mirrors' area that the triangles of a plane have together, so that there
-    /// are at most [`MirrorSet::MAX`] planes. Smaller ones are left to scattering, and so are curved
-    /// mirrors, whose planes are all small.
+    /// The smallest area of a plane's triangles as a share of all mirrors' area, so that there are at most
+    /// [`MirrorSet::MAX`] planes. Smaller ones and curved mirrors, whose planes are small, are left to
+    /// scattering.
     const LEAST_PLANE: f64 = 1.0 / MirrorSet::MAX as f64;
 
-    /// The least part of all mirrors' area that a triangle of a plane has: at most 256 are looked at for
-    /// one sample.
+    /// The smallest area of a triangle as a share of all mirrors' area, so that a sample tests at most 256.
     const LEAST_TRIANGLE: f64 = 1.0 / 256.0;
 
-    /// Groups the ideal mirrors by planes; none if nothing emits.
+    /// Groups the triangles for which `is_mirror` holds by planes; none if there are no lights. Traces up to
+    /// 128 segments for each plane.
     pub(crate) fn of<A: Accel>(
         triangles: &Triangles,
         is_mirror: impl Fn(u32) -> bool,
@@ -73,26 +73,25 @@ impl PlaneMirrors {
         self.planes.is_empty()
     }
 
-    /// The mirror to which triangle `index` belongs, by its number.
+    /// The index of the mirror that triangle `index` belongs to.
     pub(crate) fn plane_of(&self, index: u32) -> Option<usize> {
         let place = self.members.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
         Some(self.members[place].1)
     }
 
-    /// Chooses one of the mirrors in which `from` may see a light, all alike, by the `u` in `[0, 1)` that
-    /// it is handed; `None` if there is none.
+    /// Chooses uniformly among the mirrors in which `from` may see a light, by `u` in `[0, 1)`; `None` if
+    /// there is none.
     pub(crate) fn choose(&self, from: DVec3, u: impl FnOnce() -> f64) -> Option<Image<'_>> {
         let candidates = self.candidates(from);
         let plane = match candidates.count() {
             0 => return None,
-            // Needs no random number.
             1 => candidates.nth(0),
             count => candidates.nth((u() * f64::from(count)) as u32),
         };
         Some(self.image(from, plane, candidates))
     }
 
-    /// The image of `from` in mirror `plane`; `None` if that is never chosen there.
+    /// The image of `from` in mirror `plane`; `None` if that mirror is never chosen at `from`.
     pub(crate) fn image_in(&self, plane: usize, from: DVec3) -> Option<Image<'_>> {
         let candidates = self.candidates(from);
         candidates.contains(plane).then(|| self.image(from, plane, candidates))
@@ -104,7 +103,7 @@ impl PlaneMirrors {
         Image { mirror, plane, position: mirror.image_of(from), choice_prob }
     }
 
-    /// Mirrors in which a light may be seen from `from`.
+    /// The mirrors in which `from` may see a light.
     fn candidates(&self, from: DVec3) -> MirrorSet {
         let may_show = |mirror: &PlaneMirror| u64::from(mirror.may_show(&self.light_bounds, from));
         let shifted = (0..).zip(&self.planes).map(|(plane, mirror)| may_show(mirror) << plane);
@@ -123,26 +122,26 @@ impl MirrorSet {
         self.0 >> plane & 1 == 1
     }
 
-    /// Number `n` of them, counted from 0.
+    /// The mirror at position `n`, counted from 0.
     fn nth(self, n: u32) -> usize {
         let rest = (0..n).fold(self.0, |rest, _| rest & (rest - 1));
         rest.trailing_zeros() as usize
     }
 }
 
-/// A plane mirror with the indices of its triangles.
+/// A plane mirror and the indices of its triangles.
 struct CoplanarMirrors {
     plane: PlaneMirror,
     members: Vec<u32>,
 }
 
-/// The mirrors' large triangles by the planes in which they lie, without small planes.
+/// The large mirror triangles grouped by plane, without small planes.
 fn coplanar_mirrors(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool) -> Vec<CoplanarMirrors> {
     let mirrors = triangles.live().iter().copied().filter(|&index| is_mirror(index));
     let mut mirrors: Vec<(u32, f64)> = mirrors.map(|index| (index, triangles.get(index).area())).collect();
     let total: f64 = mirrors.iter().map(|(_, area)| area).sum();
     mirrors.retain(|&(_, area)| area >= PlaneMirrors::LEAST_TRIANGLE * total);
-    // The largest triangles know best where their plane is.
+    // Larger triangles determine their plane more precisely.
     mirrors.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let mut groups: Vec<CoplanarMirrors> = Vec::new();
     for (index, _) in mirrors {
@@ -158,14 +157,14 @@ fn coplanar_mirrors(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool) -> V
         }
     }
     groups.retain(|group| group.plane.area >= PlaneMirrors::LEAST_PLANE * total);
-    // As a sum of rounded areas may have it.
+    // Rounding of the sums may admit one more.
     groups.truncate(MirrorSet::MAX);
     groups
 }
 
-/// Whether lights are seen from the plane's back, and from its front: not if none of 128 segments
-/// between points of mirror and lights is free. The inside of a body of mirrors is so told from its
-/// outside. A side that sees a light after all is left to scattering.
+/// Whether lights are visible from the back of the plane, and from its front: whether one of 128 segments
+/// between random points of mirror and lights is unoccluded. This excludes the inside of closed mirrors. A
+/// side that sees a light nevertheless is left to scattering.
 fn lit<A: Accel>(group: &CoplanarMirrors, triangles: &Triangles, lights: &Lights, accel: &A) -> [bool; 2] {
     let mut lit = [false; 2];
     for (i, &member) in (0..128).zip(group.members.iter().cycle()) {

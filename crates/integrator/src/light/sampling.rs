@@ -4,25 +4,24 @@ use glam::DVec3;
 use globillum_geom::{Hit, PdfSolidAngle, SphericalTriangle, SurfacePoint, Triangle, Triangles};
 use globillum_material::{Emission, Rgb};
 
-/// How a point is chosen on a light's triangle. The mean is right with either; the variance differs.
+/// The distribution of light samples on a triangle. It changes the variance, not the mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LightSampling {
-    /// Uniformly by area: cheap, and as good as the other for small or distant triangles.
+    /// Uniform by area: cheaper, and as good for small or distant triangles.
     Area,
-    /// Uniformly by solid angle, as seen from the shaded point, wherever
-    /// [`SphericalTriangle::new`] allows it, and by area elsewhere.
+    /// Uniform by solid angle as seen from the shading point where [`SphericalTriangle::new`] allows it, and
+    /// by area elsewhere.
     #[default]
     SolidAngle,
 }
 
-/// Chooses points on the lights for one shaded point, and knows the density of every choice: what an
-/// estimator of direct light needs. [`Scene::light_sampler`](crate::Scene::light_sampler) makes one.
+/// Samples points on lights for one shading point, and evaluates the density of such a sample: what a direct
+/// illumination estimator needs. [`Scene::light_sampler`](crate::Scene::light_sampler) returns one.
 ///
-/// Densities are per steradian of the directions that leave the shaded point, over all lights together.
-/// Whether a light is hidden has no part in them.
+/// Densities are per steradian at the shading point, over all lights together. They ignore visibility.
 ///
-/// An estimator of direct light by next events alone, on a floor of albedo 1/2 under a square light:
+/// A direct illumination estimator by next event estimation, on a floor of albedo 1/2 under a square light:
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
@@ -65,28 +64,28 @@ pub struct LightSampler<'a> {
     pub(crate) lights: &'a Lights,
     pub(crate) triangles: &'a Triangles,
     pub(crate) sampling: LightSampling,
-    /// The shaded point.
+    /// The shading point.
     pub(crate) from: DVec3,
 }
 
-/// A point on a light, chosen by [`LightSampler::sample`].
+/// A point on a light, sampled by [`LightSampler::sample`].
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct LightSample {
     /// The point.
     pub point: SurfacePoint,
-    /// Unit direction, in the world, from the shaded point.
+    /// Unit direction from the shading point, world frame.
     pub direction: DVec3,
-    /// Radiance that is emitted toward the shaded point; not black.
+    /// Radiance emitted toward the shading point; not black.
     pub radiance: Rgb,
-    /// Density of the direction per steradian, the choice of the triangle included; above zero.
+    /// Density of the direction per steradian, including the choice of the light; positive.
     pub pdf: PdfSolidAngle,
 }
 
 impl LightSampler<'_> {
-    /// Chooses a triangle by `choice` in `[0, 1)` and a point of it by `u` in `[0, 1)^2`, all three
-    /// independent. `None` if nothing emits, or the point chosen does not emit toward the shaded one: then
-    /// this sample brings nothing.
+    /// Samples a light by `choice` in `[0, 1)` and a point on it by `u` in `[0, 1)^2`; the three numbers are
+    /// independent. `None` if there is no light or the point does not emit toward the shading point: the
+    /// sample then contributes 0.
     #[inline(always)]
     pub fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
         let light = self.lights.choose(choice)?;
@@ -109,12 +108,12 @@ impl LightSampler<'_> {
         Some(LightSample { point, direction, radiance, pdf })
     }
 
-    /// The density per steradian with which [`LightSampler::sample`] chooses the direction to the point `at`,
-    /// which is where a ray from the shaded point met `hit`; 0 if nothing is emitted there, or it is seen
-    /// edge-on.
+    /// The density per steradian with which [`LightSampler::sample`] samples the direction to `at`, the
+    /// interaction of the hit `hit` of a ray from the shading point. 0 if the point does not emit toward the
+    /// shading point or is seen edge-on.
     ///
-    /// It weighs a direction that was chosen by scattering, of density `p`, in multiple importance sampling:
-    /// by the balance heuristic its share is `p / (p + pdf)`.
+    /// Multiple importance sampling needs it for a direction from BSDF sampling with density `p`: the weight of
+    /// the balance heuristic is `p / (p + pdf)`.
     #[inline(always)]
     pub fn pdf(&self, hit: &Hit, at: &Interaction<'_>) -> PdfSolidAngle {
         if at.emitted().is_black() {
@@ -136,8 +135,8 @@ impl LightSampler<'_> {
         }
     }
 
-    /// The triangle as it is seen, if that is how points of it are chosen: decided by nothing but the
-    /// triangle and the shaded point, so that sampling and density agree.
+    /// The spherical triangle if points are sampled by solid angle. Depends on the triangle and the shading
+    /// point only, so that sampling and density agree.
     #[inline(always)]
     fn by_solid_angle(&self, triangle: &Triangle) -> Option<SphericalTriangle> {
         match self.sampling {
@@ -155,7 +154,7 @@ impl LightSampler<'_> {
     }
 }
 
-/// The line from the shaded point to one on a light.
+/// The line from the shading point to a point on a light.
 struct Line {
     /// Unit vector toward the light.
     direction: DVec3,

@@ -1,19 +1,19 @@
 use std::ops::AddAssign;
 
-/// What a render did, counted.
+/// Counts of what a render did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counters {
-    /// Rays from the camera, one a sample.
+    /// Camera rays, one per sample.
     pub camera_rays: u64,
-    /// Rays along scattered directions.
+    /// Rays in scattered directions.
     pub bounce_rays: u64,
-    /// Segments between a surface and a light; by way of a mirror, both parts of it. Where pixels share
-    /// paths, those between their surfaces too.
+    /// Segments between a surface and a light, both segments by way of a mirror, and the connections of path
+    /// reuse.
     pub shadow_rays: u64,
-    /// Paths that roulette ended.
+    /// Paths that Russian roulette ended.
     pub roulette_ends: u64,
-    /// Paths that the limit on bounces ended: where this is above zero, light may be missing.
+    /// Paths that the limit on bounces ended. Above zero, light may be missing.
     pub limit_ends: u64,
 }
 
@@ -39,7 +39,7 @@ impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         let own = self.to_array();
         let other = other.to_array();
-        // Saturating, since counters read from a file may be anything.
+        // Counters read from a file may have any value.
         *self = Self::from_array(std::array::from_fn(|i| own[i].saturating_add(other[i])));
     }
 }

@@ -1,4 +1,4 @@
-//! Path tracing (Kajiya 1986): each sample follows one path of light back from the camera.
+//! Path tracing (Kajiya 1986) in wavefronts: next event estimation, scattering and path reuse.
 
 mod counters;
 mod job;

@@ -145,7 +145,7 @@ impl Wavefront {
 }
 
 impl fmt::Display for Replay {
-    /// One line a vertex, and one with the sum.
+    /// One line per vertex, and the sums.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, vertex) in (1..).zip(&self.vertices) {
             let Vertex { point, triangle, material, throughput, emitted, direct, mirrored } = vertex;

@@ -1,4 +1,4 @@
-/// A rectangle of pixels that one worker renders at a time.
+/// A rectangle of pixels that is one task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Tile {
     pub(crate) x: u32,
@@ -7,7 +7,7 @@ pub(crate) struct Tile {
     pub(crate) height: u32,
 }
 
-/// Pixels along a tile's side: with a few samples each, a wavefront of about a thousand rays.
+/// Pixels along a side: with four samples each, a wavefront of about a thousand rays.
 const SIDE: u32 = 16;
 
 impl Tile {
@@ -29,7 +29,7 @@ impl Tile {
         })
     }
 
-    /// How many pixels it has.
+    /// The number of pixels.
     pub(crate) fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
     }

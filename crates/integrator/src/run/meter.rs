@@ -3,7 +3,7 @@ use crate::Counters;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
-/// Measures a run while it lasts, from all workers at once.
+/// Measures a running render; shared by all workers.
 #[derive(Debug)]
 pub(crate) struct Meter {
     start: Instant,
@@ -46,12 +46,12 @@ impl Meter {
         self.relative_rmse.store(relative_rmse.to_bits(), Relaxed);
     }
 
-    /// Says that the run will probably take so many samples more.
+    /// Sets the number of samples that the run is expected to take from now on.
     pub(crate) fn expect(&self, samples: u64) {
         self.samples_total.store(self.samples_done() + samples, Relaxed);
     }
 
-    /// How long so many samples take, going by those done.
+    /// Estimate of the seconds for so many samples.
     pub(crate) fn seconds_for(&self, samples: u64) -> f64 {
         self.seconds() * samples as f64 / self.samples_done().max(1) as f64
     }

@@ -1,27 +1,26 @@
 use crate::Picture;
 
-/// How far a render has come.
+/// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
     /// Samples taken so far in this run, all pixels together.
     pub samples_done: u64,
-    /// Samples that this run will have taken, all pixels together; an estimate where an error is
-    /// the goal.
+    /// Samples that this run will take, all pixels together; an estimate if an error is the goal.
     pub samples_total: u64,
     /// Rays of all kinds traced so far in this run.
     pub rays: u64,
-    /// The picture's error as of the last whole pass ([`ImageError`](crate::ImageError)); infinite
-    /// while it is not known.
+    /// The picture's error after the last whole pass ([`ImageError`](crate::ImageError)); infinite while
+    /// unknown.
     pub relative_rmse: f64,
     /// Seconds since the run began.
     pub seconds: f64,
-    /// Seconds that are probably left, going by those gone.
+    /// Estimate of the seconds left.
     pub seconds_left: f64,
 }
 
-/// Watches a render, and may stop it. Methods but for [`Monitor::pass_done`] are called from worker
-/// threads, often: they should return at once.
+/// Observes a render and may stop it. Methods except [`Monitor::pass_done`] are called often, from worker
+/// threads, and should return at once.
 ///
 /// ```
 /// use globillum_integrator::{Monitor, Progress};
@@ -44,15 +43,15 @@ pub trait Monitor: Sync {
     /// Called after each tile.
     fn progress(&self, _progress: Progress) {}
 
-    /// Asked before each bounce of each tile; `true` ends the render with what is whole so far.
+    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far.
     fn cancelled(&self) -> bool {
         false
     }
 
-    /// Called after each pass, from one thread, with all that is whole so far: the place to save a
-    /// checkpoint, now and then. The next pass waits until it returns.
+    /// Called after each pass, from one thread, with all whole passes so far, for example to save a
+    /// checkpoint. The next pass waits until it returns.
     fn pass_done(&self, _picture: &Picture) {}
 }
 
-/// Watches nothing.
+/// Observes nothing.
 impl Monitor for () {}

@@ -9,10 +9,10 @@ use globillum_material::Rgb;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Samples of a pixel in one wavefront: with the pixels of a tile, about a thousand rays.
+/// Samples per pixel in one wavefront.
 const WAVEFRONT_SAMPLES: u32 = 4;
 
-/// What all passes of a render share.
+/// Renders single passes.
 pub(crate) struct PassRenderer<'a, A, M> {
     pub(crate) job: Job<'a, A>,
     pub(crate) monitor: &'a M,
@@ -85,7 +85,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         Ok(Some((tile, pixels, counters)))
     }
 
-    /// All tiles of a pass as a block of the film.
+    /// Puts the tiles of a pass together as a block of the film.
     fn block(&self, pass: u32, tiles: Vec<TileResult>) -> (Block, Counters) {
         let settings = self.job.settings;
         let samples = settings.samples_of(pass..pass + 1).len() as u64;
@@ -100,7 +100,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         }
         let observations = match settings.sampler {
             Sampler::Independent => samples,
-            // Its samples depend on each other: only their mean is an observation.
+            // The samples of a pass are dependent: only their mean is an observation.
             Sampler::Sobol => {
                 pixels.iter_mut().for_each(|pixel| pixel.spread = Rgb::BLACK);
                 1

@@ -6,14 +6,14 @@ use crate::{Ending, Picture, RenderError};
 use globillum_geom::Accel;
 use std::ops::{ControlFlow, Range};
 
-/// A render under way: pass after pass, until something ends it.
+/// Renders pass after pass until a stop condition holds.
 pub(crate) struct PassLoop<'a, A, M> {
     pub(crate) renderer: PassRenderer<'a, A, M>,
     pub(crate) stop: Stop,
 }
 
 impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
-    /// Adds `passes` to `picture`, as far as the stop conditions let it.
+    /// Adds `passes` to `picture` until a stop condition holds.
     pub(crate) fn add_passes(
         &self,
         mut picture: Picture,
@@ -27,7 +27,7 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         Ok(picture)
     }
 
-    /// Looks at the error after each pass, and stops where it is small enough.
+    /// Stops after the first pass that meets the goals.
     fn until_goals_met(&self, picture: &mut Picture, passes: Range<u32>) -> Result<Ending, RenderError> {
         let before = picture.samples;
         for pass in passes.clone() {
@@ -45,7 +45,7 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         Ok(if met { Ending::Goals } else { Ending::Samples })
     }
 
-    /// Renders a pilot for its error alone, then as many passes as that error asks for.
+    /// Renders a pilot, then as many passes as its error requires.
     fn in_two_stages(
         &self,
         picture: &mut Picture,
@@ -72,8 +72,8 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         Ok(if enough { Ending::Goals } else { Ending::Samples })
     }
 
-    /// How many passes the goals need, going by the error of the `pilot`'s, which are dropped;
-    /// `None` without a goal. Breaks if the render was cancelled.
+    /// The number of passes that the goals need, estimated from `pilot` passes, which are dropped; `None`
+    /// without a goal. Breaks if the render is cancelled.
     fn plan(
         &self,
         picture: &Picture,
@@ -107,7 +107,7 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
             return Ok(None);
         }
         let PassRenderer { monitor, meter, .. } = self.renderer;
-        // The first pass is finished in any case: how long one takes is not known before.
+        // The first pass is always finished, since its time is not known before.
         let limited = picture.samples > before;
         let pass_seconds = meter.seconds_for(self.renderer.samples_of(pass..pass + 1));
         if limited && meter.is_over_in(pass_seconds) {
@@ -125,14 +125,14 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         Ok(None)
     }
 
-    /// Tells the meter what is left to do: of `passes` those that the picture lacks, or fewer if its
-    /// goals, of which it has `excess`, need fewer.
+    /// Tells the meter the number of samples left: those of `passes` that the picture lacks, or fewer if the
+    /// goals need fewer.
     fn expect(&self, picture: &Picture, passes: Range<u32>, excess: Option<f64>) {
         let held = f64::from(picture.samples) * picture.film.pixel_count() as f64;
         let there: u64 = picture.film.held_of(&passes).map(|part| self.renderer.samples_of(part)).sum();
         let lacking = self.renderer.samples_of(passes) - there;
         let needed = excess.map_or(f64::INFINITY, |excess| held * (excess - 1.0).max(0.0));
-        // Nothing held, nothing known: not a number, and so no minimum.
+        // NaN while nothing is held; `min` then ignores it.
         self.renderer.meter.expect(needed.min(lacking as f64) as u64);
     }
 }

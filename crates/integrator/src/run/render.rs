@@ -10,7 +10,7 @@ use crate::{Camera, CheckpointError, Film, Picture, RenderError, Scene, Settings
 use globillum_geom::Accel;
 use std::ops::Range;
 
-/// Renders `scene` as `camera` sees it: [`Render`] with all passes and no other end.
+/// Renders all samples of `scene` as seen by `camera`: [`Render`] without further conditions.
 ///
 /// # Errors
 /// Those of [`Render::run`].
@@ -23,14 +23,13 @@ pub fn render<A: Accel>(
     Render::new(scene, camera, settings).run(monitor)
 }
 
-/// A picture to be rendered, and when to stop.
+/// A render, with the conditions that stop it.
 ///
-/// The work goes over the picture in passes of a few samples a pixel, tile by tile on all threads.
-/// Each tile is one task and each pixel belongs to one tile, so sums are made in one fixed order,
-/// whatever the number of threads; passes are joined in one fixed order too, wherever and whenever
-/// they are rendered.
+/// A render adds passes of a few samples per pixel. Each tile of a pass is one task, and each pixel belongs
+/// to one tile. Samples and passes are summed in a fixed order, so that the bits of the picture depend
+/// neither on the number of threads nor on when and where passes are rendered.
 ///
-/// To an error of two percent, however many samples that takes:
+/// To a relative error of two percent:
 ///
 /// ```
 /// use globillum_integrator::{Ending, Render, Settings, Stop};
@@ -62,39 +61,37 @@ pub struct Render<'a, A> {
 }
 
 impl<'a, A: Accel> Render<'a, A> {
-    /// All samples that `settings` ask for.
+    /// A render of all samples of `settings`.
     pub fn new(scene: &'a Scene<A>, camera: &'a Camera, settings: &'a Settings) -> Self {
         Self { scene, camera, settings, stop: Stop::default(), passes: None, before: None }
     }
 
-    /// Stops before that, if `stop` says so.
+    /// Stops early by `stop`.
     #[must_use]
     pub fn until(self, stop: Stop) -> Self {
         Self { stop, ..self }
     }
 
-    /// Renders these passes only, of the [`Settings::passes`] there are: a share of the work, to be
-    /// [merged](Picture::merge) with the others.
+    /// Renders only these of the [`Settings::passes`], to be [merged](Picture::merge) with the others.
     #[must_use]
     pub fn passes(self, passes: Range<u32>) -> Self {
         Self { passes: Some(passes), ..self }
     }
 
-    /// Goes on from `picture`: passes that it holds are not rendered again.
+    /// Continues `picture`: the passes that it holds are not rendered again.
     #[must_use]
     pub fn resume(self, picture: Picture) -> Self {
         Self { before: Some(picture), ..self }
     }
 
-    /// Renders. If `monitor` cancels, the pass under way is dropped and the picture is that of the
-    /// passes before it.
+    /// Renders. If `monitor` cancels, the current pass is dropped and the passes before it are returned.
     ///
     /// # Errors
     /// [`RenderError::Param`] for settings, stop conditions or passes out of range,
-    /// [`RenderError::Checkpoint`] for a picture to resume that is another one,
-    /// [`RenderError::Threads`] if no threads can be had, [`RenderError::NonFinite`] for a sample
-    /// that is NaN or infinite. A panic does not leave this method: it is [`RenderError::Worker`] from an
-    /// accelerator, [`Monitor::progress`] or [`Monitor::cancelled`], and [`RenderError::Monitor`] from
+    /// [`RenderError::Checkpoint`] for a picture to resume that does not belong to this render,
+    /// [`RenderError::Threads`] if no threads can be started, [`RenderError::NonFinite`] for a sample
+    /// that is NaN or infinite. Panics are caught: [`RenderError::Worker`] for one in an accelerator,
+    /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
     /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
     pub fn run(mut self, monitor: &impl Monitor) -> Result<Picture, RenderError> {
         self.settings.validate()?;
@@ -124,7 +121,7 @@ impl<'a, A: Accel> Render<'a, A> {
         Ok(passes)
     }
 
-    /// The picture to go on from.
+    /// The picture to continue.
     fn start(&mut self) -> Result<Picture, RenderError> {
         let key = picture_key(self.scene, self.camera, self.settings);
         let Some(picture) = self.before.take() else {
@@ -135,7 +132,7 @@ impl<'a, A: Accel> Render<'a, A> {
         if picture.key != key {
             return Err(CheckpointError::Mismatch("scene, camera or settings").into());
         }
-        // A last pass cut short can not be told from its samples when more of them are asked for.
+        // A short last pass cannot be continued when more samples are asked for.
         let samples_of = |passes| self.settings.samples_of(passes).len() as u64;
         let expected: u64 = picture.film.passes().into_iter().map(samples_of).sum();
         if picture.film.samples() != expected {

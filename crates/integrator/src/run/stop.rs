@@ -1,15 +1,13 @@
 use crate::{Film, RenderError};
 
-/// What may end a render before all samples are taken.
+/// Conditions that end a render before all samples are taken.
 ///
-/// Limits end it when the first of them is reached; goals when all of them are. Both act between
-/// passes, so what comes out is a picture of whole passes.
+/// The first limit that is reached ends it; goals end it when all of them are met. Both act between passes,
+/// so the picture holds whole passes.
 ///
-/// A render that stops when its error seems small is biased, since the mean and the error come from
-/// the same samples: it stops earlier where these happen to be bright or alike. The bias falls with
-/// the number of observations and of pixels that are judged together, so it matters for
-/// [`PixelGoal`] more than for [`Stop::relative_rmse`]; docs/estimators.md has figures.
-/// [`Stop::pilot`] avoids it.
+/// Stopping at a goal biases the mean, since the error is estimated from the same samples. The bias falls
+/// with the number of observations and of pixels that are judged together, so it matters for [`PixelGoal`]
+/// more than for [`Stop::relative_rmse`]; docs/estimators.md has figures. [`Stop::pilot`] avoids it.
 ///
 /// ```
 /// use globillum_integrator::Stop;
@@ -23,43 +21,41 @@ use crate::{Film, RenderError};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Stop {
-    /// A limit: seconds from the start of this run. No pass begins that would, going by those that
-    /// this run has rendered, end later, and one that does is dropped.
+    /// Limit: seconds from the start of this run. No pass begins that is expected to end later, judged by the
+    /// passes of this run, and one that does is dropped.
     ///
-    /// The first pass that this run adds to the picture is always finished, however small the limit
-    /// is: a run, [resumed](crate::Render::resume) or not, adds at least one pass, unless the picture
-    /// holds all of them, the goals are met before, or the monitor cancels. So it takes at most the limit
-    /// or the time of one pass, and of one more where there is a [pilot](Stop::pilot), whose first
-    /// pass is finished too.
+    /// The first pass that this run adds is always finished, so a run adds at least one pass,
+    /// [resumed](crate::Render::resume) or not, unless the picture holds all passes, the goals are met before,
+    /// or the monitor cancels. A run takes at most the limit or the time of one pass, whichever is longer; with
+    /// a [pilot](Stop::pilot), whose first pass is finished too, the time of two.
     pub seconds: Option<f64>,
-    /// A goal: the upper end of the 95 % interval of the picture's relative error
+    /// Goal: the upper end of the 95 % interval of the picture's relative error
     /// ([`ImageError`](crate::ImageError)) is at most this.
     pub relative_rmse: Option<f64>,
-    /// A goal for single pixels.
+    /// Goal for single pixels.
     pub pixels: Option<PixelGoal>,
-    /// Two stages (Stein 1945): so many passes, at least 2, are rendered to learn how many more
-    /// the goals need; then they are dropped, and that many are rendered whatever they turn out to
-    /// be. What is averaged has no say in when to stop, so the mean is unbiased, as it is with no
-    /// goal at all. In return the goals are met only nearly, and the pilot's time is lost.
+    /// Two stages (Stein 1945): this many passes, at least 2, are rendered to estimate how many the goals
+    /// need, and dropped; then that number is rendered. The mean is unbiased, since the number of passes does
+    /// not depend on them. In return the goals are met only approximately, and the pilot's time is lost.
     pub pilot: Option<u32>,
 }
 
-/// An error that single pixels are to reach.
+/// A goal for the errors of single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGoal {
     /// The largest standard error of a component, relative to the mean radiance of the picture. A pixel whose
     /// samples have all missed its light has one of 0, and counts as good.
     pub error: f64,
-    /// The share of all pixels that must reach it, in `(0, 1]`.
+    /// The share of all pixels that must meet it, in `(0, 1]`.
     pub share: f64,
 }
 
 impl PixelGoal {
-    /// With fewer independent observations a pixel's own error means little: its relative standard
-    /// deviation is then above a quarter.
+    /// The goal is not judged by fewer independent observations, where the relative standard deviation of a
+    /// pixel's error is above a quarter.
     pub const MIN_OBSERVATIONS: u64 = 8;
 
-    /// The square of the error reached over that of the goal.
+    /// The squared error over that of the goal.
     fn excess(&self, film: &Film) -> f64 {
         if film.observations() < Self::MIN_OBSERVATIONS {
             return f64::INFINITY;
@@ -72,7 +68,7 @@ impl PixelGoal {
     }
 }
 
-/// `reached` over `wanted`, where nothing is no error at all.
+/// `reached / wanted`; 0 if nothing is left to reach.
 fn ratio(reached: f64, wanted: f64) -> f64 {
     if reached == 0.0 { 0.0 } else { reached / wanted }
 }
@@ -105,8 +101,8 @@ impl Stop {
         Ok(())
     }
 
-    /// How many times as many samples as `film` holds the goals need in all, by what it knows of
-    /// its error; at most 1 if they are met. `None` without a goal.
+    /// The estimated number of samples that the goals need, as a multiple of those that `film` holds; at most
+    /// 1 if they are met. `None` without a goal.
     pub(crate) fn excess(&self, film: &Film) -> Option<f64> {
         let picture = self.relative_rmse.map(|goal| (film.error().interval_95[1] / goal).powi(2));
         let pixels = self.pixels.map(|goal| goal.excess(film));

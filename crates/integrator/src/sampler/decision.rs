@@ -1,18 +1,17 @@
-/// One decision of a path, as the address of the random numbers that it takes.
+/// A decision of a path, as the address of its random numbers.
 ///
-/// Each decision has [`Decision::WIDTH`] dimensions to itself. They are fixed, so that a path's
-/// numbers depend on nothing but its own bounces, and no other decision can take one of them.
+/// Each decision has [`Decision::WIDTH`] dimensions of its own, which depend on its bounce only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Decision(pub(super) u32);
 
 impl Decision {
-    /// The most numbers that a decision takes.
+    /// The largest number of dimensions of a decision.
     pub(super) const WIDTH: u32 = 3;
 
     /// Decisions at each bounce.
     const OF_BOUNCE: u32 = 3;
 
-    /// The place in the pixel.
+    /// The position in the pixel.
     pub(super) const FILM: Self = Self(0);
 
     /// A light, and a point on it.
@@ -20,21 +19,20 @@ impl Decision {
         Self(1 + Self::OF_BOUNCE * bounce)
     }
 
-    /// Where a path goes on.
+    /// The scattered direction.
     pub(super) fn scatter(bounce: u32) -> Self {
         Self(2 + Self::OF_BOUNCE * bounce)
     }
 
-    /// Whether a path goes on.
+    /// Russian roulette.
     pub(super) fn roulette(bounce: u32) -> Self {
         Self(3 + Self::OF_BOUNCE * bounce)
     }
 
-    /// The first of the decisions about lights in mirrors, beyond all bounces that paths take. They came
-    /// later, and leave the others where they were.
+    /// The first decision about lights in mirrors, beyond those of all bounces.
     const FIRST_OF_MIRRORS: u32 = 5 << 28;
 
-    /// A mirror in which to look for a light.
+    /// A mirror in which a light is sampled.
     pub(super) fn mirror(bounce: u32) -> Self {
         Self(Self::FIRST_OF_MIRRORS + 2 * bounce)
     }
@@ -44,7 +42,7 @@ impl Decision {
         Self(Self::FIRST_OF_MIRRORS + 1 + 2 * bounce)
     }
 
-    /// The dimension of its first number; the others follow.
+    /// Its first dimension; the others follow.
     pub(super) fn dimension(self) -> u32 {
         Self::WIDTH * self.0
     }

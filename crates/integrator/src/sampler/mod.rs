@@ -11,23 +11,23 @@ use decision::Decision;
 use sobol::{SobolPoint, SobolPoints};
 use std::ops::Range;
 
-/// Where random numbers come from. A picture's mean is right with either; the error differs.
+/// The source of random numbers. It changes the error of a picture, not its mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Sampler {
-    /// Independent numbers, a hash of their address: the error falls as the square root of the
-    /// number of samples, and their spread tells it.
+    /// Independent numbers, hashes of their address. The error falls with the square root of the number of
+    /// samples, and is estimated from their variance.
     Independent,
-    /// Sobol' points under Owen's scrambling, stratified over each pass of a pixel. Passes are
-    /// independent replicates, and their spread tells the error.
+    /// Sobol' points with Owen scrambling, stratified over each pass of a pixel. Passes are independent
+    /// replicates; the error is estimated from their variance.
     #[default]
     Sobol,
 }
 
 /// The random numbers of one sample of one pixel.
 ///
-/// One address always gives the same number, so any sample can be computed alone. Numbers are handed
-/// out by what they decide, so no two decisions of a path get the same ones.
+/// A number depends on its address only, so any sample can be computed alone. Each decision of a path has
+/// an address of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Numbers {
     Independent(Stream),
@@ -52,22 +52,22 @@ impl Sampler {
     }
 }
 
-/// What is decided at one bounce by random numbers, each uniform in `[0, 1)`.
+/// The random numbers of one bounce, each uniform in `[0, 1)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BounceNumbers {
-    /// A light.
+    /// Chooses a light.
     pub(crate) light: f64,
-    /// A point on it.
+    /// Chooses a point on it.
     pub(crate) point: [f64; 2],
-    /// The direction in which the path goes on.
+    /// Samples the scattered direction.
     pub(crate) scatter: [f64; 2],
-    /// Whether it goes on, if that is a question.
+    /// Russian roulette, if it has begun.
     pub(crate) roulette: Option<f64>,
 }
 
 impl BounceNumbers {
-    /// Those of `N` samples at a bounce, with a number for roulette if `roulette`. Sobol' points of passes of
-    /// one length are computed side by side.
+    /// The numbers of `N` samples at a bounce, with one for roulette if `roulette`. Sobol' points of passes of
+    /// one length are vectorised.
     #[inline(always)]
     pub(crate) fn draw<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
         match Numbers::as_points(samples) {
@@ -93,7 +93,7 @@ impl BounceNumbers {
         all
     }
 
-    /// Not inlined: it is the way of few, and would be compiled for each instruction set.
+    /// Rarely used, and so not inlined into each instruction set's code.
     #[inline(never)]
     fn one_by_one<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
         samples.map(|numbers| {
@@ -105,7 +105,7 @@ impl BounceNumbers {
 }
 
 impl Numbers {
-    /// For the places of `N` samples in their pixels: uniform in the unit square.
+    /// The film numbers of `N` samples: uniform in the unit square.
     #[inline(always)]
     pub(crate) fn films<const N: usize>(samples: &[Self; N]) -> [[f64; 2]; N] {
         let Some(points) = Self::as_points(samples) else { return samples.map(|numbers| numbers.film()) };
@@ -116,7 +116,7 @@ impl Numbers {
         )
     }
 
-    /// For the place in the pixel: uniform in the unit square.
+    /// For the position in the pixel: uniform in the unit square.
     #[inline(never)]
     fn film(&self) -> [f64; 2] {
         self.pair(Decision::FILM)
@@ -128,19 +128,19 @@ impl Numbers {
         self.triple(Decision::light(bounce))
     }
 
-    /// For the direction in which a path goes on: uniform in the unit square.
+    /// For the scattered direction: uniform in the unit square.
     #[inline]
     fn scatter(&self, bounce: u32) -> [f64; 2] {
         self.pair(Decision::scatter(bounce))
     }
 
-    /// For whether a path goes on: uniform in `[0, 1)`.
+    /// For Russian roulette: uniform in `[0, 1)`.
     #[inline]
     fn roulette(&self, bounce: u32) -> f64 {
         self.single(Decision::roulette(bounce))
     }
 
-    /// All as points of Sobol's sequence; `None` if one is not, or their passes differ in length.
+    /// As Sobol' points; `None` if a sample is independent or passes differ in length.
     #[inline(always)]
     fn as_points<const N: usize>(samples: &[Self; N]) -> Option<SobolPoints<N>> {
         let Self::Sobol(first) = samples[0] else { return None };
@@ -152,7 +152,7 @@ impl Numbers {
         SobolPoints::new(&points)
     }
 
-    /// For the choice of a mirror in which to look for a light: uniform in `[0, 1)`.
+    /// For the choice of a mirror: uniform in `[0, 1)`.
     #[inline]
     pub(crate) fn mirror(&self, bounce: u32) -> f64 {
         self.single(Decision::mirror(bounce))

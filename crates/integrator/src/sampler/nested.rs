@@ -1,13 +1,10 @@
 use crate::hash::nth;
 
-/// A random permutation of the numbers of some binary digits that keeps together what shares its
-/// leading digits: each digit is flipped, or not, by a coin that depends on all digits before it
-/// (Owen, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences", 1995).
+/// `N` nested random permutations of binary numbers: each digit is flipped by a random bit that depends on
+/// all digits before it (Owen, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences", 1995).
 ///
-/// The coins are the nodes of a binary tree, numbered as in a heap and kept 64 to a hash, so that
-/// the scrambling is Owen's itself and not an approximation, at one hash for up to six digits.
-///
-/// There are `N` of them, applied side by side: the compiler makes vectors of it.
+/// The random bits belong to the nodes of a binary tree in heap order, 64 to a hash. This is exact Owen
+/// scrambling at one hash for up to six digits. The loops over `N` are vectorised by the compiler.
 #[derive(Clone, Copy)]
 pub(super) struct NestedPermutations<const N: usize> {
     keys: [u64; N],
@@ -15,13 +12,13 @@ pub(super) struct NestedPermutations<const N: usize> {
 }
 
 impl<const N: usize> NestedPermutations<N> {
-    /// For each key one of its permutations, told apart by `purpose`.
+    /// A permutation for each key; keys have independent permutations for each `purpose`.
     #[inline(always)]
     pub(super) fn new(keys: [u64; N], purpose: u64) -> Self {
         Self { keys, purpose: purpose << 40 }
     }
 
-    /// The numbers that `x`, of so many `digits` (at most 31), become.
+    /// The images of `x`, numbers of `digits` binary digits (at most 31).
     #[inline(always)]
     pub(super) fn apply(&self, x: [u64; N], digits: u32) -> [u64; N] {
         let coins = self.hashes([0; N]);
@@ -47,7 +44,7 @@ impl<const N: usize> NestedPermutations<N> {
         flips
     }
 
-    /// 64 random bits each that belong to the numbers that `x` have become.
+    /// 64 random bits for each image `x`.
     #[inline(always)]
     pub(super) fn below(&self, x: [u64; N]) -> [u64; N] {
         self.hashes(x.map(|x| x + (1 << 32)))
@@ -62,7 +59,7 @@ impl<const N: usize> NestedPermutations<N> {
     }
 }
 
-/// The node of a digit of `x` is a one and the digits before it.
+/// The heap index of a digit's node: a one followed by the digits before it.
 #[inline(always)]
 fn node(x: u64, digits: u32, level: u32) -> u64 {
     (1 << digits | x) >> (digits - level)

@@ -1,17 +1,15 @@
 use super::nested::NestedPermutations;
 use crate::hash::{fold, nth, unit};
 
-/// One point of a replicate, which has `2^digits` points for each decision of a path, stratified
-/// in all dimensions of the decision together and randomised as a whole.
+/// A point of a replicate, which has `2^digits` points for each decision of a path, stratified in all
+/// dimensions of the decision.
 ///
-/// For each decision the first dimensions of Sobol's sequence (1967) are taken, scrambled as Owen
-/// does (1995) and visited in an order of its own, so that decisions are independent of each
-/// other: padding, after Kollig and Keller (2002) and Burley (2020). Padding needs no table, has
-/// no dimension in which the sequence is poor, and serves paths of any length. What it gives up is
-/// stratification across decisions.
+/// Each decision uses the first dimensions of Sobol's sequence (1967) with a scrambling (Owen 1995) and an
+/// order of its own (padding, Kollig and Keller 2002, Burley 2020). Padding needs no table and serves paths of
+/// any length, but does not stratify across decisions.
 ///
-/// Each point is uniform in the unit square, so a mean over a replicate is unbiased; the points
-/// of one replicate depend on each other, and replicates do not.
+/// Each point is uniform in the unit cube, so the mean over a replicate is unbiased. Points of one replicate
+/// are dependent, replicates are independent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SobolPoint {
     /// Hashed from seed, pixel and replicate.
@@ -20,8 +18,7 @@ pub(crate) struct SobolPoint {
     digits: u32,
 }
 
-/// The randomisations of one dimension's points, each a sequence of hashes of its own: two for their order,
-/// and one for each axis.
+/// Purposes of permutations: two for the order of the points, and one for each [`Axis`].
 const MIXING: u64 = 0;
 const ORDER: u64 = 1;
 
@@ -48,13 +45,13 @@ impl Axis {
 }
 
 impl SobolPoint {
-    /// The most digits: `2^16` points in a replicate.
+    /// The largest number of digits: `2^16` points in a replicate.
     pub(crate) const MAX_DIGITS: u32 = 16;
 
     /// Point `index` of the `2^digits` of replicate `replicate`, for a pixel and a seed.
     pub(crate) fn new(seed: u64, pixel: u64, replicate: u32, index: u32, digits: u32) -> Self {
         debug_assert!(digits <= Self::MAX_DIGITS && index >> digits == 0);
-        // The salt keeps these keys apart from those of `Stream`.
+        // The salt makes these keys differ from those of `Stream`.
         let parts = [seed, pixel, u64::from(replicate), u64::from(digits), SALT];
         Self { key: parts.into_iter().fold(0, fold), index, digits }
     }
@@ -78,7 +75,7 @@ impl SobolPoint {
     }
 }
 
-/// Points of as many digits, computed side by side: the compiler makes vectors of it.
+/// Points with the same number of digits, computed in loops that the compiler vectorises.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SobolPoints<const N: usize> {
     keys: [u64; N],
@@ -87,14 +84,14 @@ pub(super) struct SobolPoints<const N: usize> {
 }
 
 impl<const N: usize> SobolPoints<N> {
-    /// `None` unless all have as many digits.
+    /// `None` unless all have the same number of digits.
     #[inline(always)]
     pub(super) fn new(points: &[SobolPoint; N]) -> Option<Self> {
         let this = Self::from(points);
         points.iter().all(|point| point.digits == this.digits).then_some(this)
     }
 
-    /// All as if they had as many digits as the first.
+    /// Takes the number of digits from the first point.
     #[inline(always)]
     fn from(points: &[SobolPoint; N]) -> Self {
         let (keys, indices) = (points.map(|p| p.key), points.map(|p| u64::from(p.index)));
@@ -116,13 +113,11 @@ impl<const N: usize> SobolPoints<N> {
         all
     }
 
-    /// The keys of a dimension, and where in the sequence the points are: a random permutation of the
-    /// replicate.
+    /// The keys of a dimension, and the indices of the points in the sequence, randomly permuted.
     ///
-    /// A single nested permutation, as in Burley (2020), would not do: two samples whose indices
-    /// differ in the last digit would fall into opposite halves in every dimension at once, so that
-    /// the integral of a product of two dimensions had nearly twice the variance. One that keeps
-    /// together what shares its last digits comes first.
+    /// With a single nested permutation, as in Burley (2020), two samples whose indices differ in the last
+    /// digit fall into opposite halves in every dimension, and the integral of a product of two dimensions
+    /// has nearly twice the variance. A permutation nested by last digits prevents this.
     #[inline(always)]
     fn places(&self, dimension: u32) -> ([u64; N], [u64; N]) {
         let (mut keys, mut places) = (self.keys, self.indices);
@@ -137,8 +132,8 @@ impl<const N: usize> SobolPoints<N> {
         (keys, NestedPermutations::new(keys, ORDER).apply(places, self.digits))
     }
 
-    /// Owen's scrambling of numbers given by their first digits. No other point of the replicate
-    /// shares them all, so the digits after them are simply random.
+    /// Owen scrambling of numbers given by their first digits. These differ for all points of the replicate,
+    /// so the digits after them are independent.
     #[inline(always)]
     fn scrambled(&self, keys: [u64; N], axis: Axis, digits: [u64; N]) -> [f64; N] {
         let permutations = NestedPermutations::new(keys, axis as u64);
@@ -154,8 +149,8 @@ impl<const N: usize> SobolPoints<N> {
 
 const SALT: u64 = 0x736f_626f_6c27;
 
-/// The last `digits` binary digits in reverse order: the first Sobol' dimension's first digits, the
-/// radical inverse of van der Corput.
+/// The last `digits` binary digits in reverse order: the first Sobol' dimension, van der Corput's radical
+/// inverse.
 #[inline(always)]
 fn reversed(index: u64, digits: u32) -> u64 {
     index.reverse_bits() >> (63 - digits) >> 1

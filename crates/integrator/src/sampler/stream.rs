@@ -1,11 +1,10 @@
 use crate::hash::{fold, nth, unit};
 
-/// The independent random numbers of one sample of one pixel, each addressed by its dimension.
+/// The independent random numbers of one sample of one pixel, addressed by dimension.
 ///
-/// Counter-based: a number depends on (seed, pixel, sample, dimension) and on nothing that was
-/// drawn before, so any sample can be computed alone, by any thread, in any order. The key is
-/// hashed from seed, pixel and sample; dimensions then follow the sequence of SplitMix64 (Steele,
-/// Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
+/// Counter-based: a number depends on seed, pixel, sample and dimension only, so samples can be computed in
+/// any order. The key is a hash of seed, pixel and sample; dimensions follow the sequence of SplitMix64
+/// (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stream {
     key: u64,

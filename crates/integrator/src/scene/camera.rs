@@ -39,28 +39,28 @@ impl Camera {
         let parallel = RenderError::Camera("up must be finite and not parallel to the view");
         let up = up.try_normalize().ok_or(parallel.clone())?;
         let right = forward.cross(up);
-        // A smaller product than this may be nothing but rounding.
+        // Within rounding of parallel.
         if right.length() < 8.0 * f64::EPSILON {
             return Err(parallel);
         }
         let right = right.normalize();
-        // Not the platform's tangent: the same picture on every machine.
+        // libm gives the same bits on every platform.
         let half_height = libm::tan(0.5 * fov_y);
         Ok(Self { eye, forward, right: right * half_height, up: right.cross(forward) * half_height })
     }
 
-    /// Where all its rays start.
+    /// The origin of all rays.
     pub(crate) fn eye(&self) -> DVec3 {
         self.eye
     }
 
-    /// All that the camera is made of.
+    /// The vectors that determine the camera.
     pub(crate) fn vectors(&self) -> [DVec3; 4] {
         [self.eye, self.forward, self.right, self.up]
     }
 
-    /// The ray through the film at `x`, `y`, which run from -1 to 1 rightward and upward over a
-    /// picture `aspect` times as wide as high. The direction is not a unit vector.
+    /// The ray through the film at `x`, `y`, which run from -1 to 1 rightward and upward; `aspect` is the
+    /// picture's width over its height. The direction is not a unit vector.
     pub fn ray(&self, x: f64, y: f64, aspect: f64) -> Ray {
         Ray::new(self.eye, self.forward + (x * aspect) * self.right + y * self.up)
     }

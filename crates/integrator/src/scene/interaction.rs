@@ -2,17 +2,17 @@ use glam::DVec3;
 use globillum_geom::SurfacePoint;
 use globillum_material::{Material, Rgb};
 
-/// A hit, looked up: where it is and what is there.
+/// The point and the material of a hit.
 ///
-/// How far it is from the ray's origin, [`Hit::t`](globillum_geom::Hit::t) tells, in multiples of the ray's direction.
+/// [`Hit::t`](globillum_geom::Hit::t) has its depth, in multiples of the ray's direction.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Interaction<'a> {
     /// The point on the triangle.
     pub point: SurfacePoint,
-    /// What the triangle is made of.
+    /// The triangle's material.
     pub material: &'a Material,
-    /// Unit direction, in the world, back along the ray.
+    /// Unit direction back along the ray, world frame.
     pub wo: DVec3,
 }
 

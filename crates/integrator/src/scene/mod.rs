@@ -1,4 +1,4 @@
-//! What is rendered: the model, the scene built from it, and the camera.
+//! The model, the scene built from it, and the camera.
 
 mod camera;
 mod interaction;
@@ -15,8 +15,7 @@ use globillum_geom::{Accel, GeomError, Hit, Ray, Triangles};
 use globillum_material::{Bsdf, Emission, Material, Rgb, Sides};
 use std::sync::OnceLock;
 
-/// A scene ready for rendering: triangles, their materials, the lights among them, and the
-/// accelerator that finds them.
+/// A scene ready for rendering: triangles with materials, an accelerator over them, and lights.
 #[derive(Debug)]
 pub struct Scene<A> {
     accel: A,
@@ -29,12 +28,12 @@ pub struct Scene<A> {
 }
 
 impl<A> Scene<A> {
-    /// What triangle `index` is made of.
+    /// The material of triangle `index`.
     pub(crate) fn material(&self, index: u32) -> &Material {
         &self.materials[self.material_ids[index as usize] as usize]
     }
 
-    /// The checked triangles.
+    /// The triangles, in the order of the model.
     pub fn triangles(&self) -> &Triangles {
         &self.triangles
     }
@@ -44,22 +43,22 @@ impl<A> Scene<A> {
         &self.lights
     }
 
-    /// Chooses points on the lights by `sampling` where `from` is shaded.
+    /// Samples points on lights, distributed as `sampling` says, for the shading point `from`.
     pub fn light_sampler(&self, sampling: LightSampling, from: DVec3) -> LightSampler<'_> {
         LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, from }
     }
 
-    /// The radiance that arrives from outside.
+    /// The constant radiance of the environment.
     pub fn environment(&self) -> Rgb {
         self.environment
     }
 }
 
 impl<A: Accel> Scene<A> {
-    /// Checks the model's triangles and hands them to `build` for an accelerator.
+    /// Checks the model's triangles and calls `build` for their accelerator. Traces no ray.
     ///
     /// # Errors
-    /// [`RenderError::Geometry`] for bad triangles, or what `build` returns.
+    /// [`RenderError::Geometry`] for invalid triangles and for an error of `build`.
     pub fn build(
         model: Model,
         build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
@@ -80,8 +79,7 @@ impl<A: Accel> Scene<A> {
         })
     }
 
-    /// The same scene within an environment of constant `radiance`, which is what a ray that
-    /// leaves the scene sees.
+    /// The same scene within an environment of constant `radiance`.
     ///
     /// # Errors
     /// [`RenderError::Material`] for a component that is negative, not finite or too large.
@@ -106,10 +104,10 @@ impl<A: Accel> Scene<A> {
         &self.accel
     }
 
-    /// Looks up what `ray` met at `hit`, a hit of this scene's accelerator.
+    /// The point and the material where `ray` has `hit`, a hit of this scene's accelerator.
     ///
     /// # Panics
-    /// If `hit` names a triangle that this scene does not have.
+    /// If the triangle of `hit` is not in this scene.
     #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction<'_> {
         Interaction {
@@ -120,7 +118,7 @@ impl<A: Accel> Scene<A> {
     }
 }
 
-/// `v` as a unit vector, at any scale at which rays are traced.
+/// `v` as a unit vector; its squared length may overflow or underflow.
 #[inline(always)]
 fn unit(v: DVec3) -> DVec3 {
     let v = v / v.abs().max_element();

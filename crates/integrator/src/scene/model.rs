@@ -4,7 +4,8 @@ use globillum_geom::{Aabb, Triangle};
 use globillum_material::Material;
 use std::collections::TryReserveError;
 
-/// What a scene is made of, before anything is checked or built: triangles, each with a material.
+/// Triangles with materials, from which [`Scene::build`](crate::Scene::build) makes a scene. Nothing is
+/// checked yet.
 ///
 /// ```
 /// use glam::Vec3;
@@ -12,10 +13,10 @@ use std::collections::TryReserveError;
 /// use globillum_integrator::Model;
 /// use globillum_material::{Material, Rgb};
 ///
-/// let mut model = Model::default(); // or the one that a file was loaded as
+/// let mut model = Model::default();
 /// let floor = [Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)];
 /// model.add(Material::lambert(Rgb::splat(0.5))?, floor);
-/// // Seen from below its vertices run counter-clockwise: it shines downward.
+/// // Emits downward, where its vertices run counter-clockwise.
 /// let light = [Triangle::new(Vec3::Y, Vec3::Y + Vec3::X, Vec3::Y + Vec3::Z)];
 /// model.add(Material::light(Rgb::splat(10.0))?, light);
 /// assert!(model.triangles()[0].normal().y > 0.0 && model.triangles()[1].normal().y < 0.0);
@@ -29,62 +30,62 @@ pub struct Model {
     pub(super) materials: Vec<Material>,
 }
 
-/// A material of a [`Model`], as [`Model::add_material`] hands it out.
+/// A material of a [`Model`], returned by [`Model::add_material`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaterialId(u32);
 
 impl Model {
-    /// Adds `triangles`, all of `material`, after those already there.
+    /// Appends `triangles` of one `material`.
     pub fn add(&mut self, material: Material, triangles: impl IntoIterator<Item = Triangle>) {
         let MaterialId(id) = self.add_material(material);
         self.triangles.extend(triangles);
         self.material_ids.resize(self.triangles.len(), id);
     }
 
-    /// Adds a material that triangles may be given later, and many times, by [`Model::push`].
+    /// Adds a material for use in [`Model::push`].
     pub fn add_material(&mut self, material: Material) -> MaterialId {
         self.materials.push(material);
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// Makes all triangles of that material of another one.
+    /// Replaces the material; every triangle that uses `id` follows.
     ///
     /// # Panics
-    /// If `id` is another model's, and this one has not that many.
+    /// If `id` belongs to another model and is out of range here.
     pub fn set_material(&mut self, id: MaterialId, material: Material) {
         self.materials[id.0 as usize] = material;
     }
 
-    /// Adds a triangle of a material that is already there.
+    /// Appends a triangle of a material of this model.
     ///
     /// # Panics
-    /// If `material` is another model's, and this one has not that many.
+    /// If `material` belongs to another model and is out of range here.
     pub fn push(&mut self, material: MaterialId, triangle: Triangle) {
         assert!((material.0 as usize) < self.materials.len(), "a material of another model");
         self.triangles.push(triangle);
         self.material_ids.push(material.0);
     }
 
-    /// Makes room for so many triangles more.
+    /// Reserves memory for `additional` more triangles.
     ///
     /// # Errors
-    /// If there is not that much memory.
+    /// If the memory cannot be allocated.
     pub fn try_reserve(&mut self, additional: usize) -> Result<(), TryReserveError> {
         self.triangles.try_reserve(additional)?;
         self.material_ids.try_reserve(additional)
     }
 
-    /// All triangles, in the order in which they were added: their index is a hit's index.
+    /// All triangles in the order in which they were added; a hit names them by this index.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
 
-    /// For each triangle, the position of its material in [`Model::materials`].
+    /// For each triangle, the index of its material in [`Model::materials`].
     pub fn material_ids(&self) -> &[u32] {
         &self.material_ids
     }
 
-    /// All materials, in the order in which they were added.
+    /// All materials in the order in which they were added.
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
@@ -92,23 +93,21 @@ impl Model {
     /// The material of triangle `index`.
     ///
     /// # Panics
-    /// If there are not that many triangles.
+    /// If `index` is not below the number of triangles.
     pub fn material(&self, index: usize) -> &Material {
         &self.materials[self.material_ids[index] as usize]
     }
 
-    /// The smallest box around all vertices; [`Aabb::EMPTY`] if there are none. Coordinates that are NaN are
-    /// left out.
+    /// The bounds of all vertices, [`Aabb::EMPTY`] if there are none. NaN coordinates are ignored.
     pub fn bounds(&self) -> Aabb {
         Aabb::around(self.triangles.iter().flat_map(|triangle| triangle.vertices))
     }
 
-    /// Moves, turns, scales or mirrors all triangles. Points are computed in `f64` and rounded once to
-    /// `f32`.
+    /// Transforms all triangles. Points are computed in `f64` and rounded once to `f32`.
     ///
-    /// Fronts stay where they were ([`Triangle::transformed`]): a mirrored light shines from the same side of
-    /// its surface. A transform that flattens makes degenerate triangles, which are never hit. Emitted
-    /// radiance is not scaled, so a light of twice the size has four times the power.
+    /// A mirroring transform keeps fronts ([`Triangle::transformed`]): a mirrored light emits from the same side
+    /// of its surface. A singular transform makes degenerate triangles, which are never hit. Emitted radiance
+    /// is not scaled, so a light of twice the size has four times the power.
     ///
     /// ```
     /// use glam::{DAffine3, DVec3, Vec3};
@@ -119,7 +118,7 @@ impl Model {
     /// let mut model = Model::default();
     /// let triangle = Triangle::new(Vec3::ZERO, Vec3::X * 8.0, Vec3::Y * 4.0);
     /// model.add(Material::lambert(Rgb::splat(0.5))?, [triangle]);
-    /// // To a box of side 1 around the origin, whatever its units were.
+    /// // Fit into a box of side 1 around the origin.
     /// let bounds = model.bounds();
     /// let center = 0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3());
     /// let scale = 1.0 / bounds.extent().max_element();
@@ -129,8 +128,8 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`RenderError::Geometry`] for the first triangle with a coordinate that is then not finite or beyond
-    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE). The model is then as it was.
+    /// [`RenderError::Geometry`] for the first triangle whose transformed coordinates are not finite or exceed
+    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE). The model is then unchanged.
     pub fn transform(&mut self, transform: &DAffine3) -> Result<(), RenderError> {
         let moved = |(index, triangle): (usize, &Triangle)| {
             let moved = Triangle::transformed(triangle.vertices.map(|v| v.as_dvec3()), transform);
@@ -140,7 +139,7 @@ impl Model {
         Ok(())
     }
 
-    /// Adds all of `other` after what is already there.
+    /// Appends the triangles and materials of `other`.
     pub fn append(&mut self, other: &Model) {
         let offset = self.materials.len() as u32;
         self.triangles.extend(&other.triangles);

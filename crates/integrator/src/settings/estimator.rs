@@ -1,32 +1,31 @@
 use globillum_geom::PdfSolidAngle;
 use globillum_material::Density;
 
-/// How light is found. All three are unbiased, so each checks the others.
+/// The technique that finds emission. All three are unbiased.
 ///
-/// A constant environment and what the camera sees in a mirror are found by scattering alone, in all
-/// three. So is light that a mirror throws on a diffuse surface, unless that mirror is plane
-/// ([`MirrorSampling`](crate::MirrorSampling)).
+/// Scattering alone finds a constant environment, what the camera sees in a mirror, and caustics, except
+/// those of plane mirrors ([`MirrorSampling`](crate::MirrorSampling)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Estimator {
-    /// By scattering: paths that happen to meet a light. Good for large lights.
+    /// BSDF sampling only: paths that hit a light. Low variance for large lights.
     Bsdf,
-    /// By next event: a point on a light is chosen at every diffuse surface, and another one as a plane
-    /// mirror shows it. Good for small lights, bad very near to large ones.
+    /// Next event estimation only: a point on a light is sampled at every diffuse vertex, and another one
+    /// by way of a plane mirror. Low variance for small lights, high very near to large ones.
     Light,
-    /// Both, weighted by the balance heuristic (Veach and Guibas 1995).
+    /// Multiple importance sampling: both, weighted by the balance heuristic (Veach and Guibas 1995).
     #[default]
     Mis,
 }
 
 impl Estimator {
-    /// Whether points on lights are chosen.
+    /// Whether lights are sampled.
     pub(crate) fn samples_lights(self) -> bool {
         self != Self::Bsdf
     }
 
-    /// The share of emission met by a direction of density `scattered`, where choosing a point
-    /// on a light would have found it with the density that `light` tells.
+    /// The weight of emission hit by a direction of density `scattered`, which light sampling would have
+    /// sampled with density `light`.
     #[inline(always)]
     pub(crate) fn weight_of_emission(self, scattered: Density, light: impl FnOnce() -> PdfSolidAngle) -> f64 {
         match (self, scattered) {
@@ -36,8 +35,8 @@ impl Estimator {
         }
     }
 
-    /// The share of a light's point chosen with density `light`, where scattering would have
-    /// found it with density `scattered`.
+    /// The weight of a light sample of density `light`, which scattering would have sampled with density
+    /// `scattered`.
     #[inline(always)]
     pub(crate) fn weight_of_light(self, light: PdfSolidAngle, scattered: PdfSolidAngle) -> f64 {
         match self {

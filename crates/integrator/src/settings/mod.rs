@@ -9,10 +9,10 @@ pub use pixel_filter::PixelFilter;
 use crate::{LightSampling, RenderError, Sampler};
 use std::ops::Range;
 
-/// How a picture is rendered. Together with scene and camera it decides the picture's bits,
-/// `threads` excepted.
+/// How a picture is rendered. With scene and camera it determines the picture's bits, except for
+/// `threads`.
 ///
-/// New settings may come, so they are made by [`Settings::new`] and then changed:
+/// Made by [`Settings::new`] and then changed, since fields may be added:
 ///
 /// ```
 /// use globillum_integrator::{Sampler, Settings};
@@ -30,10 +30,10 @@ pub struct Settings {
     pub width: u32,
     /// Height in pixels, at least 1. At most [`Settings::MAX_PIXELS`] in all.
     pub height: u32,
-    /// Samples for each pixel, at least 1, unless something ends the render before.
+    /// Samples per pixel, at least 1, unless the render is stopped before.
     pub samples: u32,
-    /// Samples of each pixel in one pass, a power of two up to `2^16`. A picture is made of whole
-    /// passes, but for the last, which takes what is left of `samples`.
+    /// Samples per pixel in one pass, a power of two up to `2^16`. The last pass takes what is left of
+    /// `samples`.
     ///
     /// With [`Sampler::Sobol`] a pass is also what is stratified together: longer passes make a
     /// smooth picture better and its error, which rests on their number, less certain.
@@ -44,57 +44,56 @@ pub struct Settings {
     pub filter: PixelFilter,
     /// Which random numbers are used.
     pub seed: u64,
-    /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for as many as the machine offers.
+    /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for one per processor.
     pub threads: usize,
-    /// Most bounces of a path: 0 is emitted light only, 1 adds direct light. A limit biases the
-    /// picture: light of more bounces is missing. `None` leaves the end to [`Roulette`] alone. At
-    /// most [`Settings::MAX_BOUNCES`].
+    /// The largest number of bounces of a path, at most [`Settings::MAX_BOUNCES`]: 0 is emission only, 1 adds
+    /// direct light. A limit biases the picture, since light of more bounces is missing. With `None`,
+    /// [`Roulette`] alone ends paths.
     pub max_bounces: Option<u32>,
-    /// How light is found.
+    /// The technique that finds emission.
     pub estimator: Estimator,
-    /// How points on lights are chosen.
+    /// The distribution of light samples on a triangle.
     pub light_sampling: LightSampling,
-    /// Whether lights are looked for in plane mirrors.
+    /// Whether lights are sampled in plane mirrors.
     pub mirror_sampling: MirrorSampling,
-    /// Whether neighbouring pixels share what their paths find.
+    /// Whether pixels reuse the paths of their neighbours.
     pub path_reuse: PathReuse,
-    /// When paths may be ended at random, and how likely.
+    /// Russian roulette.
     pub roulette: Roulette,
 }
 
-/// Whether neighbouring pixels share what their paths find. The mean is right with either; the variance,
-/// and what it says of pixels together, differ.
+/// Whether pixels reuse the paths of their neighbours. This changes the variance and the correlation of
+/// pixels, not the mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PathReuse {
-    /// No: each pixel rests on its own paths, and pixels are independent.
+    /// Pixels are independent.
     Off = 0,
-    /// In each pass every pixel is in a group with three others of its block of 4 x 4, and another group in
-    /// the next. Where paths of a group go on from a second diffuse surface, what they find there is dealt
-    /// out among all four by the balance heuristic (Bekaert, Sbert and Halton 2002), at three shadow rays a
-    /// sample: a pixel then rests on four times as many paths.
+    /// Groups of four pixels within a block of 4 x 4 share the suffixes of their paths, weighted by the
+    /// balance heuristic (Bekaert, Sbert and Halton 2002), for three more shadow rays per sample. A suffix
+    /// begins at the vertex after the first diffuse one, if it is diffuse too. The groups change with each pass.
     ///
-    /// The errors of a group are alike: a mean over many pixels is no better for it, and its variance
-    /// is up to four times what it would be if the pixels were independent.
+    /// The errors of a group are correlated: the variance of a mean over many pixels does not fall, and is
+    /// up to four times that computed as if they were independent.
     ///
-    /// Paths that roulette might have refused before ([`Roulette::start`]) are not shared.
+    /// A prefix that Russian roulette could have ended ([`Roulette::start`]) is not shared.
     #[default]
     Fours = 1,
 }
 
 impl PathReuse {
-    /// That of a [`code`](PathReuse::code).
+    /// The inverse of [`code`](PathReuse::code).
     pub(crate) fn of_code(code: u32) -> Option<Self> {
         [Self::Off, Self::Fours].into_iter().find(|kind| kind.code() == code)
     }
 
-    /// A number for it that stays.
+    /// A number that is the same in all versions.
     pub(crate) fn code(self) -> u32 {
         self as u32
     }
 
-    /// How many pixels of a pass have errors that depend on each other. By so much at most the
-    /// variance of a sum over pixels can exceed the sum of their variances (Cauchy and Schwarz).
+    /// The number of pixels of a pass with correlated errors. The variance of a sum over pixels is at most
+    /// this many times the sum of their variances (Cauchy-Schwarz inequality).
     pub fn dependent_pixels(self) -> u32 {
         match self {
             Self::Off => 1,
@@ -103,42 +102,37 @@ impl PathReuse {
     }
 }
 
-/// Whether next events look for lights in plane mirrors, which throw light on what they face (a
-/// caustic). The mean is right with either; the variance differs.
+/// Whether next event estimation samples lights in plane mirrors, whose caustics it then finds. This changes
+/// the variance, not the mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MirrorSampling {
-    /// No: light by way of any mirror is found by scattering alone.
+    /// Scattering alone finds light by way of mirrors.
     Off,
-    /// In ideal mirrors whose triangles lie in at most 64 planes; curved ones are left to scattering.
-    ///
-    /// A plane counts if it has at least a 64th of the area of all mirrors together, not counting
-    /// triangles of less than a 256th. Light that met two mirrors on its way from a light is found by
-    /// scattering alone. A scene without such mirrors costs nothing.
+    /// In the planes of ideal mirrors that have at least a 64th of the area of all mirrors, not counting
+    /// triangles of less than a 256th. Scattering alone finds light by way of other mirrors or of more than
+    /// one. A scene without such planes costs nothing.
     #[default]
     Planes,
 }
 
-/// Russian roulette: ends a path at random, and scales up what survives so that nothing is lost
-/// on average (Arvo and Kirk 1990).
+/// Russian roulette: ends paths at random and divides the throughput of the others by their probability
+/// of surviving, which keeps the mean (Arvo and Kirk 1990).
 ///
-/// A path whose throughput's largest component is `t` survives with the probability
-/// `p = min(t / threshold, MAX_SURVIVE_PROB)`, and its throughput is divided by `p`: what had fallen below
-/// the threshold is brought back to it, what is brighter is hardly touched.
+/// A path survives with probability `min(t / threshold, MAX_SURVIVE_PROB)`, where `t` is the largest
+/// component of its throughput.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Roulette {
-    /// How many bounces come before the first one that may be refused. Without a limit on
-    /// bounces, at most [`Settings::MAX_BOUNCES`].
+    /// The number of bounces before roulette begins. Without a limit on bounces, at most
+    /// [`Settings::MAX_BOUNCES`].
     pub start: u32,
-    /// The throughput to which survivors are brought back, in `[2^-20, 1]`. A lower one leaves less noise,
-    /// and costs more bounces.
+    /// The throughput of survivors, in `[2^-20, 1]`. A lower one gives less variance and longer paths.
     pub threshold: f64,
 }
 
 impl Roulette {
-    /// The largest probability with which a path goes on: even between perfect mirrors a path
-    /// ends.
+    /// The largest probability of surviving, so that paths between perfect mirrors end too.
     pub const MAX_SURVIVE_PROB: f64 = 0.95;
 
     /// The smallest threshold: `2^-20`.
@@ -150,12 +144,12 @@ impl Settings {
     pub const MAX_PIXELS: u64 = 1 << 27;
     /// The most worker threads.
     pub const MAX_THREADS: usize = 1024;
-    /// The most bounces that a path can be made to take: `2^20`.
+    /// The largest number of bounces that can be asked for: `2^20`.
     pub const MAX_BOUNCES: u32 = 1 << 20;
 
-    /// `width` x `height` pixels of `samples` samples each, Sobol' points in passes of 16; box
-    /// filter, seed 0, all threads, no limit on bounces, multiple importance sampling, lights looked
-    /// for in plane mirrors, paths shared by four pixels, roulette from the third bounce on at a threshold of 0.35.
+    /// `width` x `height` pixels of `samples` samples each, with these defaults: Sobol' sampler in passes of
+    /// 16, box filter, seed 0, all threads, no limit on bounces, multiple importance sampling, mirror
+    /// sampling, path reuse, roulette from the third bounce at a threshold of 0.35.
     pub fn new(width: u32, height: u32, samples: u32) -> Self {
         Self {
             width,
@@ -175,32 +169,31 @@ impl Settings {
         }
     }
 
-    /// How many passes make up all samples.
+    /// The number of passes for all samples.
     pub fn passes(&self) -> u32 {
         self.samples.div_ceil(self.pass_samples)
     }
 
-    /// The samples that `passes` take of each pixel, as a range of their indices.
+    /// The indices of the samples of each pixel in `passes`.
     pub(crate) fn samples_of(&self, passes: Range<u32>) -> Range<u32> {
         let first = |pass: u32| u64::from(pass) * u64::from(self.pass_samples);
         let [start, end] = [passes.start, passes.end].map(|pass| first(pass).min(self.samples.into()) as u32);
         start..end
     }
 
-    /// The samples of the pass to which `sample` belongs.
+    /// The samples of the pass that `sample` belongs to.
     pub(crate) fn pass_of(&self, sample: u32) -> Range<u32> {
         let pass = sample / self.pass_samples;
         self.samples_of(pass..pass + 1)
     }
 
-    /// What [`Settings::path_reuse`] comes to: nothing is shared of light of less than two bounces, nor if
-    /// roulette may refuse any path.
+    /// [`Settings::path_reuse`], but `Off` if paths have no second bounce or roulette begins at the first.
     pub(crate) fn path_reuse_in_effect(&self) -> PathReuse {
         let shared = self.max_bounces.is_none_or(|max| max >= 2) && self.roulette.start > 0;
         if shared { self.path_reuse } else { PathReuse::Off }
     }
 
-    /// How many bounces a path takes whatever roulette says, if it finds something to bounce off.
+    /// The number of bounces that roulette cannot prevent.
     fn certain_bounces(&self) -> u32 {
         self.max_bounces.unwrap_or(self.roulette.start)
     }

@@ -1,20 +1,19 @@
-/// How a pixel weighs the light around its centre.
+/// The reconstruction filter of a pixel.
 ///
-/// Samples are placed with the filter's own density, so all count alike and each belongs to one
-/// pixel: neighbours share no sample.
+/// Sample positions are distributed as the filter, so all samples have the same weight and each belongs to
+/// one pixel (filter importance sampling, Ernst, Stamminger and Greiner 2006).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PixelFilter {
-    /// The pixel's own square, evenly.
+    /// Constant over the pixel.
     #[default]
     Box,
-    /// A pyramid over the two-pixel square around the centre, the product of two triangular
-    /// densities: smoother edges, a little blur.
+    /// The product of two triangular densities, each two pixels wide.
     Tent,
 }
 
 impl PixelFilter {
-    /// The place of a sample, in pixels from the pixel's upper left corner, for `u` in `[0, 1)^2`.
+    /// The position of a sample for `u` in `[0, 1)^2`, in pixels from the pixel's upper left corner.
     pub(crate) fn place(self, u: [f64; 2]) -> [f64; 2] {
         match self {
             Self::Box => u,
