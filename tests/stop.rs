@@ -219,7 +219,7 @@ fn progress_tells_rays_error_and_time_left() {
 }
 
 /// What is under way when a render is cancelled is at most a step of a tile for each thread: no
-/// tile is finished any more. A wave's step takes milliseconds, so that is soon.
+/// tile is finished any more. A wavefront's bounce takes milliseconds, so that is soon.
 #[test]
 fn cancelling_finishes_no_further_tile() {
     // So many pixels that one pass would take minutes.

@@ -216,7 +216,7 @@ mod tests {
         }
     }
 
-    /// The mean of one over the density is the solid angle of what emits toward the shaded point.
+    /// The mean of one over the density is the solid angle of what emits toward the shading point.
     #[test]
     fn densities_cover_what_is_seen_of_the_lights() {
         let (triangles, _, lights) = lights();

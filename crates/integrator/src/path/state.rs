@@ -75,7 +75,7 @@ impl Target {
 }
 
 impl RadianceSums {
-    /// Black sums of so many samples and suffixes.
+    /// Sets the numbers of samples and suffixes, and all sums to black.
     pub(super) fn reset(&mut self, samples: usize, suffixes: usize) {
         for (sums, count) in [(&mut self.samples, samples), (&mut self.suffixes, suffixes)] {
             sums.clear();

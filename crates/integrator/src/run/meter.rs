@@ -51,7 +51,7 @@ impl Meter {
         self.samples_total.store(self.samples_done() + samples, Relaxed);
     }
 
-    /// Estimate of the seconds for so many samples.
+    /// Estimate of the seconds that `samples` take.
     pub(crate) fn seconds_for(&self, samples: u64) -> f64 {
         self.seconds() * samples as f64 / self.samples_done().max(1) as f64
     }

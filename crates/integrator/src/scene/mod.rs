@@ -84,7 +84,7 @@ impl<A: Accel> Scene<A> {
     /// # Errors
     /// [`RenderError::Material`] for a component that is negative, not finite or too large.
     pub fn with_environment(self, radiance: Rgb) -> Result<Self, RenderError> {
-        // What an light may not emit can not arrive from outside either.
+        // The range of radiances is that of emission.
         Emission::new(radiance, Sides::Both)?;
         Ok(Self { environment: radiance, ..self })
     }
