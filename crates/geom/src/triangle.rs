@@ -1,5 +1,5 @@
 use crate::exact::cross;
-use crate::{Aabb, GeomError, PdfArea, Triangles};
+use crate::{Aabb, GeomError, PdfArea};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// A triangle with `f32` vertices, the unit of all geometry.
@@ -12,6 +12,11 @@ pub struct Triangle {
 }
 
 impl Triangle {
+    /// The largest coordinate, in magnitude: `2^60`, about `1.15e18`.
+    ///
+    /// Up to here no product that a decision needs can overflow.
+    pub const MAX_COORDINATE: f32 = (1_u64 << 60) as f32;
+
     /// The triangle with these corners.
     pub const fn new(v0: Vec3, v1: Vec3, v2: Vec3) -> Self {
         Self { vertices: [v0, v1, v2] }
@@ -27,7 +32,7 @@ impl Triangle {
         if mirrors { Self::new(a, c, b) } else { Self::new(a, b, c) }
     }
 
-    /// Checks that all coordinates are finite and within [`Triangles::MAX_COORDINATE`].
+    /// Checks that all coordinates are finite and within [`Triangle::MAX_COORDINATE`].
     ///
     /// # Errors
     /// [`GeomError::NonFinite`] or [`GeomError::Domain`] for the first vertex that is not, of triangle `index`.
@@ -36,7 +41,7 @@ impl Triangle {
             if !v.is_finite() {
                 return Err(GeomError::NonFinite { triangle: index, vertex });
             }
-            if let Some(value) = v.to_array().into_iter().find(|x| x.abs() > Triangles::MAX_COORDINATE) {
+            if let Some(value) = v.to_array().into_iter().find(|x| x.abs() > Self::MAX_COORDINATE) {
                 return Err(GeomError::Domain { triangle: index, vertex, value });
             }
         }

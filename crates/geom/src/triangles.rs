@@ -17,10 +17,8 @@ pub struct Triangles {
 }
 
 impl Triangles {
-    /// The largest coordinate, in magnitude: `2^60`, about `1.15e18`.
-    ///
-    /// Up to here no product that a decision needs can overflow.
-    pub const MAX_COORDINATE: f32 = (1_u64 << 60) as f32;
+    /// [`Triangle::MAX_COORDINATE`].
+    pub const MAX_COORDINATE: f32 = Triangle::MAX_COORDINATE;
 
     /// The largest number of triangles: `2^30 - 1`, so that a triangle, a coordinate and two bits
     /// more fit into 64 bits.
