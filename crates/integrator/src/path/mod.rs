@@ -1,19 +1,19 @@
 //! Path tracing (Kajiya 1986) in wavefronts: next event estimation, scattering and path reuse.
 
 mod counters;
+mod debug_sample;
 mod job;
 mod next_event;
-mod replay;
+mod path_state;
 mod reuse;
 mod reuse_groups;
-mod state;
-mod tile;
-mod vertex;
+mod shading_point;
+mod tile_bounds;
 mod wavefront;
 
 pub use counters::Counters;
+pub use debug_sample::{Replay, Vertex, replay};
 pub(crate) use job::Job;
-pub use replay::{Replay, Vertex, replay};
 pub(crate) use reuse_groups::SIDE as REUSE_BLOCK_SIDE;
-pub(crate) use tile::Tile;
+pub(crate) use tile_bounds::Tile;
 pub(crate) use wavefront::Wavefront;

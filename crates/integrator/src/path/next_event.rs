@@ -1,6 +1,6 @@
 use super::job::Job;
-use super::state::Path;
-use super::vertex::{MisContext, ShadingPoint};
+use super::path_state::Path;
+use super::shading_point::{MisContext, ShadingPoint};
 use crate::Interaction;
 use crate::light::{Image, LightSampler};
 use glam::DVec3;

@@ -6,10 +6,10 @@
 
 use super::counters::Counters;
 use super::job::Job;
+use super::path_state::{Path, RadianceSums, Stage, Target};
 use super::reuse_groups::{PixelGroup, pixel_groups};
-use super::state::{Path, RadianceSums, Stage, Target};
-use super::tile::Tile;
-use super::vertex::ShadingPoint;
+use super::shading_point::ShadingPoint;
+use super::tile_bounds::Tile;
 use glam::DVec3;
 use globillum_geom::{Accel, Ray, SurfacePoint};
 use globillum_material::Rgb;

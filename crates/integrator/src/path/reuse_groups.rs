@@ -1,6 +1,6 @@
 //! The groups of pixels that reuse each other's paths.
 
-use super::tile::Tile;
+use super::tile_bounds::Tile;
 
 /// Pixels along each side of the blocks that are divided into groups.
 pub(crate) const SIDE: u32 = 4;

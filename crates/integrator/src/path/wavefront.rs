@@ -1,10 +1,10 @@
 use super::counters::Counters;
 use super::job::Job;
 use super::next_event::MirrorSample;
+use super::path_state::{Path, RadianceSums, Stage, Target};
 use super::reuse::Prefixes;
-use super::state::{Path, RadianceSums, Stage, Target};
-use super::tile::Tile;
-use super::vertex::{MisContext, ShadingPoint};
+use super::shading_point::{MisContext, ShadingPoint};
+use super::tile_bounds::Tile;
 use crate::sampler::{BounceNumbers, Numbers};
 use globillum_geom::{Accel, Hit, Ray, SimdLevel};
 use globillum_material::{Density, Rgb};

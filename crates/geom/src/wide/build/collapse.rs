@@ -1,6 +1,6 @@
 //! Collapses the binary tree into a wide one: which of its nodes become the up to eight children of a node.
 
-use super::binary::{BinaryNode, BinaryTree, MemberRange, Split};
+use super::kd_to_bvh::{BinaryNode, BinaryTree, MemberRange, Split};
 use crate::kdtree::Member;
 use crate::wide::simd::LANES;
 use crate::wide::tree::leaf::LeafBlocks;

@@ -1,17 +1,17 @@
 //! Building: a [binary tree](binary) split by the [surface area heuristic](sah) is [collapsed](collapse) where
-//! the [costs of lanes](lane_cost) are least.
+//! the [costs of lanes](collapse_cost) are least.
 
-mod binary;
 mod collapse;
-mod lane_cost;
+mod collapse_cost;
+mod kd_to_bvh;
 mod sah;
 
 use super::tree::Tree;
 use super::tree::node::Child;
 use super::tree::normalize::NormalizedSpace;
 use crate::{GeomError, KdOptions, KdTree, Triangles};
-use binary::BinaryTree;
 use collapse::Collapse;
+use kd_to_bvh::BinaryTree;
 
 /// Builds the tree over the leaves of the k-d tree with these options.
 pub(super) fn build(triangles: &Triangles, options: &KdOptions) -> Result<Tree, GeomError> {

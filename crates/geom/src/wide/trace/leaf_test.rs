@@ -1,7 +1,7 @@
 //! The leaf test: the conservative test of a leaf block's triangles, and what follows from it.
 
 use super::prefilter::{Filtered, SplatRay, Vertices, prefilter};
-use super::stack::Traversal;
+use super::traversal_state::Traversal;
 use crate::Ray;
 use crate::query::Query;
 use crate::wide::simd::{Bits, LANES, Simd};

@@ -4,15 +4,15 @@
 //! The packet and the stream share what lies below both: the [conservative triangle test](prefilter)'s
 //! types and the [exact decision](exact).
 
-mod exact;
+mod deferred_decision;
 mod leaf_test;
 mod node_test;
 mod packet;
 mod prefilter;
 mod ray_setup;
 mod single;
-mod stack;
 mod stream;
+mod traversal_state;
 
 use super::simd::{PACKET, Simd};
 use super::tree::Tree;
@@ -20,9 +20,9 @@ use crate::query::Query;
 use crate::{Probe, Ray};
 use packet::Packet;
 use single::query_single;
-use stack::Traversal;
 use std::cell::Cell;
 use stream::query_stream;
+use traversal_state::Traversal;
 
 /// Answers the query of one ray, and tells `probe` what is done for it.
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! The node test: where a ray enters and leaves the bounds of eight children (slab test; Kay and Kajiya, 1986).
 
 use super::ray_setup::RaySetup;
-use super::stack::Traversal;
+use super::traversal_state::Traversal;
 use crate::wide::simd::Simd;
 use crate::wide::tree::node::Node;
 

@@ -3,7 +3,7 @@
 use super::leaf_test::{record, test_leaf};
 use super::node_test::test_node;
 use super::ray_setup::RaySetups;
-use super::stack::Traversal;
+use super::traversal_state::Traversal;
 use crate::query::Query;
 use crate::wide::simd::Simd;
 use crate::wide::tree::Tree;

@@ -7,7 +7,7 @@
 use super::leaf_test::{LeafHits, record, test_leaf};
 use super::node_test::test_node;
 use super::ray_setup::RaySetups;
-use super::stack::Traversal;
+use super::traversal_state::Traversal;
 use crate::Ray;
 use crate::query::Query;
 use crate::wide::simd::{Bits, LANES, PACKET, RayMask, Simd};

@@ -5,8 +5,8 @@
 //! those that may meet the block, so that little cancels. A ray then adds two products for each edge
 //! function. The error bounds hold for all of these rays (docs/numerics.md).
 
+use super::child_slope_bounds::SlopeBounds;
 use super::setup::CommonOrigin;
-use super::slope_bounds::SlopeBounds;
 use crate::wide::simd::{LANES, Simd};
 use crate::wide::trace::prefilter::{Filtered, Vertices};
 

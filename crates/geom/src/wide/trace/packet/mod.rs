@@ -4,12 +4,12 @@
 //! those of a [middle ray](setup). A box becomes [bounds of these slopes](slope_bounds), the [edge
 //! functions](edge_functions) of a triangle are linear in them, and depth is measured along the main axis.
 
+mod child_slope_bounds;
 mod edge_functions;
 mod setup;
-mod slope_bounds;
 mod traverse;
 
-use super::exact::{CAPACITY, Decisions};
+use super::deferred_decision::{CAPACITY, Decisions};
 use crate::Ray;
 use crate::query::Query;
 use crate::wide::simd::{LANES, PACKET, Simd};

@@ -3,7 +3,7 @@
 use crate::Ray;
 use crate::decide::{main_axis, permute};
 use crate::wide::simd::{GROUPS, LANES, PACKET, RayMask, Simd};
-use crate::wide::trace::exact::Shears;
+use crate::wide::trace::deferred_decision::Shears;
 use crate::wide::trace::ray_setup::AXES;
 use crate::wide::tree::normalize::NormalizedSpace;
 use glam::DVec3;

@@ -1,12 +1,12 @@
 //! The traversal of a packet: slope bounds meet nodes, rays and triangles meet in leaf blocks.
 
+use super::child_slope_bounds::{ChildBounds, SlopeBounds};
 use super::edge_functions::{CentralRay, EdgeFunctions, RayLanes};
 use super::setup::{CommonOrigin, PacketRays, range};
-use super::slope_bounds::{ChildBounds, SlopeBounds};
 use crate::Ray;
 use crate::query::{ClosestHit, Query};
 use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd};
-use crate::wide::trace::exact::Candidates;
+use crate::wide::trace::deferred_decision::Candidates;
 use crate::wide::trace::prefilter::{Filtered, Vertices};
 use crate::wide::tree::Tree;
 use crate::wide::tree::node::Child;

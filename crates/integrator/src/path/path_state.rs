@@ -1,4 +1,4 @@
-use super::vertex::MisContext;
+use super::shading_point::MisContext;
 use crate::Roulette;
 use crate::sampler::Numbers;
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! The state of one ray's traversal: its current child, and a stack of children still to be visited.
 
-use super::exact::Candidates;
+use super::deferred_decision::Candidates;
 use super::ray_setup::RaySetup;
 use crate::KdTree;
 use crate::wide::simd::{LANES, Simd};

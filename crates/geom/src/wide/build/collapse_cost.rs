@@ -11,9 +11,9 @@ pub(super) const BLOCK_COST: f64 = 4.0;
 
 /// The least expected cost for a ray, in visits to nodes and in proportion, with 1, 2, .. 8 lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct LaneCosts(pub(super) [f32; LANES]);
+pub(super) struct CollapseCosts(pub(super) [f32; LANES]);
 
-impl LaneCosts {
+impl CollapseCosts {
     /// The costs of a leaf block that gets `visits`: it takes one lane, however many there are.
     pub(super) fn of_leaf(visits: f64) -> Self {
         Self([(BLOCK_COST * visits) as f32; LANES])

@@ -1,7 +1,7 @@
 //! The binary tree: the planes of a k-d tree above, and below each of its leaves a bounding volume hierarchy
 //! over the parts of triangles in it, down to leaf blocks.
 
-use super::lane_cost::{LaneCosts, expected_visits};
+use super::collapse_cost::{CollapseCosts, expected_visits};
 use super::sah::{split, split_in_bins};
 use crate::kdtree::{KdTree, Member, Node as KdNode};
 use crate::wide::simd::LANES;
@@ -19,7 +19,7 @@ pub(super) struct BinaryNode {
     /// The bounds of its contents.
     pub(super) bounds: Aabb,
     pub(super) content: Content,
-    costs: LaneCosts,
+    costs: CollapseCosts,
 }
 
 /// What a node of the binary tree becomes.
@@ -136,7 +136,7 @@ impl BinaryTree {
         (is_forced || cost < costs.in_one_lane()).then_some((split, first))
     }
 
-    fn child_costs(&self, at: u32, split: Split) -> [&LaneCosts; 2] {
+    fn child_costs(&self, at: u32, split: Split) -> [&CollapseCosts; 2] {
         [at + 1, split.upper].map(|child| &self.node(child).costs)
     }
 
@@ -190,7 +190,7 @@ impl BinaryTree {
         let bounds = members.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
         let range = MemberRange { first, count: members.len() as u32 };
         let visits = expected_visits(&bounds) * self.area_scale;
-        let (at, costs) = (self.nodes.len(), LaneCosts::of_leaf(visits));
+        let (at, costs) = (self.nodes.len(), CollapseCosts::of_leaf(visits));
         self.nodes.push(BinaryNode { bounds, content: Content::Leaf(range), costs });
         if visits < self.few {
             return;
@@ -212,7 +212,7 @@ impl BinaryTree {
     /// Adds an inner node, and returns where it is.
     fn begin(&mut self, axis: u8) -> usize {
         let content = Content::Inner(Split { axis, upper: 0 });
-        self.nodes.push(BinaryNode { bounds: Aabb::EMPTY, content, costs: LaneCosts::default() });
+        self.nodes.push(BinaryNode { bounds: Aabb::EMPTY, content, costs: CollapseCosts::default() });
         self.nodes.len() - 1
     }
 
@@ -227,7 +227,7 @@ impl BinaryTree {
         let Some(split) = self.nodes[at].content.split() else { return };
         let bounds = self.nodes[at + 1].bounds.union(&self.node(split.upper).bounds);
         let [low, high] = self.child_costs(at as u32, split);
-        let costs = LaneCosts::of_inner(expected_visits(&bounds) * self.area_scale, low, high);
+        let costs = CollapseCosts::of_inner(expected_visits(&bounds) * self.area_scale, low, high);
         (self.nodes[at].bounds, self.nodes[at].costs) = (bounds, costs);
     }
 }
@@ -242,7 +242,7 @@ fn is_empty(tree: &KdTree, cell: u32) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lane_cost::BLOCK_COST;
+    use super::super::collapse_cost::BLOCK_COST;
     use super::*;
     use crate::conformance::shapes::icosphere;
     use crate::{KdOptions, Triangles, WideKdTree};
@@ -301,7 +301,7 @@ mod tests {
             add_row(&mut row, 0, is_mirrored);
             let blocks = 10.0 * 3.0 * BLOCK_COST as f32;
             let nodes = [28.0, 24.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0];
-            assert_eq!(row.node(0).costs, LaneCosts(nodes.map(|visits| visits + blocks)));
+            assert_eq!(row.node(0).costs, CollapseCosts(nodes.map(|visits| visits + blocks)));
             for lanes in 2..=LANES {
                 let first = if is_mirrored { lanes - 1 } else { 1 };
                 assert_eq!(opening(&row, lanes, false), Some(first), "{lanes} lanes");
@@ -338,7 +338,7 @@ mod tests {
         walls.add_members(0, &mut corner(), MAX_LEVELS);
         // Any two have the box of all.
         let [all, apart] = [3.0 * UNIT, 1.5 * UNIT];
-        assert_eq!(walls.node(0).costs, LaneCosts([all, all, apart, apart, apart, apart, apart, apart]));
+        assert_eq!(walls.node(0).costs, CollapseCosts([all, all, apart, apart, apart, apart, apart, apart]));
         assert_eq!([1, 2].map(|lanes| opening(&walls, lanes, true)), [None; 2]);
         assert!(walls.opening(0, 3, false).is_some());
     }
@@ -351,7 +351,7 @@ mod tests {
         };
         let mut cubes = nothing();
         cubes.add_members(0, &mut [0, 1, 2, 3, 4, 5, 6, 7].map(cube), MAX_LEVELS);
-        assert_eq!(cubes.node(0).costs, LaneCosts([12.0 * UNIT; LANES]));
+        assert_eq!(cubes.node(0).costs, CollapseCosts([12.0 * UNIT; LANES]));
         assert_eq!(cubes.node(0).content, Content::Leaf(MemberRange { first: 0, count: 8 }));
         assert_eq!(cubes.nodes.len(), 1);
     }
