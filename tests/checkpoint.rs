@@ -104,7 +104,7 @@ fn a_render_may_go_on_with_more_samples() {
     let part = render(&scene, &camera, &with(24), &()).expect("likewise");
     let more = Render::new(&scene, &camera, &with(40)).resume(part.clone()).run(&()).expect("likewise");
     assert_eq!(more.to_bytes(), whole.to_bytes());
-    // Of a pass cut short, what is missing can not be added; nor can samples be taken back.
+    // Of a pass cut short, what is missing cannot be added; nor can samples be taken back.
     let short = render(&scene, &camera, &with(23), &()).expect("likewise");
     for (samples, picture) in [(40, short), (20, part)] {
         let result = Render::new(&scene, &camera, &with(samples)).resume(picture).run(&());

@@ -13,7 +13,7 @@ use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
-/// Radiance of the floor of C3 at its middle, for a light of radiance 1.
+/// Radiance of the floor under the square light, at its middle, for a light of radiance 1.
 const TRUTH: f64 = 0.277_063_212;
 
 /// `model` with lengths times `size` and what it emits times `radiance`; an error if that is refused.
@@ -32,13 +32,13 @@ fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
     scenes::scene(model, STRUCTURES[0].1)
 }
 
-/// What `stare` sees of C3's floor, `size` times as large.
+/// What `stare` sees of the floor under the square light, `size` times as large.
 fn camera(size: f64) -> Camera {
     stare(size * DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO)
 }
 
-/// Asserts that a picture of C3 has the mean that it should within 2 %, and knows how uncertain that is.
-fn assert_is_c3(film: &Film, radiance: f64, what: &str) {
+/// Asserts that a picture of the square light over a floor has the mean that it should within 2 %, and knows how uncertain that is.
+fn assert_is_square_light(film: &Film, radiance: f64, what: &str) {
     let estimate = Estimate::of_film(film, |c| c.g);
     let margin = Z_LIMIT * estimate.std_err / (TRUTH * radiance);
     let apart = (estimate.mean / (TRUTH * radiance) - 1.0).abs();
@@ -68,7 +68,7 @@ fn what_is_accepted_is_rendered_right() {
                 settings.estimator = estimator;
                 let what = format!("radiance {radiance:e}, size {size:e}, {estimator:?}");
                 let picture = render(&scene, &camera(size), &settings, &());
-                assert_is_c3(&picture.expect(&what).film, radiance, &what);
+                assert_is_square_light(&picture.expect(&what).film, radiance, &what);
             }
         }
     }
@@ -120,6 +120,6 @@ fn a_dim_light_is_found_beside_a_strong_one() {
         let mut settings = independent_pixels(32, 32, 128);
         settings.estimator = estimator;
         let film = render(&scene, &camera(1.0), &settings, &()).expect("the scene is good").film;
-        assert_is_c3(&film, dim, &format!("{estimator:?}"));
+        assert_is_square_light(&film, dim, &format!("{estimator:?}"));
     }
 }

@@ -11,7 +11,7 @@ use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
-/// C3 with a second light, which is far away, emits on both sides and reflects, and a third that emits
+/// The square light over a floor with a second light, which is far away, emits on both sides and reflects, and a third that emits
 /// away from the floor. A sheet hides half of the first.
 fn model() -> Model {
     let p = DVec3::new;

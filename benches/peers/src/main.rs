@@ -61,7 +61,7 @@ fn main() -> Result<()> {
     markdown::write(&mut std::io::stdout().lock(), &report)?;
     if let Some(file) = &options.json {
         let json = serde_json::to_string_pretty(&report)? + "\n";
-        std::fs::write(file, json).with_context(|| format!("{} can not be written", file.display()))?;
+        std::fs::write(file, json).with_context(|| format!("{} cannot be written", file.display()))?;
     }
     Ok(())
 }

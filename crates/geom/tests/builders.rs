@@ -386,7 +386,7 @@ fn a_teapot_in_a_stadium() {
     triangles.extend(quad(corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)));
     let scene = Scene::new(triangles);
     assert!(scene.check(1000) > 500);
-    // The tree's planes go where the triangles are; the grid can not know.
+    // The tree's planes go where the triangles are; the grid cannot know.
     assert!(scene.kd.planes().filter(|(_, at)| at.abs() < 1.0).count() > 5000);
 }
 

@@ -39,7 +39,7 @@ fn in_cube(source: &mut Seeded) -> DVec3 {
 }
 
 /// A direction on the side of the unit vector `normal`: spread evenly, by the cosine, or nearly
-/// along the surface. At `1e-12` above it, rounding can not yet turn a direction to the other
+/// along the surface. At `1e-12` above it, rounding cannot yet turn a direction to the other
 /// side.
 fn leaving(source: &mut Seeded, normal: DVec3) -> DVec3 {
     let height = match source.below(3) {

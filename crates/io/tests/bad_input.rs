@@ -1,7 +1,7 @@
 //! Bad input, row by row: each is an error of the right kind with a message of one line, or is
 //! loaded with the right warnings. `tests/render_cli.rs` has `render` print the same.
 #![cfg(all(feature = "obj", feature = "gltf"))]
-#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
 mod files;
@@ -25,7 +25,7 @@ fn check_rows(rows: RangeInclusive<u32>) {
 fn check(case: &Case) {
     let (row, files) = (case.row, Files::new(&[]));
     if !case.write(&files.path("")).unwrap() {
-        eprintln!("SKIPPED: row {row} needs a pipe or a link, which can not be made here");
+        eprintln!("SKIPPED: row {row} needs a pipe or a link, which cannot be made here");
         return;
     }
     match (files.load(case.scene()), &case.outcome) {

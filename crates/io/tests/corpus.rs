@@ -1,6 +1,6 @@
 //! What the fuzzer keeps, and what it found: each file is a scene or an error of one line.
 #![cfg(all(feature = "obj", feature = "gltf"))]
-#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod files;
 

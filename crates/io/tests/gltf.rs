@@ -1,6 +1,6 @@
 //! glTF files as they should be read.
 #![cfg(feature = "gltf")]
-#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
 mod files;

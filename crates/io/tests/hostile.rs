@@ -4,7 +4,7 @@
 //!
 //! `cargo test -p globillum-io --test hostile -- --nocapture` prints the multiples.
 #![cfg(all(feature = "obj", feature = "gltf"))]
-#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![allow(clippy::print_stderr, reason = "figures are printed for those who ask")]
 
 mod files;

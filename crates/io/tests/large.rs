@@ -1,7 +1,7 @@
 //! Large files: their memory, and that one can watch them being read. In a process of its own,
 //! since it counts what is allocated.
 #![cfg(all(feature = "obj", feature = "gltf"))]
-#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![allow(clippy::print_stderr, reason = "figures are printed for those who ask")]
 
 mod files;

@@ -1,7 +1,7 @@
 //! How long loading takes, beside tobj alone: `cargo test --release -p globillum-io --test
 //! loading_time -- --ignored --nocapture`.
 #![cfg(feature = "obj")]
-#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
 use std::hint::black_box;

@@ -1,6 +1,6 @@
 //! OBJ files, whole and broken, as they come from disk.
 #![cfg(feature = "obj")]
-#![allow(clippy::unwrap_used, reason = "a test that can not go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
 use glam::Vec3;

@@ -54,7 +54,7 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<()> {
     let subjects = options.subjects()?;
     let folder = &options.out;
-    std::fs::create_dir_all(folder).with_context(|| format!("{}: can not be made", folder.display()))?;
+    std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
     let contenders = options.structures.contenders();
     let progress =
         indicatif::ProgressBar::new((subjects.len() * contenders.len()) as u64 * u64::from(options.repeats));

@@ -189,7 +189,7 @@ mod tests {
     use globillum_testkit::scenes::{furnace, scene, stare};
     use globillum_testkit::stats::{Z_LIMIT, independent_pixels};
 
-    /// Of a furnace of albedo 0.5, roulette from the first bounce on: mean 2, variance 2 (C2).
+    /// Of a furnace of albedo 0.5, roulette from the first bounce on: mean 2, variance 2.
     fn film(samples: u32, max_bounces: Option<u32>) -> Film {
         let mut settings = independent_pixels(64, 64, samples);
         (settings.sampler, settings.estimator) = (Sampler::Independent, Estimator::Bsdf);

@@ -24,7 +24,7 @@ pub(crate) struct Loss {
 /// million.
 ///
 /// # Panics
-/// If the furnace can not be built or rendered.
+/// If the furnace cannot be built or rendered.
 pub(crate) fn loss(build: Builder, half: f64, center: DVec3, side: u32) -> Loss {
     const RHO: f64 = 0.8;
     const BOUNCES: u32 = 64;

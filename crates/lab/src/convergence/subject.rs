@@ -73,7 +73,7 @@ impl Subject {
         let camera = match camera.or(loaded.cameras.first().copied()) {
             Some(camera) => camera,
             None => view::of_all(&loaded.model, 1.0)
-                .with_context(|| format!("{}: can not be seen whole", path.display()))?,
+                .with_context(|| format!("{}: cannot be seen whole", path.display()))?,
         };
         let shines = loaded.model.materials().iter().any(|material| !material.emission.is_none());
         ensure!(

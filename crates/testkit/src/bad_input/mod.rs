@@ -67,7 +67,7 @@ impl Case {
         &self.files[0].0
     }
 
-    /// Writes the files into an empty folder; `false` where pipes or links can not be made.
+    /// Writes the files into an empty folder; `false` where pipes or links cannot be made.
     ///
     /// # Errors
     /// What the system says.
