@@ -1,3 +1,4 @@
+use crate::limits::check_count;
 use crate::path::folder_of;
 use crate::{IoError, Limits, Location, Place};
 use std::fs::{self, File};
@@ -8,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 /// No name or link in a file reaches any other file.
 pub(crate) struct Jail<'a> {
     scene: &'a Path,
-    /// The bytes that further files may have together.
+    /// Total bytes that further files may have.
     bytes_left: u64,
     limit: u64,
 }
@@ -18,12 +19,12 @@ impl<'a> Jail<'a> {
         Self { scene, bytes_left: limits.bytes, limit: limits.bytes }
     }
 
-    /// Bytes of all files that were read.
+    /// Total bytes of the files that have been read.
     pub(crate) fn bytes_read(&self) -> u64 {
         self.limit - self.bytes_left
     }
 
-    /// The path of the file `name`, which the scene refers to `at` a location.
+    /// The path of the file `name`. The location `at` refers to it.
     pub(crate) fn resolve(&self, name: &str, at: &Location) -> Result<PathBuf, IoError> {
         let escape = || IoError::PathEscape { at: at.clone(), name: name.into() };
         let inside =
@@ -38,29 +39,27 @@ impl<'a> Jail<'a> {
         if within { Ok(path) } else { Err(escape()) }
     }
 
-    /// Reads a whole file, which must be a regular one: a FIFO or a device might never end.
+    /// Reads a regular file. Other files are refused, since a FIFO or a device might never end.
     pub(crate) fn read(&mut self, path: &Path) -> Result<Vec<u8>, IoError> {
         let failed = |source| read_error(path, source);
         let metadata = fs::metadata(path).map_err(failed)?;
         if !metadata.is_file() {
             return Err(IoError::NotRegularFile { path: path.into() });
         }
-        let too_large = || IoError::TooLarge {
-            at: Place::File.of(path),
-            what: "bytes in all files of the scene",
-            limit: self.limit,
+        let (limit, read_before) = (self.limit, self.bytes_read());
+        let check_size = |bytes: u64| {
+            let total = read_before.saturating_add(bytes);
+            check_count(total, limit, "bytes in all files of the scene", || Place::File.of(path))
         };
-        if metadata.len() > self.bytes_left {
-            return Err(too_large());
-        }
+        check_size(metadata.len())?;
         let mut bytes = Vec::new();
         let reserved = bytes.try_reserve_exact(metadata.len() as usize);
         reserved.map_err(|_| failed(io::ErrorKind::OutOfMemory.into()))?;
         // The file may grow while it is being read.
         let mut file = File::open(path).map_err(failed)?.take(self.bytes_left + 1);
         file.read_to_end(&mut bytes).map_err(failed)?;
-        let rest = self.bytes_left.checked_sub(bytes.len() as u64);
-        self.bytes_left = rest.ok_or_else(too_large)?;
+        check_size(bytes.len() as u64)?;
+        self.bytes_left -= bytes.len() as u64;
         Ok(bytes)
     }
 }

@@ -40,13 +40,19 @@ mod loader;
 mod loading;
 mod location;
 #[cfg(any(feature = "obj", feature = "gltf"))]
+mod losses;
+#[cfg(any(feature = "obj", feature = "gltf"))]
 mod monitor;
 #[cfg(feature = "obj")]
 mod obj;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+mod occurrences;
 mod path;
 #[cfg(feature = "images")]
 mod picture;
 mod plain;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+mod range;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod report;
 mod special;

@@ -1,3 +1,6 @@
+#[cfg(any(feature = "obj", feature = "gltf"))]
+use crate::{IoError, Location};
+
 /// Limits on the content of a scene file. Exceeding one is
 /// [`IoError::TooLarge`](crate::IoError::TooLarge), reported before memory is allocated for the content.
 ///
@@ -42,4 +45,15 @@ impl Default for Limits {
             json_values: 1 << 23,
         }
     }
+}
+
+/// Returns [`IoError::TooLarge`] if `count` exceeds `limit`.
+#[cfg(any(feature = "obj", feature = "gltf"))]
+pub(crate) fn check_count(
+    count: u64,
+    limit: u64,
+    what: &'static str,
+    at: impl FnOnce() -> Location,
+) -> Result<(), IoError> {
+    if count > limit { Err(IoError::TooLarge { at: at(), what, limit }) } else { Ok(()) }
 }

@@ -77,17 +77,18 @@ impl<'a> Loader<'a> {
         self.load_by(crate::gltf::read, path)
     }
 
-    /// Loads the file `path`, whose content `read` understands.
-    fn load_by(&self, read: Read, path: &Path) -> Result<Loaded, IoError> {
+    /// Loads the file `path` by `read`, which reads its content.
+    fn load_by(
+        &self,
+        read: fn(Vec<u8>, &mut Loading<'_>) -> Result<(), IoError>,
+        path: &Path,
+    ) -> Result<Loaded, IoError> {
         let mut loading = Loading::new(path, &self.limits, self.monitor);
         let bytes = loading.jail.read(path)?;
         read(bytes, &mut loading)?;
         loading.finish()
     }
 }
-
-/// Reads the content of a scene file.
-type Read = fn(Vec<u8>, &mut Loading<'_>) -> Result<(), IoError>;
 
 const SUPPORTED: &str = match (cfg!(feature = "obj"), cfg!(feature = "gltf")) {
     (true, true) => ".obj, .gltf and .glb",
@@ -109,24 +110,24 @@ impl fmt::Debug for Loader<'_> {
 }
 
 #[cfg(feature = "obj")]
-/// Loads the faces of a Wavefront OBJ file, with the materials of the libraries it names, within
-/// the default [`Limits`](crate::Limits).
+/// Loads the faces of a Wavefront OBJ file and the materials of its libraries, within the default
+/// [`Limits`].
 ///
-/// Triangles come in the order of the file's faces, degenerate ones left out; a face of more than
-/// three vertices becomes a fan around its first. Indices must refer to what is defined above
-/// them.
+/// Triangles have the order of the file's faces. A face with more than three vertices becomes a fan around
+/// its first vertex. Degenerate triangles are dropped. An index must refer to an element above it in the
+/// file.
 ///
-/// Of a material, `Kd` becomes a Lambertian albedo and `Ke` what is emitted from the front. It
-/// is a mirror of reflectance `Ks` instead if it says `illum 3`, or has no `Kd`. Faces without a
-/// material are Lambertian with an albedo of one half. Libraries are sought in the file's own
-/// folder and below; texture maps and vertex normals are not used.
+/// A material with `Kd` is Lambertian with this albedo. A material with `Ks` and `illum 3`, or with `Ks` and
+/// no `Kd`, is a mirror with reflectance `Ks`. `Ke` is the radiance emitted from the front. Faces without a
+/// material are Lambertian with an albedo of one half. Libraries must be in the file's folder or below it.
+/// Textures and vertex normals are not read.
 ///
 /// # Errors
-/// An [`IoError`] that names file and line: for a file that cannot be read or has no faces, a
-/// malformed statement, an index out of range, a coordinate that is not finite or too large to be
-/// traced, a library outside the folder, and a material that breaks
-/// [`Material`](globillum_material::Material)'s bounds. A missing library or material is no error
-/// but a [`Warning`](crate::Warning).
+/// An [`IoError`] that names file and line: for a file that cannot be read or has no faces, a malformed
+/// statement, an index out of range, a coordinate that is not finite or exceeds
+/// [`MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE), a library outside the folder, and a material
+/// outside the bounds of [`Material`](globillum_material::Material). A missing library or material is a
+/// [`Warning`](crate::Warning).
 ///
 /// ```no_run
 /// let loaded = globillum_io::load_obj("bunny.obj".as_ref())?;
@@ -141,25 +142,24 @@ pub fn load_obj(path: &Path) -> Result<Loaded, IoError> {
 }
 
 #[cfg(feature = "gltf")]
-/// Loads the default scene of a glTF 2.0 file, text or binary, within the default
-/// [`Limits`](crate::Limits).
+/// Loads the default scene of a glTF 2.0 file, text or binary, within the default [`Limits`].
 ///
-/// Triangles come in the order of the scene's nodes, depth first, degenerate ones left out; each is
-/// moved to where its node places it, and its winding is flipped if that mirrors it. Strips and
-/// fans become single triangles.
+/// Triangles have the order of the scene's nodes, depth first, in world space. Degenerate triangles are
+/// dropped. A transform that mirrors keeps the front of each triangle. Strips and fans become single
+/// triangles.
 ///
-/// A material becomes Lambertian with `baseColorFactor` as its albedo, or an ideal mirror with
-/// that reflectance if it is more metallic than rough; unless it is ideal already, that is
-/// reported. It emits `emissiveFactor` times the strength of `KHR_materials_emissive_strength`
-/// from the front, or from both sides if it is `doubleSided`. Primitives without a material are
-/// Lambertian and white. Textures, vertex normals, skins, morph targets, animations and other
-/// extensions are not used.
+/// A material is an ideal mirror if its `metallicFactor` exceeds its `roughnessFactor`, and Lambertian
+/// otherwise; `baseColorFactor` is the reflectance. A material that is only approximated is reported. It emits
+/// `emissiveFactor` times the strength of `KHR_materials_emissive_strength` from the front, or from both sides
+/// if it is `doubleSided`. Primitives without a material are Lambertian and white. Textures, vertex normals,
+/// skins, morph targets, animations and other extensions are not read.
 ///
 /// # Errors
-/// An [`IoError`] that names the file and the element: for malformed JSON, structures that
-/// contradict each other or the data, node graphs that are not trees, a required extension that
-/// is not known, files outside the scene's folder, coordinates that are not finite or too large
-/// to be traced, and materials that break [`Material`](globillum_material::Material)'s bounds.
+/// An [`IoError`] that names the file and the element: for malformed JSON, inconsistent structures or data,
+/// node graphs that are not trees, an unknown required extension, a file outside the scene's folder, a
+/// coordinate that is not finite or exceeds
+/// [`MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE), and a material outside the bounds of
+/// [`Material`](globillum_material::Material).
 ///
 /// ```no_run
 /// let loaded = globillum_io::load_gltf("box.glb".as_ref())?;

@@ -1,4 +1,6 @@
 use crate::jail::Jail;
+#[cfg(feature = "gltf")]
+use crate::limits::check_count;
 use crate::lint;
 use crate::{IoError, Limits, LoadMonitor, LoadProgress, LoadReport, Location, Place, Warning, WarningKind};
 use globillum_geom::Triangle;
@@ -19,14 +21,14 @@ pub struct Loaded {
     pub report: LoadReport,
 }
 
-/// The most steps between two calls of the monitor.
+/// The maximum amount of work between two calls of the monitor.
 const STEPS_BETWEEN_REPORTS: u64 = 1 << 16;
 
-/// Bytes of warnings that are kept beyond a quarter of the files' size: three bytes of a file can cause a
-/// warning, and a growing vector takes up to three times the memory of its content.
+/// The report keeps this many bytes of warnings beyond a quarter of the files' size. Three bytes of a file
+/// can cause a warning, and a growing vector takes up to three times the memory of its content.
 const ROOM_FOR_WARNINGS: u64 = 128 << 10;
 
-/// A scene while it is loaded, with its limits and monitor.
+/// The state of loading a scene: its limits, its monitor, and the result so far.
 pub(crate) struct Loading<'a> {
     pub(crate) path: &'a Path,
     pub(crate) limits: &'a Limits,
@@ -43,21 +45,23 @@ pub(crate) struct Loading<'a> {
 impl<'a> Loading<'a> {
     pub(crate) fn new(path: &'a Path, limits: &'a Limits, monitor: &'a dyn LoadMonitor) -> Self {
         let jail = Jail::around(path, limits);
+        let (report, model) = (LoadReport::default(), Model::default());
+        let (cameras, reported, bytes_of_warnings, warnings_left_out) = (Vec::new(), 0, 0, 0);
         Self {
             path,
             limits,
             jail,
-            cameras: Vec::new(),
-            report: LoadReport::default(),
-            model: Model::default(),
+            cameras,
+            report,
+            model,
             monitor,
-            reported: 0,
-            bytes_of_warnings: 0,
-            warnings_left_out: 0,
+            reported,
+            bytes_of_warnings,
+            warnings_left_out,
         }
     }
 
-    /// A place in the scene file.
+    /// The location of a place in the scene file.
     #[cfg(feature = "gltf")]
     pub(crate) fn at(&self, place: Place) -> Location {
         place.of(self.path)
@@ -68,7 +72,7 @@ impl<'a> Loading<'a> {
         self.warn_of(place.of(self.path), kind);
     }
 
-    /// Adds a warning about one of the scene's files, or counts it if there is no room.
+    /// Adds a warning about any file of the scene, or counts it if the report has no room.
     pub(crate) fn warn_of(&mut self, at: Location, kind: WarningKind) {
         let warning = Warning { at, kind };
         let bytes = self.bytes_of_warnings + warning.bytes() as u64;
@@ -92,15 +96,31 @@ impl<'a> Loading<'a> {
     /// An error if `count` triangles exceed the limits.
     #[cfg(feature = "gltf")]
     pub(crate) fn check_triangles(&self, count: u64) -> Result<(), IoError> {
-        let too_large = |what, limit| Err(IoError::TooLarge { at: self.at(Place::File), what, limit });
-        let Limits { triangles, instanced, .. } = *self.limits;
-        if count > triangles {
-            return too_large("triangles", triangles);
+        self.check_count(count, self.limits.triangles, "triangles")?;
+        let beyond = count.saturating_sub(self.jail.bytes_read());
+        self.check_count(beyond, self.limits.instanced, "triangles of repeated mesh instances")
+    }
+
+    /// An error about the scene file as a whole if `count` exceeds `limit`.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn check_count(&self, count: u64, limit: u64, what: &'static str) -> Result<(), IoError> {
+        check_count(count, limit, what, || self.at(Place::File))
+    }
+
+    /// An index as `usize`, or an error `at` its place if it is not below `count`.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn check_index(
+        &self,
+        at: Place,
+        index: u64,
+        count: usize,
+        what: &'static str,
+    ) -> Result<usize, IoError> {
+        if index < count as u64 {
+            Ok(index as usize)
+        } else {
+            Err(IoError::Index { at: self.at(at), index: index as i64, count, what })
         }
-        if count.saturating_sub(self.jail.bytes_read()) > instanced {
-            return too_large("triangles of repeated mesh instances", instanced);
-        }
-        Ok(())
     }
 
     /// Reserves memory for `count` more triangles.
@@ -113,7 +133,7 @@ impl<'a> Loading<'a> {
         IoError::Read { path: self.path.into(), source: io::ErrorKind::OutOfMemory.into() }
     }
 
-    /// Adds a triangle, unless nothing can hit it.
+    /// Adds a triangle. A degenerate triangle is only counted, since no ray can hit it.
     pub(crate) fn add(&mut self, material: MaterialId, triangle: Triangle) {
         if triangle.is_degenerate() {
             self.report.degenerate_triangles += 1;
@@ -137,7 +157,7 @@ impl<'a> Loading<'a> {
         if self.model.triangles().is_empty() {
             return Err(IoError::Empty { path: self.path.into() });
         }
-        // Warnings about the scene as a whole always have room.
+        // The report always has room for warnings about the scene as a whole.
         self.bytes_of_warnings = 0;
         let count = std::mem::take(&mut self.warnings_left_out);
         if count > 0 {

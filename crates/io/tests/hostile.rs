@@ -1,11 +1,11 @@
-//! Files that are made to take memory, of as many of the smallest things as they can hold: none takes
-//! more than four times its size, beside what it declares. In a process of its own, since it counts
-//! what is allocated; so strictly that memory which grows counts twice while it is moved.
+//! Files that request as much memory as possible for their size. Loading takes at most four times the
+//! size of the files beyond what they declare. The test counts allocations, so it runs in its own process.
+//! A vector that grows counts twice while its content moves.
 //!
 //! `cargo test -p globillum-io --test hostile -- --nocapture` prints the multiples.
 #![cfg(all(feature = "obj", feature = "gltf"))]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-#![allow(clippy::print_stderr, reason = "figures are printed for those who ask")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
+#![allow(clippy::print_stderr, reason = "figures are printed with --nocapture")]
 
 mod files;
 
@@ -16,38 +16,38 @@ use globillum_io::{IoError, Loaded};
 use globillum_testkit::bad_input::glb;
 use std::fmt::Write;
 
-/// The most that loading may take, as a multiple of the files, beside what they declare.
+/// The bound on the memory for loading as a multiple of the files' size, beyond what they declare.
 const TIMES: u64 = 4;
 
-/// Bytes that even an empty file may take: the report, one block of what is walked through.
+/// Bytes that an empty file may take: the report, and one block of the stack of nodes.
 const SMALL: u64 = 256 << 10;
 
-/// Bytes that a triangle takes in a model, with its material's number.
+/// Bytes of a triangle in a model, with the index of its material.
 const TRIANGLE: u64 = (size_of::<Triangle>() + size_of::<u32>()) as u64;
 
-/// Bytes that a material or a library may take; there are at most 65,536 of each.
+/// Bytes that a material or a library may take. There are at most 65,536 of each.
 const NAMED: u64 = 512;
 
-/// Bytes that an emitting triangle may take while those are looked for that overlap another.
+/// Bytes that a light may take in the check for lights that overlap another triangle.
 const LIGHT: u64 = 256;
 
-/// Bytes that a camera which a node places takes; there are at most 65,536.
+/// Bytes of a camera that a node places. There are at most 65,536.
 const CAMERA: u64 = size_of::<Camera>() as u64;
 
-/// Files that ask for much; the first is the scene.
+/// A scene file, first in `files`, and the files beside it.
 struct Hostile {
     name: &'static str,
     files: Vec<(&'static str, Vec<u8>)>,
-    /// What its message says, or how many triangles are loaded.
+    /// The number of loaded triangles, or a part of the error message.
     outcome: Result<usize, &'static str>,
-    /// Triangles that it declares beside those that are loaded.
+    /// Triangles that it declares beyond those that are loaded.
     declared: usize,
-    /// Triangles that emit light.
+    /// The number of lights.
     lights: usize,
-    /// Cameras that are made, and materials and libraries that it names.
+    /// The number of cameras that nodes place, and of materials and libraries that the files name.
     cameras: usize,
     named: usize,
-    /// The most that loading may take, as a multiple of the file.
+    /// The bound on the memory for loading as a multiple of the files' size.
     most: u64,
 }
 
@@ -65,7 +65,7 @@ impl Hostile {
         }
     }
 
-    /// A glTF of these members; `triangle` is one of accessor 0.
+    /// A glTF file with these members, and the positions of one triangle in its binary chunk.
     fn json(name: &'static str, members: &str) -> Self {
         let json = format!(r#"{{"asset":{{"version":"2.0"}},{members}}}"#);
         Self::new(name, "a.glb", glb(&json, &floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0])))
@@ -75,7 +75,7 @@ impl Hostile {
         Self::new(name, "a.obj", text.into_bytes())
     }
 
-    /// A triangle with that material library.
+    /// An OBJ file of one triangle, with the material library `text`.
     fn mtl(name: &'static str, text: String) -> Self {
         Self::obj(name, format!("mtllib a.mtl\n{FLAT}f 1 2 3\n")).beside("a.mtl", text.into_bytes()).loads(1)
     }
@@ -93,7 +93,7 @@ impl Hostile {
         Self { outcome: Err(message), ..self }
     }
 
-    /// Triangles that it declares where it is refused.
+    /// Triangles that the refused file declares.
     fn declares(self, declared: usize) -> Self {
         Self { declared, ..self }
     }
@@ -114,7 +114,7 @@ impl Hostile {
         Self { named, ..self }
     }
 
-    /// Loads it, prints what that took, and returns what is wrong with it.
+    /// Loads the files, prints the memory that loading took, and returns a message if the check fails.
     fn check(&self) -> Option<String> {
         let list: Vec<_> = self.files.iter().map(|(name, content)| (*name, &content[..])).collect();
         let size = self.files.iter().map(|(_, content)| content.len() as u64).sum::<u64>();
@@ -150,7 +150,7 @@ impl Hostile {
     }
 }
 
-/// How many triangles were made, degenerate ones too, and how many there are, or the error.
+/// The number of triangles with degenerate ones, and the number without them or the error.
 fn outcome(files: &Files, result: &Result<Loaded, IoError>) -> (usize, Result<usize, String>) {
     match result {
         Ok(loaded) => {
@@ -168,20 +168,26 @@ fn check(rows: impl IntoIterator<Item = Hostile>) {
 
 /// A JSON array.
 fn array(count: usize, element: impl Fn(usize) -> String) -> String {
-    let elements: Vec<_> = (0..count).map(element).collect();
-    format!("[{}]", elements.join(","))
+    let mut text = String::from("[");
+    for i in 0..count {
+        text += if i == 0 { "" } else { "," };
+        text += &element(i);
+    }
+    text + "]"
 }
 
+/// A JSON array of `count` equal elements.
 fn same(count: usize, element: &str) -> String {
-    array(count, |_| element.into())
+    let rest = format!(",{element}").repeat(count.saturating_sub(1));
+    format!("[{element}{rest}]")
 }
 
-/// A little more than a power of two: what doubles has just done so.
+/// One more than a power of two: a vector that doubles has just grown.
 const MILLION: usize = (1 << 20) + 1;
 const MANY: usize = (1 << 17) + 1;
 const FEW: usize = (1 << 15) + 1;
 
-/// What a mesh of one triangle takes.
+/// The members that a mesh of one triangle refers to.
 const SHAPE: &str = r#""accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
     "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]"#;
 
@@ -334,12 +340,12 @@ fn the_rest_of_gltf() {
     ]);
 }
 
-/// What is said of a number that is none.
+/// The end of the message for a value that is not a number.
 const NO_NUMBER: &str = ", expected u32";
 
 const FLAT: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-/// So many lines.
+/// A text of `count` lines.
 fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     (0..count).map(|i| line(i) + "\n").collect()
 }

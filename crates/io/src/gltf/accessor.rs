@@ -1,15 +1,15 @@
-//! Typed reading of buffers. Everything is checked when an accessor is opened, and nothing is
-//! copied: what is read later lies within its buffer. An accessor is opened once, whatever uses it,
-//! and takes less memory than its JSON.
+//! Typed access to buffers. Opening an accessor checks all its bounds and copies nothing, so that later
+//! access stays within the buffer. Each accessor is opened once and takes less memory than its JSON.
 
 use super::buffer::Buffers;
 use super::document::Document;
 use super::json::{self, Shape};
+use crate::limits::check_count;
 use crate::loading::Loading;
 use crate::{IoError, Location, Place};
 use glam::Vec3;
 
-/// Elements at even distances.
+/// Elements at a constant stride.
 #[derive(Clone, Copy)]
 struct Slots<'a> {
     bytes: &'a [u8],
@@ -23,12 +23,12 @@ impl<'a> Slots<'a> {
     }
 }
 
-/// How an index is stored.
+/// The type of a stored index, with its size in bytes.
 #[derive(Clone, Copy)]
 enum IndexType {
-    U8,
-    U16,
-    U32,
+    U8 = 1,
+    U16 = 2,
+    U32 = 4,
 }
 
 impl IndexType {
@@ -42,11 +42,7 @@ impl IndexType {
     }
 
     fn size(self) -> usize {
-        match self {
-            Self::U8 => 1,
-            Self::U16 => 2,
-            Self::U32 => 4,
-        }
+        self as usize
     }
 
     fn read(self, bytes: &[u8]) -> u32 {
@@ -58,7 +54,7 @@ impl IndexType {
     }
 }
 
-/// What an accessor's elements are.
+/// The elements of an accessor.
 #[derive(Clone, Copy)]
 enum Kind {
     Position,
@@ -66,7 +62,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// `None` for what a scene has no use for.
+    /// `None` for elements that a scene does not need.
     fn of(shape: Shape, component_type: u32) -> Option<Self> {
         match (shape, component_type) {
             (Shape::Vec3, 5126) => Some(Self::Position),
@@ -83,7 +79,7 @@ impl Kind {
     }
 }
 
-/// What an accessor is used as.
+/// The use of an accessor.
 #[derive(Clone, Copy)]
 pub(super) enum Use {
     Positions,
@@ -103,16 +99,16 @@ impl Use {
     }
 }
 
-/// The elements of an accessor; those that no buffer has are zero.
+/// An open accessor. Elements without data in a buffer are zero.
 pub(super) struct Accessor<'a> {
     dense: Option<Slots<'a>>,
-    /// Boxed, since few have it.
+    /// Boxed, since few accessors have it.
     sparse: Option<Box<Sparse<'a>>>,
     count: u64,
     kind: Kind,
 }
 
-/// Replacements for single elements, in the order of the elements' indices.
+/// Replacements for single elements, sorted by index.
 struct Sparse<'a> {
     indices: Slots<'a>,
     index_type: IndexType,
@@ -134,13 +130,13 @@ impl<'a> Accessor<'a> {
         })
     }
 
-    /// Index number `position`, which must be below `count`; zero if these are no indices.
+    /// The index at `position`, which must be below `count`; zero if the elements are not indices.
     pub(super) fn index(&self, position: u64) -> u64 {
         let Kind::Index(index_type) = self.kind else { return 0 };
         self.get(position, index_type.size()).map_or(0, |bytes| index_type.read(bytes).into())
     }
 
-    /// Element `index`, of `size` bytes; `None` for zero.
+    /// Element `index` of `size` bytes; `None` if it is zero.
     fn get(&self, index: u64, size: usize) -> Option<&'a [u8]> {
         let replaced = self.sparse.as_ref().and_then(|sparse| sparse.get(index, size));
         replaced.or_else(|| self.dense.map(|slots| slots.get(index as usize, size)))
@@ -162,14 +158,14 @@ impl<'a> Sparse<'a> {
     }
 }
 
-/// All accessors, opened when they are first used.
+/// All accessors. Each is opened on first use.
 pub(super) struct Accessors<'a> {
     document: &'a Document<'a>,
     buffers: &'a Buffers<'a>,
-    /// Read once, since many accessors may lie in one.
+    /// Read once, since many accessors may share a view.
     views: Vec<json::BufferView>,
     opened: Vec<Option<Accessor<'a>>>,
-    /// Of all accessors opened.
+    /// The number of sparse elements of all open accessors.
     sparse_elements: u64,
 }
 
@@ -181,24 +177,24 @@ impl<'a> Accessors<'a> {
         Self { document, buffers, views, opened, sparse_elements: 0 }
     }
 
-    /// Accessor `index`, if it has been opened.
+    /// Accessor `index`, if it is open.
     pub(super) fn get(&self, index: u32) -> Option<&Accessor<'a>> {
         self.opened.get(index as usize)?.as_ref()
     }
 
-    /// Opens accessor `index` to be used so, if it is not open.
+    /// Opens accessor `index` for this use, unless it is open.
     pub(super) fn open(&mut self, index: u32, used_as: Use, loading: &Loading<'_>) -> Result<(), IoError> {
         let at = loading.at(Place::Accessor(index as usize));
         match self.opened.get(index as usize) {
             Some(Some(opened)) if used_as.fits(opened.kind) => {}
-            Some(Some(_)) => return Err(wrong(at, used_as.rule())),
+            Some(Some(_)) => return Err(wrong(&at, used_as.rule())),
             Some(None) => self.opened[index as usize] = Some(self.read(index, used_as, at, loading)?),
-            None => return Err(wrong(at, &format!("does not exist (accessors: {})", self.opened.len()))),
+            None => return Err(wrong(&at, &format!("does not exist (accessors: {})", self.opened.len()))),
         }
         Ok(())
     }
 
-    /// Reads accessor `index`, which exists, and checks what it refers to.
+    /// Reads accessor `index`, which must exist, and checks its bounds.
     fn read(
         &mut self,
         index: u32,
@@ -209,22 +205,25 @@ impl<'a> Accessors<'a> {
         let json = self.document.accessors.get(index as usize);
         let kind = json.as_ref().and_then(|json| Kind::of(json.shape, json.component_type));
         let Some((json, kind)) = json.zip(kind.filter(|kind| used_as.fits(*kind))) else {
-            return Err(wrong(at, used_as.rule()));
+            return Err(wrong(&at, used_as.rule()));
         };
         let (count, size) = (json.count, kind.size());
-        let limit = loading.limits.json_values;
-        if json.buffer_view.is_none() && count > limit {
-            return Err(IoError::TooLarge { at, what: "elements without a buffer view", limit });
-        }
-        let dense = json.buffer_view.map(|view| self.view(view, &at, loading)).transpose()?;
-        let dense = dense
-            .map(|(bytes, stride)| slots(bytes, stride, json.byte_offset, size, count, &at))
-            .transpose()?;
+        let dense = match json.buffer_view {
+            Some(view) => {
+                let (bytes, stride) = self.view(view, &at, loading)?;
+                Some(slots(bytes, stride, json.byte_offset, size, count, &at)?)
+            }
+            None => {
+                let limit = loading.limits.json_values;
+                check_count(count, limit, "elements without a buffer view", || at.clone())?;
+                None
+            }
+        };
         let sparse = json.sparse.map(|json| self.sparse(&json, size, count, &at, loading)).transpose()?;
         Ok(Accessor { dense, sparse: sparse.map(Box::new), count, kind })
     }
 
-    /// The replacements for some of `count` elements of `size` bytes.
+    /// Replacements for some of `count` elements of `size` bytes.
     fn sparse(
         &mut self,
         json: &json::Sparse,
@@ -234,18 +233,16 @@ impl<'a> Accessors<'a> {
         loading: &Loading<'_>,
     ) -> Result<Sparse<'a>, IoError> {
         let index_type = IndexType::of(json.indices.component_type)
-            .ok_or_else(|| wrong(at.clone(), "sparse indices must be unsigned integers"))?;
+            .ok_or_else(|| wrong(at, "sparse indices must be unsigned integers"))?;
         let (bytes, _) = self.view(json.indices.buffer_view, at, loading)?;
         let indices = slots(bytes, None, json.indices.byte_offset, index_type.size(), json.count, at)?;
         let (bytes, _) = self.view(json.values.buffer_view, at, loading)?;
         let values = slots(bytes, None, json.values.byte_offset, size, json.count, at)?;
         let sparse = Sparse { indices, index_type, values, count: json.count as usize };
-        // Many accessors may have the same ones, and each looks at all of them.
+        // Accessors may share their sparse elements, but each checks all of them.
         self.sparse_elements = self.sparse_elements.saturating_add(json.count);
         let limit = loading.jail.bytes_read();
-        if self.sparse_elements > limit {
-            return Err(IoError::TooLarge { at: at.clone(), what: "elements of sparse accessors", limit });
-        }
+        check_count(self.sparse_elements, limit, "elements of sparse accessors", || at.clone())?;
         check_order(&sparse, count, at)?;
         Ok(sparse)
     }
@@ -257,19 +254,17 @@ impl<'a> Accessors<'a> {
         at: &Location,
         loading: &Loading<'_>,
     ) -> Result<(&'a [u8], Option<u64>), IoError> {
-        let view = self.views.get(index as usize);
-        let view = view.ok_or_else(|| wrong(at.clone(), &format!("bufferViews[{index}] does not exist")))?;
-        let at = loading.at(Place::BufferView(index as usize));
-        let buffer = self.buffers.get(view.buffer);
-        let buffer =
-            buffer.ok_or_else(|| wrong(at.clone(), &format!("buffers[{}] does not exist", view.buffer)))?;
+        let missing = |at: &Location, what, index| wrong(at, &format!("{what}[{index}] does not exist"));
+        let view = self.views.get(index as usize).ok_or_else(|| missing(at, "bufferViews", index))?;
+        let at = &loading.at(Place::BufferView(index as usize));
+        let buffer = self.buffers.get(view.buffer).ok_or_else(|| missing(at, "buffers", view.buffer))?;
         let end = view.byte_offset.checked_add(view.byte_length).filter(|end| *end <= buffer.len() as u64);
         let end = end.ok_or_else(|| wrong(at, "buffer view exceeds its buffer"))?;
         Ok((&buffer[view.byte_offset as usize..end as usize], view.byte_stride))
     }
 }
 
-/// `count` elements of `size` bytes from `offset` on, or an error if `bytes` has not that many.
+/// `count` elements of `size` bytes from `offset` on, or an error if they exceed `bytes`.
 fn slots<'a>(
     bytes: &'a [u8],
     stride: Option<u64>,
@@ -280,10 +275,7 @@ fn slots<'a>(
 ) -> Result<Slots<'a>, IoError> {
     let stride = stride.unwrap_or(size as u64);
     if stride < size as u64 {
-        return Err(wrong(
-            at.clone(),
-            &format!("byte stride {stride} is less than the element size of {size}"),
-        ));
+        return Err(wrong(at, &format!("byte stride {stride} is less than the element size of {size}")));
     }
     let length = count.saturating_sub(1).checked_mul(stride).and_then(|length| {
         let last = if count > 0 { size as u64 } else { 0 };
@@ -293,29 +285,26 @@ fn slots<'a>(
         Some(length) if length <= bytes.len() as u64 => {
             Ok(Slots { bytes: &bytes[offset as usize..], stride: stride as usize })
         }
-        _ => Err(wrong(at.clone(), &format!("{count} elements exceed the buffer view"))),
+        _ => Err(wrong(at, &format!("{count} elements exceed the buffer view"))),
     }
 }
 
-/// Sparse indices must rise, and stay within the accessor: then each can be found by halving.
+/// Checks that sparse indices increase, for the binary search, and are below `count`.
 fn check_order(sparse: &Sparse<'_>, count: u64, at: &Location) -> Result<(), IoError> {
     let mut least = 0;
     for position in 0..sparse.count {
         let index = sparse.index(position);
         if index < least {
-            return Err(wrong(at.clone(), "sparse indices do not increase"));
+            return Err(wrong(at, "sparse indices do not increase"));
         }
         if index >= count {
-            return Err(wrong(
-                at.clone(),
-                &format!("sparse index {index} is out of range (elements: {count})"),
-            ));
+            return Err(wrong(at, &format!("sparse index {index} is out of range (elements: {count})")));
         }
         least = index + 1;
     }
     Ok(())
 }
 
-fn wrong(at: Location, message: &str) -> IoError {
-    IoError::Accessor { at, message: message.into() }
+fn wrong(at: &Location, message: &str) -> IoError {
+    IoError::Accessor { at: at.clone(), message: message.into() }
 }

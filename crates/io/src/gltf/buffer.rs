@@ -7,13 +7,13 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-/// The bytes of every buffer, as many as it declares.
+/// The bytes of every buffer, of the declared length.
 pub(super) struct Buffers<'a>(Vec<Bytes<'a>>);
 
 enum Bytes<'a> {
-    /// The binary chunk, or nothing.
+    /// The binary chunk, or an empty slice.
     Chunk(&'a [u8]),
-    /// The first bytes of a file, which other buffers may share, or of a `data:` URI.
+    /// The first bytes of a file or of a `data:` URI. Buffers may share a file.
     Of(Rc<Vec<u8>>, usize),
 }
 
@@ -41,7 +41,7 @@ impl<'a> Buffers<'a> {
         Ok(Self(all))
     }
 
-    /// The bytes of buffer `index`; `None` if there are not that many buffers.
+    /// The bytes of buffer `index`; `None` if the buffer does not exist.
     pub(super) fn get(&self, index: u32) -> Option<&[u8]> {
         Some(match self.0.get(index as usize)? {
             Bytes::Chunk(bytes) => bytes,
@@ -50,8 +50,7 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// Files that buffers have named, each read once: a small file could else ask for one again and
-/// again.
+/// The files of buffers. Each is read once, so that a small scene cannot request the memory of many copies.
 #[derive(Default)]
 struct Files(HashMap<PathBuf, Rc<Vec<u8>>>);
 
@@ -62,7 +61,7 @@ impl Files {
             Ok(Target::Data(bytes)) => Ok(Rc::new(bytes)),
             Ok(Target::File(name)) => {
                 let path = loading.jail.resolve(&name, &at)?;
-                // One file has many names.
+                // A file may have several names.
                 let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
                 if let Some(bytes) = self.0.get(&canonical) {
                     return Ok(Rc::clone(bytes));
@@ -77,7 +76,7 @@ impl Files {
     }
 }
 
-/// How many bytes a buffer declares; what is beyond them may be padding.
+/// The declared length of a buffer. Bytes beyond it may be padding.
 fn check_length(
     bytes: &[u8],
     json: &json::Buffer<'_>,

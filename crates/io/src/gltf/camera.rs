@@ -6,8 +6,8 @@ use crate::{IoError, Place, WarningKind};
 use glam::DVec3;
 use globillum_integrator::{Camera, RenderError};
 
-/// The perspective cameras that nodes place. They look down their -z axis; the aspect ratio is the
-/// picture's, not the file's.
+/// The perspective cameras that nodes place. A camera looks along -z of its node. The picture determines the
+/// aspect ratio, not the file.
 pub(super) fn all(
     document: &Document<'_>,
     tree: &Tree<'_>,
@@ -16,7 +16,7 @@ pub(super) fn all(
     if !tree.has_cameras {
         return Ok(Vec::new());
     }
-    // Many nodes may place one camera: each is read once.
+    // Each camera is read once, since many nodes may place it.
     let mut lenses = Vec::with_capacity(document.cameras.len());
     lenses.extend(document.cameras.iter().map(|json| field_of_view(&json)));
     let mut count = 0;
@@ -25,21 +25,14 @@ pub(super) fn all(
         count += usize::from(lens.is_some_and(Option::is_some));
         Ok(())
     })?;
-    let limit = loading.limits.cameras;
-    if count as u64 > limit {
-        return Err(IoError::TooLarge { at: loading.at(Place::File), what: "cameras", limit });
-    }
+    loading.check_count(count as u64, loading.limits.cameras, "cameras")?;
     let mut cameras = Vec::with_capacity(count);
     tree.walk(loading, |placed, loading| {
         let Some(index) = placed.node.camera else { return Ok(()) };
-        let lens = lenses.get(index as usize).ok_or_else(|| IoError::Index {
-            at: loading.at(Place::Node(placed.index)),
-            index: index.into(),
-            count: lenses.len(),
-            what: "cameras",
-        })?;
-        let place = Place::Camera(index as usize);
-        let Some(field_of_view) = *lens else {
+        let at = Place::Node(placed.index);
+        let index = loading.check_index(at, index.into(), lenses.len(), "cameras")?;
+        let place = Place::Camera(index);
+        let Some(field_of_view) = lenses[index] else {
             loading.warn(place, WarningKind::CameraIgnored);
             return Ok(());
         };
@@ -50,7 +43,7 @@ pub(super) fn all(
     Ok(cameras)
 }
 
-/// The vertical one, in radians; `None` for cameras that are not perspective ones.
+/// The vertical field of view in radians; `None` if the camera is not perspective.
 fn field_of_view(json: &json::Camera<'_>) -> Option<f64> {
     let perspective = json.perspective.as_ref().filter(|_| json.kind.0 == "perspective");
     perspective.map(|perspective| perspective.yfov)
@@ -60,7 +53,7 @@ fn of(placed: &Placed<'_>, field_of_view: f64) -> Result<Camera, RenderError> {
     let world = &placed.world;
     let eye = world.translation;
     let forward = world.transform_vector3(DVec3::NEG_Z).normalize_or_zero();
-    // So far away that the difference to the eye keeps its digits.
+    // At this distance the difference to the eye is precise.
     let target = eye + forward * eye.length().max(1.0);
     Camera::look_at(eye, target, world.transform_vector3(DVec3::Y), field_of_view)
 }

@@ -6,7 +6,7 @@ pub(super) struct Container<'a> {
     pub(super) json: &'a [u8],
     /// The binary chunk, which only .glb has.
     pub(super) binary: Option<&'a [u8]>,
-    /// Whether `json` is the whole file, so that its lines are the file's.
+    /// Whether the file is text, so that lines of `json` are lines of the file.
     pub(super) is_text: bool,
 }
 
@@ -14,7 +14,7 @@ const MAGIC: &[u8; 4] = b"glTF";
 const JSON: &[u8; 4] = b"JSON";
 const BINARY: &[u8; 4] = b"BIN\0";
 
-/// Takes a file apart; what it is its first bytes say, not its name.
+/// Splits a file into its parts. The first bytes determine the format, not the name.
 pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, IoError> {
     let Some(after_magic) = bytes.strip_prefix(MAGIC) else {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -43,7 +43,7 @@ pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, Io
         return Err(malformed("first chunk is not JSON"));
     }
     let binary = next()?.filter(|chunk| chunk.kind == BINARY).map(|chunk| chunk.content);
-    // What else may follow is for extensions, but whole it must be.
+    // Further chunks belong to extensions. They are ignored, but must be complete.
     while next()?.is_some() {}
     Ok(Container { json: json.content, binary, is_text: false })
 }
@@ -53,7 +53,7 @@ struct Chunk<'a> {
     content: &'a [u8],
 }
 
-/// The first chunk, and what follows it.
+/// The first chunk and the bytes after it.
 fn chunk(bytes: &[u8]) -> Option<(Chunk<'_>, &[u8])> {
     let (length, rest) = number(bytes)?;
     let (kind, rest) = rest.split_at_checked(4)?;

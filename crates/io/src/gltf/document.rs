@@ -3,28 +3,32 @@ use super::json::{Root, Text};
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 
-/// Extensions whose effect is not lost: the strength of emission is read, and where a texture lies
-/// does not matter, since textures are not.
-const READ: [&str; 2] = ["KHR_materials_emissive_strength", "KHR_texture_transform"];
+/// The supported extensions. The emissive strength is read. The texture transform has no effect, since
+/// textures are ignored.
+const SUPPORTED: [&str; 2] = ["KHR_materials_emissive_strength", "KHR_texture_transform"];
 
-/// A glTF file's structure, of a version that is understood and needing no unknown extension.
-pub(super) struct Document<'a>(Root<'a, true>);
+/// The structure of a glTF file.
+pub(super) type Document<'a> = Root<'a, true>;
 
 impl<'a> Document<'a> {
+    /// Parses the JSON and checks its version, its required extensions and its images.
     pub(super) fn parse(container: &Container<'a>, loading: &mut Loading<'_>) -> Result<Self, IoError> {
-        check_length(container.json.len() as u64, loading)?;
-        check_count_of_values(container.json, loading)?;
+        // Offsets within the JSON have 32 bits.
+        loading.check_count(container.json.len() as u64, u32::MAX.into(), "bytes of JSON")?;
+        // Counted before memory is allocated for values. Commas within strings also count.
+        let values = container.json.iter().filter(|byte| matches!(byte, b',' | b'{' | b'[')).count();
+        loading.check_count(values as u64, loading.limits.json_values, "values in JSON")?;
         let refused = |error: serde_json::Error| {
             parse_error(&error.to_string(), error.line(), error.column(), container, loading)
         };
         serde_json::from_slice::<Root<'a, false>>(container.json).map_err(refused)?;
-        // Text that nothing reads may be of another encoding.
+        // The first reading does not check the encoding of ignored values.
         let text = str::from_utf8(container.json).map_err(|error| {
             let (line, column) = line_and_column(&container.json[..error.valid_up_to()]);
             let text = format!("is not UTF-8 at line {line} column {column}");
             parse_error(&text, line, column, container, loading)
         })?;
-        let document = Self(serde_json::from_str(text).map_err(refused)?);
+        let document: Self = serde_json::from_str(text).map_err(refused)?;
         document.check_version(loading)?;
         document.check_extensions(loading)?;
         document.check_images(loading)?;
@@ -44,7 +48,7 @@ impl<'a> Document<'a> {
     }
 
     fn check_extensions(&self, loading: &mut Loading<'_>) -> Result<(), IoError> {
-        let unknown = |name: &Text<'_>| !READ.contains(&name.0.as_ref());
+        let unknown = |name: &Text<'_>| !SUPPORTED.contains(&name.0.as_ref());
         if let Some(extension) = self.extensions_required.iter().find(unknown) {
             let extension = extension.0.into();
             return Err(IoError::Unsupported { at: loading.at(Place::File), extension });
@@ -59,7 +63,7 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// Images are not read, but a file that does not even say where they are is broken.
+    /// Checks that every image has a source. Images are not read.
     fn check_images(&self, loading: &Loading<'_>) -> Result<(), IoError> {
         for (index, image) in self.images.iter().enumerate() {
             let malformed = |message: &str| {
@@ -75,42 +79,15 @@ impl<'a> Document<'a> {
     }
 }
 
-impl<'a> std::ops::Deref for Document<'a> {
-    type Target = Root<'a, true>;
-
-    fn deref(&self) -> &Root<'a, true> {
-        &self.0
-    }
-}
-
-/// Places within JSON are kept in 32 bits.
-fn check_length(length: u64, loading: &Loading<'_>) -> Result<(), IoError> {
-    let limit = u32::MAX.into();
-    let at = loading.at(Place::File);
-    if length > limit { Err(IoError::TooLarge { at, what: "bytes of JSON", limit }) } else { Ok(()) }
-}
-
-/// Looks for too many values before any memory is spent on them. Commas within strings count too,
-/// so what passes may be a little less than the limit.
-fn check_count_of_values(json: &[u8], loading: &Loading<'_>) -> Result<(), IoError> {
-    let limit = loading.limits.json_values;
-    let count = json.iter().filter(|byte| matches!(byte, b',' | b'{' | b'[')).count();
-    if count as u64 > limit {
-        let at = loading.at(Place::File);
-        return Err(IoError::TooLarge { at, what: "values in JSON", limit });
-    }
-    Ok(())
-}
-
-/// Where the text ends that `before` is, both counted from 1.
+/// The line and column, from 1, after the text `before`.
 fn line_and_column(before: &[u8]) -> (usize, usize) {
     let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
     let column = 1 + before.iter().rev().take_while(|&&byte| byte != b'\n').count();
     (line, column)
 }
 
-/// An error of that text, which ends in line and column; those are the file's if it is nothing but
-/// JSON.
+/// The error for the message `text`, which ends in line and column. In a text file these are the line and
+/// column of the file; in a binary file they count within the JSON chunk.
 fn parse_error(
     text: &str,
     line: usize,

@@ -5,9 +5,11 @@ use super::material::Materials;
 use super::primitive::{self, Opened, Primitive, PrimitiveTriangles};
 use super::tree::{Placed, Tree};
 use crate::loading::Loading;
+use crate::occurrences::Occurrences;
+use crate::range::check_range;
 use crate::{IoError, Place, WarningKind};
 use glam::{DAffine3, DVec3};
-use globillum_geom::{Triangle, Triangles};
+use globillum_geom::Triangle;
 use std::ops::Range;
 
 /// Adds the triangles of every placed mesh.
@@ -23,7 +25,7 @@ pub(super) fn add_all<'a>(
     tree.walk(loading, |placed, loading| {
         let Some(mesh) = placed.node.mesh else { return Ok(()) };
         total = total.saturating_add(meshes.open(mesh, placed, loading)?);
-        // Many nodes may place one mesh: the sum is watched, not only its parts.
+        // The running total is checked, since many nodes may place one mesh.
         loading.check_triangles(total)
     })?;
     loading.try_grow(total as usize)?;
@@ -44,7 +46,7 @@ pub(super) fn add_all<'a>(
     })
 }
 
-/// Moves a triangle into the world.
+/// Transforms a triangle to world space.
 fn place(
     corners: [DVec3; 3],
     world: &DAffine3,
@@ -52,54 +54,41 @@ fn place(
     loading: &Loading<'_>,
 ) -> Result<Triangle, IoError> {
     let placed = Triangle::transformed(corners, world);
-    let limit = Triangles::MAX_COORDINATE;
-    if let Some(x) = placed.vertices.iter().flat_map(|v| v.to_array()).find(|x| !(-limit..=limit).contains(x))
-    {
-        let message = format!("coordinate {x:e} exceeds {limit:e} in magnitude");
-        return Err(IoError::Domain { at: loading.at(Place::Node(node)), message });
-    }
+    check_range("coordinate", placed.vertices.iter().flat_map(|v| v.to_array()))
+        .map_err(|message| IoError::Domain { at: loading.at(Place::Node(node)), message })?;
     Ok(placed)
 }
 
-/// What has been opened of a mesh.
+/// An opened mesh.
 #[derive(Clone)]
 struct Mesh {
-    /// Where in [`Meshes::primitives`] those are that have triangles.
+    /// The range of its primitives with triangles in [`Meshes::primitives`].
     primitives: Range<u32>,
-    /// How many triangles they have together.
+    /// The number of their triangles.
     triangles: u64,
 }
 
-/// Meshes that nodes place, each opened once.
+/// The meshes that nodes place. Each is opened once.
 struct Meshes<'a> {
     document: &'a Document<'a>,
     accessors: Accessors<'a>,
     opened: Vec<Option<Mesh>>,
     primitives: Vec<Primitive>,
-    /// Where first, and how many: primitives of points or lines, vertices left over, normals.
-    skipped: Option<(Place, usize)>,
-    left_over: Option<(Place, usize)>,
-    normals: Option<(Place, usize)>,
+    not_triangles: Occurrences,
+    left_over: Occurrences,
+    normals: Occurrences,
     posed: Option<Place>,
 }
 
 impl<'a> Meshes<'a> {
     fn new(document: &'a Document<'a>, accessors: Accessors<'a>) -> Self {
         let opened = vec![None; document.meshes.len()];
-        let primitives = Vec::new();
-        Self {
-            document,
-            accessors,
-            opened,
-            primitives,
-            skipped: None,
-            left_over: None,
-            normals: None,
-            posed: None,
-        }
+        let [not_triangles, left_over, normals] = [(); 3].map(|()| Occurrences::default());
+        let (primitives, posed) = (Vec::new(), None);
+        Self { document, accessors, opened, primitives, not_triangles, left_over, normals, posed }
     }
 
-    /// Opens mesh `index`, which `placed` holds, and returns how many triangles it has.
+    /// Opens mesh `index` of the node `placed` and returns the number of its triangles.
     fn open(&mut self, index: u32, placed: &Placed<'_>, loading: &mut Loading<'_>) -> Result<u64, IoError> {
         if placed.node.skin.is_some() {
             self.posed.get_or_insert(Place::Node(placed.index));
@@ -108,17 +97,14 @@ impl<'a> Meshes<'a> {
         if let Some(Some(opened)) = self.opened.get(mesh) {
             return Ok(opened.triangles);
         }
-        let json = self.document.meshes.get(mesh).ok_or_else(|| IoError::Index {
-            at: loading.at(Place::Node(placed.index)),
-            index: index.into(),
-            count: self.document.meshes.len(),
-            what: "meshes",
-        })?;
+        let at = Place::Node(placed.index);
+        loading.check_index(at, index.into(), self.opened.len(), "meshes")?;
+        let Some(json) = self.document.meshes.get(mesh) else { return Ok(0) };
         let (first, mut triangles) = (self.primitives.len() as u32, 0_u64);
         for (number, json) in (0_u32..).zip(json.primitives.iter()) {
             let place = Place::Primitive { mesh, primitive: number as usize };
             match primitive::open(&json, number, place, &mut self.accessors, loading)? {
-                Opened::NotTriangles => count(&mut self.skipped, place, 1),
+                Opened::NotTriangles => self.not_triangles.add(place, 1),
                 Opened::NoPositions => loading.warn(place, WarningKind::NoPositions),
                 Opened::Triangles(primitive) => {
                     triangles = triangles.saturating_add(self.keep(primitive, &json, place));
@@ -130,12 +116,12 @@ impl<'a> Meshes<'a> {
         Ok(triangles)
     }
 
-    /// Keeps a primitive if it has triangles, and returns how many.
+    /// Keeps a primitive if it has triangles, and returns their number.
     fn keep(&mut self, primitive: Primitive, json: &json::Primitive, place: Place) -> u64 {
         let Some(triangles) = primitive.triangles(place, &self.accessors) else { return 0 };
-        count(&mut self.left_over, place, triangles.left_over());
+        self.left_over.add(place, triangles.left_over() as usize);
         if json.attributes.normal.is_some() {
-            count(&mut self.normals, place, triangles.vertex_count());
+            self.normals.add(place, triangles.vertex_count() as usize);
         }
         if json.targets.count > 0 {
             self.posed.get_or_insert(place);
@@ -146,7 +132,7 @@ impl<'a> Meshes<'a> {
         triangles.count()
     }
 
-    /// The primitives of a mesh that has been opened, with their triangles.
+    /// The primitives of an opened mesh, with their triangles.
     fn primitives(&self, mesh: u32) -> impl Iterator<Item = (&Primitive, PrimitiveTriangles<'_>)> {
         let mesh = mesh as usize;
         let opened = self.opened.get(mesh).into_iter().flatten();
@@ -159,24 +145,11 @@ impl<'a> Meshes<'a> {
     }
 
     fn warn(&self, loading: &mut Loading<'_>) {
-        if let Some((place, count)) = self.skipped {
-            loading.warn(place, WarningKind::NotTriangles { count });
-        }
-        if let Some((place, count)) = self.left_over {
-            loading.warn(place, WarningKind::LeftOver { count });
-        }
-        if let Some((place, count)) = self.normals {
-            loading.warn(place, WarningKind::NormalsIgnored { count });
-        }
+        self.not_triangles.warn(loading, |count| WarningKind::NotTriangles { count });
+        self.left_over.warn(loading, |count| WarningKind::LeftOver { count });
+        self.normals.warn(loading, |count| WarningKind::NormalsIgnored { count });
         if let Some(place) = self.posed {
             loading.warn(place, WarningKind::PoseIgnored);
         }
-    }
-}
-
-/// Counts more of something, and keeps where it first occurred.
-fn count(occurrences: &mut Option<(Place, usize)>, place: Place, more: u64) {
-    if more > 0 {
-        occurrences.get_or_insert((place, 0)).1 += more as usize;
     }
 }

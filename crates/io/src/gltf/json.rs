@@ -1,8 +1,8 @@
-//! What a glTF file's JSON says, as far as a scene needs it.
+//! The structures of glTF JSON that a scene needs.
 //!
-//! These structures take the place of the `gltf` crate's, which read an index of 2^32 as 0 and
-//! keep what is not needed here; text is borrowed from the file where it can be, and lists are left
-//! in it. `KEPT` is that of [`List`].
+//! The structures of the `gltf` crate are not used, since they read an index of 2^32 as 0 and keep more
+//! content. Strings are borrowed from the file where possible, and lists stay in it. `KEPT` is that of
+//! [`List`].
 
 use super::list::{Count, Indices, List};
 use serde::Deserialize;
@@ -40,7 +40,7 @@ pub(super) struct Root<'a, const KEPT: bool> {
     pub(super) extensions_required: List<'a, Text<'a>, KEPT>,
 }
 
-/// Something whose presence alone matters.
+/// A value of which only the presence matters.
 #[derive(Default, Deserialize)]
 pub(super) struct Ignored {}
 
@@ -69,7 +69,7 @@ pub(super) struct Node<'a, const KEPT: bool> {
     pub(super) mesh: Option<u32>,
     pub(super) camera: Option<u32>,
     pub(super) skin: Option<u32>,
-    /// Boxed, as are the others: most nodes of a large scene have one of them or none.
+    /// Boxed like the three below, since most nodes of a large scene have at most one of them.
     pub(super) matrix: Option<Box<[f64; 16]>>,
     pub(super) translation: Option<Box<[f64; 3]>>,
     pub(super) rotation: Option<Box<[f64; 4]>>,
@@ -93,7 +93,7 @@ pub(super) struct Primitive {
     pub(super) targets: Count<Ignored>,
 }
 
-/// The mode of separate triangles, the default.
+/// The default mode: separate triangles.
 fn triangles() -> u32 {
     4
 }

@@ -1,18 +1,18 @@
-//! Lists of JSON, of which hardly more is kept than where they are: the smallest object takes three
-//! bytes of a file, and may take a hundred of memory.
+//! Lists in JSON that stay in the text: the smallest object takes three bytes of a file, but may take a
+//! hundred bytes of memory.
 //!
-//! What has such a list is read twice, with another `KEPT`: `false` reads every element to check it,
-//! and keeps none; `true` relies on that, and keeps the text.
+//! A structure with lists is read twice. With `KEPT = false`, every element is checked and dropped. With
+//! `KEPT = true`, the lists keep their text and are not checked again.
 
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 use std::fmt;
 use std::marker::PhantomData;
 
-/// A list whose elements are read one by one, when they are asked for.
+/// A list whose elements are parsed on demand.
 pub(super) struct List<'a, T, const KEPT: bool> {
     text: &'a str,
-    /// Where in `text` each element begins: four bytes, where the element has three at least.
+    /// The offset of each element in `text`.
     offsets: Vec<u32>,
     elements: PhantomData<T>,
 }
@@ -22,14 +22,14 @@ impl<'a, T: Deserialize<'a>> List<'a, T, true> {
         self.offsets.len()
     }
 
-    /// Reads element `index`; `None` if there are not that many.
+    /// Element `index`; `None` if it does not exist.
     pub(super) fn get(&self, index: usize) -> Option<T> {
         let rest = self.text.get(*self.offsets.get(index)? as usize..)?;
-        // It is well-formed, since it has been read before, so none is missing from `iter`.
+        // The element is well-formed, since the first reading has checked it.
         T::deserialize(&mut serde_json::Deserializer::from_str(rest)).ok()
     }
 
-    /// Reads all elements, in order.
+    /// All elements, in order.
     pub(super) fn iter(&self) -> impl Iterator<Item = T> {
         (0..self.len()).filter_map(|index| self.get(index))
     }
@@ -53,8 +53,8 @@ impl<'de: 'a, 'a, T: Deserialize<'de>, const KEPT: bool> Deserialize<'de> for Li
     }
 }
 
-/// Where each element of the list `text` begins. They are counted first, since what grows takes
-/// more than it needs.
+/// The offset of each element of the list `text`. The elements are counted first, since a growing vector takes
+/// more memory.
 fn offsets(text: &str) -> Result<Vec<u32>, serde_json::Error> {
     let mut count = 0;
     for_each(&mut serde_json::Deserializer::from_str(text), |_: IgnoredAny| count += 1)?;
@@ -65,15 +65,15 @@ fn offsets(text: &str) -> Result<Vec<u32>, serde_json::Error> {
     Ok(offsets)
 }
 
-/// A list of indices, read one by one. As an iterator it is what is left of them.
+/// An iterator over a list of indices, which are parsed on demand.
 #[derive(Clone, Default)]
 pub(super) struct Indices<'a, const KEPT: bool> {
-    /// From the next index on, without what stands before it.
+    /// The text from the next index on.
     text: &'a str,
 }
 
 impl<'a> Indices<'a, true> {
-    /// All indices in `text`, and after its last one nothing.
+    /// All indices in `text`.
     fn of(text: &'a str) -> Self {
         Self { text: text.trim_start_matches(|c: char| !c.is_ascii_digit()) }
     }
@@ -105,7 +105,7 @@ impl<'de: 'a, 'a, const KEPT: bool> Deserialize<'de> for Indices<'a, KEPT> {
     }
 }
 
-/// How many elements a list has, of which nothing else matters.
+/// The number of elements of a list.
 #[derive(Default)]
 pub(super) struct Count<T> {
     pub(super) count: usize,
@@ -120,7 +120,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Count<T> {
     }
 }
 
-/// Reads a list and hands out each of its elements.
+/// Calls `visit` for each element of a list.
 fn for_each<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
     visit: impl FnMut(T),

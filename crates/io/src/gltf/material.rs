@@ -1,19 +1,20 @@
 use super::document::Document;
 use super::json;
 use crate::loading::Loading;
-use crate::{IoError, Place, WarningKind};
+use crate::losses::Losses;
+use crate::{IoError, Place};
 use globillum_integrator::MaterialId;
 use globillum_material::{Emission, Material, MaterialError, Rgb, Sides};
 use std::borrow::Cow;
 
-/// The materials of a file, and the one for primitives without any.
+/// The materials of a file, and the default material.
 pub(super) struct Materials {
     all: Vec<MaterialId>,
     default: MaterialId,
 }
 
 impl Materials {
-    /// The material of that index, which `place` refers to.
+    /// The material `index`, which `place` refers to; the default material for `None`.
     pub(super) fn get(
         &self,
         index: Option<u32>,
@@ -21,28 +22,21 @@ impl Materials {
         loading: &Loading<'_>,
     ) -> Result<MaterialId, IoError> {
         let Some(index) = index else { return Ok(self.default) };
-        self.all.get(index as usize).copied().ok_or_else(|| IoError::Index {
-            at: loading.at(place),
-            index: index.into(),
-            count: self.all.len(),
-            what: "materials",
-        })
+        Ok(self.all[loading.check_index(place, index.into(), self.all.len(), "materials")?])
     }
 }
 
-/// Makes every material, and reports what is lost.
+/// Adds every material, with warnings about the properties that are lost.
 pub(super) fn all(document: &Document<'_>, loading: &mut Loading<'_>) -> Result<Materials, IoError> {
-    let limit = loading.limits.materials;
-    if document.materials.len() as u64 > limit {
-        return Err(IoError::TooLarge { at: loading.at(Place::File), what: "materials", limit });
-    }
-    let mut all = Vec::with_capacity(document.materials.len());
+    let count = document.materials.len();
+    loading.check_count(count as u64, loading.limits.materials, "materials")?;
+    let mut all = Vec::with_capacity(count);
     for (index, json) in document.materials.iter().enumerate() {
         let place = Place::Material(index);
         let name = json.name.as_ref().map_or_else(|| index.to_string().into(), |name| Cow::from(&*name.0));
         let refused = |source| IoError::Material { at: loading.at(place), name: name.to_string(), source };
         let material = material(&json).map_err(refused)?;
-        for kind in passed_over(&json, &name) {
+        for kind in losses(&json).warnings(&name) {
             loading.warn(place, kind);
         }
         all.push(loading.add_material(material));
@@ -61,14 +55,14 @@ fn material(json: &json::Material<'_>) -> Result<Material, MaterialError> {
     Ok(scattering.emitting(Emission::new(radiance, sides)?))
 }
 
-/// Whether an ideal mirror (metallic 1, roughness 0) is nearer than an ideal diffuse surface
-/// (metallic 0, roughness 1).
+/// Whether the material is closer to an ideal mirror (metallic 1, roughness 0) than to an ideal diffuse
+/// surface (metallic 0, roughness 1).
 fn is_mirror(json: &json::Material<'_>) -> bool {
     let pbr = &json.pbr_metallic_roughness;
     pbr.metallic_factor > pbr.roughness_factor
 }
 
-fn passed_over(json: &json::Material<'_>, name: &str) -> impl Iterator<Item = WarningKind> {
+fn losses(json: &json::Material<'_>) -> Losses {
     let pbr = &json.pbr_metallic_roughness;
     let textures = [
         &pbr.base_color_texture,
@@ -77,18 +71,14 @@ fn passed_over(json: &json::Material<'_>, name: &str) -> impl Iterator<Item = Wa
         &json.occlusion_texture,
         &json.emissive_texture,
     ];
-    let textured = textures.iter().any(|texture| texture.is_some());
-    let transparent = json.alpha_mode.as_ref().is_some_and(|mode| mode.0 != "OPAQUE");
     let ideal = matches!((pbr.metallic_factor, pbr.roughness_factor), (0.0, 1.0) | (1.0, 0.0));
-    // What reflects nothing does so ideally.
+    // A black surface reflects nothing, so its approximation is exact.
     let black = pbr.base_color_factor[..3].iter().all(|&x| x == 0.0);
-    let by = if is_mirror(json) { "an ideal mirror" } else { "an ideal diffuse surface" };
-    // Names may be long: one copy at a time.
-    type Kind = fn(String, &'static str) -> WarningKind;
-    let kinds: [(bool, Kind); 3] = [
-        (textured, |name, _| WarningKind::TexturesIgnored { name }),
-        (transparent, |name, _| WarningKind::TransparencyIgnored { name }),
-        (!ideal && !black, |name, by| WarningKind::Approximated { name, by }),
-    ];
-    kinds.into_iter().filter(|(is_lost, _)| *is_lost).map(move |(_, kind)| kind(name.to_owned(), by))
+    Losses {
+        textured: textures.iter().any(|texture| texture.is_some()),
+        transparent: json.alpha_mode.as_ref().is_some_and(|mode| mode.0 != "OPAQUE"),
+        spectral: false,
+        approximated: !ideal && !black,
+        is_mirror: is_mirror(json),
+    }
 }

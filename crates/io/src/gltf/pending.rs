@@ -1,25 +1,24 @@
-//! What a walk through a tree has yet to come back to, in few bytes for each level: a file can ask
-//! for many.
+//! The stack of a walk through a tree. A level takes few bytes, since a file can have a deep tree.
 
 use super::list::Indices;
 use glam::DAffine3;
 
-/// Children that are yet to be visited, and where their parents are in the world.
+/// The children to visit, and the transforms of their parents to world space.
 #[derive(Default)]
 pub(super) struct Pending<'a> {
     levels: Stack<Level<'a>>,
     worlds: Stack<DAffine3>,
 }
 
-/// Children of one node.
+/// The children of one node.
 struct Level<'a> {
     children: Indices<'a, true>,
-    /// Whether their parent's transform lies on the stack; else it is that of the level below.
+    /// Whether the parent's transform is on the stack. Otherwise it equals that of the level below.
     has_world: bool,
 }
 
 impl<'a> Pending<'a> {
-    /// Adds the children of a node that lies at `world`.
+    /// Adds the children of a node with the transform `world`.
     pub(super) fn push(&mut self, children: Indices<'a, true>, world: DAffine3) {
         if children.is_empty() {
             return;
@@ -31,12 +30,12 @@ impl<'a> Pending<'a> {
         self.levels.push(Level { children, has_world });
     }
 
-    /// Takes out the next child of the node that was added last, with where that node lies.
+    /// Removes the next child of the last node, and returns it with the transform of that node.
     pub(super) fn pop(&mut self) -> Option<(u32, DAffine3)> {
         let level = self.levels.last_mut()?;
         let child = level.children.next()?;
         let world = *self.worlds.last()?;
-        // A level goes with its last child: a chain of nodes takes one.
+        // A level is removed with its last child, so a chain of nodes takes one level.
         if level.children.is_empty() {
             if level.has_world {
                 self.worlds.pop();
@@ -47,12 +46,12 @@ impl<'a> Pending<'a> {
     }
 }
 
-/// The sign of a zero counts: transforms that merely compare equal may place points differently.
+/// Compared by bits, since transforms that differ in the sign of a zero may place points differently.
 fn bits(transform: &DAffine3) -> [u64; 12] {
     transform.to_cols_array().map(f64::to_bits)
 }
 
-/// A stack that grows block by block: what moves to grow takes its memory twice and three times.
+/// A stack that grows by blocks. A growing vector would take up to three times the memory of its content.
 struct Stack<T> {
     full: Vec<Vec<T>>,
     top: Vec<T>,
@@ -80,7 +79,7 @@ impl<T> Stack<T> {
 
     fn pop(&mut self) -> Option<T> {
         let element = self.top.pop();
-        // The top is empty only if all is, and stays for what comes next.
+        // The top block is empty only if the stack is empty.
         if self.top.is_empty()
             && let Some(full) = self.full.pop()
         {

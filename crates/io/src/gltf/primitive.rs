@@ -4,7 +4,7 @@ use crate::loading::Loading;
 use crate::{IoError, Place};
 use glam::DVec3;
 
-/// How vertices follow each other.
+/// How a list of corners forms triangles.
 #[derive(Clone, Copy)]
 enum Mode {
     Triangles,
@@ -12,11 +12,11 @@ enum Mode {
     Fan,
 }
 
-/// A primitive made of triangles, its accessors opened. There may be as many as its JSON of 30 bytes
-/// has room for, so it only names them.
+/// A primitive of triangles with open accessors. It holds only their indices, since a file may have a
+/// primitive for every 30 bytes of JSON.
 #[derive(Clone, Copy)]
 pub(super) struct Primitive {
-    /// Its position in its mesh.
+    /// Its index in its mesh.
     pub(super) index: u32,
     pub(super) material: Option<u32>,
     positions: u32,
@@ -24,7 +24,7 @@ pub(super) struct Primitive {
     mode: Mode,
 }
 
-/// What there is to say of a primitive.
+/// The result of opening a primitive.
 pub(super) enum Opened {
     Triangles(Primitive),
     /// Points or lines.
@@ -32,7 +32,7 @@ pub(super) enum Opened {
     NoPositions,
 }
 
-/// Opens a primitive that stands at `place`, number `index` of its mesh.
+/// Opens the primitive at `place`, with this index in its mesh.
 pub(super) fn open(
     primitive: &json::Primitive,
     index: u32,
@@ -62,7 +62,7 @@ pub(super) fn open(
 }
 
 impl Primitive {
-    /// Its triangles, where it stands at `place`; `None` if its accessors are not open.
+    /// The triangles of this primitive at `place`; `None` if its accessors are not open.
     pub(super) fn triangles<'a>(
         &self,
         place: Place,
@@ -91,7 +91,7 @@ impl PrimitiveTriangles<'_> {
         self.positions.count()
     }
 
-    /// How many corners follow each other.
+    /// The number of corners in the list.
     fn corner_count(&self) -> u64 {
         self.indices.unwrap_or(self.positions).count()
     }
@@ -103,7 +103,7 @@ impl PrimitiveTriangles<'_> {
         }
     }
 
-    /// Corners that are too few for one more triangle.
+    /// The number of corners after the last complete triangle.
     pub(super) fn left_over(&self) -> u64 {
         match (self.mode, self.corner_count()) {
             (Mode::Triangles, count) => count % 3,
@@ -116,7 +116,7 @@ impl PrimitiveTriangles<'_> {
     pub(super) fn get(&self, index: u64, loading: &Loading<'_>) -> Result<[DVec3; 3], IoError> {
         let corners = match self.mode {
             Mode::Triangles => [3 * index, 3 * index + 1, 3 * index + 2],
-            // Every other triangle of a strip is wound the other way round.
+            // Odd triangles of a strip have the opposite winding.
             Mode::Strip if index % 2 == 1 => [index, index + 2, index + 1],
             Mode::Strip => [index, index + 1, index + 2],
             Mode::Fan => [0, index + 1, index + 2],
@@ -127,14 +127,7 @@ impl PrimitiveTriangles<'_> {
 
     fn position(&self, corner: u64, loading: &Loading<'_>) -> Result<DVec3, IoError> {
         let vertex = self.indices.map_or(corner, |indices| indices.index(corner));
-        if vertex >= self.positions.count() {
-            return Err(IoError::Index {
-                at: loading.at(self.indices_at),
-                index: vertex as i64,
-                count: self.positions.count() as usize,
-                what: "vertices",
-            });
-        }
+        loading.check_index(self.indices_at, vertex, self.positions.count() as usize, "vertices")?;
         let position = self.positions.position(vertex);
         if position.is_finite() {
             Ok(position.as_dvec3())

@@ -1,8 +1,8 @@
 use super::json::Node;
+use crate::range;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
-use globillum_geom::Triangles;
 
-/// Where a node places what it holds, relative to its parent; an error says what is wrong with it.
+/// The transform of a node relative to its parent, or a message that says why it is invalid.
 pub(super) fn local(node: &Node<'_, true>) -> Result<DAffine3, String> {
     let transform = match node.matrix.as_deref() {
         Some(columns) => of_matrix(columns)?,
@@ -12,13 +12,9 @@ pub(super) fn local(node: &Node<'_, true>) -> Result<DAffine3, String> {
     Ok(transform)
 }
 
-/// Refuses a transform that no coordinate would survive.
+/// Checks that all components are within the range of coordinates.
 pub(super) fn check_range(transform: &DAffine3) -> Result<(), String> {
-    let limit = f64::from(Triangles::MAX_COORDINATE);
-    match transform.to_cols_array().into_iter().find(|x| !(-limit..=limit).contains(x)) {
-        Some(x) => Err(format!("transform component {x:e} exceeds {limit:e} in magnitude")),
-        None => Ok(()),
-    }
+    range::check_range("transform component", transform.to_cols_array())
 }
 
 fn of_matrix(columns: &[f64; 16]) -> Result<DAffine3, String> {
@@ -33,13 +29,13 @@ fn of_matrix(columns: &[f64; 16]) -> Result<DAffine3, String> {
     Ok(transform)
 }
 
-/// A scale of zero is allowed here, since it is how nodes are hidden.
+/// The scale may be zero, since files hide nodes that way.
 fn of_parts(node: &Node<'_, true>) -> Result<DAffine3, String> {
     let vector = |parts: &Option<Box<[f64; 3]>>, default| {
         parts.as_deref().map_or(default, |parts| DVec3::from_array(*parts))
     };
     let rotation = match node.rotation.as_deref() {
-        // The most common one shall not cost a rounding.
+        // Exact, unlike the normalised quaternion.
         None => DQuat::IDENTITY,
         Some(parts) => {
             let rotation = DQuat::from_array(*parts);

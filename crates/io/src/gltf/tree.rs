@@ -1,5 +1,5 @@
-//! The nodes of a scene: no recursion, so that a chain of any depth can be walked, and nothing kept
-//! of a node but its parent.
+//! The nodes of a scene. The walk does not recurse, so a chain of nodes may have any depth. Only the parent
+//! of each node stays in memory.
 
 use super::document::Document;
 use super::json::Node;
@@ -11,27 +11,26 @@ use crate::{IoError, Place};
 use glam::DAffine3;
 use std::num::NonZeroU32;
 
-/// A node, and where in the world it is.
+/// A node and its transform to world space.
 pub(super) struct Placed<'a> {
     pub(super) index: usize,
     pub(super) node: Node<'a, true>,
     pub(super) world: DAffine3,
 }
 
-/// The nodes of the default scene.
-///
-/// That is the one that the file names, else its first; without scenes it is all nodes.
+/// The nodes of the default scene: the scene that the file names, else its first scene. A file without scenes
+/// has one scene of all nodes.
 pub(super) struct Tree<'a> {
     document: &'a Document<'a>,
     parents: Parents,
-    /// The scene's nodes; `None` for all that have no parent.
+    /// The root nodes of the scene; `None` for all nodes without a parent.
     roots: Option<Indices<'a, true>>,
-    /// Whether any of its nodes holds a camera.
+    /// Whether a node of the scene has a camera.
     pub(super) has_cameras: bool,
 }
 
 impl<'a> Tree<'a> {
-    /// Checks that it is a tree, and that every node of it can be placed.
+    /// Checks that the nodes are a tree and that all transforms are valid.
     pub(super) fn of(document: &'a Document<'a>, loading: &mut Loading<'_>) -> Result<Self, IoError> {
         let parents = Parents::of(document, loading)?;
         parents.refuse_cycles(loading)?;
@@ -46,7 +45,7 @@ impl<'a> Tree<'a> {
         Ok(tree)
     }
 
-    /// Visits all nodes, depth first in the file's order.
+    /// Visits all nodes depth first, children in the order of the file.
     pub(super) fn walk<'l>(
         &self,
         loading: &mut Loading<'l>,
@@ -77,7 +76,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// Each node's parent, counted from 1, in four bytes.
+/// The index of each node's parent plus 1, in four bytes.
 struct Parents(Vec<Option<NonZeroU32>>);
 
 impl Parents {
@@ -94,17 +93,17 @@ impl Parents {
         Ok(parents)
     }
 
-    /// `node` and all above it, endlessly if it is its own ancestor.
+    /// `node` and its ancestors. Infinite if the node is its own ancestor.
     fn chain(&self, node: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(node), |&node| self.0[node].map(|parent| parent.get() as usize - 1))
     }
 
-    /// Follows every chain of parents up to its root, or to where a chain has been.
+    /// Follows every chain of parents to its root or to a node of an earlier chain.
     fn refuse_cycles(&self, loading: &Loading<'_>) -> Result<(), IoError> {
-        let mut met = Flags::new(self.0.len());
+        let mut visited = Flags::new(self.0.len());
         for start in 0..self.0.len() {
-            let length = self.chain(start).take_while(|&node| !met.replace(node)).count();
-            // The chain goes round if it ends at one of its own nodes.
+            let length = self.chain(start).take_while(|&node| !visited.replace(node)).count();
+            // The chain is a cycle if it ends at one of its own nodes.
             let end = self.chain(start).nth(length);
             if let Some(node) = end.filter(|&end| self.chain(start).take(length).any(|node| node == end)) {
                 return Err(IoError::Cycle { at: loading.at(Place::Node(node)) });
@@ -113,11 +112,9 @@ impl Parents {
         Ok(())
     }
 
-    /// The node of that index, which `place` refers to.
+    /// The index of the node that `place` refers to, if it exists.
     fn existing(&self, index: u32, place: Place, loading: &Loading<'_>) -> Result<usize, IoError> {
-        let (node, count) = (index as usize, self.0.len());
-        let missing = || IoError::Index { at: loading.at(place), index: index.into(), count, what: "nodes" };
-        if node < count { Ok(node) } else { Err(missing()) }
+        loading.check_index(place, index.into(), self.0.len(), "nodes")
     }
 }
 
@@ -127,20 +124,15 @@ fn roots<'a>(
     loading: &Loading<'_>,
 ) -> Result<Option<Indices<'a, true>>, IoError> {
     let scenes = &document.scenes;
-    let count = scenes.len();
-    if count == 0 && document.scene.is_none() {
+    if scenes.len() == 0 && document.scene.is_none() {
         return Ok(None);
     }
     let index = document.scene.unwrap_or(0);
-    let scene = scenes.get(index as usize).ok_or_else(|| IoError::Index {
-        at: loading.at(Place::File),
-        index: index.into(),
-        count,
-        what: "scenes",
-    })?;
+    let index = loading.check_index(Place::File, index.into(), scenes.len(), "scenes")?;
+    let Some(scene) = scenes.get(index) else { return Ok(None) };
     let mut is_root = Flags::new(parents.0.len());
     for root in scene.nodes.clone() {
-        let root = parents.existing(root, Place::Scene(index as usize), loading)?;
+        let root = parents.existing(root, Place::Scene(index), loading)?;
         if is_root.replace(root) || parents.0[root].is_some() {
             return Err(IoError::NotATree { at: loading.at(Place::Node(root)) });
         }
@@ -156,7 +148,7 @@ impl Flags {
         Self(vec![0; count.div_ceil(64)])
     }
 
-    /// Sets a node's bit, and returns whether it was set already.
+    /// Sets a node's bit and returns its previous value.
     fn replace(&mut self, node: usize) -> bool {
         let (word, bit) = (&mut self.0[node / 64], 1 << (node % 64));
         let before = *word & bit != 0;

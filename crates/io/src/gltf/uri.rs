@@ -1,4 +1,4 @@
-//! Uniform resource identifiers, as far as a scene's own files need them.
+//! Uniform resource identifiers (RFC 3986) of the files of a scene.
 
 use std::borrow::Cow;
 
@@ -7,14 +7,14 @@ use std::borrow::Cow;
 pub(super) enum Target<'a> {
     /// The bytes of a `data:` URI.
     Data(Vec<u8>),
-    /// A file, by its name relative to the scene's.
+    /// A file name relative to the scene file.
     File(Cow<'a, str>),
     /// A URI of an unsupported scheme.
     Other(&'a str),
 }
 
 impl<'a> Target<'a> {
-    /// Takes a URI apart; an error says what is wrong with it.
+    /// The target of a URI, or a message that says why the URI is invalid.
     pub(super) fn of(uri: &'a str) -> Result<Self, &'static str> {
         if let Some(data) = uri.strip_prefix("data:") {
             let (kind, content) = data.split_once(',').ok_or("comma after `data:` is missing")?;
@@ -71,7 +71,7 @@ fn base64(text: &str) -> Result<Vec<u8>, &'static str> {
             bits = bits << 6 | six_bits(digit).ok_or("invalid base64 character")?;
         }
         bits <<= 6 * (4 - group.len());
-        // Four digits make three bytes, three make two, two make one.
+        // Four digits encode three bytes, three encode two, and two encode one.
         bytes.extend(&bits.to_be_bytes()[1..group.len()]);
     }
     Ok(bytes)

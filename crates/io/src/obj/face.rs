@@ -2,14 +2,14 @@ use super::number::plain_index;
 use super::source::Statement;
 use crate::IoError;
 
-/// How many vertices, texture coordinates and normals there are above a face.
+/// The numbers of vertices, texture coordinates and normals above a face.
 pub(super) struct Counts(pub(super) [usize; 3]);
 
-/// What the numbers in a face's corner `v/vt/vn` refer to.
+/// The elements that the indices of a corner `v/vt/vn` refer to.
 const REFERENTS: [&str; 3] = ["vertices above", "texture coordinates above", "normals above"];
 
-/// The vertex, counted from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, each an index from
-/// 1, or negative to count back.
+/// The vertex, from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. An index in the file counts from 1,
+/// or back from the face if it is negative.
 pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> Result<usize, IoError> {
     if let Some(index) = plain_index(word)
         && 0 < index
@@ -21,7 +21,7 @@ pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> 
     let (kind, field) = fields.next().unwrap_or_default();
     let vertex = position(statement, field, kind, counts)?;
     for (kind, field) in fields {
-        // Only `v//vn` leaves something out.
+        // Only `v//vn` has an empty field.
         if kind == 1 && field.is_empty() {
             continue;
         }
@@ -33,7 +33,7 @@ pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> 
     Ok(vertex)
 }
 
-/// What an index refers to, counted from 0.
+/// The position, from 0, of the element that an index refers to.
 fn position(statement: &Statement<'_>, field: &str, kind: usize, counts: &Counts) -> Result<usize, IoError> {
     let index: i64 = statement.number(field)?;
     let (count, distance) = (counts.0[kind], index.unsigned_abs());

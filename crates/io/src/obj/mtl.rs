@@ -1,33 +1,33 @@
 use super::source::{Source, Statement};
-use crate::{IoError, WarningKind};
+use crate::IoError;
+use crate::losses::Losses;
 use globillum_material::{Bsdf, Emission, Material, MaterialError, Reflectance, Rgb, Sides};
 
-/// What a material library says of one material, as far as it is understood.
+/// The supported properties of one material in a library.
 ///
-/// Libraries are not left to tobj: its reader panics at `Kd 0.5`, which is a legal grey.
+/// The reader of tobj is not used, since it panics on `Kd 0.5`, which is a valid grey.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Description {
     diffuse: Option<Rgb>,
     specular: Option<Rgb>,
     emitted: Rgb,
     illumination_model: u32,
-    /// Whether it mentions texture maps.
+    /// Whether it has texture maps.
     textured: bool,
-    /// Whether it lets light through.
+    /// Whether it has an opacity below 1.
     transparent: bool,
-    /// Whether a colour is given as a spectral curve.
+    /// Whether a colour is a spectral curve.
     spectral: bool,
 }
 
-/// The illumination models that reflect as an ideal mirror does, without transparency.
+/// The illumination model of an ideal mirror without transparency.
 const MIRROR: u32 = 3;
 
 /// The illumination models of glass.
 const GLASS: [u32; 4] = [4, 6, 7, 9];
 
 impl Description {
-    /// Hands out the materials of a library, each with the statement that begins it, when it has been
-    /// read to its end.
+    /// Calls `visit` for each complete material of a library, with the statement that begins it.
     pub(super) fn each<'a>(
         library: &'a Source,
         mut visit: impl FnMut(&Statement<'a>, &Self) -> Result<(), IoError>,
@@ -61,7 +61,7 @@ impl Description {
         Ok(())
     }
 
-    /// `r g b`, or one number for a grey; `None` for a spectral curve, which is not read.
+    /// `r g b`, or one number for a grey. `None` for a spectral curve, which is not supported.
     fn colour(&mut self, statement: &Statement<'_>) -> Result<Option<Rgb>, IoError> {
         if statement.words().next() == Some("spectral") {
             self.spectral = true;
@@ -82,8 +82,8 @@ impl Description {
         }
     }
 
-    /// A mirror if that is asked for or there is no diffuse colour beside the specular one;
-    /// Lambertian otherwise, grey if there is no colour at all.
+    /// A mirror if the material has `Ks`, and also `illum 3` or no `Kd`. Otherwise Lambertian, with an
+    /// albedo of one half if there is no `Kd`.
     pub(super) fn material(&self) -> Result<Material, MaterialError> {
         let wants_mirror = self.illumination_model == MIRROR || self.diffuse.is_none();
         let material = match self.specular {
@@ -93,32 +93,26 @@ impl Description {
         Ok(material.emitting(Emission::new(self.emitted, Sides::Front)?))
     }
 
-    /// What of it is not in its [`material`](Description::material).
-    pub(super) fn passed_over(&self, name: &str) -> impl Iterator<Item = WarningKind> {
-        let transparent = self.transparent || GLASS.contains(&self.illumination_model);
-        let dropped_highlight =
-            self.diffuse.is_some_and(|kd| !kd.is_black()) && self.specular.is_some_and(|ks| !ks.is_black());
-        let by =
-            if self.illumination_model == MIRROR { "an ideal mirror" } else { "an ideal diffuse surface" };
-        // Names may be long: one copy at a time.
-        type Kind = fn(String, &'static str) -> WarningKind;
-        let kinds: [(bool, Kind); 4] = [
-            (self.textured, |name, _| WarningKind::TexturesIgnored { name }),
-            (transparent, |name, _| WarningKind::TransparencyIgnored { name }),
-            (self.spectral, |name, _| WarningKind::SpectrumIgnored { name }),
-            (dropped_highlight, |name, by| WarningKind::Approximated { name, by }),
-        ];
-        kinds.into_iter().filter(|(is_lost, _)| *is_lost).map(move |(_, kind)| kind(name.to_owned(), by))
+    /// The properties that its [`material`](Description::material) does not have.
+    pub(super) fn losses(&self) -> Losses {
+        let visible = |colour: Option<Rgb>| colour.is_some_and(|colour| !colour.is_black());
+        Losses {
+            textured: self.textured,
+            transparent: self.transparent || GLASS.contains(&self.illumination_model),
+            spectral: self.spectral,
+            approximated: visible(self.diffuse) && visible(self.specular),
+            is_mirror: self.illumination_model == MIRROR,
+        }
     }
 }
 
-/// The material of faces without one, and of those whose material is not defined: a grey of one half.
+/// The material of faces without a defined material: Lambertian with an albedo of one half.
 pub(super) fn default_material() -> Material {
     let half = Rgb::splat(0.5);
     Material { bsdf: Bsdf::Lambert(Reflectance::new(half).unwrap_or_default()), emission: Emission::NONE }
 }
 
 fn first_number<T: std::str::FromStr>(statement: &Statement<'_>) -> Result<T, IoError> {
-    // A halo's opacity is written `d -halo factor`.
+    // The opacity of a halo is `d -halo factor`.
     statement.number(statement.words().find(|word| *word != "-halo").unwrap_or_default())
 }

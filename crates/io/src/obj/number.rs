@@ -1,12 +1,12 @@
-//! Quick readers for plain numbers, which are most of a file.
+//! Fast parsers for plain numbers, the most common content of a file.
 
-/// The powers of ten that `f32` has exactly.
+/// The powers of ten that `f32` represents exactly.
 const POWERS_OF_TEN: [f32; 11] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10];
 
-/// A decimal fraction of few digits, as `str::parse` would read it; `None` for any other word.
+/// A decimal fraction of few digits, with the bits that `str::parse` returns. `None` for any other word.
 ///
-/// Up to 2^24 the digits together are exact, and so is the power of ten: their quotient is rounded
-/// once, which is all that correct rounding asks for (Clinger 1990).
+/// `f32` represents the digits up to 2^24 and the power of ten exactly. Their quotient is rounded once, so it
+/// is correctly rounded (Clinger 1990).
 pub(super) fn fraction(word: &str) -> Option<f32> {
     let (negative, digits) = match word.strip_prefix('-') {
         Some(digits) => (true, digits.as_bytes()),
@@ -33,7 +33,7 @@ pub(super) fn fraction(word: &str) -> Option<f32> {
     exact.then_some(if negative { -value } else { value })
 }
 
-/// A positive number of at most nine digits.
+/// A number of at most nine digits without a sign. `None` for any other word.
 pub(super) fn plain_index(word: &str) -> Option<usize> {
     let digits = word.as_bytes();
     if digits.is_empty() || digits.len() > 9 {

@@ -2,22 +2,21 @@ use super::mtl::Description;
 use super::scan::{LIBRARIES, Named};
 use super::source::{Source, Statement};
 use crate::loading::Loading;
-use crate::{IoError, Place, WarningKind};
+use crate::{IoError, WarningKind};
 use std::collections::HashSet;
 use std::io;
-use std::path::Path;
 
-/// Gives materials that are only named what libraries say of them.
+/// Reads the material libraries of an OBJ file and sets the materials that the file names.
 pub(super) struct Palette<'a, 'n, 'm, 'l> {
     named: &'n Named<'a>,
     loading: &'m mut Loading<'l>,
-    /// For each name in `named`, whether a library has it.
+    /// Whether a library defines each material of `named`.
     is_known: Vec<bool>,
-    /// All names that libraries have.
+    /// The names of all materials of all libraries.
     defined: HashSet<String>,
-    /// Materials of all libraries.
+    /// The number of materials of all libraries.
     materials: usize,
-    /// Names that did not stand for a library as a whole statement.
+    /// The number of library names in statements that name several libraries.
     libraries: usize,
 }
 
@@ -27,7 +26,7 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
         Self { named, loading, is_known, defined: HashSet::new(), materials: 0, libraries: 0 }
     }
 
-    /// Reads all libraries. What does not exist, library or material, is only warned of.
+    /// Reads all libraries. A library or material that does not exist causes a warning.
     pub(super) fn load(mut self) -> Result<(), IoError> {
         let named = self.named;
         for statement in &named.libraries {
@@ -36,18 +35,18 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
         for ((first_use, _), is_known) in named.materials.iter().zip(self.is_known) {
             if !is_known {
                 let unknown = WarningKind::UnknownMaterial { name: first_use.arguments.into() };
-                self.loading.warn(Place::Line(first_use.line), unknown);
+                self.loading.warn(first_use.place(), unknown);
             }
         }
         Ok(())
     }
 
-    /// Reads the library that a statement names.
+    /// Reads the library or the libraries that a statement names.
     fn add_named(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
         if self.add_library(statement, statement.name()?)? {
             return Ok(());
         }
-        // Names may have spaces, but several may also follow each other.
+        // The arguments are one name with spaces, or several names.
         let names = statement.words().count();
         let mut missing = Vec::new();
         for name in statement.words() {
@@ -60,7 +59,7 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
         let missing = if missing.len() == names { vec![statement.arguments] } else { missing };
         for name in missing {
             let kind = WarningKind::MissingLibrary { name: name.into() };
-            self.loading.warn(Place::Line(statement.line), kind);
+            self.loading.warn(statement.place(), kind);
         }
         Ok(())
     }
@@ -75,14 +74,14 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
         };
         let bytes = self.loading.jail.read(&path)?;
         let library = Source::of(&path, bytes, self.loading.limits)?;
-        self.add(&path, &library)?;
+        self.add(&library)?;
         Ok(true)
     }
 
-    /// Adds the materials of one library; a name that is already there gets the new one.
-    fn add(&mut self, path: &Path, library: &Source) -> Result<(), IoError> {
+    /// Adds the materials of one library. A second material of the same name replaces the first.
+    fn add(&mut self, library: &Source) -> Result<(), IoError> {
         let limit = self.loading.limits.materials;
-        // A library is read to its end before any of its materials is judged.
+        // A malformed statement anywhere in the library is reported before an invalid material.
         let mut count = 0;
         Description::each(library, |begin, _| {
             count += 1;
@@ -97,12 +96,11 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
             })?;
             self.materials += 1;
             begin.check_count(self.materials, "materials", limit)?;
-            let at = || Place::Line(begin.line).of(path);
             if !self.defined.insert(name.into()) {
-                self.loading.warn_of(at(), WarningKind::DuplicateMaterial { name: name.into() });
+                self.loading.warn_of(begin.at(), WarningKind::DuplicateMaterial { name: name.into() });
             }
-            for kind in description.passed_over(name) {
-                self.loading.warn_of(at(), kind);
+            for kind in description.losses().warnings(name) {
+                self.loading.warn_of(begin.at(), kind);
             }
             if let Some(&position) = self.named.positions.get(name) {
                 self.is_known[position] = true;

@@ -5,47 +5,48 @@ use super::polygon::is_convex;
 use super::source::Statement;
 use super::totals::Totals;
 use crate::loading::Loading;
-use crate::{IoError, Place, WarningKind};
+use crate::occurrences::Occurrences;
+use crate::range::check_range;
+use crate::{IoError, WarningKind};
 use glam::Vec3;
-use globillum_geom::{Triangle, Triangles};
+use globillum_geom::Triangle;
 use globillum_integrator::MaterialId;
 use std::collections::{HashMap, HashSet};
 
-/// What there may be as many of as there may be materials.
+/// Libraries in the message of an error. They share the limit of materials.
 pub(super) const LIBRARIES: &str = "material libraries";
 
-/// An OBJ file read line by line: faces become triangles at once, materials are only named.
+/// The state of reading an OBJ file line by line. Faces become triangles at once; materials are only named.
 pub(super) struct Scan<'a, 'm, 'l> {
     loading: &'m mut Loading<'l>,
     positions: Vec<Vec3>,
     texture_coordinates: usize,
     normals: Occurrences,
     short_faces: Occurrences,
-    odd_polygons: Occurrences,
-    /// The corners of one face, as indices of `positions`; kept only to be filled again.
+    non_convex: Occurrences,
+    /// The corners of one face as indices of `positions`. Reused between faces to avoid reallocation.
     corners: Vec<usize>,
-    /// Triangles of all faces, degenerate ones too.
+    /// The number of triangles of all faces, with degenerate ones.
     triangles: u64,
-    /// The material of faces to come.
+    /// The material of the faces that follow.
     current: MaterialId,
     library_names: HashSet<&'a str>,
     named: Named<'a>,
 }
 
-/// What a file refers to by name.
+/// The libraries and materials that a file names.
 #[derive(Default)]
 pub(super) struct Named<'a> {
-    /// Statements that name material libraries, each another one.
+    /// The statements that name material libraries, without repetitions.
     pub(super) libraries: Vec<Statement<'a>>,
-    /// For each material, the statement that first uses it.
+    /// Each material with the statement that first uses it.
     pub(super) materials: Vec<(Statement<'a>, MaterialId)>,
-    /// For each material's name, its position in `materials`.
+    /// The position in `materials` of each material's name.
     pub(super) positions: HashMap<&'a str, usize>,
 }
 
 impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
-    /// A scan that gives faces the material `default` until a statement says otherwise, with room
-    /// for what `totals` has counted.
+    /// A scan with memory for `totals`. Faces before the first `usemtl` have the material `default`.
     pub(super) fn new(
         loading: &'m mut Loading<'l>,
         default: MaterialId,
@@ -60,7 +61,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
             texture_coordinates: 0,
             normals: Occurrences::default(),
             short_faces: Occurrences::default(),
-            odd_polygons: Occurrences::default(),
+            non_convex: Occurrences::default(),
             corners: Vec::with_capacity(totals.corners),
             triangles: 0,
             current: default,
@@ -69,7 +70,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         })
     }
 
-    /// Reads `statements`, of `total` bytes together.
+    /// Reads `statements`, which have `total` bytes.
     pub(super) fn run(
         mut self,
         statements: impl Iterator<Item = Statement<'a>>,
@@ -83,7 +84,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         }
         self.loading.progress(total, total)?;
         self.short_faces.warn(self.loading, |count| WarningKind::ShortFaces { count });
-        self.odd_polygons.warn(self.loading, |count| WarningKind::NonConvex { count });
+        self.non_convex.warn(self.loading, |count| WarningKind::NonConvex { count });
         self.normals.warn(self.loading, |count| WarningKind::NormalsIgnored { count });
         Ok(self.named)
     }
@@ -93,19 +94,19 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
             "v" => self.positions.push(position(statement)?),
             "f" => self.face(statement)?,
             "vt" => self.texture_coordinates += 1,
-            "vn" => self.normals.count(statement),
+            "vn" => self.normals.add(statement.place(), 1),
             "usemtl" => self.material(statement)?,
             "mtllib" => self.library(statement)?,
-            // Names, points, lines, curves: nothing that a ray could meet.
+            // Names, points, lines and curves, which no ray can hit.
             _ => {}
         }
         Ok(())
     }
 
-    /// `f` with three corners or more.
+    /// `f` and the corners of a polygon. A face with one or two corners is skipped.
     fn face(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
         let limits = self.loading.limits;
-        let counts = Counts([self.positions.len(), self.texture_coordinates, self.normals.count]);
+        let counts = Counts([self.positions.len(), self.texture_coordinates, self.normals.count()]);
         self.corners.clear();
         for word in statement.words() {
             let corner = face::corner(statement, word, &counts)?;
@@ -115,7 +116,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         }
         match self.corners.len() {
             0 => return Err(statement.malformed("expected at least three vertices")),
-            1 | 2 => self.short_faces.count(statement),
+            1 | 2 => self.short_faces.add(statement.place(), 1),
             _ => {
                 self.triangles += self.corners.len() as u64 - 2;
                 statement.check_count(self.triangles as usize, "triangles", limits.triangles)?;
@@ -125,18 +126,18 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         Ok(())
     }
 
-    /// Cuts the polygon of `corners` into triangles around its first corner.
+    /// Adds the polygon of `corners` as a triangle fan around its first corner.
     fn add_fan(&mut self, statement: &Statement<'a>) {
         let corner = |i: usize| self.positions[self.corners[i]];
         if !is_convex(self.corners.len(), corner) {
-            self.odd_polygons.count(statement);
+            self.non_convex.add(statement.place(), 1);
         }
         for i in 2..self.corners.len() {
             self.loading.add(self.current, Triangle::new(corner(0), corner(i - 1), corner(i)));
         }
     }
 
-    /// `mtllib name`. Some exporters name the library again for every object.
+    /// `mtllib name`. Some exporters repeat it for every object.
     fn library(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
         if self.library_names.insert(statement.arguments) {
             let libraries = &mut self.named.libraries;
@@ -183,38 +184,11 @@ fn position(statement: &Statement<'_>) -> Result<Vec3, IoError> {
     if !position.is_finite() {
         return Err(IoError::NonFinite { at: statement.at() });
     }
-    let limit = Triangles::MAX_COORDINATE;
-    match position.to_array().into_iter().find(|x| x.abs() > limit) {
-        Some(x) => {
-            let message = format!("coordinate {x:e} exceeds {limit:e} in magnitude");
-            Err(IoError::Domain { at: statement.at(), message })
-        }
-        None => Ok(position),
-    }
+    check_range("coordinate", position.to_array())
+        .map_err(|message| IoError::Domain { at: statement.at(), message })?;
+    Ok(position)
 }
 
 fn wrong_count(statement: &Statement<'_>) -> IoError {
     statement.malformed("expected 3, 4 or 6 numbers")
-}
-
-/// Something that is passed over: how often, and where first.
-#[derive(Default)]
-struct Occurrences {
-    first_line: usize,
-    count: usize,
-}
-
-impl Occurrences {
-    fn count(&mut self, statement: &Statement<'_>) {
-        if self.count == 0 {
-            self.first_line = statement.line;
-        }
-        self.count += 1;
-    }
-
-    fn warn(&self, loading: &mut Loading<'_>, kind: impl FnOnce(usize) -> WarningKind) {
-        if self.count > 0 {
-            loading.warn(Place::Line(self.first_line), kind(self.count));
-        }
-    }
 }

@@ -1,19 +1,20 @@
+use crate::limits::check_count;
 use crate::{IoError, Limits, Location, Place};
 use std::iter;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// What some editors put before UTF-8 text.
+/// The mark that some editors write before UTF-8 text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// The text of an OBJ or MTL file; the two share their syntax.
+/// The text of an OBJ or MTL file. Both have the same syntax.
 pub(super) struct Source {
     path: PathBuf,
     text: String,
 }
 
 impl Source {
-    /// Makes text of a file's content.
+    /// The text in a file's content. Continued lines are joined.
     pub(super) fn of(path: &Path, bytes: Vec<u8>, limits: &Limits) -> Result<Self, IoError> {
         let malformed = |valid: &[u8], message: &str| {
             let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
@@ -30,12 +31,11 @@ impl Source {
         }
         let text = joined(text);
         let limit = limits.line_bytes;
-        let is_long = |text: &str| text.len() as u64 > limit;
-        // Most files are shorter than a line may be.
-        if is_long(&text)
-            && let Some((_, line)) = text.lines().zip(1..).find(|(text, _)| is_long(text))
-        {
-            return Err(IoError::TooLarge { at: Place::Line(line).of(path), what: "bytes in a line", limit });
+        // Most files are shorter than the limit for one line.
+        if text.len() as u64 > limit {
+            for (line, number) in text.lines().zip(1..) {
+                check_count(line.len() as u64, limit, "bytes in a line", || Place::Line(number).of(path))?;
+            }
         }
         Ok(Self { path: path.into(), text })
     }
@@ -45,7 +45,7 @@ impl Source {
         self.text.lines()
     }
 
-    /// All lines that say something, in order.
+    /// All lines but empty ones and comments, in order.
     pub(super) fn statements(&self) -> impl Iterator<Item = Statement<'_>> {
         self.lines().zip(1..).filter_map(|(text, line)| Statement::of(&self.path, line, text))
     }
@@ -60,8 +60,8 @@ impl Source {
 #[derive(Clone, Copy)]
 pub(super) struct Statement<'a> {
     path: &'a Path,
-    /// From 1.
-    pub(super) line: usize,
+    /// The line number, from 1.
+    line: usize,
     pub(super) keyword: &'a str,
     pub(super) arguments: &'a str,
 }
@@ -71,21 +71,26 @@ impl<'a> Statement<'a> {
         let text = text.trim_ascii();
         let end = text.bytes().position(|byte| byte == b' ' || byte == b'\t').unwrap_or(text.len());
         let (keyword, arguments) = text.split_at(end);
-        let says_something = !keyword.is_empty() && !keyword.starts_with('#');
-        says_something.then(|| Self { path, line, keyword, arguments: arguments.trim_ascii_start() })
+        let is_statement = !keyword.is_empty() && !keyword.starts_with('#');
+        is_statement.then(|| Self { path, line, keyword, arguments: arguments.trim_ascii_start() })
     }
 
-    /// The arguments, up to a comment.
+    /// The words of the arguments, up to a comment.
     pub(super) fn words(&self) -> impl Iterator<Item = &'a str> + use<'a> {
         self.arguments.split_ascii_whitespace().take_while(|word| !word.starts_with('#'))
     }
 
-    /// File and line.
-    pub(super) fn at(&self) -> Location {
-        Place::Line(self.line).of(self.path)
+    /// Its line.
+    pub(super) fn place(&self) -> Place {
+        Place::Line(self.line)
     }
 
-    /// All arguments as one name, which may have spaces, and a `#` too.
+    /// Its file and line.
+    pub(super) fn at(&self) -> Location {
+        self.place().of(self.path)
+    }
+
+    /// All arguments as one name. A name may contain spaces and `#`.
     pub(super) fn name(&self) -> Result<&'a str, IoError> {
         if self.arguments.is_empty() { Err(self.malformed("expected a name")) } else { Ok(self.arguments) }
     }
@@ -94,14 +99,14 @@ impl<'a> Statement<'a> {
         word.parse().map_err(|_| self.malformed(&format!("`{word}` is not a number")))
     }
 
-    /// Bytes that it takes, about.
+    /// The approximate length in bytes.
     pub(super) fn len(&self) -> u64 {
         (self.keyword.len() + self.arguments.len() + 2) as u64
     }
 
-    /// Refuses to go on if there are more than `limit` of something.
+    /// An error about this statement if `count` exceeds `limit`.
     pub(super) fn check_count(&self, count: usize, what: &'static str, limit: u64) -> Result<(), IoError> {
-        if count as u64 > limit { Err(IoError::TooLarge { at: self.at(), what, limit }) } else { Ok(()) }
+        check_count(count as u64, limit, what, || self.at())
     }
 
     pub(super) fn malformed(&self, why: &str) -> IoError {
@@ -111,23 +116,23 @@ impl<'a> Statement<'a> {
 
 /// `text` with each line that ends in a backslash joined to the next.
 ///
-/// Empty lines make up for the joined ones, so that what follows keeps its line number.
+/// Empty lines follow the joined line, so that the line numbers below it do not change.
 fn joined(text: String) -> String {
     if !text.contains('\\') {
         return text;
     }
     let mut out = String::with_capacity(text.len() + 1);
-    let mut owed = 0;
+    let mut continued = 0;
     for line in text.lines() {
         match line.strip_suffix('\\') {
             Some(head) if !line.starts_with('#') => {
                 out.extend([head, " "]);
-                owed += 1;
+                continued += 1;
             }
             _ => {
                 out.push_str(line);
-                out.extend(iter::repeat_n('\n', owed + 1));
-                owed = 0;
+                out.extend(iter::repeat_n('\n', continued + 1));
+                continued = 0;
             }
         }
     }

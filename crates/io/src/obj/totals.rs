@@ -1,14 +1,14 @@
 use super::source::Source;
 use crate::Limits;
 
-/// What a file declares, counted before memory is made for it: what grows while it is read takes up
-/// to three times as much.
+/// The size of a file's content, counted before memory is allocated for it. A vector that grows takes up to
+/// three times the memory of its content.
 #[derive(Default)]
 pub(super) struct Totals {
     pub(super) vertices: usize,
-    /// Of all faces, degenerate ones too, up to as many as are allowed.
+    /// Triangles of all faces, with degenerate ones, clamped to the limit.
     pub(super) triangles: usize,
-    /// Of the largest polygon, up to as many as are allowed.
+    /// Corners of the largest polygon, clamped to the limit.
     pub(super) corners: usize,
 }
 
@@ -22,10 +22,10 @@ impl Totals {
         totals
     }
 
-    /// Counts what stands in a line, without leading blanks; quicker than by taking it apart.
+    /// Counts the content of a line without leading blanks, faster than by parsing it.
     fn count(&mut self, line: &str) {
         match line.as_bytes() {
-            // Shorter ones are refused: `v 0 0 0`.
+            // The shortest valid line is `v 0 0 0`.
             [b'v', b' ' | b'\t', _, _, _, _, _, ..] => self.vertices += 1,
             [b'f', b' ' | b'\t', ..] => {
                 let corners = words(&line[1..]);
@@ -37,7 +37,7 @@ impl Totals {
     }
 }
 
-/// How many words there are after blanks, up to a comment.
+/// The number of words after blanks, up to a comment.
 fn words(arguments: &str) -> usize {
     let (mut count, mut has_comment) = (0, false);
     for pair in arguments.as_bytes().windows(2) {
