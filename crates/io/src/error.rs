@@ -195,23 +195,3 @@ pub enum IoError {
         source: Box<dyn StdError + Send + Sync>,
     },
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Place;
-    use std::path::Path;
-
-    #[test]
-    fn messages_start_with_the_file_and_the_place() {
-        let at = |place: Place| {
-            IoError::Parse { at: place.of(Path::new("a.x")), message: "odd".into() }.to_string()
-        };
-        assert_eq!(at(Place::Line(7)), "a.x:7: odd");
-        assert_eq!(at(Place::File), "a.x: odd");
-        assert_eq!(at(Place::Node(2)), "a.x: nodes[2]: odd");
-        assert_eq!(at(Place::Primitive { mesh: 1, primitive: 0 }), "a.x: meshes[1].primitives[0]: odd");
-        let (path, source) = ("a.x".into(), io::ErrorKind::PermissionDenied.into());
-        assert_eq!(IoError::Read { path, source }.to_string(), "a.x: cannot be read: permission denied");
-    }
-}

@@ -108,35 +108,3 @@ fn separated(a: [DVec2; 3], b: [DVec2; 3]) -> bool {
         })
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec3;
-    use globillum_material::{Material, Rgb};
-
-    fn square(x: f32, y: f32, half: f32) -> [Triangle; 2] {
-        let p = |dx: f32, dz: f32| Vec3::new(x + dx * half, y, dz * half);
-        let [a, b, c, d] = [p(-1.0, -1.0), p(1.0, -1.0), p(1.0, 1.0), p(-1.0, 1.0)];
-        [Triangle::new(a, b, c), Triangle::new(a, c, d)]
-    }
-
-    fn found(light: [Triangle; 2]) -> Option<WarningKind> {
-        let mut model = Model::default();
-        model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, 1.0, 1.0));
-        model.add(Material::lambert(Rgb::splat(0.5)).unwrap(), square(0.0, -1.0, 1.0));
-        model.add(Material::light(Rgb::WHITE).unwrap(), light);
-        check_lights(&model)
-    }
-
-    #[test]
-    fn a_light_in_the_ceilings_plane_is_found() {
-        assert_eq!(found(square(0.1, 1.0, 0.3)), Some(WarningKind::CoplanarLights { count: 2 }));
-    }
-
-    #[test]
-    fn a_light_below_the_ceiling_or_beside_it_is_fine() {
-        assert_eq!(found(square(0.1, 0.995, 0.3)), None);
-        assert_eq!(found(square(2.0, 1.0, 1.0)), None);
-    }
-}

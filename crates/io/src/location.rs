@@ -37,7 +37,7 @@ pub enum Place {
 
 impl Place {
     /// This place in `path`.
-    #[cfg(any(feature = "obj", feature = "gltf", test))]
+    #[cfg(any(feature = "obj", feature = "gltf"))]
     pub(crate) fn of(self, path: &std::path::Path) -> Location {
         Location { path: path.into(), place: self }
     }

@@ -1,6 +1,6 @@
 //! OBJ files, whole and broken, as they come from disk.
 #![cfg(feature = "obj")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
 use glam::Vec3;
@@ -301,4 +301,63 @@ fn tobj_reads_the_same_triangles() {
         expected.retain(|triangle| !triangle.is_degenerate());
         assert_eq!(load_obj(&path).unwrap().model.triangles(), expected);
     }
+}
+
+/// Whether a polygon of these corners in the plane y = 0 is loaded without a warning that it is not convex.
+fn is_convex(corners: &[[f32; 2]]) -> bool {
+    let vertices: String = corners.iter().map(|[x, z]| format!("v {x} 0 {z}\n")).collect();
+    let face: String = (0..corners.len()).map(|i| format!(" {}", i + 5)).collect();
+    let loaded = load(format!("{SQUARE}{vertices}f 1 2 3\nf{face}\n")).unwrap();
+    !warnings(&loaded).iter().any(|(_, kind)| matches!(kind, WarningKind::NonConvex { .. }))
+}
+
+#[test]
+fn darts_bow_ties_and_stars_are_not_convex() {
+    let star = [0.0, 144.0, 288.0, 72.0, 216.0_f32].map(|a| a.to_radians().sin_cos().into());
+    let odd: [&[[f32; 2]]; 5] = [
+        &[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]],
+        &[[0.0, 0.0], [2.0, 2.0], [0.0, 1.0], [-2.0, 2.0]],
+        &[[2.0, 2.0], [0.0, 1.0], [-2.0, 2.0], [0.0, 0.0]],
+        &[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 1.0]],
+        &star,
+    ];
+    for corners in odd {
+        assert!(!is_convex(corners), "{corners:?}");
+    }
+}
+
+#[test]
+fn squares_regular_polygons_and_straight_corners_are_convex() {
+    let decagon = std::array::from_fn::<_, 10, _>(|i| (36.0 * i as f32).to_radians().sin_cos().into());
+    let even: [&[[f32; 2]]; 5] = [
+        &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]],
+        &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]],
+        &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        &[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        &decagon,
+    ];
+    for corners in even {
+        assert!(is_convex(corners), "{corners:?}");
+    }
+}
+
+/// The first warning about a square light at `(x, y, 0)` below a ceiling at y = 1. `half` is half its side.
+fn warning_about_light(x: f64, y: f64, half: f64) -> Option<WarningKind> {
+    let square = |x: f64, y: f64, half: f64| {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        corners.map(|[dx, dz]| format!("v {} {y} {}\n", x + dx * half, dz * half)).concat()
+            + "f -4 -3 -2 -1\n"
+    };
+    let room = square(0.0, 1.0, 1.0) + &square(0.0, -1.0, 1.0);
+    let obj = format!("mtllib a.mtl\n{room}usemtl m\n{}", square(x, y, half));
+    let files = Files::new(&[("a.obj", obj.as_bytes()), ("a.mtl", b"newmtl m\nKe 1\n")]);
+    files.load().unwrap().report.warnings.first().map(|warning| warning.kind.clone())
+}
+
+#[test]
+fn lights_that_overlap_a_triangle_in_their_plane_are_reported() {
+    let expected = Some(WarningKind::CoplanarLights { count: 2 });
+    assert_eq!(warning_about_light(0.1, 1.0, 0.3), expected);
+    assert_eq!(warning_about_light(0.1, 0.995, 0.3), None);
+    assert_eq!(warning_about_light(2.0, 1.0, 1.0), None);
 }

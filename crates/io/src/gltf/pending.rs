@@ -52,48 +52,45 @@ fn bits(transform: &DAffine3) -> [u64; 12] {
 }
 
 /// A stack that grows by blocks. A growing vector would take up to three times the memory of its content.
-struct Stack<T> {
-    full: Vec<Vec<T>>,
-    top: Vec<T>,
-}
+/// Only the last block may be empty, and only if it is the only one.
+struct Stack<T>(Vec<Vec<T>>);
 
 /// Elements in a block.
 const BLOCK: usize = 256;
 
 impl<T> Default for Stack<T> {
     fn default() -> Self {
-        Self { full: Vec::new(), top: Vec::new() }
+        Self(Vec::new())
     }
 }
 
 impl<T> Stack<T> {
     fn push(&mut self, element: T) {
-        if self.top.len() == BLOCK {
-            self.full.push(std::mem::take(&mut self.top));
+        match self.0.last_mut() {
+            Some(top) if top.len() < BLOCK => top.push(element),
+            _ => {
+                let mut top = Vec::with_capacity(BLOCK);
+                top.push(element);
+                self.0.push(top);
+            }
         }
-        if self.top.capacity() == 0 {
-            self.top.reserve_exact(BLOCK);
-        }
-        self.top.push(element);
     }
 
     fn pop(&mut self) -> Option<T> {
-        let element = self.top.pop();
-        // The top block is empty only if the stack is empty.
-        if self.top.is_empty()
-            && let Some(full) = self.full.pop()
-        {
-            self.top = full;
+        let element = self.0.last_mut()?.pop();
+        // The first block stays for the nodes to come.
+        if self.0.len() > 1 {
+            self.0.pop_if(|top| top.is_empty());
         }
         element
     }
 
     fn last(&self) -> Option<&T> {
-        self.top.last()
+        self.0.last()?.last()
     }
 
     fn last_mut(&mut self) -> Option<&mut T> {
-        self.top.last_mut()
+        self.0.last_mut()?.last_mut()
     }
 }
 
@@ -107,7 +104,7 @@ mod tests {
         let mut stack = Stack::default();
         let count = 3 * BLOCK + 1;
         (0..count).for_each(|i| stack.push(i));
-        assert_eq!((stack.full.len(), stack.last()), (3, Some(&(count - 1))));
+        assert_eq!((stack.0.len(), stack.last()), (4, Some(&(count - 1))));
         assert!((0..count).rev().all(|i| stack.pop() == Some(i)));
         assert_eq!((stack.pop(), stack.last()), (None, None));
     }
@@ -121,11 +118,11 @@ mod tests {
         assert_eq!(pending.pop(), Some((1, at(0.0))));
         // Equal, but of another sign.
         pending.push(children("[4,5]"), at(-0.0));
-        assert_eq!(pending.worlds.top.len(), 2);
+        assert_eq!(pending.worlds.0[0].len(), 2);
         pending.push(children("[6,7]"), at(-0.0));
         pending.push(children("[]"), at(9.0));
         pending.push(children("[8]"), at(1.0));
-        assert_eq!((pending.worlds.top.len(), pending.levels.top.len()), (3, 4));
+        assert_eq!((pending.worlds.0[0].len(), pending.levels.0[0].len()), (3, 4));
         for (child, x) in [(8, 1.0), (6, -0.0), (7, -0.0), (4, -0.0), (5, -0.0), (2, 0.0), (3, 0.0)] {
             let (found, world) = pending.pop().unwrap();
             assert_eq!((found, bits(&world)), (child, bits(&at(x))));
