@@ -63,8 +63,8 @@ impl AtomicFile {
     /// written through is neither forced to disk nor replaced.
     ///
     /// # Errors
-    /// [`IoError::Write`] with the error of `fill` or of the operating system; also if the target has
-    /// stopped to be a regular file since [`AtomicFile::create`].
+    /// [`IoError::Write`] with the error of `fill` or of the operating system; also if the target is
+    /// no longer the regular file of [`AtomicFile::create`].
     pub fn commit(self, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), IoError> {
         let written = match self.sink {
             Sink::Special(file) => write(&file, fill),

@@ -7,6 +7,10 @@ use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
+/// A result whose error is an [`IoError`] by default.
+#[cfg(any(feature = "obj", feature = "gltf"))]
+pub(crate) type Result<T, E = IoError> = std::result::Result<T, E>;
+
 /// Why a file could not be loaded or written.
 ///
 /// A message is one line that starts with the file and the place in it, as in compiler messages, so

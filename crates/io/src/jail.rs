@@ -1,3 +1,4 @@
+use crate::error::Result;
 use crate::limits::check_count;
 use crate::path::folder_of;
 use crate::{IoError, Limits, Location, Place};
@@ -25,7 +26,7 @@ impl<'a> Jail<'a> {
     }
 
     /// The path of the file `name`. The location `at` refers to it.
-    pub(crate) fn resolve(&self, name: &str, at: &Location) -> Result<PathBuf, IoError> {
+    pub(crate) fn resolve(&self, name: &str, at: &Location) -> Result<PathBuf> {
         let escape = || IoError::PathEscape { at: at.clone(), name: name.into() };
         let inside =
             Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
@@ -40,7 +41,7 @@ impl<'a> Jail<'a> {
     }
 
     /// Reads a regular file. Other files are refused, since a FIFO or a device might never end.
-    pub(crate) fn read(&mut self, path: &Path) -> Result<Vec<u8>, IoError> {
+    pub(crate) fn read(&mut self, path: &Path) -> Result<Vec<u8>> {
         let failed = |source| read_error(path, source);
         let metadata = fs::metadata(path).map_err(failed)?;
         if !metadata.is_file() {

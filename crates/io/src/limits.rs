@@ -1,4 +1,6 @@
 #[cfg(any(feature = "obj", feature = "gltf"))]
+use crate::error::Result;
+#[cfg(any(feature = "obj", feature = "gltf"))]
 use crate::{IoError, Location};
 
 /// Limits on the content of a scene file. Exceeding one is
@@ -54,6 +56,6 @@ pub(crate) fn check_count(
     limit: u64,
     what: &'static str,
     at: impl FnOnce() -> Location,
-) -> Result<(), IoError> {
+) -> Result<()> {
     if count > limit { Err(IoError::TooLarge { at: at(), what, limit }) } else { Ok(()) }
 }

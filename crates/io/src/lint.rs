@@ -9,8 +9,8 @@ use std::collections::HashMap;
 /// The resolution of planes: of an offset relative to the scene's size, and of a component of a normal.
 const RESOLUTION: f64 = 1e-6;
 
-/// The average number of pairs that are compared for each triangle of the scene. The check ends there,
-/// since a warning is not worth an hour.
+/// The average number of pairs that are compared for each triangle of the scene. The check ends there, so that
+/// it takes linear time.
 const PAIRS_PER_TRIANGLE: usize = 16;
 
 /// A warning if the scene has no lights, or if lights overlap another triangle in their plane.
@@ -23,7 +23,7 @@ pub(crate) fn check_lights(model: &Model) -> Option<WarningKind> {
     (count > 0).then_some(WarningKind::CoplanarLights { count })
 }
 
-/// The indices of the triangles that emit.
+/// The indices of the lights.
 fn lights(model: &Model) -> Vec<usize> {
     if model.materials().iter().all(|material| material.emission.is_none()) {
         return Vec::new();

@@ -80,7 +80,7 @@ impl<'a> Loader<'a> {
     /// Loads the file `path` by `read`, which reads its content.
     fn load_by(
         &self,
-        read: fn(Vec<u8>, &mut Loading<'_>) -> Result<(), IoError>,
+        read: fn(Vec<u8>, &mut Loading<'_>) -> crate::error::Result<()>,
         path: &Path,
     ) -> Result<Loaded, IoError> {
         let mut loading = Loading::new(path, &self.limits, self.monitor);

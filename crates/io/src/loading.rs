@@ -1,3 +1,4 @@
+use crate::error::Result;
 use crate::jail::Jail;
 #[cfg(feature = "gltf")]
 use crate::limits::check_count;
@@ -95,7 +96,7 @@ impl<'a> Loading<'a> {
 
     /// An error if `count` triangles exceed the limits.
     #[cfg(feature = "gltf")]
-    pub(crate) fn check_triangles(&self, count: u64) -> Result<(), IoError> {
+    pub(crate) fn check_triangles(&self, count: u64) -> Result<()> {
         self.check_count(count, self.limits.triangles, "triangles")?;
         let beyond = count.saturating_sub(self.jail.bytes_read());
         self.check_count(beyond, self.limits.instanced, "triangles of repeated mesh instances")
@@ -103,7 +104,7 @@ impl<'a> Loading<'a> {
 
     /// An error about the scene file as a whole if `count` exceeds `limit`.
     #[cfg(feature = "gltf")]
-    pub(crate) fn check_count(&self, count: u64, limit: u64, what: &'static str) -> Result<(), IoError> {
+    pub(crate) fn check_count(&self, count: u64, limit: u64, what: &'static str) -> Result<()> {
         check_count(count, limit, what, || self.at(Place::File))
     }
 
@@ -115,7 +116,7 @@ impl<'a> Loading<'a> {
         index: u64,
         count: usize,
         what: &'static str,
-    ) -> Result<usize, IoError> {
+    ) -> Result<usize> {
         if index < count as u64 {
             Ok(index as usize)
         } else {
@@ -124,7 +125,7 @@ impl<'a> Loading<'a> {
     }
 
     /// Reserves memory for `count` more triangles.
-    pub(crate) fn try_grow(&mut self, count: usize) -> Result<(), IoError> {
+    pub(crate) fn try_grow(&mut self, count: usize) -> Result<()> {
         self.model.try_reserve(count).map_err(|_| self.out_of_memory())
     }
 
@@ -143,7 +144,7 @@ impl<'a> Loading<'a> {
     }
 
     /// Calls the monitor at regular intervals of work.
-    pub(crate) fn progress(&mut self, done: u64, total: u64) -> Result<(), IoError> {
+    pub(crate) fn progress(&mut self, done: u64, total: u64) -> Result<()> {
         if done < total && done < self.reported.saturating_add(STEPS_BETWEEN_REPORTS) {
             return Ok(());
         }
@@ -153,7 +154,7 @@ impl<'a> Loading<'a> {
     }
 
     /// Checks the complete scene and returns it.
-    pub(crate) fn finish(mut self) -> Result<Loaded, IoError> {
+    pub(crate) fn finish(mut self) -> Result<Loaded> {
         if self.model.triangles().is_empty() {
             return Err(IoError::Empty { path: self.path.into() });
         }

@@ -9,13 +9,13 @@ use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// A way to store a picture.
+/// The format of a picture file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PictureFormat {
-    /// 8 bits per component, sRGB-encoded, clamped to `[0, 1]`: for looking at.
+    /// 8 bits per component, sRGB-encoded, clamped to `[0, 1]`, for viewing.
     Png,
-    /// Linear Rec. 709 as `f32`, nothing clamped: for measuring and for further work.
+    /// Linear Rec. 709 as `f32`, not clamped, for measuring and further processing.
     Exr,
 }
 
@@ -32,7 +32,7 @@ impl PictureFormat {
         }
     }
 
-    /// The bytes of a file; `pixels` come row by row from the top.
+    /// The content of a file. `pixels` are row by row from the top.
     fn encode(self, width: u32, height: u32, pixels: impl Iterator<Item = Rgb>) -> ImageResult<Vec<u8>> {
         let mut file = Cursor::new(Vec::new());
         match self {
@@ -43,22 +43,18 @@ impl PictureFormat {
             Self::Exr => {
                 let components = pixels.flat_map(Rgb::to_array).map(|x| x as f32);
                 let bytes: Vec<u8> = components.flat_map(f32::to_ne_bytes).collect();
-                OpenExrEncoder::new(&mut file).write_image(
-                    &bytes,
-                    width,
-                    height,
-                    ExtendedColorType::Rgb32F,
-                )?;
+                let color = ExtendedColorType::Rgb32F;
+                OpenExrEncoder::new(&mut file).write_image(&bytes, width, height, color)?;
             }
         }
         Ok(file.into_inner())
     }
 }
 
-/// A picture to be written, under a name that is known to be writable.
+/// A picture file that is open for writing.
 ///
-/// Made before rendering, so that a mistyped path costs no hours; until [`PictureFile::write`] is
-/// done, a file already there stays as it is.
+/// Create it before rendering, so that a wrong path is reported at once. An existing file does not change
+/// until [`PictureFile::write`] has finished.
 ///
 /// ```no_run
 /// use globillum_io::{IoError, PictureFile};
@@ -73,7 +69,7 @@ pub struct PictureFile {
     format: PictureFormat,
     path: PathBuf,
     file: AtomicFile,
-    /// What radiance is multiplied by.
+    /// The factor for radiance.
     gain: f64,
 }
 
@@ -88,8 +84,8 @@ impl PictureFile {
         Ok(Self { format, path: path.into(), file: AtomicFile::create(path)?, gain: 1.0 })
     }
 
-    /// The same picture brightened by so many stops, each of which doubles the light, if it is a
-    /// PNG: OpenEXR is for measuring, and stays as it is.
+    /// The same picture with radiance multiplied by two to the power of `stops`, if it is a PNG. An OpenEXR file
+    /// is for measuring and does not change.
     #[must_use]
     pub fn exposed(self, stops: f64) -> Self {
         let gain = if self.format == PictureFormat::Png { stops.exp2() } else { 1.0 };
@@ -101,7 +97,7 @@ impl PictureFile {
     /// [`AtomicFile`]). The picture is encoded in memory, so the target need not be seekable.
     ///
     /// # Errors
-    /// [`IoError::Encode`] or [`IoError::Write`], each of which says what is then left of the old file.
+    /// [`IoError::Encode`] or [`IoError::Write`]. Each says what remains of the old file.
     pub fn write(self, film: &Film) -> Result<(), IoError> {
         let Self { format, path, file, gain } = self;
         let bytes = format

@@ -1,7 +1,7 @@
 use std::fmt::{self, Display, Write};
 
-/// Text that a file or a person chose, as it goes into a message: control characters are escaped,
-/// so that it can neither break a line nor steer a terminal.
+/// Text for a message, with control characters escaped, so that names in a file cannot break the line or
+/// control the terminal.
 pub(crate) fn plain<T: Display>(text: T) -> impl Display {
     Plain(text)
 }

@@ -4,6 +4,7 @@
 use super::buffer::Buffers;
 use super::document::Document;
 use super::json::{self, Shape};
+use crate::error::Result;
 use crate::limits::check_count;
 use crate::loading::Loading;
 use crate::{IoError, Location, Place};
@@ -87,14 +88,13 @@ pub(super) enum Use {
 }
 
 impl Use {
-    fn fits(self, kind: Kind) -> bool {
-        matches!((self, kind), (Self::Positions, Kind::Position) | (Self::Indices, Kind::Index(_)))
-    }
-
-    fn rule(self) -> &'static str {
-        match self {
-            Self::Positions => "positions must be VEC3 of floats",
-            Self::Indices => "indices must be SCALAR of unsigned integers",
+    /// The kind if it fits this use, or a message that says which kind does.
+    fn check(self, kind: Option<Kind>) -> Result<Kind, &'static str> {
+        match (self, kind) {
+            (Self::Positions, Some(kind @ Kind::Position)) => Ok(kind),
+            (Self::Indices, Some(kind @ Kind::Index(_))) => Ok(kind),
+            (Self::Positions, _) => Err("positions must be VEC3 of floats"),
+            (Self::Indices, _) => Err("indices must be SCALAR of unsigned integers"),
         }
     }
 }
@@ -183,12 +183,13 @@ impl<'a> Accessors<'a> {
     }
 
     /// Opens accessor `index` for this use, unless it is open.
-    pub(super) fn open(&mut self, index: u32, used_as: Use, loading: &Loading<'_>) -> Result<(), IoError> {
+    pub(super) fn open(&mut self, index: u32, used_as: Use, loading: &Loading<'_>) -> Result<()> {
         let at = loading.at(Place::Accessor(index as usize));
         match self.opened.get(index as usize) {
-            Some(Some(opened)) if used_as.fits(opened.kind) => {}
-            Some(Some(_)) => return Err(wrong(&at, used_as.rule())),
-            Some(None) => self.opened[index as usize] = Some(self.read(index, used_as, at, loading)?),
+            Some(Some(opened)) => {
+                used_as.check(Some(opened.kind)).map_err(|rule| wrong(&at, rule))?;
+            }
+            Some(None) => self.opened[index as usize] = Some(self.read(index, used_as, &at, loading)?),
             None => return Err(wrong(&at, &format!("does not exist (accessors: {})", self.opened.len()))),
         }
         Ok(())
@@ -199,27 +200,21 @@ impl<'a> Accessors<'a> {
         &mut self,
         index: u32,
         used_as: Use,
-        at: Location,
+        at: &Location,
         loading: &Loading<'_>,
-    ) -> Result<Accessor<'a>, IoError> {
+    ) -> Result<Accessor<'a>> {
         let json = self.document.accessors.get(index as usize);
         let kind = json.as_ref().and_then(|json| Kind::of(json.shape, json.component_type));
-        let Some((json, kind)) = json.zip(kind.filter(|kind| used_as.fits(*kind))) else {
-            return Err(wrong(&at, used_as.rule()));
-        };
+        let kind = used_as.check(kind).map_err(|rule| wrong(at, rule))?;
+        let json = json.ok_or_else(|| wrong(at, "does not exist"))?;
         let (count, size) = (json.count, kind.size());
-        let dense = match json.buffer_view {
-            Some(view) => {
-                let (bytes, stride) = self.view(view, &at, loading)?;
-                Some(slots(bytes, stride, json.byte_offset, size, count, &at)?)
-            }
-            None => {
-                let limit = loading.limits.json_values;
-                check_count(count, limit, "elements without a buffer view", || at.clone())?;
-                None
-            }
-        };
-        let sparse = json.sparse.map(|json| self.sparse(&json, size, count, &at, loading)).transpose()?;
+        let dense = json.buffer_view.map(|view| self.view(view, at, loading)).transpose()?;
+        let dense = dense.map(|view| view.slots(json.byte_offset, size, count, at)).transpose()?;
+        if dense.is_none() {
+            let limit = loading.limits.json_values;
+            check_count(count, limit, "elements without a buffer view", || at.clone())?;
+        }
+        let sparse = json.sparse.map(|json| self.sparse(&json, size, count, at, loading)).transpose()?;
         Ok(Accessor { dense, sparse: sparse.map(Box::new), count, kind })
     }
 
@@ -231,13 +226,13 @@ impl<'a> Accessors<'a> {
         count: u64,
         at: &Location,
         loading: &Loading<'_>,
-    ) -> Result<Sparse<'a>, IoError> {
+    ) -> Result<Sparse<'a>> {
         let index_type = IndexType::of(json.indices.component_type)
             .ok_or_else(|| wrong(at, "sparse indices must be unsigned integers"))?;
-        let (bytes, _) = self.view(json.indices.buffer_view, at, loading)?;
-        let indices = slots(bytes, None, json.indices.byte_offset, index_type.size(), json.count, at)?;
-        let (bytes, _) = self.view(json.values.buffer_view, at, loading)?;
-        let values = slots(bytes, None, json.values.byte_offset, size, json.count, at)?;
+        let packed = |view| Ok(View { stride: None, ..self.view(view, at, loading)? });
+        let view: View<'a> = packed(json.indices.buffer_view)?;
+        let indices = view.slots(json.indices.byte_offset, index_type.size(), json.count, at)?;
+        let values = packed(json.values.buffer_view)?.slots(json.values.byte_offset, size, json.count, at)?;
         let sparse = Sparse { indices, index_type, values, count: json.count as usize };
         // Accessors may share their sparse elements, but each checks all of them.
         self.sparse_elements = self.sparse_elements.saturating_add(json.count);
@@ -247,50 +242,42 @@ impl<'a> Accessors<'a> {
         Ok(sparse)
     }
 
-    /// The bytes of a buffer view and their stride, if it declares one.
-    fn view(
-        &self,
-        index: u32,
-        at: &Location,
-        loading: &Loading<'_>,
-    ) -> Result<(&'a [u8], Option<u64>), IoError> {
+    /// Buffer view `index`.
+    fn view(&self, index: u32, at: &Location, loading: &Loading<'_>) -> Result<View<'a>> {
         let missing = |at: &Location, what, index| wrong(at, &format!("{what}[{index}] does not exist"));
         let view = self.views.get(index as usize).ok_or_else(|| missing(at, "bufferViews", index))?;
         let at = &loading.at(Place::BufferView(index as usize));
         let buffer = self.buffers.get(view.buffer).ok_or_else(|| missing(at, "buffers", view.buffer))?;
         let end = view.byte_offset.checked_add(view.byte_length).filter(|end| *end <= buffer.len() as u64);
         let end = end.ok_or_else(|| wrong(at, "buffer view exceeds its buffer"))?;
-        Ok((&buffer[view.byte_offset as usize..end as usize], view.byte_stride))
+        Ok(View { bytes: &buffer[view.byte_offset as usize..end as usize], stride: view.byte_stride })
     }
 }
 
-/// `count` elements of `size` bytes from `offset` on, or an error if they exceed `bytes`.
-fn slots<'a>(
+/// The bytes of a buffer view and their stride, if it declares one.
+struct View<'a> {
     bytes: &'a [u8],
     stride: Option<u64>,
-    offset: u64,
-    size: usize,
-    count: u64,
-    at: &Location,
-) -> Result<Slots<'a>, IoError> {
-    let stride = stride.unwrap_or(size as u64);
-    if stride < size as u64 {
-        return Err(wrong(at, &format!("byte stride {stride} is less than the element size of {size}")));
-    }
-    let length = count.saturating_sub(1).checked_mul(stride).and_then(|length| {
-        let last = if count > 0 { size as u64 } else { 0 };
-        length.checked_add(last)?.checked_add(offset)
-    });
-    match length {
-        Some(length) if length <= bytes.len() as u64 => {
-            Ok(Slots { bytes: &bytes[offset as usize..], stride: stride as usize })
+}
+
+impl<'a> View<'a> {
+    /// `count` elements of `size` bytes from `offset` on, or an error if they exceed the view.
+    fn slots(&self, offset: u64, size: usize, count: u64, at: &Location) -> Result<Slots<'a>> {
+        let stride = self.stride.unwrap_or(size as u64);
+        if stride < size as u64 {
+            return Err(wrong(at, &format!("byte stride {stride} is less than the element size of {size}")));
         }
-        _ => Err(wrong(at, &format!("{count} elements exceed the buffer view"))),
+        let last = if count > 0 { size as u64 } else { 0 };
+        let length = count.saturating_sub(1).checked_mul(stride).and_then(|length| length.checked_add(last));
+        let end = length.and_then(|length| length.checked_add(offset));
+        end.filter(|end| *end <= self.bytes.len() as u64)
+            .map(|_| Slots { bytes: &self.bytes[offset as usize..], stride: stride as usize })
+            .ok_or_else(|| wrong(at, &format!("{count} elements exceed the buffer view")))
     }
 }
 
 /// Checks that sparse indices increase, for the binary search, and are below `count`.
-fn check_order(sparse: &Sparse<'_>, count: u64, at: &Location) -> Result<(), IoError> {
+fn check_order(sparse: &Sparse<'_>, count: u64, at: &Location) -> Result<()> {
     let mut least = 0;
     for position in 0..sparse.count {
         let index = sparse.index(position);

@@ -1,6 +1,7 @@
 use super::document::Document;
 use super::json;
 use super::uri::Target;
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place};
 use std::collections::HashMap;
@@ -22,7 +23,7 @@ impl<'a> Buffers<'a> {
         document: &Document<'_>,
         binary: Option<&'a [u8]>,
         loading: &mut Loading<'_>,
-    ) -> Result<Self, IoError> {
+    ) -> Result<Self> {
         let mut all = Vec::with_capacity(document.buffers.len());
         let mut files = Files::default();
         for (index, json) in document.buffers.iter().enumerate() {
@@ -55,7 +56,7 @@ impl<'a> Buffers<'a> {
 struct Files(HashMap<PathBuf, Rc<Vec<u8>>>);
 
 impl Files {
-    fn follow(&mut self, uri: &str, index: usize, loading: &mut Loading<'_>) -> Result<Rc<Vec<u8>>, IoError> {
+    fn follow(&mut self, uri: &str, index: usize, loading: &mut Loading<'_>) -> Result<Rc<Vec<u8>>> {
         let at = loading.at(Place::Buffer(index));
         match Target::of(uri) {
             Ok(Target::Data(bytes)) => Ok(Rc::new(bytes)),
@@ -77,12 +78,7 @@ impl Files {
 }
 
 /// The declared length of a buffer. Bytes beyond it may be padding.
-fn check_length(
-    bytes: &[u8],
-    json: &json::Buffer<'_>,
-    index: usize,
-    loading: &Loading<'_>,
-) -> Result<usize, IoError> {
+fn check_length(bytes: &[u8], json: &json::Buffer<'_>, index: usize, loading: &Loading<'_>) -> Result<usize> {
     let declared = json.byte_length;
     if declared <= bytes.len() as u64 {
         return Ok(declared as usize);

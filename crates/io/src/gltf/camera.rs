@@ -1,6 +1,7 @@
 use super::document::Document;
 use super::json;
 use super::tree::{Placed, Tree};
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use glam::DVec3;
@@ -12,7 +13,7 @@ pub(super) fn all(
     document: &Document<'_>,
     tree: &Tree<'_>,
     loading: &mut Loading<'_>,
-) -> Result<Vec<Camera>, IoError> {
+) -> Result<Vec<Camera>> {
     if !tree.has_cameras {
         return Ok(Vec::new());
     }

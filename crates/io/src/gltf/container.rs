@@ -1,3 +1,4 @@
+use crate::error::Result;
 use crate::{IoError, Place};
 use std::path::Path;
 
@@ -15,7 +16,7 @@ const JSON: &[u8; 4] = b"JSON";
 const BINARY: &[u8; 4] = b"BIN\0";
 
 /// Splits a file into its parts. The first bytes determine the format, not the name.
-pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, IoError> {
+pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>> {
     let Some(after_magic) = bytes.strip_prefix(MAGIC) else {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         return Ok(Container { json: text, binary: None, is_text: true });
@@ -30,7 +31,7 @@ pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, Io
         let message = format!("file has {} bytes, but its header says {length}", bytes.len());
         return Err(malformed(&message));
     }
-    let mut next = || -> Result<Option<Chunk<'a>>, IoError> {
+    let mut next = || -> Result<Option<Chunk<'a>>> {
         if rest.is_empty() {
             return Ok(None);
         }

@@ -1,5 +1,6 @@
 use super::container::Container;
 use super::json::{Root, Text};
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 
@@ -12,7 +13,7 @@ pub(super) type Document<'a> = Root<'a, true>;
 
 impl<'a> Document<'a> {
     /// Parses the JSON and checks its version, its required extensions and its images.
-    pub(super) fn parse(container: &Container<'a>, loading: &mut Loading<'_>) -> Result<Self, IoError> {
+    pub(super) fn parse(container: &Container<'a>, loading: &mut Loading<'_>) -> Result<Self> {
         // Offsets within the JSON have 32 bits.
         loading.check_count(container.json.len() as u64, u32::MAX.into(), "bytes of JSON")?;
         // Counted before memory is allocated for values. Commas within strings also count.
@@ -35,7 +36,7 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    fn check_version(&self, loading: &Loading<'_>) -> Result<(), IoError> {
+    fn check_version(&self, loading: &Loading<'_>) -> Result<()> {
         let asset = &self.asset;
         let readable = |version: &str| version.starts_with("2.");
         let needed = asset.min_version.as_ref().map_or("2.0", |version| version.0.as_ref());
@@ -47,7 +48,7 @@ impl<'a> Document<'a> {
         Err(IoError::Version { at: loading.at(Place::File), version: refused.into() })
     }
 
-    fn check_extensions(&self, loading: &mut Loading<'_>) -> Result<(), IoError> {
+    fn check_extensions(&self, loading: &mut Loading<'_>) -> Result<()> {
         let unknown = |name: &Text<'_>| !SUPPORTED.contains(&name.0.as_ref());
         if let Some(extension) = self.extensions_required.iter().find(unknown) {
             let extension = extension.0.into();
@@ -64,7 +65,7 @@ impl<'a> Document<'a> {
     }
 
     /// Checks that every image has a source. Images are not read.
-    fn check_images(&self, loading: &Loading<'_>) -> Result<(), IoError> {
+    fn check_images(&self, loading: &Loading<'_>) -> Result<()> {
         for (index, image) in self.images.iter().enumerate() {
             let malformed = |message: &str| {
                 Err(IoError::Parse { at: loading.at(Place::Image(index)), message: message.into() })

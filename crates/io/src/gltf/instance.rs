@@ -4,6 +4,7 @@ use super::json;
 use super::material::Materials;
 use super::primitive::{self, Opened, Primitive, PrimitiveTriangles};
 use super::tree::{Placed, Tree};
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::occurrences::Occurrences;
 use crate::range::check_range;
@@ -19,7 +20,7 @@ pub(super) fn add_all<'a>(
     tree: &Tree<'a>,
     materials: &Materials,
     loading: &mut Loading<'_>,
-) -> Result<(), IoError> {
+) -> Result<()> {
     let mut meshes = Meshes::new(document, accessors);
     let mut total = 0_u64;
     tree.walk(loading, |placed, loading| {
@@ -47,12 +48,7 @@ pub(super) fn add_all<'a>(
 }
 
 /// Transforms a triangle to world space.
-fn place(
-    corners: [DVec3; 3],
-    world: &DAffine3,
-    node: usize,
-    loading: &Loading<'_>,
-) -> Result<Triangle, IoError> {
+fn place(corners: [DVec3; 3], world: &DAffine3, node: usize, loading: &Loading<'_>) -> Result<Triangle> {
     let placed = Triangle::transformed(corners, world);
     check_range("coordinate", placed.vertices.iter().flat_map(|v| v.to_array()))
         .map_err(|message| IoError::Domain { at: loading.at(Place::Node(node)), message })?;
@@ -89,7 +85,7 @@ impl<'a> Meshes<'a> {
     }
 
     /// Opens mesh `index` of the node `placed` and returns the number of its triangles.
-    fn open(&mut self, index: u32, placed: &Placed<'_>, loading: &mut Loading<'_>) -> Result<u64, IoError> {
+    fn open(&mut self, index: u32, placed: &Placed<'_>, loading: &mut Loading<'_>) -> Result<u64> {
         if placed.node.skin.is_some() {
             self.posed.get_or_insert(Place::Node(placed.index));
         }

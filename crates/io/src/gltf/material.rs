@@ -1,5 +1,6 @@
 use super::document::Document;
 use super::json;
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::losses::Losses;
 use crate::{IoError, Place};
@@ -15,19 +16,14 @@ pub(super) struct Materials {
 
 impl Materials {
     /// The material `index`, which `place` refers to; the default material for `None`.
-    pub(super) fn get(
-        &self,
-        index: Option<u32>,
-        place: Place,
-        loading: &Loading<'_>,
-    ) -> Result<MaterialId, IoError> {
+    pub(super) fn get(&self, index: Option<u32>, place: Place, loading: &Loading<'_>) -> Result<MaterialId> {
         let Some(index) = index else { return Ok(self.default) };
         Ok(self.all[loading.check_index(place, index.into(), self.all.len(), "materials")?])
     }
 }
 
 /// Adds every material, with warnings about the properties that are lost.
-pub(super) fn all(document: &Document<'_>, loading: &mut Loading<'_>) -> Result<Materials, IoError> {
+pub(super) fn all(document: &Document<'_>, loading: &mut Loading<'_>) -> Result<Materials> {
     let count = document.materials.len();
     loading.check_count(count as u64, loading.limits.materials, "materials")?;
     let mut all = Vec::with_capacity(count);

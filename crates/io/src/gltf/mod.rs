@@ -15,7 +15,7 @@ mod transform;
 mod tree;
 mod uri;
 
-use crate::IoError;
+use crate::error::Result;
 use crate::loading::Loading;
 use accessor::Accessors;
 use buffer::Buffers;
@@ -23,7 +23,7 @@ use document::Document;
 use tree::Tree;
 
 /// Reads the content of a glTF file, text or binary, into `loading`.
-pub(crate) fn read(bytes: Vec<u8>, loading: &mut Loading<'_>) -> Result<(), IoError> {
+pub(crate) fn read(bytes: Vec<u8>, loading: &mut Loading<'_>) -> Result<()> {
     let container = container::open(&bytes, loading.path)?;
     let document = Document::parse(&container, loading)?;
     let buffers = Buffers::of(&document, container.binary, loading)?;

@@ -1,5 +1,6 @@
 use super::accessor::{Accessor, Accessors, Use};
 use super::json;
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place};
 use glam::DVec3;
@@ -39,7 +40,7 @@ pub(super) fn open(
     place: Place,
     accessors: &mut Accessors<'_>,
     loading: &Loading<'_>,
-) -> Result<Opened, IoError> {
+) -> Result<Opened> {
     let mode = match primitive.mode {
         0..=3 => return Ok(Opened::NotTriangles),
         4 => Mode::Triangles,
@@ -113,7 +114,7 @@ impl PrimitiveTriangles<'_> {
     }
 
     /// The corners of triangle `index`, counter-clockwise as seen from its front.
-    pub(super) fn get(&self, index: u64, loading: &Loading<'_>) -> Result<[DVec3; 3], IoError> {
+    pub(super) fn get(&self, index: u64, loading: &Loading<'_>) -> Result<[DVec3; 3]> {
         let corners = match self.mode {
             Mode::Triangles => [3 * index, 3 * index + 1, 3 * index + 2],
             // Odd triangles of a strip have the opposite winding.
@@ -125,7 +126,7 @@ impl PrimitiveTriangles<'_> {
         Ok([a?, b?, c?])
     }
 
-    fn position(&self, corner: u64, loading: &Loading<'_>) -> Result<DVec3, IoError> {
+    fn position(&self, corner: u64, loading: &Loading<'_>) -> Result<DVec3> {
         let vertex = self.indices.map_or(corner, |indices| indices.index(corner));
         loading.check_index(self.indices_at, vertex, self.positions.count() as usize, "vertices")?;
         let position = self.positions.position(vertex);

@@ -6,6 +6,7 @@ use super::json::Node;
 use super::list::Indices;
 use super::pending::Pending;
 use super::transform;
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place};
 use glam::DAffine3;
@@ -31,7 +32,7 @@ pub(super) struct Tree<'a> {
 
 impl<'a> Tree<'a> {
     /// Checks that the nodes are a tree and that all transforms are valid.
-    pub(super) fn of(document: &'a Document<'a>, loading: &mut Loading<'_>) -> Result<Self, IoError> {
+    pub(super) fn of(document: &'a Document<'a>, loading: &mut Loading<'_>) -> Result<Self> {
         let parents = Parents::of(document, loading)?;
         parents.refuse_cycles(loading)?;
         let roots = roots(document, &parents, loading)?;
@@ -49,8 +50,8 @@ impl<'a> Tree<'a> {
     pub(super) fn walk<'l>(
         &self,
         loading: &mut Loading<'l>,
-        mut visit: impl FnMut(&Placed<'a>, &mut Loading<'l>) -> Result<(), IoError>,
-    ) -> Result<(), IoError> {
+        mut visit: impl FnMut(&Placed<'a>, &mut Loading<'l>) -> Result<()>,
+    ) -> Result<()> {
         let mut pending = Pending::default();
         for root in self.roots() {
             let mut next = Some((root, DAffine3::IDENTITY));
@@ -80,7 +81,7 @@ impl<'a> Tree<'a> {
 struct Parents(Vec<Option<NonZeroU32>>);
 
 impl Parents {
-    fn of(document: &Document<'_>, loading: &Loading<'_>) -> Result<Self, IoError> {
+    fn of(document: &Document<'_>, loading: &Loading<'_>) -> Result<Self> {
         let mut parents = Self(vec![None; document.nodes.len()]);
         for ((index, node), number) in document.nodes.iter().enumerate().zip(1..) {
             for child in node.children {
@@ -99,7 +100,7 @@ impl Parents {
     }
 
     /// Follows every chain of parents to its root or to a node of an earlier chain.
-    fn refuse_cycles(&self, loading: &Loading<'_>) -> Result<(), IoError> {
+    fn refuse_cycles(&self, loading: &Loading<'_>) -> Result<()> {
         let mut visited = Flags::new(self.0.len());
         for start in 0..self.0.len() {
             let length = self.chain(start).take_while(|&node| !visited.replace(node)).count();
@@ -113,7 +114,7 @@ impl Parents {
     }
 
     /// The index of the node that `place` refers to, if it exists.
-    fn existing(&self, index: u32, place: Place, loading: &Loading<'_>) -> Result<usize, IoError> {
+    fn existing(&self, index: u32, place: Place, loading: &Loading<'_>) -> Result<usize> {
         loading.check_index(place, index.into(), self.0.len(), "nodes")
     }
 }
@@ -122,7 +123,7 @@ fn roots<'a>(
     document: &'a Document<'a>,
     parents: &Parents,
     loading: &Loading<'_>,
-) -> Result<Option<Indices<'a, true>>, IoError> {
+) -> Result<Option<Indices<'a, true>>> {
     let scenes = &document.scenes;
     if scenes.len() == 0 && document.scene.is_none() {
         return Ok(None);

@@ -1,6 +1,7 @@
 use super::number::plain_index;
 use super::source::Statement;
 use crate::IoError;
+use crate::error::Result;
 
 /// The numbers of vertices, texture coordinates and normals above a face.
 pub(super) struct Counts(pub(super) [usize; 3]);
@@ -10,7 +11,7 @@ const REFERENTS: [&str; 3] = ["vertices above", "texture coordinates above", "no
 
 /// The vertex, from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. An index in the file counts from 1,
 /// or back from the face if it is negative.
-pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> Result<usize, IoError> {
+pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> Result<usize> {
     if let Some(index) = plain_index(word)
         && 0 < index
         && index <= counts.0[0]
@@ -34,7 +35,7 @@ pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> 
 }
 
 /// The position, from 0, of the element that an index refers to.
-fn position(statement: &Statement<'_>, field: &str, kind: usize, counts: &Counts) -> Result<usize, IoError> {
+fn position(statement: &Statement<'_>, field: &str, kind: usize, counts: &Counts) -> Result<usize> {
     let index: i64 = statement.number(field)?;
     let (count, distance) = (counts.0[kind], index.unsigned_abs());
     if index == 0 || distance > count as u64 {

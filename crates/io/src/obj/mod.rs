@@ -9,7 +9,7 @@ mod scan;
 mod source;
 mod totals;
 
-use crate::IoError;
+use crate::error::Result;
 use crate::loading::Loading;
 use palette::Palette;
 use scan::Scan;
@@ -17,7 +17,7 @@ use source::Source;
 use totals::Totals;
 
 /// Reads an OBJ file's content into `loading`.
-pub(crate) fn read(bytes: Vec<u8>, loading: &mut Loading<'_>) -> Result<(), IoError> {
+pub(crate) fn read(bytes: Vec<u8>, loading: &mut Loading<'_>) -> Result<()> {
     let source = Source::of(loading.path, bytes, loading.limits)?;
     let default = loading.add_material(mtl::default_material());
     let totals = Totals::of(&source, loading.limits);

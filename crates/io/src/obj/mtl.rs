@@ -1,5 +1,5 @@
 use super::source::{Source, Statement};
-use crate::IoError;
+use crate::error::Result;
 use crate::losses::Losses;
 use globillum_material::{Bsdf, Emission, Material, MaterialError, Reflectance, Rgb, Sides};
 
@@ -30,8 +30,8 @@ impl Description {
     /// Calls `visit` for each complete material of a library, with the statement that begins it.
     pub(super) fn each<'a>(
         library: &'a Source,
-        mut visit: impl FnMut(&Statement<'a>, &Self) -> Result<(), IoError>,
-    ) -> Result<(), IoError> {
+        mut visit: impl FnMut(&Statement<'a>, &Self) -> Result<()>,
+    ) -> Result<()> {
         let mut current: Option<(Statement<'a>, Self)> = None;
         for statement in library.statements() {
             if statement.keyword == "newmtl" {
@@ -46,7 +46,7 @@ impl Description {
         current.map_or(Ok(()), |(begin, description)| visit(&begin, &description))
     }
 
-    fn read(&mut self, statement: &Statement<'_>) -> Result<(), IoError> {
+    fn read(&mut self, statement: &Statement<'_>) -> Result<()> {
         match statement.keyword {
             "Kd" => self.diffuse = self.colour(statement)?,
             "Ks" => self.specular = self.colour(statement)?,
@@ -62,7 +62,7 @@ impl Description {
     }
 
     /// `r g b`, or one number for a grey. `None` for a spectral curve, which is not supported.
-    fn colour(&mut self, statement: &Statement<'_>) -> Result<Option<Rgb>, IoError> {
+    fn colour(&mut self, statement: &Statement<'_>) -> Result<Option<Rgb>> {
         if statement.words().next() == Some("spectral") {
             self.spectral = true;
             return Ok(None);
@@ -112,7 +112,7 @@ pub(super) fn default_material() -> Material {
     Material { bsdf: Bsdf::Lambert(Reflectance::new(half).unwrap_or_default()), emission: Emission::NONE }
 }
 
-fn first_number<T: std::str::FromStr>(statement: &Statement<'_>) -> Result<T, IoError> {
+fn first_number<T: std::str::FromStr>(statement: &Statement<'_>) -> Result<T> {
     // The opacity of a halo is `d -halo factor`.
     statement.number(statement.words().find(|word| *word != "-halo").unwrap_or_default())
 }

@@ -1,6 +1,7 @@
 use super::mtl::Description;
 use super::scan::{LIBRARIES, Named};
 use super::source::{Source, Statement};
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, WarningKind};
 use std::collections::HashSet;
@@ -27,7 +28,7 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
     }
 
     /// Reads all libraries. A library or material that does not exist causes a warning.
-    pub(super) fn load(mut self) -> Result<(), IoError> {
+    pub(super) fn load(mut self) -> Result<()> {
         let named = self.named;
         for statement in &named.libraries {
             self.add_named(statement)?;
@@ -42,7 +43,7 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
     }
 
     /// Reads the library or the libraries that a statement names.
-    fn add_named(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+    fn add_named(&mut self, statement: &Statement<'a>) -> Result<()> {
         if self.add_library(statement, statement.name()?)? {
             return Ok(());
         }
@@ -65,7 +66,7 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
     }
 
     /// Reads a library; `false` if it does not exist.
-    fn add_library(&mut self, statement: &Statement<'_>, name: &str) -> Result<bool, IoError> {
+    fn add_library(&mut self, statement: &Statement<'_>, name: &str) -> Result<bool> {
         let path = match self.loading.jail.resolve(name, &statement.at()) {
             Err(IoError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
                 return Ok(false);
@@ -79,7 +80,7 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
     }
 
     /// Adds the materials of one library. A second material of the same name replaces the first.
-    fn add(&mut self, library: &Source) -> Result<(), IoError> {
+    fn add(&mut self, library: &Source) -> Result<()> {
         let limit = self.loading.limits.materials;
         // A malformed statement anywhere in the library is reported before an invalid material.
         let mut count = 0;

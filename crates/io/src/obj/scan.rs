@@ -4,6 +4,7 @@ use super::number::fraction;
 use super::polygon::is_convex;
 use super::source::Statement;
 use super::totals::Totals;
+use crate::error::Result;
 use crate::loading::Loading;
 use crate::occurrences::Occurrences;
 use crate::range::check_range;
@@ -47,11 +48,7 @@ pub(super) struct Named<'a> {
 
 impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
     /// A scan with memory for `totals`. Faces before the first `usemtl` have the material `default`.
-    pub(super) fn new(
-        loading: &'m mut Loading<'l>,
-        default: MaterialId,
-        totals: &Totals,
-    ) -> Result<Self, IoError> {
+    pub(super) fn new(loading: &'m mut Loading<'l>, default: MaterialId, totals: &Totals) -> Result<Self> {
         loading.try_grow(totals.triangles)?;
         let mut positions = Vec::new();
         positions.try_reserve_exact(totals.vertices).map_err(|_| loading.out_of_memory())?;
@@ -75,7 +72,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         mut self,
         statements: impl Iterator<Item = Statement<'a>>,
         total: usize,
-    ) -> Result<Named<'a>, IoError> {
+    ) -> Result<Named<'a>> {
         let (mut done, total) = (0, total as u64);
         for statement in statements {
             done += statement.len();
@@ -89,7 +86,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
         Ok(self.named)
     }
 
-    fn read(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+    fn read(&mut self, statement: &Statement<'a>) -> Result<()> {
         match statement.keyword {
             "v" => self.positions.push(position(statement)?),
             "f" => self.face(statement)?,
@@ -104,7 +101,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
     }
 
     /// `f` and the corners of a polygon. A face with one or two corners is skipped.
-    fn face(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+    fn face(&mut self, statement: &Statement<'a>) -> Result<()> {
         let limits = self.loading.limits;
         let counts = Counts([self.positions.len(), self.texture_coordinates, self.normals.count()]);
         self.corners.clear();
@@ -138,7 +135,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
     }
 
     /// `mtllib name`. Some exporters repeat it for every object.
-    fn library(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+    fn library(&mut self, statement: &Statement<'a>) -> Result<()> {
         if self.library_names.insert(statement.arguments) {
             let libraries = &mut self.named.libraries;
             statement.check_count(libraries.len() + 1, LIBRARIES, self.loading.limits.materials)?;
@@ -148,7 +145,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
     }
 
     /// `usemtl name`.
-    fn material(&mut self, statement: &Statement<'a>) -> Result<(), IoError> {
+    fn material(&mut self, statement: &Statement<'a>) -> Result<()> {
         let name = statement.name()?;
         let Named { materials, positions, .. } = &mut self.named;
         self.current = match positions.get(name) {
@@ -166,7 +163,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
 }
 
 /// `v x y z`, or `v x y z weight`, or `v x y z r g b`.
-fn position(statement: &Statement<'_>) -> Result<Vec3, IoError> {
+fn position(statement: &Statement<'_>) -> Result<Vec3> {
     let mut numbers = [0.0; 6];
     let mut count = 0;
     for word in statement.words() {

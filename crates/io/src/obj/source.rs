@@ -1,3 +1,4 @@
+use crate::error::Result;
 use crate::limits::check_count;
 use crate::{IoError, Limits, Location, Place};
 use std::iter;
@@ -15,7 +16,7 @@ pub(super) struct Source {
 
 impl Source {
     /// The text in a file's content. Continued lines are joined.
-    pub(super) fn of(path: &Path, bytes: Vec<u8>, limits: &Limits) -> Result<Self, IoError> {
+    pub(super) fn of(path: &Path, bytes: Vec<u8>, limits: &Limits) -> Result<Self> {
         let malformed = |valid: &[u8], message: &str| {
             let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
             IoError::Parse { at: Place::Line(line).of(path), message: message.into() }
@@ -91,11 +92,11 @@ impl<'a> Statement<'a> {
     }
 
     /// All arguments as one name. A name may contain spaces and `#`.
-    pub(super) fn name(&self) -> Result<&'a str, IoError> {
+    pub(super) fn name(&self) -> Result<&'a str> {
         if self.arguments.is_empty() { Err(self.malformed("expected a name")) } else { Ok(self.arguments) }
     }
 
-    pub(super) fn number<T: FromStr>(&self, word: &str) -> Result<T, IoError> {
+    pub(super) fn number<T: FromStr>(&self, word: &str) -> Result<T> {
         word.parse().map_err(|_| self.malformed(&format!("`{word}` is not a number")))
     }
 
@@ -105,7 +106,7 @@ impl<'a> Statement<'a> {
     }
 
     /// An error about this statement if `count` exceeds `limit`.
-    pub(super) fn check_count(&self, count: usize, what: &'static str, limit: u64) -> Result<(), IoError> {
+    pub(super) fn check_count(&self, count: usize, what: &'static str, limit: u64) -> Result<()> {
         check_count(count as u64, limit, what, || self.at())
     }
 
