@@ -1,6 +1,6 @@
-//! Files as `AtomicFile` leaves them: replaced whole, or written through to what is not a file.
+//! `AtomicFile`: regular files are replaced as a whole, special files are written through.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+#![allow(clippy::print_stderr, reason = "a skipped test prints a message")]
 
 use globillum_io::{AtomicFile, IoError};
 use std::fs;
@@ -67,7 +67,7 @@ fn leftovers_of_the_dead_are_removed_and_files_of_the_living_stay() {
     write(&at("a.png"), NEW).unwrap();
     let left = names_in(folder.path());
     assert!(strangers.iter().all(|name| left.contains(&(*name).into())), "{left:?}");
-    // Beside the strangers: the folder, the new file, and the one still being written.
+    // The folder also contains the new file and the temporary file of the open writer.
     assert_eq!(left.len(), strangers.len() + 3, "{left:?}");
     living.commit(|writer| writer.write_all(OLD)).unwrap();
     assert_eq!(fs::read(at("a.png")).unwrap(), OLD);
@@ -114,7 +114,7 @@ mod unix {
         assert_eq!(mode(ours), mode(plain));
     }
 
-    /// Runs a command that makes a special file; `false` where that is not permitted.
+    /// Runs a command that makes a special file. `false` if that is not permitted.
     fn made(program: &str, path: &Path, arguments: &[&str]) -> bool {
         let made = Command::new(program).arg(path).args(arguments).output().unwrap().status.success();
         if !made {
@@ -123,7 +123,7 @@ mod unix {
         made
     }
 
-    /// A folder with a FIFO of that name.
+    /// A folder with a FIFO of this name.
     fn fifo(name: &str) -> (TempDir, PathBuf) {
         let folder = tempdir().unwrap();
         let path = folder.path().join(name);
@@ -131,12 +131,12 @@ mod unix {
         (folder, path)
     }
 
-    /// A reader of a FIFO that needs no writer, and the other way round: opening neither blocks.
+    /// Opens a FIFO for reading and writing, which does not block.
     fn reader_of(fifo: &Path) -> File {
         File::options().read(true).write(true).open(fifo).unwrap()
     }
 
-    /// Fails unless the FIFO is still one and next holds `content`.
+    /// Asserts that the FIFO still is one and that its next bytes are `content`.
     fn assert_written_through(fifo: &Path, reader: &mut File, content: &[u8]) {
         assert!(fs::metadata(fifo).unwrap().file_type().is_fifo(), "the FIFO has been replaced");
         let mut found = vec![0; content.len()];
@@ -162,9 +162,9 @@ mod unix {
     #[test]
     fn a_fifo_takes_as_much_as_its_reader_does() {
         let (_folder, path) = fifo("pipe");
-        // Rather more than a pipe holds.
+        // More than the buffer of a pipe.
         let content: Vec<u8> = (0..1_000_000_u32).map(|i| i as u8).collect();
-        // Reading ends when the writer closes its end.
+        // Reading ends when the writer closes the FIFO.
         let fifo = path.clone();
         let reader = std::thread::spawn(move || fs::read(fifo).unwrap());
         write(&path, &content).unwrap();
@@ -195,7 +195,7 @@ mod unix {
         assert_eq!(names_in(folder.path()), ["pipe"]);
     }
 
-    /// The devices are made here: code that is wrong may replace what it is given.
+    /// The test makes its own devices, since faulty code may replace them.
     #[test]
     fn a_device_is_written_through_by_name_and_by_link() {
         let folder = tempdir().unwrap();
@@ -237,7 +237,7 @@ mod unix {
         fs::create_dir(at("sub")).unwrap();
         symlink("sub/second", at("first")).unwrap();
         symlink("file", at("sub/second")).unwrap();
-        // The first time the last link dangles.
+        // At first the last link has no target.
         for content in [OLD, NEW] {
             write(&at("first"), content).unwrap();
             assert!(fs::symlink_metadata(at("sub/file")).unwrap().is_file());
@@ -274,7 +274,7 @@ mod unix {
         let folder = tempdir().unwrap();
         let out = folder.path().join("out");
         let this = "unix::standard_output_and_error_are_written_through_where_they_stand";
-        // Links, since code that is wrong may replace what it is given.
+        // Links, since faulty code may replace the targets.
         let [stdout, stderr] = [1, 2].map(|descriptor| {
             let link = folder.path().join(descriptor.to_string());
             symlink(format!("/proc/self/fd/{descriptor}"), &link).unwrap();
@@ -282,7 +282,7 @@ mod unix {
         });
         let by_descriptor = if cfg!(target_os = "linux") { vec![stdout, stderr] } else { vec![] };
         for target in by_descriptor.iter().chain([&out]) {
-            // One place in the file is shared by all that write to it.
+            // All writers share one file offset.
             let [mut before, stdout, stderr] = shared(File::create(&out).unwrap());
             before.write_all(b"before ").unwrap();
             let mut command = Command::new(std::env::current_exe().unwrap());

@@ -1,8 +1,8 @@
-//! Bad input, row by row: each is an error of the right kind with a message of one line, or is
-//! loaded with the right warnings. `tests/render_cli.rs` has `render` print the same.
+//! Bad input by rows of a table. Each file is an error of the expected kind with a message of one line, or is
+//! loaded with the expected warnings. `tests/render_cli.rs` checks that `render` prints the same.
 #![cfg(all(feature = "obj", feature = "gltf"))]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
+#![allow(clippy::print_stderr, reason = "a skipped test prints a message")]
 
 mod files;
 
@@ -12,7 +12,7 @@ use globillum_testkit::bad_input::{Case, Outcome, cases, glb};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-/// The name of an error's kind.
+/// The name of an error's variant.
 fn kind(error: &IoError) -> String {
     let debug = format!("{error:?}");
     debug[..debug.find(' ').unwrap()].to_owned()
@@ -80,8 +80,8 @@ fn line_ends_marks_and_comments_change_nothing() {
     }
 }
 
-/// Fails unless loading `name` is refused within `limits` for having too much of `what`, and
-/// loaded within the default ones.
+/// Asserts that loading `name` within `limits` is the error `expected`, and within the default limits is not
+/// an error.
 fn assert_limited(files: &Files, name: &str, limits: Limits, expected: &str) {
     let error = Loader::new().limits(limits).load(&files.path(name)).unwrap_err();
     assert_eq!([kind(&error), files.shortened(&error)], ["TooLarge", expected]);
@@ -132,8 +132,8 @@ fn change(change: impl FnOnce(&mut Limits)) -> Limits {
     limits
 }
 
-/// So many nodes that place one mesh of so many primitives, which are all the same triangle fan of
-/// so many corners.
+/// A binary file with `nodes` nodes that place one mesh. The mesh has `primitives` equal primitives, each a
+/// triangle fan of `corners` corners.
 fn instances(nodes: usize, primitives: usize, corners: usize) -> Vec<u8> {
     let list = |what: &str, count: usize| vec![what; count].join(",");
     let json = format!(
@@ -150,7 +150,7 @@ fn instances(nodes: usize, primitives: usize, corners: usize) -> Vec<u8> {
 
 #[test]
 fn a_small_file_of_many_instances_is_refused_before_it_takes_memory() {
-    // A million million triangles in a megabyte, and 40 million in 20 kB.
+    // 10^12 triangles in 1 MB, and 40 million in 20 kB.
     for (nodes, primitives, corners, message) in [
         (2000, 9000, 61_000, "too many triangles (limit: 536870912)"),
         (200, 200, 1002, "too many triangles of repeated mesh instances (limit: 33554432)"),
@@ -177,12 +177,12 @@ fn a_small_file_of_many_instances_is_refused_before_it_takes_memory() {
 
 #[test]
 fn primitives_without_triangles_cost_nothing_however_often_they_are_placed() {
-    // 10^10 placed primitives; a loop over them would take a minute.
+    // 10^10 placed primitives. A loop over them would take a minute.
     let files = Files::new(&[("a.glb", &instances(100_000, 100_000, 2))]);
     assert_eq!(files.shortened(&files.load("a.glb").unwrap_err()), "a.glb: scene has no triangles");
 }
 
-/// A glTF of these members, and a triangle in accessor 0.
+/// A glTF file with these members, and the positions of one triangle in its buffer.
 fn gltf(members: &str) -> Files {
     let json = format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":36}}],{members}}}"#);
     Files::new(&[("a.glb", &glb(&json, &floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0])))])
@@ -194,7 +194,7 @@ fn repeated(element: &str, count: usize) -> String {
 
 #[test]
 fn what_many_elements_refer_to_is_read_once() {
-    // 2 MB that thousands refer to: read for each, they would take minutes.
+    // Thousands of elements refer to 2 MB. Reading these for each element would take minutes.
     let large = format!(r#""extras":"{}""#, "a".repeat(2 << 20));
     let vertices = r#"{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}"#;
     let shape = |own: [&str; 3], accessors: &str, primitives: &str, nodes: &str| {
@@ -226,7 +226,7 @@ fn what_many_elements_refer_to_is_read_once() {
 
 #[test]
 fn sparse_elements_that_accessors_share_are_limited() {
-    // 10^10 of them in 30 MB.
+    // 10^10 sparse elements in 30 MB.
     let accessor = r#"{"componentType":5126,"count":1000000,"type":"VEC3","sparse":{"count":100000,
         "indices":{"bufferView":0,"componentType":5125},"values":{"bufferView":1}}}"#;
     let count = 100_000;

@@ -1,13 +1,13 @@
-//! What the fuzzer keeps, and what it found: each file is a scene or an error of one line.
+//! The corpus of the fuzzer: each file is a scene, or an error with a message of one line.
 #![cfg(all(feature = "obj", feature = "gltf"))]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
 
 mod files;
 
 use files::Files;
 use std::path::Path;
 
-/// Loads `scene` from what `files` makes of each file of a corpus.
+/// Loads `scene` from the files that `files` makes of each file of a corpus.
 fn replay(corpus: &str, scene: &str, files: impl Fn(&[u8]) -> Files) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(corpus);
     let mut loaded = 0;

@@ -1,7 +1,7 @@
-//! glTF files as they should be read.
+//! Valid glTF files.
 #![cfg(feature = "gltf")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
+#![allow(clippy::print_stderr, reason = "a skipped test prints a message")]
 
 mod files;
 
@@ -24,7 +24,7 @@ fn triangles(corners: &[[usize; 3]]) -> Vec<Triangle> {
     corners.iter().map(|&[a, b, c]| Triangle::new(at(a), at(b), at(c))).collect()
 }
 
-/// A file with the square's first three positions in its first accessor, and whatever `more` sets.
+/// A file whose first accessor has the first three positions of the square, with the members of `more`.
 fn square(more: &Value) -> (Value, Vec<u8>) {
     let mut json = json!({
         "asset": {"version": "2.0"},
@@ -44,13 +44,13 @@ fn load((json, binary): (Value, Vec<u8>)) -> Loaded {
     Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]).load("a.glb").unwrap()
 }
 
-/// What was warned of, but that nothing shines.
+/// All warnings except [`WarningKind::NoLight`].
 fn warnings(loaded: &Loaded) -> Vec<(Place, WarningKind)> {
     let warnings = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoLight);
     warnings.map(|w| (w.at.place, w.kind.clone())).collect()
 }
 
-/// The square with indices of some component type, in some mode.
+/// The square with indices of this component type, in this mode.
 fn indexed(mode: u32, component_type: u32, indices: &[u32]) -> Loaded {
     let size = match component_type {
         5121 => 1,
@@ -81,7 +81,7 @@ fn all_modes_and_all_index_types_make_the_same_triangles() {
         assert_eq!(warnings(&loaded), []);
     }
     assert_eq!(indexed(6, 5123, &[0, 1, 2, 3]).model.triangles(), expected);
-    // A strip zigzags; every triangle of it faces the same way.
+    // All triangles of a strip have the same front.
     assert_eq!(indexed(5, 5123, &[0, 1, 3, 2]).model.triangles(), triangles(&[[0, 1, 3], [1, 2, 3]]));
     let odd = indexed(4, 5121, &[0, 1, 2, 0, 2]);
     assert_eq!(odd.model.triangles(), triangles(&[[0, 1, 2]]));
@@ -116,7 +116,7 @@ fn interleaved_vertices_are_read_by_their_stride() {
 
 #[test]
 fn sparse_accessors_replace_single_elements() {
-    // Vertex 2 comes from the sparse part; without a view below it the others would be zero.
+    // Vertex 2 has a sparse replacement. Without a buffer view the other vertices are zero.
     let sparse = json!({
         "count": 1,
         "indices": {"bufferView": 1, "componentType": 5123},
@@ -151,14 +151,14 @@ fn buffers_lie_in_uris_and_in_files_beside_the_scene() {
     std::fs::create_dir(files.path("my data")).unwrap();
     std::fs::write(files.path("my data/a.bin"), &binary).unwrap();
     assert_eq!(files.load("a.gltf").unwrap().model.triangles(), triangles(&[[0, 1, 2]]));
-    // Percent signs spell any byte; base64 is tested beside its reader.
+    // Percent encoding. The unit tests of `uri` cover base64.
     let data: String = binary.iter().map(|byte| format!("%{byte:02x}")).collect();
     json["buffers"][0]["uri"] = json!(format!("data:application/octet-stream,{data}"));
     let files = Files::new(&[("a.gltf", json.to_string().as_bytes())]);
     assert_eq!(files.load("a.gltf").unwrap().model.triangles(), triangles(&[[0, 1, 2]]));
 }
 
-/// Where the square's triangle goes under these nodes.
+/// The vertices of the square's first triangle, placed by these nodes.
 fn placed(nodes: &Value) -> Vec<[Vec3; 3]> {
     load(square(&json!({"nodes": nodes}))).model.triangles().iter().map(|t| t.vertices).collect()
 }
@@ -308,7 +308,7 @@ fn loading_is_watched_and_can_be_stopped() {
     assert!(message.ends_with("a.glb: loading was cancelled"), "{message}");
 }
 
-/// A reference scene, if it is there.
+/// A reference scene, if it exists.
 fn reference(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference").join(name);
     if path.exists() {

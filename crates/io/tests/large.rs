@@ -1,8 +1,8 @@
-//! Large files: their memory, and that one can watch them being read. In a process of its own,
-//! since it counts what is allocated.
+//! Memory and progress reports of loading large files. The test counts allocations, so it runs in its own
+//! process.
 #![cfg(all(feature = "obj", feature = "gltf"))]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-#![allow(clippy::print_stderr, reason = "figures are printed for those who ask")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
+#![allow(clippy::print_stderr, reason = "figures are printed with --nocapture")]
 
 mod files;
 
@@ -14,7 +14,7 @@ use std::cell::Cell;
 use std::fmt::Write;
 use std::time::Instant;
 
-/// Bytes that a triangle takes in a model, with its material's number.
+/// Bytes of a triangle in a model, with the index of its material.
 const TRIANGLE_BYTES: usize = size_of::<Triangle>() + size_of::<u32>();
 
 #[derive(Default)]
@@ -31,8 +31,8 @@ impl LoadMonitor for Reports {
     }
 }
 
-/// Loads `content` as `name` and returns the most bytes that were allocated at once, beyond those
-/// of the triangles, as a multiple of the file's. Also prints it.
+/// Loads `content` as `name`. Returns and prints the peak of allocated bytes beyond those of the triangles, as
+/// a multiple of the file's size.
 fn overhead(name: &str, content: &[u8], triangles: usize) -> f64 {
     let files = Files::new(&[(name, content)]);
     let reports = Reports::default();
@@ -54,7 +54,7 @@ fn overhead(name: &str, content: &[u8], triangles: usize) -> f64 {
     times
 }
 
-/// A sheet of `side` times `side` squares, two triangles each.
+/// The triangles of a sheet of `side` by `side` squares.
 fn sheet(side: u32) -> impl Iterator<Item = [u32; 3]> {
     let corner = move |x: u32, y: u32| x * (side + 1) + y;
     (0..side * side).flat_map(move |i| {

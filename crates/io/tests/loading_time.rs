@@ -1,19 +1,19 @@
-//! How long loading takes, beside tobj alone: `cargo test --release -p globillum-io --test
-//! loading_time -- --ignored --nocapture`.
+//! The time of loading relative to tobj: `cargo test --release -p globillum-io --test loading_time -- --ignored
+//! --nocapture`.
 #![cfg(feature = "obj")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
+#![allow(clippy::print_stderr, reason = "a skipped test prints a message")]
 
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 use tobj::LoadOptions;
 
-/// Most of tobj's own time that loading may take.
+/// The bound on the time of loading as a multiple of tobj's.
 const LIMIT: f64 = 1.2;
 
 #[test]
-#[ignore = "a measurement, which wants an idle machine and a release build"]
+#[ignore = "a measurement for an idle machine and a release build"]
 fn a_scanned_mesh_loads_about_as_fast_as_by_tobj_alone() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/meshes/bunny.obj");
     if !path.exists() {

@@ -1,7 +1,7 @@
-//! OBJ files, whole and broken, as they come from disk.
+//! Valid and invalid OBJ files.
 #![cfg(feature = "obj")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
-#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+#![allow(clippy::print_stderr, reason = "a skipped test prints a message")]
 
 use glam::Vec3;
 use globillum_geom::Triangle;
@@ -11,7 +11,7 @@ use std::fs;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// The corners of a unit square; faces follow from line 5 on.
+/// The corners of a unit square. Line 5 is the first line after them.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 const CORNERS: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
@@ -40,7 +40,7 @@ fn load(obj: impl AsRef<[u8]>) -> Result<Loaded, IoError> {
     Files::new(&[("a.obj", obj.as_ref())]).load()
 }
 
-/// Loads a square of the material `m` that `mtl` defines.
+/// Loads a square with the material `m` of the library `mtl`.
 fn load_with(mtl: &str) -> Result<Loaded, IoError> {
     let obj = format!("mtllib a.mtl\nusemtl m\n{SQUARE}f 1 2 3 4\n");
     Files::new(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).load()
@@ -57,7 +57,7 @@ fn several_libraries_may_be_named_at_once_and_again() {
     assert_eq!(warnings(&files.load().unwrap()), expected);
 }
 
-/// The corners, by their index in [`CORNERS`], of the triangles that these faces make.
+/// The corners of the triangles of these faces, as indices of [`CORNERS`].
 fn faces(faces: &str) -> Vec<[usize; 3]> {
     let loaded = load(format!("{SQUARE}{faces}")).unwrap();
     assert_eq!(warnings(&loaded), []);
@@ -65,13 +65,13 @@ fn faces(faces: &str) -> Vec<[usize; 3]> {
     loaded.model.triangles().iter().map(|t| t.vertices.map(index)).collect()
 }
 
-/// What was warned of, but that nothing shines.
+/// All warnings except [`WarningKind::NoLight`].
 fn warnings(loaded: &Loaded) -> Vec<(Place, WarningKind)> {
     let warnings = loaded.report.warnings.iter().filter(|w| w.kind != WarningKind::NoLight);
     warnings.map(|w| (w.at.place, w.kind.clone())).collect()
 }
 
-/// The error's message from the file's name on.
+/// The error's message, from the file name on.
 fn message(result: Result<Loaded, IoError>) -> String {
     let message = result.unwrap_err().to_string();
     assert_eq!(message.lines().count(), 1);
@@ -89,7 +89,7 @@ fn indices_may_be_negative_and_have_companions() {
     let loaded = load(format!("{SQUARE}vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3/1")).unwrap();
     assert_eq!(loaded.model.triangles(), [Triangle::new(CORNERS[0], CORNERS[1], CORNERS[2])]);
     assert_eq!(warnings(&loaded), [(Place::Line(6), WarningKind::NormalsIgnored { count: 1 })]);
-    // Negative indices count back from the face, not from the file's end.
+    // Negative indices count back from the face, not from the end of the file.
     assert_eq!(faces("f -4 -3 -2\nv 0 0 0"), [[0, 1, 2]]);
 }
 

@@ -1,6 +1,6 @@
-//! Pictures as they arrive on disk.
+//! Picture files.
 #![cfg(feature = "images")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
 
 use glam::{DVec3, Vec3};
 use globillum_geom::{KdOptions, KdTree, Triangle};
@@ -10,7 +10,7 @@ use globillum_material::{Material, Rgb};
 use std::fs;
 use std::path::Path;
 
-/// Upper half black, lower half a light that is brighter than white in red.
+/// The upper half is black. The lower half is a light with red above 1.
 fn film() -> Film {
     let corners = [Vec3::new(-9.0, 0.0, -1.0), Vec3::new(0.0, -99.0, -1.0), Vec3::new(9.0, 0.0, -1.0)];
     let mut model = Model::default();
@@ -66,7 +66,7 @@ fn formats_follow_extensions() {
 }
 
 #[test]
-fn places_that_can_not_be_written_are_found_before_rendering() {
+fn places_that_cannot_be_written_are_found_before_rendering() {
     let folder = tempfile::tempdir().unwrap();
     let directory = folder.path().join("d.png");
     fs::create_dir(&directory).unwrap();
@@ -95,7 +95,7 @@ fn a_write_that_fails_says_so_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     let file = PictureFile::create(&path).unwrap();
-    // A folder that takes the name while the picture is being rendered.
+    // A folder appears at the path while the picture is rendered.
     fs::create_dir(&path).unwrap();
     assert!(matches!(file.write(&film()), Err(IoError::Write { .. })));
     assert!(path.is_dir());
@@ -113,7 +113,7 @@ fn a_picture_is_written_through_to_a_fifo() {
             fs::create_dir_all(path.parent().unwrap()).unwrap();
         }
         assert!(std::process::Command::new("mkfifo").arg(&fifo).status().unwrap().success());
-        // Opened for both, a FIFO waits neither for a writer nor for a reader.
+        // A FIFO that is open for reading and writing does not block.
         let mut reader = fs::File::options().read(true).write(true).open(&fifo).unwrap();
         for path in [&fifo, &file] {
             PictureFile::create(path).unwrap().write(&film()).unwrap();

@@ -20,14 +20,14 @@ impl<'a> Document<'a> {
         let values = container.json.iter().filter(|byte| matches!(byte, b',' | b'{' | b'[')).count();
         loading.check_count(values as u64, loading.limits.json_values, "values in JSON")?;
         let refused = |error: serde_json::Error| {
-            parse_error(&error.to_string(), error.line(), error.column(), container, loading)
+            parse_error(&error.to_string(), (error.line(), error.column()), container, loading)
         };
         serde_json::from_slice::<Root<'a, false>>(container.json).map_err(refused)?;
         // The first reading does not check the encoding of ignored values.
         let text = str::from_utf8(container.json).map_err(|error| {
             let (line, column) = line_and_column(&container.json[..error.valid_up_to()]);
             let text = format!("is not UTF-8 at line {line} column {column}");
-            parse_error(&text, line, column, container, loading)
+            parse_error(&text, (line, column), container, loading)
         })?;
         let document: Self = serde_json::from_str(text).map_err(refused)?;
         document.check_version(loading)?;
@@ -89,13 +89,8 @@ fn line_and_column(before: &[u8]) -> (usize, usize) {
 
 /// The error for the message `text`, which ends in line and column. In a text file these are the line and
 /// column of the file; in a binary file they count within the JSON chunk.
-fn parse_error(
-    text: &str,
-    line: usize,
-    column: usize,
-    container: &Container<'_>,
-    loading: &Loading<'_>,
-) -> IoError {
+fn parse_error(text: &str, at: (usize, usize), container: &Container<'_>, loading: &Loading<'_>) -> IoError {
+    let (line, column) = at;
     let (at, message) = if container.is_text {
         let (what, _) = text.rsplit_once(" at line ").unwrap_or((text, ""));
         (Place::Line(line.max(1)), format!("column {column}: {what}"))

@@ -47,10 +47,8 @@ pub(super) fn open(
         5 => Mode::Strip,
         6 => Mode::Fan,
         mode => {
-            return Err(IoError::Parse {
-                at: loading.at(place),
-                message: format!("primitive mode {mode} is not supported"),
-            });
+            let message = format!("primitive mode {mode} is not supported");
+            return Err(IoError::Parse { at: loading.at(place), message });
         }
     };
     let Some(positions) = primitive.attributes.position else { return Ok(Opened::NoPositions) };

@@ -85,7 +85,8 @@ impl Parents {
         let mut parents = Self(vec![None; document.nodes.len()]);
         for ((index, node), number) in document.nodes.iter().enumerate().zip(1..) {
             for child in node.children {
-                let child = parents.existing(child, Place::Node(index), loading)?;
+                let at = Place::Node(index);
+                let child = loading.check_index(at, child.into(), parents.0.len(), "nodes")?;
                 if std::mem::replace(&mut parents.0[child], NonZeroU32::new(number)).is_some() {
                     return Err(IoError::NotATree { at: loading.at(Place::Node(child)) });
                 }
@@ -112,11 +113,6 @@ impl Parents {
         }
         Ok(())
     }
-
-    /// The index of the node that `place` refers to, if it exists.
-    fn existing(&self, index: u32, place: Place, loading: &Loading<'_>) -> Result<usize> {
-        loading.check_index(place, index.into(), self.0.len(), "nodes")
-    }
 }
 
 fn roots<'a>(
@@ -133,7 +129,7 @@ fn roots<'a>(
     let Some(scene) = scenes.get(index) else { return Ok(None) };
     let mut is_root = Flags::new(parents.0.len());
     for root in scene.nodes.clone() {
-        let root = parents.existing(root, Place::Scene(index), loading)?;
+        let root = loading.check_index(Place::Scene(index), root.into(), parents.0.len(), "nodes")?;
         if is_root.replace(root) || parents.0[root].is_some() {
             return Err(IoError::NotATree { at: loading.at(Place::Node(root)) });
         }

@@ -4,7 +4,7 @@ use crate::IoError;
 use crate::error::Result;
 
 /// The numbers of vertices, texture coordinates and normals above a face.
-pub(super) struct Counts(pub(super) [usize; 3]);
+pub(super) type Counts = [usize; 3];
 
 /// The elements that the indices of a corner `v/vt/vn` refer to.
 const REFERENTS: [&str; 3] = ["vertices above", "texture coordinates above", "normals above"];
@@ -14,7 +14,7 @@ const REFERENTS: [&str; 3] = ["vertices above", "texture coordinates above", "no
 pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> Result<usize> {
     if let Some(index) = plain_index(word)
         && 0 < index
-        && index <= counts.0[0]
+        && index <= counts[0]
     {
         return Ok(index - 1);
     }
@@ -37,7 +37,7 @@ pub(super) fn corner(statement: &Statement<'_>, word: &str, counts: &Counts) -> 
 /// The position, from 0, of the element that an index refers to.
 fn position(statement: &Statement<'_>, field: &str, kind: usize, counts: &Counts) -> Result<usize> {
     let index: i64 = statement.number(field)?;
-    let (count, distance) = (counts.0[kind], index.unsigned_abs());
+    let (count, distance) = (counts[kind], index.unsigned_abs());
     if index == 0 || distance > count as u64 {
         return Err(IoError::Index { at: statement.at(), index, count, what: REFERENTS[kind] });
     }

@@ -83,20 +83,14 @@ impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
     fn add(&mut self, library: &Source) -> Result<()> {
         let limit = self.loading.limits.materials;
         // A malformed statement anywhere in the library is reported before an invalid material.
-        let mut count = 0;
         Description::each(library, |begin, _| {
-            count += 1;
-            begin.check_count(count, "materials", limit)
+            self.materials += 1;
+            begin.check_count(self.materials, "materials", limit)
         })?;
         Description::each(library, |begin, description| {
             let name = begin.arguments;
-            let material = description.material().map_err(|source| IoError::Material {
-                at: begin.at(),
-                name: name.into(),
-                source,
-            })?;
-            self.materials += 1;
-            begin.check_count(self.materials, "materials", limit)?;
+            let refused = |source| IoError::Material { at: begin.at(), name: name.into(), source };
+            let material = description.material().map_err(refused)?;
             if !self.defined.insert(name.into()) {
                 self.loading.warn_of(begin.at(), WarningKind::DuplicateMaterial { name: name.into() });
             }

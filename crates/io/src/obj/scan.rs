@@ -1,4 +1,4 @@
-use super::face::{self, Counts};
+use super::face;
 use super::mtl::default_material;
 use super::number::fraction;
 use super::polygon::is_convex;
@@ -103,7 +103,7 @@ impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
     /// `f` and the corners of a polygon. A face with one or two corners is skipped.
     fn face(&mut self, statement: &Statement<'a>) -> Result<()> {
         let limits = self.loading.limits;
-        let counts = Counts([self.positions.len(), self.texture_coordinates, self.normals.count()]);
+        let counts = [self.positions.len(), self.texture_coordinates, self.normals.count()];
         self.corners.clear();
         for word in statement.words() {
             let corner = face::corner(statement, word, &counts)?;

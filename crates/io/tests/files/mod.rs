@@ -1,12 +1,12 @@
-//! Scene files that tests write into a folder of their own.
-#![allow(dead_code, reason = "not every test uses all of it")]
+//! Scene files in a temporary folder for tests.
+#![allow(dead_code, reason = "no test uses all items")]
 
 use globillum_io::{IoError, Loaded, Loader};
 use std::fs;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// A folder with files, gone with its owner.
+/// A temporary folder with files, removed on drop.
 pub(crate) struct Files(TempDir);
 
 impl Files {
@@ -26,7 +26,7 @@ impl Files {
         Loader::new().load(&self.path(name))
     }
 
-    /// A message without this folder's name.
+    /// A message without the path of this folder.
     pub(crate) fn shortened(&self, message: &impl ToString) -> String {
         message.to_string().replace(&format!("{}/", self.0.path().display()), "")
     }
