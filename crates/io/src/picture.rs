@@ -84,8 +84,8 @@ impl PictureFile {
         Ok(Self { format, path: path.into(), file: AtomicFile::create(path)?, gain: 1.0 })
     }
 
-    /// The same picture with radiance multiplied by two to the power of `stops`, if it is a PNG. An OpenEXR file
-    /// is for measuring and does not change.
+    /// The same picture with radiance multiplied by two to the power of `stops`, if it is a PNG. An OpenEXR
+    /// file is for measuring and does not change.
     #[must_use]
     pub fn exposed(self, stops: f64) -> Self {
         let gain = if self.format == PictureFormat::Png { stops.exp2() } else { 1.0 };

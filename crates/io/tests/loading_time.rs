@@ -1,5 +1,5 @@
-//! The time of loading relative to tobj: `cargo test --release -p globillum-io --test loading_time -- --ignored
-//! --nocapture`.
+//! The time of loading relative to tobj: `cargo test --release -p globillum-io --test loading_time --
+//! --ignored --nocapture`.
 #![cfg(feature = "obj")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
 #![allow(clippy::print_stderr, reason = "a skipped test prints a message")]
