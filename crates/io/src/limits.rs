@@ -1,8 +1,3 @@
-#[cfg(any(feature = "obj", feature = "gltf"))]
-use crate::error::Result;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-use crate::{IoError, Location};
-
 /// Limits on the content of a scene file. Exceeding one is
 /// [`IoError::TooLarge`](crate::IoError::TooLarge), reported before memory is allocated for the content.
 ///
@@ -49,13 +44,13 @@ impl Default for Limits {
     }
 }
 
-/// Returns [`IoError::TooLarge`] if `count` exceeds `limit`.
+/// Returns [`crate::IoError::TooLarge`] if `count` exceeds `limit`.
 #[cfg(any(feature = "obj", feature = "gltf"))]
 pub(crate) fn check_count(
     count: u64,
     limit: u64,
     what: &'static str,
-    at: impl FnOnce() -> Location,
-) -> Result<()> {
-    if count > limit { Err(IoError::TooLarge { at: at(), what, limit }) } else { Ok(()) }
+    at: impl FnOnce() -> crate::Location,
+) -> crate::error::Result<()> {
+    if count > limit { Err(crate::IoError::TooLarge { at: at(), what, limit }) } else { Ok(()) }
 }
