@@ -1,11 +1,11 @@
 use crate::{Aabb, Hit, Ray};
 use std::fmt::Debug;
 
-/// A structure that finds the triangle a ray meets.
+/// An accelerator: a structure over triangles that answers closest-hit and any-hit queries.
 ///
 /// # Contract
-/// Every implementation gives the same answers, bit for bit; `globillum-geom`'s conformance
-/// suite checks it.
+/// Every implementation gives the same answers, to the bit. The conformance suite of this crate (feature
+/// `conformance`) checks it.
 ///
 /// 1. A hit is reported iff `t_min < t < t_max`, both strict, with `t` as
 ///    [`decide::Shear::decide`](crate::decide::Shear::decide) computes it. `occluded(r)` is
@@ -17,8 +17,7 @@ use std::fmt::Debug;
 /// 5. Degenerate triangles are never hit; a structure over no triangles hits nothing.
 /// 6. Queries neither panic nor allocate more than their output.
 ///
-/// Many rays at a time are faster than one after the other, above all in a
-/// [`WideKdTree`](crate::WideKdTree):
+/// Batches are faster than single rays, above all with a [`WideKdTree`](crate::WideKdTree):
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
@@ -27,40 +26,39 @@ use std::fmt::Debug;
 /// let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
 /// let tree = WideKdTree::build(&triangles)?;
 /// let down = |x, y| Ray::new(DVec3::new(x, y, 2.0), -DVec3::Z);
-/// let mut hits = Vec::new(); // can be used again and again
+/// let mut hits = Vec::new(); // reusable
 /// tree.intersect_batch(&[down(0.2, 0.2), down(0.9, 0.9)], &mut hits);
 /// assert_eq!((hits[0].map(|hit| hit.t), hits[1]), (Some(2.0), None));
 /// # Ok::<(), globillum_geom::GeomError>(())
 /// ```
 pub trait Accel: Debug + Send + Sync {
-    /// The closest hit in the ray's range; `None` if there is none.
+    /// The hit of smallest `t` in the ray's range, of equal `t` that of the smallest triangle index; `None` if
+    /// the range contains no hit.
     fn intersect(&self, ray: &Ray) -> Option<Hit>;
 
-    /// Whether anything is hit in the ray's range.
+    /// Whether the ray's range contains any hit.
     fn occluded(&self, ray: &Ray) -> bool;
 
-    /// [`intersect`](Accel::intersect) for many rays: `hits` is cleared, then filled with one
-    /// entry a ray, in order.
+    /// [`intersect`](Accel::intersect) for many rays: clears `hits`, then stores one entry per ray, in order.
     fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         hits.extend(rays.iter().map(|ray| self.intersect(ray)));
     }
 
-    /// [`occluded`](Accel::occluded) for many rays: `occluded` is cleared, then filled with one
-    /// entry a ray, in order.
+    /// [`occluded`](Accel::occluded) for many rays: clears `occluded`, then stores one entry per ray, in order.
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
         occluded.clear();
         occluded.extend(rays.iter().map(|ray| self.occluded(ray)));
     }
 
-    /// The smallest box around everything that can be hit; empty if nothing can.
+    /// The bounds of all live triangles; empty if there are none.
     fn bounds(&self) -> Aabb;
 
-    /// Bytes of memory held, the triangles included.
+    /// Memory in bytes, including the triangles, which may be shared.
     fn bytes(&self) -> usize;
 }
 
-/// An accelerator behind a pointer is an accelerator.
+/// Implements [`Accel`] for a pointer by forwarding every method.
 macro_rules! forward_accel {
     ($pointer:ty) => {
         impl<A: Accel + ?Sized> Accel for $pointer {
@@ -89,3 +87,33 @@ macro_rules! forward_accel {
 forward_accel!(&A);
 forward_accel!(Box<A>);
 forward_accel!(std::sync::Arc<A>);
+
+/// The methods of [`Traverse`](crate::Traverse) for a type with a method `query`, its one traversal.
+macro_rules! traverse_by_query {
+    () => {
+        fn closest<P: $crate::Probe>(&self, ray: &$crate::Ray, probe: &mut P) -> Option<$crate::Hit> {
+            self.query(ray, <$crate::query::ClosestHit as $crate::query::Query>::new(ray), probe).hit()
+        }
+        fn any<P: $crate::Probe>(&self, ray: &$crate::Ray, probe: &mut P) -> bool {
+            self.query(ray, <$crate::query::AnyHit as $crate::query::Query>::new(ray), probe).found()
+        }
+    };
+}
+
+/// The methods of [`Accel`] but `bytes`, for a type that implements [`Traverse`](crate::Traverse) and has a
+/// field `triangles`.
+macro_rules! accel_by_query {
+    () => {
+        fn intersect(&self, ray: &$crate::Ray) -> Option<$crate::Hit> {
+            self.closest(ray, &mut ())
+        }
+        fn occluded(&self, ray: &$crate::Ray) -> bool {
+            self.any(ray, &mut ())
+        }
+        fn bounds(&self) -> $crate::Aabb {
+            self.triangles.bounds()
+        }
+    };
+}
+
+pub(crate) use {accel_by_query, traverse_by_query};

@@ -1,32 +1,22 @@
+use crate::accel::{accel_by_query, traverse_by_query};
 use crate::decide::Shear;
-use crate::query::{AnyHit, ClosestHit, Query, offer_all};
-use crate::{Aabb, Accel, Hit, Probe, Ray, Traverse, Triangles};
+use crate::query::{Query, offer_all};
+use crate::{Accel, Probe, Ray, Traverse, Triangles};
 
-/// Tests every triangle: slow, and the definition of what every other structure must answer.
+/// An accelerator without a structure: every query tests every live triangle.
+///
+/// The slow reference for all other accelerators, which give the same answers to the bit.
 #[derive(Clone, Debug)]
 pub struct BruteForce {
     triangles: Triangles,
 }
 
 impl BruteForce {
-    /// Takes the triangles as they are; nothing is built.
+    /// Shares the triangles; nothing is built.
     pub fn build(triangles: &Triangles) -> Self {
         Self { triangles: triangles.clone() }
     }
-}
 
-impl Traverse for BruteForce {
-    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.query(ray, ClosestHit::new(ray), probe).hit()
-    }
-
-    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.query(ray, AnyHit::new(ray), probe).found()
-    }
-}
-
-impl BruteForce {
-    /// Runs `query` over all triangles: the one loop behind every query.
     fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
         if let Some(shear) = Shear::new(ray) {
             offer_all(&shear, &self.triangles, self.triangles.live().iter().copied(), &mut query, probe);
@@ -35,18 +25,12 @@ impl BruteForce {
     }
 }
 
+impl Traverse for BruteForce {
+    traverse_by_query!();
+}
+
 impl Accel for BruteForce {
-    fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.closest(ray, &mut ())
-    }
-
-    fn occluded(&self, ray: &Ray) -> bool {
-        self.any(ray, &mut ())
-    }
-
-    fn bounds(&self) -> Aabb {
-        self.triangles.bounds()
-    }
+    accel_by_query!();
 
     fn bytes(&self) -> usize {
         self.triangles.bytes()

@@ -1,22 +1,17 @@
 use super::mailbox::Mailbox;
 use super::uniform::UniformGrid;
 use super::walk::Walk;
+use crate::accel::traverse_by_query;
 use crate::decide::Shear;
-use crate::query::{AnyHit, ClosestHit, Query, offer_all};
-use crate::{Hit, Probe, Ray, Traverse};
+use crate::query::{Query, offer_all};
+use crate::{Probe, Ray, Traverse};
 
 impl Traverse for UniformGrid {
-    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.query(ray, ClosestHit::new(ray), probe).hit()
-    }
-
-    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.query(ray, AnyHit::new(ray), probe).found()
-    }
+    traverse_by_query!();
 }
 
 impl UniformGrid {
-    /// Runs `query` along `ray`: the one traversal behind every query.
+    /// Runs `query` along `ray`, over the cells that [`Walk`] yields.
     fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
         let Some(shear) = Shear::new(ray) else { return query };
         let Some(walk) = Walk::new(&self.lattice, &self.triangles.bounds(), ray) else { return query };

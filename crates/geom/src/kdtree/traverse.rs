@@ -1,31 +1,26 @@
 use super::tree::{KdTree, Node};
+use crate::accel::traverse_by_query;
 use crate::decide::Shear;
 use crate::prune::{Pruner, Span};
-use crate::query::{AnyHit, ClosestHit, Query, offer_all};
-use crate::{Hit, Probe, Ray, Traverse};
+use crate::query::{Query, offer_all};
+use crate::{Probe, Ray, Traverse};
 use arrayvec::ArrayVec;
 
-/// A node still to be visited, over the part of the ray within its widened cell.
+/// A stack entry: a node to visit, and the ray's span within its widened cell.
 struct Pending {
     node: u32,
     span: Span,
 }
 
 impl Traverse for KdTree {
-    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.query(ray, ClosestHit::new(ray), probe).hit()
-    }
-
-    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.query(ray, AnyHit::new(ray), probe).found()
-    }
+    traverse_by_query!();
 }
 
 impl KdTree {
-    /// Runs `query` along `ray`: the one traversal behind every query.
+    /// Runs `query` along `ray`.
     ///
-    /// Front to back over cells whose planes are widened by the pruning slack, so a ray near a
-    /// plane visits both sides (Havran 2000, with thick planes).
+    /// Visits cells front to back (Havran 2000). Planes are widened by the pruning slack, so a ray near a
+    /// plane visits both sides.
     fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
         if let Some(shear) = Shear::new(ray) {
             let bounds = self.triangles.bounds();
@@ -46,7 +41,7 @@ impl KdTree {
         query: &mut Q,
         probe: &mut P,
     ) {
-        // Each level leaves at most one node behind, so the stack cannot overflow.
+        // Each level pushes at most one node, so the stack cannot overflow.
         let mut pending = ArrayVec::<Pending, { KdTree::MAX_DEPTH as usize + 1 }>::new();
         pending.push(Pending { node: 0, span });
         while let Some(Pending { mut node, mut span }) = pending.pop() {
@@ -84,10 +79,11 @@ mod tests {
     use super::*;
     use crate::conformance::shapes::statue;
     use crate::conformance::{Seeded, Source};
+    use crate::query::ClosestHit;
     use crate::{KdOptions, Triangles};
     use glam::DVec3;
 
-    /// Counts nodes and leaves visited.
+    /// Counts the inner nodes and non-empty leaves visited.
     #[derive(Default)]
     struct Visits(u64);
 
@@ -100,7 +96,7 @@ mod tests {
         }
     }
 
-    /// Nodes and leaves visited along `ray`, with the pruning slack multiplied by `factor`.
+    /// The visits along `ray`, with the pruning slack multiplied by `factor`.
     fn visits(tree: &KdTree, ray: &Ray, factor: f64) -> u64 {
         let bounds = tree.triangles.bounds();
         let shear = Shear::new(ray).expect("the ray is traceable");
@@ -113,13 +109,13 @@ mod tests {
 
     #[test]
     fn slack_costs_ordinary_rays_next_to_nothing() {
-        let triangles = Triangles::new(statue(20_000).triangles()).expect("a statue is good");
-        let tree = KdTree::build(&triangles, &KdOptions::default()).expect("likewise");
+        let triangles = Triangles::new(statue(20_000).triangles()).expect("a valid mesh");
+        let tree = KdTree::build(&triangles, &KdOptions::default()).expect("valid options");
         let mut source = Seeded::new(0);
         let mut point = || DVec3::new(source.signed(), source.signed(), source.signed());
         let (mut with, mut without) = (0, 0);
         for i in 0..40_000 {
-            // Half from one place, as from a camera; half from anywhere, as after a bounce.
+            // Half the rays start at one point, like camera rays; half at random points, like bounce rays.
             let origin = if i % 2 == 0 { DVec3::new(0.3, 0.5, 3.0) } else { point() };
             let ray = Ray::new(origin, point() - origin);
             with += visits(&tree, &ray, 1.0);

@@ -1,32 +1,33 @@
-use crate::{Aabb, Accel, Hit, Ray, Traverse, Triangles};
+use crate::accel::accel_by_query;
+use crate::{Accel, Traverse, Triangles};
 
-/// A k-d tree, halved by one of several [`SplitRule`](crate::SplitRule)s.
+/// A k-d tree, built by one of the [`SplitRule`](crate::SplitRule)s.
 ///
-/// A triangle that straddles a plane is listed on both sides, so the cells along a ray
-/// never overlap and can be visited front to back.
+/// Both children reference a triangle that straddles their split plane. Cells do not overlap, so traversal
+/// visits them front to back.
 #[derive(Clone, Debug)]
 pub struct KdTree {
     pub(super) triangles: Triangles,
-    /// Depth first: an inner node's lower child follows it.
+    /// In depth-first order: an inner node's lower child follows it.
     pub(crate) nodes: Vec<Node>,
-    /// Triangle indices of all leaves, ascending within each.
+    /// The triangle indices of all leaves, ascending within each leaf.
     pub(crate) references: Vec<u32>,
 }
 
-/// One cell of the tree.
+/// A node; its cell is the part of the bounds on its side of all planes above.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Node {
-    /// Halved at `axis = position`; the upper half is node `upper`.
+    /// An inner node, split at `axis = position`; `upper` is the index of its upper child.
     Split { axis: u8, position: f32, upper: u32 },
-    /// Not halved: lists `references[first..][..count]`.
+    /// A leaf with the triangles `references[first..][..count]`.
     Leaf { first: u32, count: u32 },
 }
 
 impl KdTree {
-    /// The deepest tree that is ever built, whatever the options ask for.
+    /// The depth limit: the largest number of planes above a leaf, whatever the options.
     pub const MAX_DEPTH: u32 = 60;
 
-    /// Every splitting plane as axis (0 to 2) and position, in depth-first order.
+    /// All split planes as axis (0 to 2) and world-space position, in depth-first order.
     pub fn planes(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
         self.nodes.iter().filter_map(|node| match *node {
             Node::Split { axis, position, .. } => Some((usize::from(axis), position)),
@@ -36,17 +37,7 @@ impl KdTree {
 }
 
 impl Accel for KdTree {
-    fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.closest(ray, &mut ())
-    }
-
-    fn occluded(&self, ray: &Ray) -> bool {
-        self.any(ray, &mut ())
-    }
-
-    fn bounds(&self) -> Aabb {
-        self.triangles.bounds()
-    }
+    accel_by_query!();
 
     fn bytes(&self) -> usize {
         self.triangles.bytes() + size_of_val(&*self.nodes) + size_of_val(&*self.references)
