@@ -1,35 +1,36 @@
-//! What a query costs, counted with one meaning in every structure.
+//! Counts of the work of a query, with the same definitions for every accelerator.
 
 use crate::{Accel, Hit, Ray};
 use std::collections::HashSet;
 use std::ops::AddAssign;
 
-/// Watches a query. The no-op `()` compiles to nothing.
+/// Receives the events of a query. The probe `()` ignores them and compiles to nothing.
 pub trait Probe {
-    /// An inner node of a tree, or a cell of a grid, was visited.
+    /// Called for each inner node of a tree, or each cell of a grid, that is visited.
     #[inline]
     fn visit(&mut self) {}
-    /// A list of triangles was opened: a leaf or a cell that holds at least one.
+    /// Called for each leaf or grid cell that is visited and has at least one triangle.
     #[inline]
     fn open(&mut self) {}
-    /// The triangle of that index was tested: decided, or found out of question.
+    /// Called for each test of a triangle, given its index: an exact decision, or a rejection by a prefilter.
     #[inline]
     fn test(&mut self, _triangle: u32) {}
 }
 
 impl Probe for () {}
 
-/// An accelerator whose queries can be watched. The same traversal answers [`Accel`]'s queries for
-/// single rays.
+/// An accelerator whose single-ray queries report to a [`Probe`].
+///
+/// The same traversal answers the single-ray queries of [`Accel`].
 pub trait Traverse: Accel {
-    /// [`Accel::intersect`], telling `probe` what is done for it.
+    /// [`Accel::intersect`], reporting to `probe`.
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit>;
 
-    /// [`Accel::occluded`], telling `probe` what is done for it.
+    /// [`Accel::occluded`], reporting to `probe`.
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool;
 }
 
-/// What queries cost, in all.
+/// The work of one query, or the sum over several.
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
@@ -44,29 +45,29 @@ pub trait Traverse: Accel {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counts {
-    /// Queries.
+    /// Number of queries.
     pub rays: u64,
-    /// Queries that found a hit.
+    /// Queries with a hit.
     pub hits: u64,
-    /// Inner nodes and cells visited.
+    /// Inner nodes of trees and cells of grids visited.
     pub visits: u64,
-    /// Lists opened: leaves and cells that hold triangles.
+    /// Leaves and cells visited that have at least one triangle.
     pub opened: u64,
-    /// Triangles tested, repetitions included.
+    /// Triangle tests, including repeated ones.
     pub tests: u64,
-    /// Tests of a triangle that the same query had tested before, in another leaf or cell.
+    /// Tests of a triangle that the same query has already tested in another leaf or cell.
     pub repeats: u64,
 }
 
 impl Counts {
-    /// Finds the closest hit as [`Accel::intersect`] does, and counts what it takes.
+    /// The result of [`Accel::intersect`], and the work of this query.
     pub fn closest(accel: &impl Traverse, ray: &Ray) -> (Option<Hit>, Self) {
         let mut watch = Watch::default();
         let hit = accel.closest(ray, &mut watch);
         (hit, watch.counts(hit.is_some()))
     }
 
-    /// Finds out whether anything is hit as [`Accel::occluded`] does, and counts what it takes.
+    /// The result of [`Accel::occluded`], and the work of this query.
     pub fn any(accel: &impl Traverse, ray: &Ray) -> (bool, Self) {
         let mut watch = Watch::default();
         let found = accel.any(ray, &mut watch);
@@ -85,33 +86,29 @@ impl AddAssign for Counts {
     }
 }
 
-/// Watches one query.
+/// Counts the work of one query.
 #[derive(Default)]
 struct Watch {
-    visits: u64,
-    opened: u64,
-    tests: u64,
+    counts: Counts,
     tested: HashSet<u32>,
 }
 
 impl Watch {
     fn counts(self, hit: bool) -> Counts {
-        let Self { visits, opened, tests, tested } = self;
-        let repeats = tests - tested.len() as u64;
-        Counts { rays: 1, hits: u64::from(hit), visits, opened, tests, repeats }
+        Counts { rays: 1, hits: u64::from(hit), ..self.counts }
     }
 }
 
 impl Probe for Watch {
     fn visit(&mut self) {
-        self.visits += 1;
+        self.counts.visits += 1;
     }
     fn open(&mut self) {
-        self.opened += 1;
+        self.counts.opened += 1;
     }
     fn test(&mut self, triangle: u32) {
-        self.tests += 1;
-        self.tested.insert(triangle);
+        self.counts.tests += 1;
+        self.counts.repeats += u64::from(!self.tested.insert(triangle));
     }
 }
 
@@ -121,7 +118,7 @@ mod tests {
     use crate::{BruteForce, GridOptions, KdOptions, KdTree, SplitRule, Triangle, Triangles, UniformGrid};
     use glam::{DVec3, Vec3};
 
-    /// Two triangles apart, and one that reaches across both cells between them.
+    /// Two small triangles far apart, and a long one that overlaps the cells of both.
     fn scene() -> Triangles {
         let small = |x: f32| Triangle::new(Vec3::X * x, Vec3::X * (x + 1.0), Vec3::new(x, 1.0, 0.0));
         let long = Triangle::new(Vec3::Z, Vec3::new(11.0, 0.0, 1.0), Vec3::new(0.0, 1.0, 1.0));
@@ -131,23 +128,18 @@ mod tests {
     #[test]
     fn every_structure_counts_alike() {
         let triangles = scene();
-        // Past all three, so that every list along the way is opened.
+        // The ray misses all three triangles, so it visits every cell along its way.
         let ray = Ray::new(DVec3::new(-1.0, 0.9, 0.5), DVec3::X);
         let brute = Counts::closest(&BruteForce::build(&triangles), &ray);
         assert_eq!(brute, (None, Counts { rays: 1, tests: 3, ..Counts::default() }));
 
-        let halved = KdOptions {
-            rule: SplitRule::Midpoint,
-            traversal_cost: 0.0,
-            max_depth: 1,
-            leaf_size: 0,
-            ..KdOptions::default()
-        };
+        let midpoint = KdOptions::by_rule(SplitRule::Midpoint);
+        let halved = KdOptions { traversal_cost: 0.0, max_depth: 1, leaf_size: 0, ..midpoint };
         let (hit, kd) = Counts::closest(&KdTree::build(&triangles, &halved).unwrap(), &ray);
         let expected = Counts { rays: 1, hits: 0, visits: 1, opened: 2, tests: 4, repeats: 1 };
         assert_eq!((hit, kd), (None, expected));
 
-        // Two cells, and a mailbox for what both list.
+        // Two cells; the mailbox avoids the second test of the long triangle.
         let two_cells = GridOptions { resolution: Some([2, 1, 1]), ..GridOptions::default() };
         let (hit, grid) = Counts::closest(&UniformGrid::build(&triangles, &two_cells).unwrap(), &ray);
         assert_eq!((hit, grid), (None, Counts { visits: 2, tests: 3, repeats: 0, ..expected }));

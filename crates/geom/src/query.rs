@@ -1,30 +1,33 @@
-//! What a query asks for: the one difference between closest hit and any hit.
+//! Closest-hit and any-hit queries, as a parameter of a traversal.
 
 use crate::decide::{Intersection, Shear};
 use crate::{Hit, Probe, Ray, Triangles};
 
-/// A query in progress. An accelerator has one traversal, generic over this.
+/// The state of a query. An accelerator has one traversal, generic over this trait.
 pub(crate) trait Query: Copy {
-    /// Whether any hit is the answer.
+    /// Whether any hit answers the query.
     const ANY_HIT: bool;
 
-    /// The query before it begins, over the ray's range.
+    /// A query without a hit yet, over the ray's range.
     fn new(ray: &Ray) -> Self;
 
-    /// Takes note of an intersection with triangle `index`, wherever on the line it lies.
+    /// Accounts for an intersection of the ray's line with triangle `index`, at any `t`.
     fn offer(&mut self, intersection: Intersection, index: u32);
 
-    /// The largest `t` that can still matter: what starts beyond it need not be visited. Negative
-    /// infinity once the answer is known.
+    /// The largest `t` at which a hit can change the answer; negative infinity if none can. Nodes that start
+    /// beyond it are skipped.
     fn t_end(&self) -> f64;
 
-    /// The query after some hit in the ray's range has been found to exist. It answers an any-hit
-    /// query; a closest-hit query learns nothing from it.
+    /// The query after an unknown hit in the ray's range. This answers an any-hit query and does not change a
+    /// closest-hit query.
     #[must_use]
-    fn with_some_hit(self) -> Self;
+    #[inline]
+    fn with_some_hit(self) -> Self {
+        self
+    }
 }
 
-/// Asks for the hit of smallest `t`, of equals the smallest index.
+/// The hit of smallest `t`, of equal `t` that of the smallest triangle index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClosestHit {
     t_min: f64,
@@ -32,7 +35,7 @@ pub(crate) struct ClosestHit {
     best: Option<Hit>,
 }
 
-/// Asks whether there is any hit.
+/// Whether there is any hit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AnyHit {
     t_min: f64,
@@ -41,14 +44,14 @@ pub(crate) struct AnyHit {
 }
 
 impl ClosestHit {
-    /// The closest hit so far; `None` if nothing lies strictly inside the range.
+    /// The closest hit so far; `None` if there is none strictly inside the range.
     pub(crate) fn hit(&self) -> Option<Hit> {
         self.best
     }
 }
 
 impl AnyHit {
-    /// Whether anything lies strictly inside the range.
+    /// Whether there is a hit strictly inside the range so far.
     pub(crate) fn found(&self) -> bool {
         self.found
     }
@@ -74,11 +77,6 @@ impl Query for ClosestHit {
     #[inline]
     fn t_end(&self) -> f64 {
         self.best.map_or(self.t_max, |b| b.t)
-    }
-
-    #[inline]
-    fn with_some_hit(self) -> Self {
-        self
     }
 }
 
@@ -106,7 +104,7 @@ impl Query for AnyHit {
     }
 }
 
-/// Decides the triangles at `indices` and offers what is met.
+/// Tests the triangles of these `indices` and offers their intersections to `query`.
 #[inline]
 pub(crate) fn offer_all<Q: Query, P: Probe>(
     shear: &Shear,

@@ -51,7 +51,7 @@ impl Case {
         &self,
         build: impl Fn(&Triangles) -> Result<A, GeomError>,
     ) -> Result<Tally, Violation> {
-        let refused = |error: GeomError| self.violation(None, "an accelerator", &error.to_string());
+        let refused = |error: GeomError| Violation::of_building(self.name, &self.triangles, &error);
         let triangles = Triangles::new(self.triangles.clone()).map_err(refused)?;
         let accel = build(&triangles).map_err(refused)?;
         for (ray, known) in &self.rays {
@@ -64,25 +64,21 @@ impl Case {
                 Known::All(ts) => found == *ts,
             };
             if !as_known {
-                return Err(self.violation(Some(*ray), &format!("{known:?}"), &format!("{found:?}")));
+                return Err(Violation {
+                    what: self.name.to_owned(),
+                    triangles: self.triangles.clone(),
+                    ray: Some(Box::new(*ray)),
+                    expected: format!("{known:?}"),
+                    actual: format!("{found:?}"),
+                });
             }
         }
         let rays: Vec<Ray> = self.rays.iter().map(|(ray, _)| *ray).collect();
         compare(self.name, &accel, &self.triangles, &rays)
     }
-
-    fn violation(&self, ray: Option<Ray>, expected: &str, actual: &str) -> Violation {
-        Violation {
-            what: self.name.to_owned(),
-            triangles: self.triangles.clone(),
-            ray: ray.map(Box::new),
-            expected: expected.to_owned(),
-            actual: actual.to_owned(),
-        }
-    }
 }
 
-/// Every case.
+/// All cases, in the order of docs/testing.md.
 pub fn all() -> Vec<Case> {
     vec![
         along_a_face_diagonal(),

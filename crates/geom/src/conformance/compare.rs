@@ -1,21 +1,34 @@
 use super::oracle;
-use crate::{Accel, Hit, Ray, Triangle};
+use crate::{Accel, GeomError, Hit, Ray, Triangle};
 use std::fmt;
 
-/// Where an accelerator broke its contract.
+/// A violation of the contract of [`Accel`], with the input that reproduces it.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Violation {
-    /// What was asked for.
+    /// The case or regime, and the query.
     pub what: String,
     /// The scene.
     pub triangles: Vec<Triangle>,
-    /// The ray, if there is one to blame.
+    /// The ray; `None` if the accelerator was not built.
     pub ray: Option<Box<Ray>>,
-    /// What the contract asks for.
+    /// The answer that the contract requires.
     pub expected: String,
-    /// What came instead.
+    /// The actual answer.
     pub actual: String,
+}
+
+impl Violation {
+    /// The failure to build an accelerator over `triangles`.
+    pub(super) fn of_building(what: &str, triangles: &[Triangle], error: &GeomError) -> Self {
+        Self {
+            what: format!("{what}, building"),
+            triangles: triangles.to_vec(),
+            ray: None,
+            expected: "an accelerator".to_owned(),
+            actual: error.to_string(),
+        }
+    }
 }
 
 impl fmt::Display for Violation {
@@ -26,20 +39,20 @@ impl fmt::Display for Violation {
             write!(f, "; {ray:?}")?;
         }
         write!(f, "; {} triangles", triangles.len())?;
-        // A small scene is worth seeing whole.
+        // Small scenes are printed in full.
         if triangles.len() <= 32 { write!(f, ": {triangles:?}") } else { Ok(()) }
     }
 }
 
 impl std::error::Error for Violation {}
 
-/// What a suite tried.
+/// The number of rays that a suite has compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Tally {
     /// Rays compared.
     pub rays: u64,
-    /// How many of them hit something.
+    /// Rays with a hit.
     pub hits: u64,
 }
 
@@ -50,12 +63,15 @@ impl std::ops::AddAssign for Tally {
     }
 }
 
-/// A hit as its bits, in which equal means equal.
+/// The bits of a hit, so that a comparison distinguishes zeros of different sign.
 fn bits(hit: Option<Hit>) -> Option<([u64; 3], u32)> {
     hit.map(|h| ([h.t, h.u, h.v].map(f64::to_bits), h.triangle))
 }
 
-/// Compares every answer of `accel`, single and in batches, with the oracle's over `triangles`.
+/// Compares all answers of `accel` for `rays`, to single rays and to batches, with those of the
+/// [oracle](super::oracle) over `triangles`, to the bit.
+///
+/// Returns the number of rays compared. `what` names the scene in a violation.
 ///
 /// # Errors
 /// The first [`Violation`] found.
@@ -98,10 +114,10 @@ pub fn compare(
     Ok(tally)
 }
 
-/// Scaling a direction by a power of two scales `t` by its inverse and changes nothing else.
+/// Checks that scaling the direction by a power of two scales `t` by its inverse and changes nothing else.
 fn check_scaling(accel: &dyn Accel, ray: &Ray, expected: Option<Hit>) -> Result<(), (Ray, String)> {
     let components = ray.direction.to_array();
-    // Where scaling itself would round, nothing is promised.
+    // The contract holds only where scaling does not round.
     let exact = |x: f64| x == 0.0 || (2.0_f64.powi(-80)..2.0_f64.powi(80)).contains(&x.abs());
     let whole_range = ray.t_min == 0.0 && ray.t_max == f64::INFINITY;
     if !whole_range || !components.into_iter().all(exact) {

@@ -4,32 +4,32 @@ use super::source::Source;
 use crate::{Accel, GeomError, Ray, Triangle, Triangles};
 use glam::{DVec3, Vec3};
 
-/// A family of scenes and rays, each with its own way of being hard.
+/// A family of random scenes and rays, each with its own numerical difficulty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Regime {
     /// Coordinates uniform in `[-1, 1]`.
     Uniform,
-    /// Whole coordinates from 0 to 4, where much is coplanar, aligned and shared.
+    /// Integer coordinates from 0 to 4: many coplanar triangles, axis-aligned edges and shared vertices.
     Lattice,
-    /// Coordinates of either sign from `1e-15` to `1e15`, evenly by logarithm.
+    /// Coordinates of either sign, log-uniform in magnitude from `1e-15` to `1e15`.
     LogUniform,
-    /// Details of size 0.01 at 10,000 from the origin.
+    /// Details of size 0.01 at a distance of 10,000 from the origin along each axis.
     Offset,
-    /// One triangle again and again: copied, permuted, sharing edges and vertices.
+    /// Copies and permutations of triangles, and triangles that share edges and vertices.
     Copies,
-    /// Any bits at all: mostly made numbers within the domain, sometimes left as they are.
+    /// Random bit patterns: three scenes of four are mapped to numbers within the domain.
     RawBits,
 }
 
-/// Rays in a pencil: accelerators may treat as many alike.
+/// Rays per pencil: the size of a packet of the wide tree.
 const PENCIL: usize = 64;
 
 impl Regime {
-    /// All of them.
+    /// All regimes.
     pub const ALL: [Self; 6] =
         [Self::Uniform, Self::Lattice, Self::LogUniform, Self::Offset, Self::Copies, Self::RawBits];
 
-    /// A scene of up to 24 triangles.
+    /// A random scene of 0 to 24 triangles, not validated.
     pub fn triangles(self, source: &mut impl Source) -> Vec<Triangle> {
         let count = source.below(25);
         let untamed = self == Self::RawBits && source.one_in(4);
@@ -39,7 +39,7 @@ impl Regime {
                 [0; 3].map(|_| if untamed { untamed_vertex(source) } else { self.vertex(source) });
             let earlier = if triangles.is_empty() { None } else { Some(source.pick(&triangles)) };
             if let Some(Triangle { vertices: old }) = earlier {
-                // Some share a vertex or an edge with an earlier one; copies share more.
+                // Some triangles share a vertex or an edge with an earlier one; those of `Copies` share more.
                 let shared = if self == Self::Copies { source.below(4) } else { source.below(6) / 2 };
                 let turn = source.below(3);
                 for i in 0..shared.min(3) {
@@ -51,7 +51,7 @@ impl Regime {
         triangles
     }
 
-    /// A ray at a scene of this family.
+    /// A random ray for a scene of this regime, usually aimed at one of `triangles`.
     pub fn ray(self, triangles: &[Triangle], source: &mut impl Source) -> Ray {
         let elsewhere = self.point(source);
         match self {
@@ -73,8 +73,8 @@ impl Regime {
         }
     }
 
-    /// Checks the accelerator that `build` makes with one scene, a pencil of rays that take nearly the same
-    /// way, and `rays` other rays.
+    /// Checks the accelerator that `build` makes of one random scene, with a pencil of 64 coherent rays and
+    /// `rays` other rays. Returns the number of rays compared.
     ///
     /// # Errors
     /// The first [`Violation`] found.
@@ -84,28 +84,18 @@ impl Regime {
         rays: usize,
         build: impl Fn(&Triangles) -> Result<A, GeomError>,
     ) -> Result<Tally, Violation> {
-        let triangles = self.triangles(source);
+        let (name, triangles) = (format!("{self:?}"), self.triangles(source));
+        let refused = |error: &GeomError| Violation::of_building(&name, &triangles, error);
         let checked = match Triangles::new(triangles.clone()) {
             Ok(checked) => checked,
-            // Bits that are no coordinates are refused, and that is all there is to check.
+            // Raw bits outside the domain are rejected as documented.
             Err(_) if self == Self::RawBits => return Ok(Tally::default()),
-            Err(error) => return Err(self.refused(&triangles, &error)),
+            Err(error) => return Err(refused(&error)),
         };
-        let accel = build(&checked).map_err(|error| self.refused(&triangles, &error))?;
-        let other_rays = rays;
-        let mut rays = pencil(&triangles, self.ray(&triangles, source), source);
-        rays.extend((0..other_rays).map(|_| self.ray(&triangles, source)));
-        compare(&format!("{self:?}"), &accel, &triangles, &rays)
-    }
-
-    fn refused(self, triangles: &[Triangle], error: &GeomError) -> Violation {
-        Violation {
-            what: format!("{self:?}, building"),
-            triangles: triangles.to_vec(),
-            ray: None,
-            expected: "an accelerator".to_owned(),
-            actual: error.to_string(),
-        }
+        let accel = build(&checked).map_err(|error| refused(&error))?;
+        let mut all_rays = pencil(&triangles, self.ray(&triangles, source), source);
+        all_rays.extend((0..rays).map(|_| self.ray(&triangles, source)));
+        compare(&name, &accel, &triangles, &all_rays)
     }
 
     fn vertex(self, source: &mut impl Source) -> Vec3 {
@@ -115,7 +105,7 @@ impl Regime {
 
     fn point(self, source: &mut impl Source) -> DVec3 {
         let mut number = || match self {
-            // Between the lattice's points as well as on them, and outside.
+            // Multiples of one half: on and between the lattice's points, and outside.
             Self::Lattice => source.below(15) as f64 / 2.0 - 1.5,
             _ => 2.0 * self.coordinate(source),
         };
@@ -133,9 +123,8 @@ impl Regime {
     }
 }
 
-/// Rays that take nearly the same way as `ray`: side by side, from one point, or from so far away that
-/// this is all one. Each has a range of its own, and in half of
-/// the cases a few are no rays.
+/// Coherent rays: parallel to `ray`, from its origin, or from a distant origin toward one point. Each has its
+/// own range. Half the pencils contain a few rays that are not traceable.
 fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray> {
     let vertices = triangles.iter().flat_map(|triangle| triangle.vertices);
     let reach = f64::from(vertices.map(|v| v.abs().max_element()).fold(1e-6, f32::max));
@@ -144,7 +133,7 @@ fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray
     let target = if triangles.is_empty() { DVec3::ZERO } else { point_of(&source.pick(triangles), source) };
     let away = ray.direction / speed * reach * 2.0_f64.powi(source.below(46) as i32);
     let kind = source.below(4);
-    // As a camera sends them out: every one can be traced, and none begins behind the point.
+    // Like camera rays: all traceable, with ranges that start at the origin or after it.
     let is_plain = source.one_in(2);
     let member = |i: usize| {
         let offset = spread * DVec3::new(source.signed(), source.signed(), source.signed());
@@ -153,7 +142,7 @@ fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray
             1 => Ray { direction: ray.direction + speed * offset, ..ray },
             _ => Ray::new(target - away, away + reach * offset),
         };
-        // Those by which a packet might be told stay what they are.
+        // An accelerator may detect a packet by these rays, so they stay traceable.
         if !is_plain && !i.is_multiple_of(21) && source.one_in(32) {
             return Ray { direction: DVec3::splat(source.pick(&[f64::NAN, 0.0])), ..ray };
         }
@@ -163,7 +152,7 @@ fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray
     (0..PENCIL).map(member).collect()
 }
 
-/// Sign and mantissa as they are, the exponent within 2^60 of one: far apart, and in the domain.
+/// The number with the sign and mantissa of `bits`, and its exponent mapped to -60 to 59.
 fn in_domain(bits: u32) -> f32 {
     let exponent = 127 - 60 + (bits >> 23 & 0xff) * 119 / 255;
     f32::from_bits(bits & 0x807f_ffff | exponent << 23)
