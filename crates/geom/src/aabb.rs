@@ -1,48 +1,48 @@
 use glam::{DVec3, Vec3};
 
-/// An axis-aligned box, both faces included.
+/// A closed axis-aligned bounding box.
 ///
-/// The empty box has `min` above `max` and is the neutral element of [`Aabb::union`].
+/// A box with `min > max` on any axis is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// Smallest coordinates.
+    /// The smallest coordinates.
     pub min: Vec3,
-    /// Largest coordinates.
+    /// The largest coordinates.
     pub max: Vec3,
 }
 
 impl Aabb {
-    /// The box that contains nothing.
+    /// The empty box that is the neutral element of [`Aabb::union`].
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// The smallest box around `points`; [`Aabb::EMPTY`] if there are none.
+    /// The smallest box that contains all `points`; [`Aabb::EMPTY`] if there are none.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// Whether the box contains nothing.
+    /// Whether the box contains no point; `true` also for a NaN coordinate.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
-    /// The smallest box that contains both.
+    /// The smallest box that contains both boxes.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The part that both share, possibly empty.
+    /// The common part of both boxes, possibly empty.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
-    /// Side lengths in `f64`; zero for the empty box.
+    /// The side lengths, `>= 0`; zero for an empty box.
     pub fn extent(&self) -> DVec3 {
         if self.is_empty() { DVec3::ZERO } else { self.max.as_dvec3() - self.min.as_dvec3() }
     }
 
-    /// Half the surface area, the quantity that the surface area heuristic compares.
+    /// Half the surface area, in squared units of length, as the surface area heuristic uses it.
     pub fn half_area(&self) -> f64 {
         let e = self.extent();
         e.x * e.y + e.y * e.z + e.z * e.x

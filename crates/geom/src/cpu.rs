@@ -1,14 +1,13 @@
-//! CPU dispatch: the instruction sets that code is compiled for, and the best that the machine has.
+//! CPU dispatch: code is written once, compiled for each [`SimdLevel`], and selected at run time.
 //!
-//! Code is written once and compiled for each [`SimdLevel`]; which one runs is decided when the program runs.
-//! A token ([`Avx2`], [`Avx512`]) exists only where the machine has its instructions, so code that
-//! holds one may use them.
+//! A value of a token type ([`Avx2`], [`Avx512`]) exists only if the machine supports the instruction set, so
+//! code that has one may use these instructions.
 
-/// Instruction sets that code is compiled for, from the slowest. All give the same results, to the bit.
+/// The instruction sets that code is compiled for, in ascending order. All give the same results, to the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum SimdLevel {
-    /// Plain Rust.
+    /// The baseline of the compilation target.
     Portable,
     /// AVX2 with FMA.
     Avx2,
@@ -17,19 +16,20 @@ pub enum SimdLevel {
 }
 
 impl SimdLevel {
-    /// Every level, whether this machine has it or not.
+    /// All levels, whether or not this machine supports them.
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// The best level that this machine has.
+    /// The highest level that this machine supports.
     pub fn best() -> Self {
         Token::new(Self::Avx512).level()
     }
 
-    /// Runs `work`, compiled for this level, or for the best level below it that this machine has.
+    /// Calls `work`, compiled for this level, or for the highest level below it that this machine supports.
+    /// Returns its result, which is the same at every level, to the bit.
     ///
-    /// For passes over arrays, which the compiler vectorises, and for long computations. Only what
-    /// is inlined into `work` is compiled for the level: mark the closure, and what it calls,
-    /// `#[inline(always)]`. The result is the same at every level, to the bit.
+    /// Use it for long computations, such as loops over arrays that the compiler vectorizes. Only code that is
+    /// inlined into `work` is compiled for the level: mark the closure and the functions that it calls
+    /// `#[inline(always)]`.
     ///
     /// ```
     /// use globillum_geom::SimdLevel;
@@ -53,19 +53,19 @@ impl SimdLevel {
     }
 }
 
-/// Any machine.
+/// The token that every machine has.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Portable;
 
 impl Portable {
-    /// Runs `work` as it is compiled for every machine.
+    /// Calls `work`, compiled for the baseline of the target.
     #[inline(always)]
     pub(crate) fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
         work()
     }
 }
 
-/// Defines the token of an instruction set by the CPU features that it consists of.
+/// Defines the token of an instruction set, given its CPU features.
 #[cfg(target_arch = "x86_64")]
 macro_rules! instruction_set {
     ($(#[$attribute:meta])* $token:ident: $($feature:tt),+) => {
@@ -74,19 +74,19 @@ macro_rules! instruction_set {
         pub(crate) struct $token(());
 
         impl $token {
-            /// The token; `None` if the machine lacks a feature.
+            /// The token; `None` if the machine does not support every feature.
             fn detect() -> Option<Self> {
                 ($(is_x86_feature_detected!($feature))&&+).then_some(Self(()))
             }
 
-            /// Runs `work`, compiled for this instruction set.
+            /// Calls `work`, compiled for this instruction set.
             #[inline(always)]
             pub(crate) fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
                 #[target_feature($(enable = $feature),+)]
                 fn inner<R>(work: impl FnOnce() -> R) -> R {
                     work()
                 }
-                // SAFETY: the token exists only where the machine has every one of the features.
+                // SAFETY: the token exists only if the machine supports all of the features.
                 unsafe { inner(work) }
             }
         }
@@ -95,17 +95,17 @@ macro_rules! instruction_set {
 
 #[cfg(target_arch = "x86_64")]
 instruction_set! {
-    /// The machine has AVX2 and FMA.
+    /// The machine supports AVX2 and FMA.
     Avx2: "avx2", "fma", "bmi1", "bmi2", "popcnt", "lzcnt"
 }
 
 #[cfg(target_arch = "x86_64")]
 instruction_set! {
-    /// The machine has AVX-512 F, DQ, VL and BW.
+    /// The machine supports AVX-512 F, BW, DQ and VL.
     Avx512: "avx512f", "avx512dq", "avx512vl", "avx512bw", "avx2", "fma", "bmi1", "bmi2", "popcnt", "lzcnt"
 }
 
-/// A [`SimdLevel`] that this machine has.
+/// A [`SimdLevel`] that this machine supports.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Token {
     Portable(Portable),
@@ -116,7 +116,7 @@ pub(crate) enum Token {
 }
 
 impl Token {
-    /// `level`, or the best below it.
+    /// The token of `level`, or of the highest supported level below it.
     #[cfg(target_arch = "x86_64")]
     pub(crate) fn new(level: SimdLevel) -> Self {
         let avx512 = (level >= SimdLevel::Avx512).then(Avx512::detect).flatten();
@@ -128,7 +128,7 @@ impl Token {
         }
     }
 
-    /// `level`, or the best below it.
+    /// The token of `level`, or of the highest supported level below it.
     #[cfg(not(target_arch = "x86_64"))]
     pub(crate) fn new(_: SimdLevel) -> Self {
         Self::Portable(Portable)

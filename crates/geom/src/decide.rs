@@ -1,36 +1,35 @@
-//! The one decision whether a ray meets a triangle, and where.
+//! The exact decision whether a ray intersects a triangle, and where.
 //!
-//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2(1), 2013): the ray is
-//! sheared onto the z axis, and three edge functions tell whether the origin lies inside the
-//! projected triangle. All in `f64`, on `f32` vertices.
+//! The method is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2(1), 2013): a
+//! shear maps the ray to the z axis, and the signs of three edge functions decide whether the projected triangle
+//! contains the origin. All arithmetic is in `f64`, on `f32` vertices.
 //!
-//! Why it is watertight: each vertex is projected by the same arithmetic for every triangle that
-//! shares it, and the sign of an edge function is never wrong about those projected points, at
-//! worst zero, and zero counts as inside. So what a closed mesh covers before rounding, its
-//! projected triangles still cover after it, edges and vertices included.
+//! The test is watertight. A vertex is projected by the same arithmetic for every triangle that shares it. The
+//! sign of an edge function of projected vertices is correct or zero, and zero counts as inside. So the projected
+//! triangles of a closed mesh leave no gap, at edges and vertices either.
 //!
-//! Every accelerator calls this routine, so all agree to the bit. It is inlined everywhere, so that a
-//! traversal compiled for fused multiply-adds has them here as well; they give the same bits without.
+//! Every accelerator calls this routine, so all give the same answers to the bit. It is always inlined, so that a
+//! traversal compiled for FMA instructions uses them here too; the bits are the same without.
 
 use crate::exact::difference_of_products;
 use crate::{Ray, Triangle};
 use glam::DVec3;
 
-/// What a ray and a triangle have in common, before any range is considered.
+/// The intersection of a ray's line with a triangle, at any `t`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intersection {
-    /// Ray parameter; may be negative.
+    /// The ray parameter; may be negative.
     pub t: f64,
-    /// Barycentric weight of the second vertex, in `[0, 1]`.
+    /// The barycentric coordinate of the second vertex, in `[0, 1]`.
     pub u: f64,
-    /// Barycentric weight of the third vertex, in `[0, 1]`.
+    /// The barycentric coordinate of the third vertex, in `[0, 1]`.
     pub v: f64,
 }
 
-/// A ray made ready for [`Shear::decide`]: the map that takes it to the z axis.
+/// A ray prepared for [`Shear::decide`]: the shear that maps it to the z axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
-    /// Components are permuted so that the ray's main axis is z.
+    /// The axis of the largest direction component. Components are permuted so that it becomes z.
     main_axis: usize,
     origin: DVec3,
     slope_x: f64,
@@ -38,7 +37,7 @@ pub struct Shear {
     direction_z: f64,
 }
 
-/// A point seen along the ray: offset from the ray's line, and depth along its main axis.
+/// A sheared point: its offset from the ray's line, and its depth along the main axis.
 #[derive(Clone, Copy)]
 struct Sheared {
     x: f64,
@@ -46,73 +45,69 @@ struct Sheared {
     z: f64,
 }
 
-/// Ratios and origin coordinates below this are zero: no `f32` vertex can tell the difference
-/// (its coordinates are multiples of `2^-149`), and no product in [`Shear::decide`] underflows.
+/// Slopes and origin coordinates below this become zero, so that no product in [`Shear::decide`] underflows. The
+/// difference is far below `2^-149`, the spacing of the smallest `f32` coordinates.
 const NEGLIGIBLE: f64 = f64::from_bits((1023 - 200) << 52);
 
 impl Shear {
     /// Prepares `ray`; `None` if it is not [traceable](Ray::is_traceable).
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
-        if !ray.is_traceable() {
-            return None;
-        }
-        Some(Self::of_traceable(ray))
+        if ray.is_traceable() { Some(Self::of_traceable(ray)) } else { None }
     }
 
-    /// Prepares a ray that is known to be traceable.
+    /// Prepares a traceable ray.
     #[inline(always)]
     pub(crate) fn of_traceable(ray: &Ray) -> Self {
         let main_axis = main_axis(ray.direction);
         Self::of_permuted(main_axis, permute(ray.origin, main_axis), permute(ray.direction, main_axis))
     }
 
-    /// Prepares a traceable ray, given by components in such an order that the one along `main_axis`
-    /// comes last.
+    /// Prepares a traceable ray, given by components [permuted](permute) for `main_axis`.
     #[inline(always)]
     pub(crate) fn of_permuted(main_axis: usize, origin: DVec3, direction: DVec3) -> Self {
         let DVec3 { x, y, z } = direction;
         Self::of_slopes(main_axis, origin, [x / z, y / z], z)
     }
 
-    /// The same for a direction given by what it goes along x and y for each unit along z, and along z.
+    /// [`Shear::of_permuted`] for a direction given by its slopes `x / z` and `y / z`, and `z`.
     #[inline(always)]
     pub(crate) fn of_slopes(main_axis: usize, origin: DVec3, [x, y]: [f64; 2], direction_z: f64) -> Self {
         let origin = origin.map(flush);
         Self { main_axis, origin, slope_x: flush(x), slope_y: flush(y), direction_z }
     }
 
-    /// Where the ray's line meets `triangle`, edges and vertices included.
+    /// The intersection of the ray's line with `triangle`, edges and vertices included.
     ///
-    /// `None` if it passes outside, or within the triangle's plane. Meeting means that the three
-    /// edge functions of the projected vertices, as exact numbers, do not differ in sign.
+    /// `None` if the line misses the triangle or lies in its plane. The line intersects the triangle if the exact
+    /// edge functions of the projected vertices do not differ in sign, and are not all zero.
     ///
-    /// With `u = 2^-53` and `P` the largest coordinate distance from the origin to a vertex, the
-    /// answer is that of a parallel ray displaced by at most `6 u P` along each of the two axes
-    /// across the main axis, up to `12 u` of the largest depth in `t` and `7 u` in the
-    /// barycentrics. Seen edge-on, a small displacement can be a large difference in `t`.
+    /// Let `u = 2^-53` and `P` be the largest coordinate distance from the ray's origin to a vertex. The answer is
+    /// that of a parallel ray, displaced by at most `6 u P` along each of the two other axes, up to an error of
+    /// `12 u` times the largest depth in `t` and `7 u` in the barycentrics. For a triangle seen edge-on, a small
+    /// displacement can change `t` much (docs/numerics.md).
     #[inline(always)]
     pub fn decide(&self, triangle: &Triangle) -> Option<Intersection> {
         let [a, b, c] = self.project_triangle(triangle);
-        // A plain difference of rounded products has the right sign or is zero: enough to turn
-        // away nearly all triangles before the careful evaluation.
+        // The difference of rounded products has the correct sign or is zero. This rejects nearly all triangles
+        // before the accurate evaluation.
         if differ_in_sign(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x) {
             return None;
         }
-        let (intersection, is_met) = self.evaluate([a, b, c]);
-        is_met.then_some(intersection)
+        let (intersection, is_hit) = self.evaluate([a, b, c]);
+        is_hit.then_some(intersection)
     }
 
-    /// [`Shear::decide`] for a triangle that is likely met. Nothing is turned away early: that branch would
-    /// be mispredicted.
+    /// [`Shear::decide`] for a triangle that is likely hit. There is no early rejection, whose branch would be
+    /// mispredicted.
     #[inline(always)]
     pub(crate) fn decide_likely(&self, triangle: &Triangle) -> Option<Intersection> {
-        let (intersection, is_met) = self.evaluate(self.project_triangle(triangle));
-        is_met.then_some(intersection)
+        let (intersection, is_hit) = self.evaluate(self.project_triangle(triangle));
+        is_hit.then_some(intersection)
     }
 
-    /// [`Shear::decide`] for vertices whose components are permuted as the ray's are: the intersection,
-    /// and whether there is one. Without a branch, so that the compiler decides several at once.
+    /// [`Shear::decide`] for vertices permuted like the ray: the intersection, and whether there is one. It has no
+    /// branch, so that loops over it vectorize.
     #[inline(always)]
     pub(crate) fn decide_permuted(&self, vertices: [DVec3; 3]) -> (Intersection, bool) {
         self.evaluate(self.project_all(vertices))
@@ -124,11 +119,11 @@ impl Shear {
         let e1 = difference_of_products(a.x, c.y, a.y, c.x);
         let e2 = difference_of_products(b.x, a.y, b.y, a.x);
         let det = e0 + e1 + e2;
-        let is_met = !differ_in_sign(e0, e1, e2) & (det != 0.0);
+        let is_hit = !differ_in_sign(e0, e1, e2) & (det != 0.0);
         let depth = (e0 * a.z + e1 * b.z + e2 * c.z) / det;
-        // Adding zero turns a negative zero positive, so that its sign carries no accident.
+        // Adding zero makes a negative zero positive, so that the bits do not depend on its sign.
         let t = depth / self.direction_z + 0.0;
-        (Intersection { t, u: e1 / det + 0.0, v: e2 / det + 0.0 }, is_met)
+        (Intersection { t, u: e1 / det + 0.0, v: e2 / det + 0.0 }, is_hit)
     }
 
     #[inline(always)]
@@ -148,7 +143,7 @@ impl Shear {
     }
 }
 
-/// The components in cyclic order, so that the one along `main_axis` comes last.
+/// The components in cyclic order, that along `main_axis` last.
 #[inline(always)]
 pub(crate) fn permute(v: DVec3, main_axis: usize) -> DVec3 {
     let pick = |if_0: f64, if_1: f64, if_2: f64| {
@@ -163,7 +158,7 @@ fn differ_in_sign(a: f64, b: f64, c: f64) -> bool {
     ((a < 0.0) | (b < 0.0) | (c < 0.0)) & ((a > 0.0) | (b > 0.0) | (c > 0.0))
 }
 
-/// The axis of the largest component in magnitude, the first of equals.
+/// The axis of the component of largest magnitude, the first of equal ones.
 #[inline(always)]
 pub(crate) fn main_axis(d: DVec3) -> usize {
     let d = d.abs();
@@ -178,7 +173,7 @@ pub(crate) fn main_axis(d: DVec3) -> usize {
 
 #[inline(always)]
 fn flush(x: f64) -> f64 {
-    // The sum turns a negative zero positive.
+    // Adding zero makes a negative zero positive.
     if x.abs() < NEGLIGIBLE { 0.0 } else { x + 0.0 }
 }
 
@@ -195,7 +190,7 @@ mod tests {
     const CORNER: Triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
 
     #[test]
-    fn both_sides_edges_and_vertices_are_met() {
+    fn both_sides_edges_and_vertices_are_hit() {
         for (x, y) in [(0.25, 0.25), (0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.5, 0.0)] {
             let front = decide(DVec3::new(x, y, 2.0), -DVec3::Z, &CORNER).unwrap();
             assert_eq!((front.t, front.u, front.v), (2.0, x, y));
@@ -225,17 +220,16 @@ mod tests {
             prop_assert_eq!(plain.map(|i| Intersection { t: i.t / scale, ..i }), scaled);
         }
 
-        /// The order in which a triangle's vertices are named changes no verdict.
         #[test]
-        fn relabelling_vertices_changes_no_verdict(
+        fn the_order_of_vertices_changes_no_decision(
             c in prop::array::uniform9(-3i8..=3), o in prop::array::uniform3(-3i8..=3), d in prop::array::uniform3(-2i8..=2),
         ) {
             let c = c.map(f32::from);
             let [v0, v1, v2] = [0, 3, 6].map(|i| Vec3::new(c[i], c[i + 1], c[i + 2]));
             let (o, d) = (DVec3::from(o.map(f64::from)), DVec3::from(d.map(f64::from)));
-            let verdicts = [[v0, v1, v2], [v1, v2, v0], [v2, v1, v0]]
+            let decisions = [[v0, v1, v2], [v1, v2, v0], [v2, v1, v0]]
                 .map(|[a, b, c]| decide(o, d, &Triangle::new(a, b, c)).is_some());
-            prop_assert!(verdicts[0] == verdicts[1] && verdicts[1] == verdicts[2]);
+            prop_assert!(decisions[0] == decisions[1] && decisions[1] == decisions[2]);
             let triangle = Triangle::new(v0, v1, v2);
             let likely = Shear::new(&Ray::new(o, d)).and_then(|shear| shear.decide_likely(&triangle));
             prop_assert_eq!(decide(o, d, &triangle), likely);

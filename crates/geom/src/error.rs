@@ -1,33 +1,34 @@
 use thiserror::Error;
 
-/// Why triangles could not be taken, or an accelerator not be built.
+/// An error of validating triangles or of building an accelerator.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GeomError {
     /// A vertex coordinate is NaN or infinite.
     #[error("triangle {triangle}, vertex {vertex}: coordinate is not finite")]
     NonFinite {
-        /// Index of the triangle.
+        /// The index of the triangle.
         triangle: usize,
-        /// Which of its vertices, 0 to 2.
+        /// The vertex, 0 to 2.
         vertex: usize,
     },
-    /// A vertex coordinate lies beyond [`Triangles::MAX_COORDINATE`](crate::Triangles::MAX_COORDINATE).
+    /// A vertex coordinate is larger in magnitude than
+    /// [`Triangles::MAX_COORDINATE`](crate::Triangles::MAX_COORDINATE).
     #[error("triangle {triangle}, vertex {vertex}: coordinate {value:e} is beyond the domain of +-2^60")]
     Domain {
-        /// Index of the triangle.
+        /// The index of the triangle.
         triangle: usize,
-        /// Which of its vertices, 0 to 2.
+        /// The vertex, 0 to 2.
         vertex: usize,
-        /// The offending coordinate.
+        /// The coordinate.
         value: f32,
     },
-    /// More triangles than an index can count.
+    /// There are more triangles than an index can represent.
     #[error("{count} triangles are more than the limit of {limit}")]
     TooMany {
-        /// How many there were.
+        /// The number of triangles.
         count: usize,
-        /// How many there may be.
+        /// The largest allowed number.
         limit: usize,
     },
     /// A build parameter is out of its range.
@@ -37,17 +38,17 @@ pub enum GeomError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// The range it must lie in.
+        /// The valid range.
         range: &'static str,
     },
-    /// A structure as asked for would exceed its memory budget; nothing was allocated.
+    /// An accelerator with the requested options would exceed its memory budget; nothing was allocated.
     #[error("{what}: {requested} asked for, the budget is {budget}")]
     Budget {
-        /// What was too much.
+        /// The quantity that exceeds the budget.
         what: &'static str,
-        /// How much was asked for.
+        /// The requested amount.
         requested: u64,
-        /// How much is allowed.
+        /// The largest allowed amount.
         budget: u64,
     },
 }

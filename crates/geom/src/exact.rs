@@ -1,13 +1,12 @@
-//! The arithmetic on which decisions rest: differences of products that keep their sign.
+//! Accurate differences of products, the arithmetic of [`decide`](crate::decide).
 
 use glam::DVec3;
 
-/// `a * b - c * d` within 1.5 ulp (Kahan's algorithm; error bound by Jeannerod, Louvet and
-/// Muller, Mathematics of Computation 82, 2013).
+/// `a * b - c * d` within 1.5 ulp: Kahan's algorithm (error bound: Jeannerod, Louvet and Muller, Mathematics of
+/// Computation 82, 2013).
 ///
-/// The sign is never wrong, at worst zero, even where products underflow: with `w = fl(cd)` the
-/// result is `fl(fl(ab - w) + fl(w - cd))`, and rounding is monotone and odd. Barring underflow
-/// it is zero only if the difference is.
+/// The sign is correct or zero, even if products underflow: the result is `fl(fl(ab - w) + fl(w - cd))` with
+/// `w = fl(cd)`, and rounding is monotone and odd. Without underflow it is zero only if the exact difference is.
 #[inline(always)]
 pub(crate) fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let cd = c * d;
@@ -16,7 +15,7 @@ pub(crate) fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     difference + cd_err
 }
 
-/// The cross product, every component within 1.5 ulp.
+/// The cross product, each component within 1.5 ulp.
 #[inline(always)]
 pub(crate) fn cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(
@@ -32,7 +31,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Integers up to 2^60 make the exact difference computable in `i128`.
+        /// For integers of up to 53 bits, `i128` holds the exact difference.
         #[test]
         fn a_difference_of_products_is_within_a_rounding_and_a_half(
             a in -(1i64 << 53)..1i64 << 53, b in -(1i64 << 53)..1i64 << 53,

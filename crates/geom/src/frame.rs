@@ -1,21 +1,19 @@
 use glam::DVec3;
 
-/// A right-handed orthonormal frame whose third axis is a surface normal.
-///
-/// Local directions have the normal as `+z`.
+/// A right-handed orthonormal frame whose local `+z` axis is a surface normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// First tangent, the local x axis.
+    /// The unit tangent, the local x axis.
     pub tangent: DVec3,
-    /// Second tangent, the local y axis.
+    /// The unit bitangent, the local y axis.
     pub bitangent: DVec3,
-    /// Normal, the local z axis.
+    /// The unit normal, the local z axis.
     pub normal: DVec3,
 }
 
 impl Frame {
-    /// A frame around the unit vector `normal`, by Duff et al., "Building an Orthonormal Basis,
-    /// Revisited" (JCGT 6(1), 2017): continuous but for the equator, orthonormal to a few ulps.
+    /// A frame around the unit vector `normal`, orthonormal to a few ulps; continuous in `normal` except where its
+    /// z component changes sign (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017).
     #[inline(always)]
     pub fn around(normal: DVec3) -> Self {
         let DVec3 { x, y, z } = normal;
@@ -29,13 +27,13 @@ impl Frame {
         }
     }
 
-    /// `world` expressed in this frame.
+    /// The local coordinates of the world-space vector `world`.
     #[inline(always)]
     pub fn to_local(&self, world: DVec3) -> DVec3 {
         DVec3::new(world.dot(self.tangent), world.dot(self.bitangent), world.dot(self.normal))
     }
 
-    /// `local`, given in this frame, expressed in the world.
+    /// The world-space vector with the coordinates `local` in this frame.
     #[inline(always)]
     pub fn to_world(&self, local: DVec3) -> DVec3 {
         local.x * self.tangent + local.y * self.bitangent + local.z * self.normal

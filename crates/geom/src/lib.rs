@@ -1,18 +1,16 @@
-//! Triangles and the structures that find them.
+//! Triangles, and accelerators that intersect rays with them.
 //!
-//! The crate answers one question: which triangle does a ray meet first? It answers it the same
-//! way, to the last bit, whichever structure is asked. In the order the data flows:
+//! All accelerators give the same answers, to the bit. In the order of the data flow:
 //!
-//! - [`Triangle`]s are checked once and become [`Triangles`], the only thing an accelerator is
-//!   built from;
-//! - [`BruteForce`], [`KdTree`], [`WideKdTree`] and [`UniformGrid`] implement [`Accel`], whose
-//!   documentation is the contract they share;
-//! - a [`Ray`] goes in, a [`Hit`] comes out, decided by the one routine in [`decide`];
-//! - the hit becomes a [`SurfacePoint`], from which the next ray can leave without meeting the
-//!   triangle it starts on.
+//! - [`Triangles`] are validated [`Triangle`]s, from which every accelerator is built;
+//! - [`BruteForce`], [`KdTree`], [`WideKdTree`] and [`UniformGrid`] implement [`Accel`], whose documentation
+//!   states their common contract;
+//! - a query takes a [`Ray`] and returns a [`Hit`], decided by the routine in [`decide`];
+//! - [`Triangles::surface_point`] turns the hit into a [`SurfacePoint`], from which rays leave without hitting
+//!   the same triangle again.
 //!
-//! Vertices are stored in `f32`; rays, decisions and points are `f64`. No constant in this crate
-//! has a unit of length, so a scene may be of any size.
+//! Vertices are `f32`; rays, decisions and points are `f64`. No constant of this crate is a length, so a scene
+//! may have any scale.
 //!
 //! ```
 //! use globillum_geom::{Accel, KdOptions, KdTree, Ray, Triangle, Triangles};

@@ -1,4 +1,4 @@
-//! Probability densities, each with its measure in its type.
+//! Probability densities, typed by their measure.
 
 /// A probability density per unit of surface area, `>= 0`.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -9,17 +9,17 @@ pub struct PdfArea(pub f64);
 pub struct PdfSolidAngle(pub f64);
 
 impl PdfArea {
-    /// The same density per steradian, seen from a point at squared distance `distance_sq` whose
-    /// connecting line makes an angle of cosine `cos_light` with the surface's normal:
-    /// `p_omega = p_area * r^2 / |cos theta_light|` (Veach 1997, section 8.2).
+    /// The same density per steradian: `p_omega = p_area * r^2 / |cos theta_light|` (Veach 1997, section 8.2).
     ///
-    /// `None` where the surface is seen edge-on (`cos_light == 0`): no direction leads there.
+    /// `distance_sq` is the squared distance between the two points, `cos_light` the cosine of the angle between
+    /// their connecting line and the normal of the sampled surface. `None` if the quotient is not finite, as for
+    /// a surface seen edge-on (`cos_light == 0`).
     pub fn to_solid_angle(self, distance_sq: f64, cos_light: f64) -> Option<PdfSolidAngle> {
         let pdf = self.0 * distance_sq / cos_light.abs();
         pdf.is_finite().then_some(PdfSolidAngle(pdf))
     }
 
-    /// The density of a choice made with probability `choice_prob` beforehand.
+    /// The density times the probability `choice_prob`, in `[0, 1]`, of choosing this sampling domain.
     #[must_use]
     pub fn chosen_with(self, choice_prob: f64) -> Self {
         Self(self.0 * choice_prob)
@@ -27,7 +27,7 @@ impl PdfArea {
 }
 
 impl PdfSolidAngle {
-    /// The density of a choice made with probability `choice_prob` beforehand.
+    /// The density times the probability `choice_prob`, in `[0, 1]`, of choosing this sampling domain.
     #[must_use]
     pub fn chosen_with(self, choice_prob: f64) -> Self {
         Self(self.0 * choice_prob)

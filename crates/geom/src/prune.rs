@@ -1,52 +1,51 @@
-//! Conservative pruning: what may be discarded before a decision.
+//! Conservative pruning of nodes and cells.
 //!
-//! A hit's computed `t` puts the ray's point within `24 u * reach` of a point of the triangle, on
-//! every axis, where `u = 2^-53` and `reach` is the largest coordinate distance between the ray's
-//! origin and the scene's bounds (docs/numerics.md derives it). Accelerators therefore widen
-//! every plane by [`Ray::pruning_slack`], which covers that and the rounding of the plane's own
-//! parameter, and visit what the widened planes admit.
+//! At the computed `t` of a hit, the ray's point is within `24 u * reach` of a point of the triangle along each
+//! axis, where `u = 2^-53` and `reach` is the largest coordinate distance between the ray's origin and the scene's
+//! bounds (docs/numerics.md has the proof). Accelerators therefore widen every plane by [`Ray::pruning_slack`],
+//! which also covers the rounding of the parameter at which the ray crosses the plane.
 
 use crate::{Aabb, Ray};
 use glam::DVec3;
 
-/// An interval of the ray parameter, both ends included; empty if `start > end`.
+/// A closed interval of the ray parameter; empty if `start > end`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Span {
     pub(crate) start: f64,
     pub(crate) end: f64,
 }
 
-/// A ray made ready for comparing with axis-parallel planes.
+/// A ray prepared for tests against axis-aligned planes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pruner {
     pub(crate) origin: DVec3,
     pub(crate) direction: DVec3,
     pub(crate) inverse: DVec3,
-    /// Half the thickness of every plane, in units of length.
+    /// The distance by which planes are moved, in units of length.
     pub(crate) slack: f64,
 }
 
-/// Slack in units of `u * reach`: 24 for the hit point, the rest for what accelerators compute.
+/// The slack in units of `u * reach`: 24 for the hit point, the rest for the rounding of accelerators.
 const SLACK_ULPS: f64 = 64.0;
 
-/// Direction components below this fraction of the largest count as this fraction, so that no
-/// quotient is NaN. Over any distance at which the scene lies, the difference is far below the
-/// slack.
+/// Direction components below this fraction of the largest are replaced by it, so that no quotient is NaN. The
+/// effect within the scene is far below the slack.
 pub(crate) const PARALLEL: f64 = f64::from_bits((1023 - 200) << 52);
 
 impl Ray {
-    /// By how much an accelerator widens what it prunes by: a length, in the scene's unit, along each axis, for
-    /// triangles within `bounds`.
+    /// The length, in units of the scene, by which an accelerator over triangles within `bounds` widens its boxes
+    /// along each axis.
     ///
     /// It is `64 u reach`, with `u = 2^-53` and `reach` the largest coordinate distance between the origin and
-    /// `bounds`: infinite for the empty box, not a number for a ray that is not [traceable](Ray::is_traceable).
+    /// `bounds`. It is infinite for the empty box, and may be NaN for a ray that is not
+    /// [traceable](Ray::is_traceable).
     ///
-    /// A box that holds a triangle, or the part of it that is listed there, may be passed over if the exact line
-    /// misses the box once all six faces are moved outward by this length, or meets it only where `t` is out of
-    /// the ray's range, or beyond the best hit so far. Of the 64, 24 are what a computed hit needs: the point at
-    /// its `t` lies within `24 u reach`, along each axis, of a point of the triangle, however thin the triangle
-    /// is and from whatever side it is seen (docs/numerics.md has the proof). The other 40 are for the roundings
-    /// of the accelerator: a face relative to the origin, and the parameter at which the ray crosses it, take 4.
+    /// Let a box contain a triangle, or the part of it that is referenced there, and move all six faces outward by
+    /// this length. A query may skip the box if the exact line misses it, or intersects it only at `t` outside the
+    /// ray's range or beyond the closest hit so far. A computed hit takes 24 of the 64 units: the point at its `t`
+    /// is within `24 u reach` of a point of the triangle along each axis, for triangles of any shape seen from any
+    /// side (docs/numerics.md has the proof). The other 40 are for the rounding of the accelerator, which takes 4
+    /// for the offset of a face from the origin and for the parameter at which the ray crosses it.
     ///
     /// ```
     /// use glam::{DVec3, Vec3};
@@ -76,18 +75,17 @@ impl Pruner {
         Self { origin: ray.origin, direction, inverse: 1.0 / direction, slack: ray.pruning_slack(bounds) }
     }
 
-    /// The parameter at which the ray has gone `distance` along `axis`, the slack added if
-    /// `later`, subtracted otherwise.
+    /// The parameter at which the ray crosses the plane at the signed `distance` from its origin along `axis`. The
+    /// slack increases it if `later`, and decreases it otherwise.
     ///
-    /// `distance` is to carry a relative error of a few `u`, or an absolute one of a few
-    /// `u * reach`.
+    /// `distance` may have a relative error of a few `u`, or an absolute one of a few `u * reach`.
     #[inline(always)]
     pub(crate) fn crossing(&self, axis: usize, distance: f64, later: bool) -> f64 {
         let slack = self.slack.copysign(self.inverse[axis]);
         (if later { distance + slack } else { distance - slack }) * self.inverse[axis]
     }
 
-    /// The part of the ray's range that lies within the widened `bounds`.
+    /// The part of the ray's range within the widened `bounds`.
     #[inline(always)]
     pub(crate) fn clip(&self, ray: &Ray, bounds: &Aabb) -> Span {
         let (min, max) = (bounds.min.as_dvec3() - self.origin, bounds.max.as_dvec3() - self.origin);
@@ -104,8 +102,7 @@ impl Pruner {
     }
 }
 
-/// The largest component in magnitude, of three numbers. (Without the care for NaN that
-/// `max_element` takes, this is three instructions.)
+/// The largest magnitude of a component. Unlike `max_element` it does not handle NaN, which saves instructions.
 #[inline(always)]
 fn largest(v: DVec3) -> f64 {
     let DVec3 { x, y, z } = v.abs();

@@ -1,61 +1,59 @@
 use glam::DVec3;
 
-/// A ray `origin + t * direction`, searched for `t_min < t < t_max`, both strict.
+/// The ray `origin + t * direction` over the open range `t_min < t < t_max`.
 ///
-/// The direction need not be a unit vector: `t` counts in multiples of it, so scaling the
-/// direction by `2^k` scales every `t` by exactly `2^-k`.
+/// The direction may have any length: scaling it by `2^k` scales every `t` by exactly `2^-k`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where `t = 0`.
+    /// The point at `t = 0`.
     pub origin: DVec3,
-    /// What one unit of `t` adds. Not necessarily of unit length.
+    /// The offset per unit of `t`, not necessarily normalized.
     pub direction: DVec3,
-    /// Lower end of the searched range, excluded.
+    /// The lower end of the range, excluded; may be negative.
     pub t_min: f64,
-    /// Upper end of the searched range, excluded. Infinity is allowed.
+    /// The upper end of the range, excluded; may be infinite.
     pub t_max: f64,
 }
 
 impl Ray {
-    /// The largest origin coordinate, in magnitude, that is traced: `2^300`.
+    /// The largest magnitude of an origin coordinate of a traceable ray: `2^300`.
     pub const MAX_ORIGIN: f64 = power_of_two(300);
-    /// The range of the largest direction component, in magnitude, that is traced:
-    /// `2^-600..=2^600`.
+    /// The range of the largest magnitude of a direction component of a traceable ray: `2^-600..=2^600`.
     pub const DIRECTION_DOMAIN: std::ops::RangeInclusive<f64> = power_of_two(-600)..=power_of_two(600);
 
-    /// A ray searched over all of `0 < t`.
+    /// A ray with the range `0 < t < infinity`.
     #[inline(always)]
     pub const fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
     }
 
-    /// The open segment from `from` (`t = 0`) to `to` (`t = 1`), both ends excluded.
+    /// The open segment from `from` (`t = 0`) to `to` (`t = 1`).
     #[inline(always)]
     pub fn segment(from: DVec3, to: DVec3) -> Self {
         Self { origin: from, direction: to - from, t_min: 0.0, t_max: 1.0 }
     }
 
-    /// The same ray searched over `t_min < t < t_max`.
+    /// The same ray with the range `t_min < t < t_max`.
     #[must_use]
     pub const fn with_range(self, t_min: f64, t_max: f64) -> Self {
         Self { t_min, t_max, ..self }
     }
 
-    /// The point at parameter `t`, rounded.
+    /// The point `origin + t * direction`, rounded.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }
 
-    /// Whether the ray can hit anything at all.
+    /// Whether accelerators trace the ray; they report no hit for any other.
     ///
     /// `false` for a NaN or infinite origin or direction, a zero direction, an origin beyond
-    /// [`Ray::MAX_ORIGIN`], a direction outside [`Ray::DIRECTION_DOMAIN`], and a range that is
-    /// empty or has a NaN end. Accelerators report no hit for such a ray.
+    /// [`Ray::MAX_ORIGIN`], a direction outside [`Ray::DIRECTION_DOMAIN`], and a range that is empty or has a
+    /// NaN end.
     #[inline]
     pub fn is_traceable(&self) -> bool {
         let (origin, direction) = (self.origin.abs(), self.direction.abs());
         let domain = Self::DIRECTION_DOMAIN;
-        // Comparisons with NaN are false. None is skipped: many rays are asked side by side.
+        // Comparisons with NaN are false. `&` evaluates all of them, so that loops over rays vectorize.
         origin.cmple(DVec3::splat(Self::MAX_ORIGIN)).all()
             & direction.cmple(DVec3::splat(*domain.end())).all()
             & direction.cmpge(DVec3::splat(*domain.start())).any()
@@ -80,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn senseless_rays_are_not_traceable() {
+    fn invalid_rays_are_not_traceable() {
         let good = Ray::new(DVec3::ZERO, DVec3::X);
         assert!(good.is_traceable());
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

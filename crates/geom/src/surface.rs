@@ -1,21 +1,19 @@
 use crate::{Ray, Triangle};
 use glam::DVec3;
 
-/// Unit roundoff of `f64`.
+/// The unit roundoff of `f64`.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// How far, on each axis, a hit's point on the ray may be from the triangle, in units of `U` times
-/// the largest coordinate distance between the ray's origin and the triangle: 24 for the decision,
-/// the rest for the rounding of a direction between two points.
+/// The error bound of a hit along each axis, in units of `U` times the largest coordinate distance between the
+/// ray's origin and the triangle: 24 for the decision, 2 for the rounding of a direction between two points.
 const HIT_ERR: f64 = 26.0;
 
-/// A point on a triangle of a scene, from which rays leave without meeting the triangle again, or
-/// another one in the same plane.
+/// A point on a triangle, from which rays leave without hitting the triangle or another one in the same plane.
 ///
-/// The computed position lies off the triangle's plane by a rounding error, and so does the place
-/// where a ray seems to meet it. `plane_err` covers both: a ray that leaves starts that far off the
-/// plane, on the side to which it goes. No length has to be guessed, since it scales with the
-/// scene.
+/// Rounding displaces the computed position from the triangle's plane, and also the computed intersection of a
+/// ray with the triangle. `plane_err` bounds the sum of both errors. The origin of a spawned ray is offset by it
+/// along the normal, to the side of the direction (no self-intersection, without a constant that depends on the
+/// scale of the scene).
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
@@ -30,24 +28,23 @@ const HIT_ERR: f64 = 26.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SurfacePoint {
-    /// Position in world space, rounded.
+    /// The position in world space, rounded.
     pub position: DVec3,
-    /// Unit geometric normal `n_g`, on the triangle's front.
+    /// The unit geometric normal `n_g`, which points to the triangle's front.
     pub normal: DVec3,
-    /// A distance from the triangle's plane, in units of length, at which a ray that leads away
-    /// from the plane certainly hits nothing that lies within it.
+    /// A distance from the triangle's plane, in units of length: a ray that starts this far off the plane and
+    /// leads away from it hits no triangle in the plane.
     pub plane_err: f64,
 }
 
 impl SurfacePoint {
-    /// The point of `triangle`, which has that unit `normal`, with barycentrics `u` (second vertex) and `v` (third vertex), in a
-    /// scene whose longest side is `scene_extent`.
+    /// The point of `triangle`, with its unit `normal`, at the barycentrics `u` (second vertex) and `v` (third
+    /// vertex), in a scene whose bounds have the longest side `scene_extent`.
     ///
-    /// With `u = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the
-    /// distance is `|n| . (u |v0| + 3u extent + 2u |p| + 26u scene_extent)`: the first three terms
-    /// for the position and its offset (NVIDIA, "Solving Self-Intersection Artifacts in DirectX
-    /// Raytracing", 2023), the last for what a decision within the scene may be off
-    /// (docs/numerics.md).
+    /// With `u = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the error is
+    /// `|n| . (u |v0| + 3u extent + 2u |p| + 26u scene_extent)`. The first three terms bound the error of the
+    /// position and its offset (NVIDIA, "Solving Self-Intersection Artifacts in DirectX Raytracing", 2023), the
+    /// last that of a decision within the scene (docs/numerics.md).
     #[inline(always)]
     pub(crate) fn on(triangle: &Triangle, normal: DVec3, u: f64, v: f64, scene_extent: f64) -> Self {
         let [e1, e2] = triangle.edges();
@@ -59,23 +56,23 @@ impl SurfacePoint {
         Self { position, normal, plane_err: normal.abs().dot(err) }
     }
 
-    /// Where a ray toward `direction` starts: off the plane on that side.
+    /// The origin of a ray toward `direction`: the position, offset by `plane_err` to that side of the plane.
     #[inline(always)]
     pub fn leave_toward(&self, direction: DVec3) -> DVec3 {
         let side = 1.0_f64.copysign(self.normal.dot(direction));
         self.position + (side * self.plane_err) * self.normal
     }
 
-    /// The ray that leaves this point toward `direction`.
+    /// The ray from this point toward `direction`, of any length, with the range `0 < t < infinity`.
     #[inline(always)]
     pub fn spawn(&self, direction: DVec3) -> Ray {
         Ray::new(self.leave_toward(direction), direction)
     }
 
-    /// The open segment between two surface points, each end offset toward the other.
+    /// The open segment to `other`, each end offset toward the other one.
     ///
-    /// `None` if one of them cannot be told from lying in the other's plane: nothing is to be seen
-    /// along a surface.
+    /// `None` if one of the points lies in the plane of the other within `plane_err`, where the cosine is zero up
+    /// to rounding.
     #[inline(always)]
     pub fn segment_to(&self, other: &Self) -> Option<Ray> {
         let between = other.position - self.position;

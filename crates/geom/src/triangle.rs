@@ -2,40 +2,36 @@ use crate::exact::cross;
 use crate::{Aabb, GeomError, PdfArea};
 use glam::{DAffine3, DVec3, Vec3};
 
-/// A triangle with `f32` vertices, the unit of all geometry.
+/// A triangle with `f32` vertices.
 ///
-/// Its front is the side from which the vertices run counter-clockwise.
+/// Seen from its front, the vertices are in counter-clockwise order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
-    /// The three corners.
+    /// The three vertices, in world space or in that of the mesh.
     pub vertices: [Vec3; 3],
 }
 
 impl Triangle {
-    /// The largest coordinate, in magnitude: `2^60`, about `1.15e18`.
-    ///
-    /// Up to here no product that a decision needs can overflow.
-    pub const MAX_COORDINATE: f32 = (1_u64 << 60) as f32;
-
-    /// The triangle with these corners.
+    /// The triangle with these vertices, not validated.
     pub const fn new(v0: Vec3, v1: Vec3, v2: Vec3) -> Self {
         Self { vertices: [v0, v1, v2] }
     }
 
-    /// The triangle whose corners are `corners` after `transform`, computed in `f64` and rounded once.
+    /// The triangle with the vertices `corners` after `transform`, computed in `f64` and rounded once.
     ///
-    /// Its front is where it was: a transform that mirrors, whose determinant is negative, reverses the order
-    /// of corners as they are seen, so the second and the third vertex change places.
+    /// The front stays the front: if the determinant of `transform` is negative, which reverses the orientation,
+    /// the second and the third vertex are swapped.
     pub fn transformed(corners: [DVec3; 3], transform: &DAffine3) -> Self {
         let [a, b, c] = corners.map(|corner| transform.transform_point3(corner).as_vec3());
         let mirrors = transform.matrix3.determinant() < 0.0;
         if mirrors { Self::new(a, c, b) } else { Self::new(a, b, c) }
     }
 
-    /// Checks that all coordinates are finite and within [`Triangle::MAX_COORDINATE`].
+    /// Checks that all coordinates are finite and at most [`Triangles::MAX_COORDINATE`] in magnitude.
     ///
     /// # Errors
-    /// [`GeomError::NonFinite`] or [`GeomError::Domain`] for the first vertex that is not, of triangle `index`.
+    /// [`GeomError::NonFinite`] or [`GeomError::Domain`] for the first invalid vertex; `index` becomes the
+    /// error's triangle.
     pub fn validate(&self, index: usize) -> Result<(), GeomError> {
         for (vertex, v) in self.vertices.iter().enumerate() {
             if !v.is_finite() {
@@ -48,29 +44,29 @@ impl Triangle {
         Ok(())
     }
 
-    /// The smallest box around the triangle.
+    /// The bounds of the vertices.
     pub fn bounds(&self) -> Aabb {
         Aabb::around(self.vertices)
     }
 
-    /// The two edges that leave the first vertex, in `f64`, each component within half an ulp.
+    /// The edges `v1 - v0` and `v2 - v0` in `f64`, each component within half an ulp.
     #[inline(always)]
     pub fn edges(&self) -> [DVec3; 2] {
-        // By `map` over the array they would go through memory.
+        // `map` over the array would spill it to memory.
         let [v0, v1, v2] = &self.vertices;
         let v0 = v0.as_dvec3();
         [v1.as_dvec3() - v0, v2.as_dvec3() - v0]
     }
 
-    /// The area in square units of length.
+    /// The area, in squared units of length, `>= 0`.
     pub fn area(&self) -> f64 {
         0.5 * self.area_vector().length()
     }
 
-    /// The unit geometric normal, on the front side.
+    /// The unit geometric normal, which points to the front.
     ///
-    /// NaN for a triangle whose edges are parallel in `f64`; [`Triangles`](crate::Triangles)
-    /// drops those.
+    /// NaN if the cross product of the edges is zero in `f64`. Such a triangle is
+    /// [degenerate](Triangle::is_degenerate).
     #[inline(always)]
     pub fn normal(&self) -> DVec3 {
         let n = self.area_vector();
@@ -79,15 +75,15 @@ impl Triangle {
         n / n.length()
     }
 
-    /// Cross product of the edges: twice the area along the front normal.
+    /// The cross product of the edges: twice the area times the normal.
     #[inline(always)]
     pub(crate) fn area_vector(&self) -> DVec3 {
         let [e1, e2] = self.edges();
         cross(e1, e2)
     }
 
-    /// Whether the three vertices lie on one line, decided exactly, or so nearly on one line that
-    /// the triangle's normal is lost to rounding.
+    /// Whether the vertices are collinear, decided by exact predicates (Shewchuk 1997), or so nearly collinear
+    /// that the cross product of the edges is zero in `f64`.
     pub fn is_degenerate(&self) -> bool {
         let v = self.vertices.map(|v| v.as_dvec3());
         let projected_area = |i: usize, j: usize| {
@@ -99,20 +95,20 @@ impl Triangle {
         collinear || self.area_vector() == DVec3::ZERO
     }
 
-    /// A point chosen uniformly by area from `u` in `[0, 1)^2`, as barycentrics `(u, v)`, by the
-    /// square-root warp (Turk, Graphics Gems, 1990). `u + v <= 1`, both in `[0, 1]`.
+    /// A point sampled uniformly by area from random numbers `u` in `[0, 1)^2`, as barycentrics `(u, v)`, both in
+    /// `[0, 1]` with `u + v <= 1`: the square-root warp (Turk, Graphics Gems, 1990).
     pub fn sample_uniform(u: [f64; 2]) -> (f64, f64) {
         let root = (1.0 - u[0]).sqrt();
         (1.0 - root, u[1] * root)
     }
 
-    /// The random numbers from which [`Triangle::sample_uniform`] makes the barycentrics `(u, v)`.
+    /// The inverse of [`Triangle::sample_uniform`]: the random numbers that give the barycentrics `(u, v)`.
     pub fn invert_uniform(u: f64, v: f64) -> [f64; 2] {
         let root = 1.0 - u;
         [1.0 - root * root, if root > 0.0 { v / root } else { 0.0 }]
     }
 
-    /// Density of [`Triangle::sample_uniform`] per unit of area: one over the area.
+    /// The pdf of [`Triangle::sample_uniform`] per unit of area: one over the area.
     pub fn pdf_uniform(&self) -> PdfArea {
         PdfArea(1.0 / self.area())
     }
@@ -150,7 +146,7 @@ mod tests {
         assert!(Triangle::new(a, a, a).is_degenerate());
         assert!(Triangle::new(Vec3::ZERO, b, b * 2.0).is_degenerate());
         assert!(Triangle::new(Vec3::ZERO, b * 2.0_f32.powi(30), b).is_degenerate());
-        // One ulp off the line is a triangle.
+        // One ulp off the line is not degenerate.
         let mut c = b * 2.0;
         c.x = c.x.next_up();
         assert!(!Triangle::new(Vec3::ZERO, b, c).is_degenerate());

@@ -2,40 +2,40 @@ use crate::{Aabb, GeomError, SurfacePoint, Triangle};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Triangles that have been checked, the only thing an accelerator is built from.
+/// Validated triangles, from which every accelerator is built.
 ///
-/// Indices are those of the input. Degenerate triangles (all three vertices on a line) keep
-/// their index but are never hit: they are not [`live`](Triangles::live). Cloning is cheap; the
-/// triangles are shared.
+/// Indices are those of the input. A [degenerate](Triangle::is_degenerate) triangle keeps its index, but it is
+/// not [`live`](Triangles::live) and never hit. Clones share the triangles.
 #[derive(Clone, Debug)]
 pub struct Triangles {
     all: Arc<[Triangle]>,
     live: Arc<[u32]>,
     bounds: Aabb,
-    /// The longest side of `bounds`.
+    /// The length of the longest side of `bounds`.
     extent: f64,
 }
 
 impl Triangles {
-    /// [`Triangle::MAX_COORDINATE`].
-    pub const MAX_COORDINATE: f32 = Triangle::MAX_COORDINATE;
+    /// The largest magnitude of a coordinate: `2^60`, about `1.15e18`. Within it no product in a decision
+    /// overflows.
+    pub const MAX_COORDINATE: f32 = (1_u64 << 60) as f32;
 
-    /// The largest number of triangles: `2^30 - 1`, so that a triangle, a coordinate and two bits
-    /// more fit into 64 bits.
+    /// The largest number of triangles: `2^30 - 1`, so that an index, an `f32` coordinate and two bits fit into
+    /// 64 bits.
     pub const MAX_COUNT: usize = (1 << 30) - 1;
 
-    /// Checks `triangles` and takes them.
+    /// Validates `triangles`. Replaces negative zeros by positive ones.
     ///
     /// # Errors
-    /// [`GeomError::NonFinite`] or [`GeomError::Domain`] for the first bad coordinate,
-    /// [`GeomError::TooMany`] beyond [`Triangles::MAX_COUNT`].
+    /// [`GeomError::NonFinite`] or [`GeomError::Domain`] for the first invalid coordinate,
+    /// [`GeomError::TooMany`] for more than [`Triangles::MAX_COUNT`] triangles.
     pub fn new(mut triangles: Vec<Triangle>) -> Result<Self, GeomError> {
         check_count(triangles.len())?;
         let mut live = Vec::with_capacity(triangles.len());
         let mut bounds = Aabb::EMPTY;
         for (index, triangle) in triangles.iter_mut().enumerate() {
             triangle.validate(index)?;
-            // A negative zero would show in the sign of a zero `t`.
+            // A negative zero would affect the sign of a zero `t`.
             triangle.vertices = triangle.vertices.map(|v| v + Vec3::ZERO);
             if !triangle.is_degenerate() {
                 live.push(index as u32);
@@ -45,7 +45,7 @@ impl Triangles {
         Ok(Self { all: triangles.into(), live: live.into(), bounds, extent: bounds.extent().max_element() })
     }
 
-    /// The triangle of that index, degenerate or not.
+    /// The triangle of this index, degenerate or not.
     ///
     /// # Panics
     /// If `index` is not below [`Triangles::len`].
@@ -54,8 +54,7 @@ impl Triangles {
         &self.all[index as usize]
     }
 
-    /// The point `(1 - u - v) * v0 + u * v1 + v * v2` of the triangle of that index, with what is
-    /// needed to leave it.
+    /// The point `(1 - u - v) * v0 + u * v1 + v * v2` of triangle `index`, with its normal and error bound.
     ///
     /// # Panics
     /// If `index` is not below [`Triangles::len`].
@@ -64,8 +63,8 @@ impl Triangles {
         self.surface_point_with_normal(index, self.get(index).normal(), u, v)
     }
 
-    /// The same, for those who keep the [`normal`](Triangle::normal) of triangle `index`: finding it is most
-    /// of the work.
+    /// [`Triangles::surface_point`] with a precomputed [`normal`](Triangle::normal) of triangle `index`, which
+    /// is most of the work.
     ///
     /// # Panics
     /// If `index` is not below [`Triangles::len`].
@@ -79,32 +78,32 @@ impl Triangles {
         &self.all
     }
 
-    /// Indices, ascending, of the triangles that can be hit.
+    /// The indices, ascending, of the triangles that are not degenerate.
     pub fn live(&self) -> &[u32] {
         &self.live
     }
 
-    /// How many there are, degenerate ones included.
+    /// The number of triangles, degenerate ones included.
     pub fn len(&self) -> usize {
         self.all.len()
     }
 
-    /// Whether there are none at all.
+    /// Whether there are no triangles, degenerate ones included.
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
     }
 
-    /// How many were found degenerate and cannot be hit.
+    /// The number of degenerate triangles.
     pub fn degenerate_count(&self) -> usize {
         self.all.len() - self.live.len()
     }
 
-    /// The smallest box around the live triangles; empty if there are none.
+    /// The bounds of the live triangles; empty if there are none.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// Bytes that the triangles occupy, whoever shares them.
+    /// Memory in bytes, counted in full for each clone that shares it.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.all) + size_of_val(&*self.live)
     }
