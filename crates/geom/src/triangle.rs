@@ -12,6 +12,10 @@ pub struct Triangle {
 }
 
 impl Triangle {
+    /// The largest magnitude of a coordinate: `2^60`, about `1.15e18`. Within it no product in a decision
+    /// overflows.
+    pub const MAX_COORDINATE: f32 = (1_u64 << 60) as f32;
+
     /// The triangle with these vertices, not validated.
     pub const fn new(v0: Vec3, v1: Vec3, v2: Vec3) -> Self {
         Self { vertices: [v0, v1, v2] }
@@ -27,7 +31,7 @@ impl Triangle {
         if mirrors { Self::new(a, c, b) } else { Self::new(a, b, c) }
     }
 
-    /// Checks that all coordinates are finite and at most [`Triangles::MAX_COORDINATE`] in magnitude.
+    /// Checks that all coordinates are finite and at most [`Triangle::MAX_COORDINATE`] in magnitude.
     ///
     /// # Errors
     /// [`GeomError::NonFinite`] or [`GeomError::Domain`] for the first invalid vertex; `index` becomes the

@@ -16,9 +16,8 @@ pub struct Triangles {
 }
 
 impl Triangles {
-    /// The largest magnitude of a coordinate: `2^60`, about `1.15e18`. Within it no product in a decision
-    /// overflows.
-    pub const MAX_COORDINATE: f32 = (1_u64 << 60) as f32;
+    /// [`Triangle::MAX_COORDINATE`].
+    pub const MAX_COORDINATE: f32 = Triangle::MAX_COORDINATE;
 
     /// The largest number of triangles: `2^30 - 1`, so that an index, an `f32` coordinate and two bits fit into
     /// 64 bits.
