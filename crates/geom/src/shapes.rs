@@ -1,4 +1,4 @@
-//! Triangles of simple shapes, in `f64` until the last rounding.
+//! Triangle meshes of simple shapes, computed in `f64` and rounded once.
 
 use crate::Triangle;
 use glam::{DQuat, DVec3};
@@ -8,24 +8,24 @@ use std::f64::consts::TAU;
 /// A triangle mesh with shared vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// Corner positions.
+    /// The positions of the vertices.
     pub vertices: Vec<DVec3>,
-    /// Three vertices a triangle, counter-clockwise from outside.
+    /// The vertex indices of each triangle, counter-clockwise from outside.
     pub faces: Vec<[usize; 3]>,
-    /// Points well inside a closed mesh.
+    /// Points inside a closed mesh, each at least `thickness` from the surface.
     pub core: Vec<DVec3>,
-    /// At least this far from the surface lies every point of `core`, in a closed mesh.
+    /// A lower bound of the distance from `core` to the surface.
     pub thickness: f64,
 }
 
 impl Mesh {
-    /// The triangles, vertices rounded to `f32`.
+    /// The triangles, in the order of `faces`, with vertices rounded to `f32`.
     pub fn triangles(&self) -> Vec<Triangle> {
         let corner = |i: usize| self.vertices[i].as_vec3();
         self.faces.iter().map(|f| Triangle::new(corner(f[0]), corner(f[1]), corner(f[2]))).collect()
     }
 
-    /// The mesh scaled by `scale` about the origin, then moved by `offset`.
+    /// The mesh scaled by `scale > 0` about the origin, then translated by `offset`.
     #[must_use]
     pub fn placed(mut self, scale: f64, offset: DVec3) -> Self {
         for point in self.vertices.iter_mut().chain(&mut self.core) {
@@ -42,10 +42,9 @@ pub fn quad(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> [Triangle; 2] {
     [Triangle::new(a, b, c), Triangle::new(a, c, d)]
 }
 
-/// A box around `center`, `half` its half sides, turned by `yaw` radians about the y axis; faces
-/// outward.
+/// A box around `center` with half sides `half`, rotated by `yaw` radians about the y axis; its front is outside.
 pub fn cuboid(center: DVec3, half: DVec3, yaw: f64) -> Vec<Triangle> {
-    // Not the platform's functions: the same triangles on every machine.
+    // `libm` gives the same bits on every platform.
     let (sin, cos) = libm::sincos(0.5 * yaw);
     let turn = DQuat::from_xyzw(0.0, sin, 0.0, cos);
     let corner = |x, y, z| center + turn * (half * DVec3::new(x, y, z));
@@ -57,7 +56,7 @@ pub fn cuboid(center: DVec3, half: DVec3, yaw: f64) -> Vec<Triangle> {
     faces.into_iter().flat_map(|f| quad(corners[f[0]], corners[f[1]], corners[f[2]], corners[f[3]])).collect()
 }
 
-/// The same triangles seen from the other side.
+/// The triangles with front and back swapped.
 pub fn inside_out(triangles: impl IntoIterator<Item = Triangle>) -> Vec<Triangle> {
     let flip = |t: Triangle| {
         let [a, b, c] = t.vertices;
@@ -66,8 +65,8 @@ pub fn inside_out(triangles: impl IntoIterator<Item = Triangle>) -> Vec<Triangle
     triangles.into_iter().map(flip).collect()
 }
 
-/// An icosahedron whose faces are cut in four `levels` times, vertices pushed to the unit
-/// sphere: `20 * 4^levels` triangles, closed.
+/// An icosahedron whose faces are subdivided `levels` times, with vertices on the unit sphere: a closed mesh of
+/// `20 * 4^levels` triangles.
 pub fn icosphere(levels: u32) -> Mesh {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut mesh = Mesh { core: vec![DVec3::ZERO], thickness: 0.7, ..Mesh::default() };
@@ -78,7 +77,7 @@ pub fn icosphere(levels: u32) -> Mesh {
             mesh.vertices.push(DVec3::from(v).normalize());
         }
     }
-    // A face is any three vertices at mutual distance of one edge.
+    // Any three vertices at mutual distances of one edge are a face.
     let edge = 2.0 / (1.0 + golden * golden).sqrt();
     let near = |i: usize, j: usize| (mesh.vertices[i].distance(mesh.vertices[j]) - edge).abs() < 1e-9;
     for i in 0..12 {
@@ -98,7 +97,7 @@ pub fn icosphere(levels: u32) -> Mesh {
     mesh
 }
 
-/// Each face cut in four at its edges' midpoints, which are pushed to the unit sphere.
+/// Splits each face in four at the midpoints of its edges, projected to the unit sphere.
 fn subdivide(mesh: &Mesh) -> Mesh {
     let mut vertices = mesh.vertices.clone();
     let mut middles = HashMap::new();
@@ -116,8 +115,8 @@ fn subdivide(mesh: &Mesh) -> Mesh {
     Mesh { vertices, faces, ..mesh.clone() }
 }
 
-/// A tube around the closed curve `core(u)`: the points `core(u) + wall(u, v)`, both parameters
-/// from 0 to one turn, cut into `around` times `across` quadrilaterals.
+/// A tube around the closed curve `core(u)`: the points `core(u) + wall(u, v)`, with both parameters from 0 to 2 pi,
+/// as `around` times `across` quadrilaterals.
 fn tube(
     [around, across]: [usize; 2],
     thickness: f64,
@@ -139,16 +138,16 @@ fn tube(
     mesh
 }
 
-/// A torus about the y axis with radii 1 and 0.4: `2 * around * across` triangles, closed.
+/// A torus about the y axis with radii 1 and 0.4: a closed mesh of `2 * around * across` triangles.
 pub fn torus(around: usize, across: usize) -> Mesh {
     let core = |u: f64| DVec3::new(u.sin(), 0.0, u.cos());
     tube([around, across], 0.2, core, |u, v| 0.4 * (v.cos() * core(u) + v.sin() * DVec3::Y))
 }
 
-/// A knotted, rippled ring that stands for a statue: a trefoil tube with bumps, closed, of about
+/// A tube around a trefoil knot with a rippled surface, as a stand-in for a scanned statue: a closed mesh of about
 /// `triangles` triangles, roughly within the unit ball.
 pub fn statue(triangles: usize) -> Mesh {
-    // Eight times as long as it is thick, so eight times as many cuts that way.
+    // The tube is eight times as long as its circumference.
     let across = ((triangles as f64 / 16.0).sqrt() as usize).max(3);
     let around = (triangles / (2 * across)).max(3);
     let knot = |u: f64| {
@@ -167,7 +166,7 @@ pub fn statue(triangles: usize) -> Mesh {
 mod tests {
     use super::*;
 
-    /// Every directed edge of a closed, oriented mesh has its opposite exactly once.
+    /// Asserts that each directed edge occurs once, and so does its opposite.
     fn assert_closed(mesh: &Mesh) {
         let mut edges = HashMap::new();
         for f in &mesh.faces {

@@ -12,8 +12,7 @@ const HIT_ERR: f64 = 26.0;
 ///
 /// Rounding displaces the computed position from the triangle's plane, and also the computed intersection of a
 /// ray with the triangle. `plane_err` bounds the sum of both errors. The origin of a spawned ray is offset by it
-/// along the normal, to the side of the direction (no self-intersection, without a constant that depends on the
-/// scale of the scene).
+/// along the normal, to the side of the direction. The bound scales with the scene; there is no epsilon to choose.
 ///
 /// ```
 /// use glam::{DVec3, Vec3};

@@ -2,15 +2,15 @@ use super::lattice::Lattice;
 use super::uniform::UniformGrid;
 use crate::{Aabb, GeomError, Triangles};
 
-/// How a [`UniformGrid`] is built.
+/// Options for building a [`UniformGrid`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GridOptions {
-    /// Cells for each triangle, where no resolution is given; finite and `> 0`. The default was
-    /// measured (docs/accelerators.md).
+    /// The number of cells per live triangle if `resolution` is `None`; finite and `> 0`. The default is measured
+    /// (docs/accelerators.md).
     pub density: f64,
-    /// Cells along each axis, each at least 1; `None` to follow `density`. An axis along which
-    /// the scene is flat always has one.
+    /// The number of cells along each axis, each at least 1; `None` derives it from `density`. An axis along which
+    /// the scene is flat always has one cell.
     pub resolution: Option<[u32; 3]>,
 }
 
@@ -20,20 +20,19 @@ impl Default for GridOptions {
     }
 }
 
-/// The most cells that are ever made.
+/// The largest number of cells.
 const MAX_CELLS: u64 = 1 << 27;
 
 impl UniformGrid {
     /// Builds the grid.
     ///
-    /// Memory is bounded beforehand, with `n` live triangles: at most `8 n + 64` cells unless a
-    /// resolution is given, never more than `2^27`, and at most `16 n + 1024` references. Both
-    /// take four bytes, and building takes no more than what it returns. A resolution that follows
-    /// the density is halved until the references fit.
+    /// Over `n` live triangles there are at most `2^27` cells, without a given resolution at most `8 n + 64`, and at
+    /// most `16 n + 1024` references. Each takes four bytes, and building needs no memory beyond its result. A
+    /// resolution derived from the density is halved until the references are within the budget.
     ///
     /// # Errors
-    /// [`GeomError::Param`] for an option out of its range, [`GeomError::Budget`] for a given
-    /// resolution with more than `2^27` cells or too many references; nothing is allocated then.
+    /// [`GeomError::Param`] for an option out of its range; [`GeomError::Budget`] for a given resolution with more
+    /// than `2^27` cells or too many references, before anything is allocated.
     pub fn build(triangles: &Triangles, options: &GridOptions) -> Result<Self, GeomError> {
         let lattice = choose_lattice(triangles, options)?;
         let live = triangles.live();
@@ -41,7 +40,7 @@ impl UniformGrid {
         for &index in live {
             lattice.for_each_cell(triangles.get(index), |cell| starts[cell] += 1);
         }
-        // Where the lists end, first; filled from the back, it becomes where they start.
+        // `starts` holds the ends of the lists; filling each list from its end turns them into starts.
         let mut end = 0;
         for start in &mut starts {
             end += *start;
@@ -85,12 +84,12 @@ fn choose_lattice(triangles: &Triangles, options: &GridOptions) -> Result<Lattic
     }
 }
 
-/// The given resolution, with one cell along flat axes.
+/// The given resolution, validated, with one cell along flat axes.
 fn check_resolution(given: [u32; 3], bounds: &Aabb) -> Result<[u32; 3], GeomError> {
     if given.contains(&0) {
         return Err(GeomError::Param { name: "resolution", value: 0.0, range: "[1, 2^27]" });
     }
-    // In floating point, since the product of three u32 can overflow a u64.
+    // In floating point: the product of three `u32` can overflow `u64`.
     let requested = given.map(f64::from).into_iter().product::<f64>();
     if requested > MAX_CELLS as f64 {
         return Err(GeomError::Budget { what: "grid cells", requested: requested as u64, budget: MAX_CELLS });
@@ -99,11 +98,11 @@ fn check_resolution(given: [u32; 3], bounds: &Aabb) -> Result<[u32; 3], GeomErro
     Ok([0, 1, 2].map(|axis| if extent[axis] > 0.0 { given[axis] } else { 1 }))
 }
 
-/// Nearly cubic cells, `density` of them for each of `count` triangles.
+/// The resolution with nearly cubic cells, `density` for each of `count` triangles.
 fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> [u32; 3] {
     let most = (8 * count as u64 + 64).min(MAX_CELLS) as f64;
     let wanted = (density * count as f64).clamp(1.0, most);
-    // Shortest axes first: an axis too short for a second cell leaves its share to the others.
+    // Shortest axes first: an axis too short for two cells leaves its share to the others.
     let extent = bounds.extent();
     let mut axes = [0, 1, 2];
     axes.sort_by(|&a, &b| extent[a].total_cmp(&extent[b]));
@@ -115,7 +114,7 @@ fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> [u32; 3] {
         if longest <= 0.0 {
             break;
         }
-        // Extents relative to the longest axis keep the product in range at any scale.
+        // Extents relative to the longest axis prevent overflow at any scale.
         let volume: f64 = remaining.iter().map(|&a| extent[a] / longest).product();
         let cells_per_extent = (left / volume).powf(1.0 / remaining.len() as f64);
         let cells = (extent[axis] / longest * cells_per_extent).clamp(1.0, left.max(1.0));

@@ -1,9 +1,9 @@
-/// The triangles decided last, so that one which several cells along a ray list is not decided
-/// again in each (Amanatides and Woo, 1987, section 3; in a table as of Benthin, 2006).
+/// The triangles tested last: mailboxing avoids repeated tests of a triangle that several cells along a ray reference
+/// (Amanatides and Woo, 1987, section 3), here with a hash table per ray (Benthin, 2006).
 #[derive(Debug)]
 pub(super) struct Mailbox([u32; SLOTS]);
 
-/// A triangle's slot is its index modulo this; a newer one takes the older one's place.
+/// The size of the table. A triangle's slot is its index modulo this; a newer entry replaces the older one.
 const SLOTS: usize = 16;
 
 impl Mailbox {
@@ -12,7 +12,7 @@ impl Mailbox {
         Self([u32::MAX; SLOTS])
     }
 
-    /// Whether `triangle` is none of those remembered; remembers it.
+    /// Whether `triangle` is not in the table; inserts it.
     #[inline]
     pub(super) fn is_new(&mut self, triangle: u32) -> bool {
         let slot = &mut self.0[triangle as usize % SLOTS];

@@ -1,4 +1,4 @@
-//! A uniform grid over triangles: equal cells, each listing the triangles whose boxes touch it.
+//! A uniform grid over triangles: equal cells, each with references to the triangles whose bounds overlap it.
 
 mod build;
 mod lattice;

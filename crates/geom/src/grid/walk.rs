@@ -4,25 +4,23 @@ use crate::prune::{Pruner, Span};
 use crate::{Aabb, Ray};
 use glam::DVec3;
 
-/// One ray's way through a lattice.
+/// The traversal of a lattice along a ray.
 ///
-/// Layer by layer along the ray's main axis, and within a layer row by row: every cell that the
-/// ray, thickened by the pruning slack, passes through. Each crossing is computed from the cell's
-/// index and none from the crossing before, so that no error accumulates.
+/// Visits every cell that the ray, widened by the pruning slack, intersects: layer by layer along the ray's main axis,
+/// and row by row within a layer. Each crossing is computed from the cell's index, so that errors do not accumulate.
 pub(super) struct Walk<'a> {
     lattice: &'a Lattice,
     pruner: Pruner,
     /// The part of the ray within the lattice.
     span: Span,
-    /// The ray's origin relative to the lattice's corner.
+    /// The ray's origin relative to the corner of the lattice.
     origin: DVec3,
-    /// Layers along the first axis, rows along the second, cells along the third.
+    /// The axes of layers, of rows within a layer, and of cells within a row.
     axes: [usize; 3],
 }
 
 impl<'a> Walk<'a> {
-    /// The way of a [traceable](Ray::is_traceable) ray; `None` if it misses `bounds`, or these are
-    /// empty.
+    /// The traversal for a [traceable](Ray::is_traceable) ray; `None` if it misses `bounds` or these are empty.
     pub(super) fn new(lattice: &'a Lattice, bounds: &Aabb, ray: &Ray) -> Option<Self> {
         if bounds.is_empty() {
             return None;
@@ -35,14 +33,14 @@ impl<'a> Walk<'a> {
         (span.start <= span.end).then_some(Self { lattice, pruner, span, origin, axes })
     }
 
-    /// Calls `open` with each cell. What it returns is the largest `t` that can still matter.
+    /// Calls `open` with each cell; cells that start beyond the `t` that it returned last are skipped.
     pub(super) fn for_each_cell(&self, mut open: impl FnMut([u32; 3]) -> f64) {
         let [layers, rows, columns] = self.axes;
         let (mut cell, mut t_end) = ([0; 3], f64::INFINITY);
         for layer in self.indices(layers, self.span) {
             cell[layers] = layer;
             let span = self.within(layers, layer, self.span);
-            // Layers come in the ray's order, and rows too, so nothing nearer can follow.
+            // Layers and rows are in the order of the ray, so all later ones start farther away.
             if span.start > t_end {
                 break;
             }
@@ -53,7 +51,7 @@ impl<'a> Walk<'a> {
                     break;
                 }
                 for column in self.indices(columns, span) {
-                    // Of a range that holds many columns, those beyond a hit.
+                    // A hit in this row may end the traversal of its remaining columns.
                     if span.start > t_end {
                         break;
                     }
@@ -64,8 +62,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The cells along `axis` that the thickened ray touches within `span`, in the ray's order;
-    /// none for an empty span.
+    /// The cells along `axis` that the widened ray intersects within `span`, in the order of the ray; none for an
+    /// empty span.
     fn indices(&self, axis: usize, span: Span) -> impl Iterator<Item = u32> + use<> {
         let at = |t: f64| self.origin[axis] + t * self.pruner.direction[axis];
         let (a, b) = (at(span.start), at(span.end));

@@ -2,21 +2,22 @@ use super::member::Member;
 use super::plane::Plane;
 use super::tree::Node;
 
-/// A part of a tree under construction, whose nodes and members are counted from its own start.
+/// A subtree under construction, with indices relative to its own start.
 #[derive(Debug, Default)]
 pub(super) struct Branch {
-    /// Depth first: an inner node's lower child follows it.
+    /// In depth-first order: an inner node's lower child follows it.
     pub(super) nodes: Vec<Node>,
-    /// Of all leaves, by ascending triangle within each.
+    /// The members of all leaves, by ascending triangle index within each leaf.
     pub(super) members: Vec<Member>,
 }
 
 impl Branch {
-    /// How many nodes and members there are.
+    /// The number of nodes and of members.
     pub(super) fn len(&self) -> (usize, usize) {
         (self.nodes.len(), self.members.len())
     }
 
+    /// Appends a leaf with these members.
     pub(super) fn add_leaf(&mut self, mut members: Vec<Member>) {
         members.sort_unstable_by_key(|m| m.index);
         let (first, count) = (self.members.len() as u32, members.len() as u32);
@@ -24,12 +25,12 @@ impl Branch {
         self.nodes.push(Node::Leaf { first, count });
     }
 
-    /// Adds an inner node; its upper child is known only after all nodes below the lower one.
+    /// Appends an inner node. [`Branch::point_to_upper`] sets its upper child, after the nodes of the lower one.
     pub(super) fn add_split(&mut self, plane: &Plane) {
         self.nodes.push(Node::Split { axis: plane.axis as u8, position: plane.position, upper: 0 });
     }
 
-    /// Makes the node that is added next the upper child of node `parent`.
+    /// Makes the next node that is appended the upper child of node `parent`.
     pub(super) fn point_to_upper(&mut self, parent: usize) {
         let next = self.nodes.len() as u32;
         if let Node::Split { upper, .. } = &mut self.nodes[parent] {
@@ -37,7 +38,7 @@ impl Branch {
         }
     }
 
-    /// Adds all of `other`.
+    /// Appends all nodes and members of `other`.
     pub(super) fn append(&mut self, other: &Self) {
         let (nodes, members) = (self.nodes.len() as u32, self.members.len() as u32);
         self.nodes.extend(other.nodes.iter().map(|&node| match node {
@@ -47,7 +48,7 @@ impl Branch {
         self.members.extend_from_slice(&other.members);
     }
 
-    /// Makes one leaf of all that was added since [`Branch::len`] was `start`.
+    /// Replaces all nodes since [`Branch::len`] was `start` by one leaf.
     pub(super) fn collapse(&mut self, start: (usize, usize)) {
         self.nodes.truncate(start.0);
         let mut members = self.members.split_off(start.1);

@@ -9,28 +9,27 @@ use super::sweep::cheapest_split;
 use super::tree::KdTree;
 use crate::{Aabb, GeomError, Triangles};
 
-/// Leaves references and nodes countable in `u32`.
+/// Keeps the indices of references and nodes within `u32`.
 const MAX_REFERENCES: usize = 1 << 31;
 
-/// What may yet be spent on a cell and all below it.
+/// The budget of a cell and all cells below it.
 #[derive(Clone, Copy)]
 struct Budget {
-    /// Room that the leaves may take: one for each reference, and one for an empty leaf, so that nodes
-    /// are bounded too. What is taken out again gives its room back.
+    /// The room for leaves: 1 per reference, and 1 per empty leaf, so that the number of nodes is bounded too.
+    /// Collapsing a subtree frees its room.
     room: usize,
-    /// Room that the halves of cells on trial may take, in all; what is taken out again has spent it.
+    /// The total room that the halves of cells on trial may take. Collapsing does not return it.
     trials: usize,
 }
 
 impl Budget {
-    /// That of a tree over `count` triangles.
+    /// The budget of a tree over `count` triangles.
     fn of_tree(count: usize) -> Self {
         let room = (8 * count).clamp(1, MAX_REFERENCES);
         Self { room, trials: room.saturating_mul(KdTree::MAX_DEPTH as usize) }
     }
 
-    /// What is left for each half of a cell, shared in proportion to what the halves need at once. What the
-    /// lower one leaves goes to the upper one later.
+    /// The budgets of the halves of a cell, in proportion to the room that they need as leaves.
     fn share(self, needed: [usize; 2], on_trial: bool) -> [Self; 2] {
         let both = needed[0] + needed[1];
         let lower = |spare: usize| (spare as f64 * needed[0] as f64 / both as f64) as usize;
@@ -51,7 +50,7 @@ impl std::ops::Add for Budget {
     }
 }
 
-/// Far below what an `f32` coordinate can tell, far above what rounding does in `f64`.
+/// The slack of clipping: far below the resolution of `f32` coordinates, far above the rounding of `f64`.
 fn slack_for(bounds: &Aabb) -> f64 {
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
     // Zero for the empty box, whose coordinates are infinite.
@@ -61,22 +60,19 @@ fn slack_for(bounds: &Aabb) -> f64 {
 impl KdTree {
     /// Builds the tree.
     ///
-    /// Takes `O(N log N)` for the surface area heuristic, `N` being the references in the end.
+    /// The surface area heuristic takes time `O(N log N)` for `N` references in the leaves. Large cells are built
+    /// in parallel on the current rayon thread pool; the tree is the same for any number of threads.
     ///
-    /// Large cells are built side by side on the threads of the current rayon pool; the tree is the
-    /// same for any number of them.
+    /// Memory and work are bounded for all options. Over `n` live triangles, the leaves hold at most `b = 8 n`
+    /// references, and never more than `2^31`. There are fewer than `2 b` nodes (one node for an empty scene),
+    /// and the depth is at most [`KdTree::MAX_DEPTH`]. Splits that do not pay ([`KdOptions::lookahead`]), and all
+    /// splits below them, are tried until their halves have held `60 b` references in total.
     ///
-    /// Memory and work are bounded beforehand, whatever the options. Over `n` live triangles the leaves hold
-    /// at most `b = 8 n` references (never more than `2^31`), there are fewer than `2 b` nodes (one over
-    /// nothing), and the tree is at most [`KdTree::MAX_DEPTH`] deep. Planes that do not pay by themselves
-    /// ([`KdOptions::lookahead`]), and all planes below them, are tried as long as their halves hold `60 b`
-    /// references in all. Building takes at most `200 n + 240 b + 1024`
-    /// bytes beside the triangles: for each triangle in the cell that is being halved, and for each of
-    /// `b`, a box and its six events, 76 bytes; and for each of `b` a box and two nodes, 52 bytes, in
-    /// vectors that hold up to three times their content while they grow; this on any number of threads,
-    /// since what is being halved, its halves and what is finished never take a reference's room at once.
-    /// Closed meshes take 170 to 300 `n` on one thread by the surface area heuristic, and up to 410 `n` by
-    /// other rules; long triangles up to 800 `n` (measured).
+    /// Building takes at most `200 n + 240 b + 1024` bytes beside the triangles, on any number of threads: 76
+    /// bytes for each triangle of the split cell and for each of `b`, for a box and its six events; and 52 bytes
+    /// for each of `b`, for a box and two nodes, in vectors that hold up to three times their content while they
+    /// grow. Measured on one thread, closed meshes take 170 to 300 `n` bytes by the surface area heuristic and up
+    /// to 410 `n` by other rules; long triangles take up to 800 `n`.
     ///
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range.
@@ -84,7 +80,7 @@ impl KdTree {
         Ok(Self::build_with_members(triangles, options)?.0)
     }
 
-    /// Builds the tree; also returns what of the triangles is in the leaves, one for each reference.
+    /// Builds the tree; also returns the member of each reference, in the same order.
     pub(crate) fn build_with_members(
         triangles: &Triangles,
         options: &KdOptions,
@@ -92,7 +88,7 @@ impl KdTree {
         options.validate()?;
         let live = triangles.live();
         let members: Vec<Member> = live.iter().map(|&i| Member::new(triangles, i)).collect();
-        let everything = Cell {
+        let root = Cell {
             bounds: triangles.bounds(),
             events: (options.rule == SplitRule::SurfaceArea).then(|| Events::new(&members)),
             members,
@@ -103,48 +99,47 @@ impl KdTree {
         };
         let builder =
             Builder { triangles, options, costs: options.costs(), slack: slack_for(&triangles.bounds()) };
-        let (Branch { mut nodes, members }, _) = builder.grow(everything);
+        let (Branch { mut nodes, members }, _) = builder.grow(root);
         nodes.shrink_to_fit();
         let references = members.iter().map(|m| m.index).collect();
         Ok((Self { triangles: triangles.clone(), nodes, references }, members))
     }
 }
 
-/// A cell that may yet be halved.
+/// A cell to be split or made a leaf.
 struct Cell {
     bounds: Aabb,
-    /// What touches it.
     members: Vec<Member>,
-    /// Where the members' boxes begin and end, for a rule that sweeps.
+    /// The sorted faces of the members' boxes, for the surface area heuristic.
     events: Option<Events>,
     depth_left: u32,
-    /// How many planes right above did not pay by themselves.
+    /// The number of consecutive planes directly above that do not pay.
     unpaid: u32,
-    /// Whether some plane above did not pay by itself, and may be taken out again.
+    /// Whether any plane above does not pay, so that it may be removed again.
     on_trial: bool,
-    /// Enough to make this cell a leaf.
+    /// At least the room of this cell as a leaf.
     budget: Budget,
 }
 
-/// The room that a leaf with `count` references takes.
+/// The room of a leaf with `count` references.
 fn room_of_leaf(count: usize) -> usize {
     count.max(1)
 }
 
-/// Where a cell is halved.
+/// A chosen split of a cell.
 struct Choice {
     split: Split,
-    /// How many planes in a row, this one the last, do not pay by themselves.
+    /// The number of consecutive planes that do not pay, this one the last.
     unpaid: u32,
-    /// Whether this plane or one above does not pay by itself.
+    /// Whether this plane or one above does not pay.
     on_trial: bool,
 }
 
-/// What became of a cell.
+/// The result of building a cell.
 struct Built {
-    /// Of the cell's budget.
+    /// The rest of the cell's budget.
     left: Budget,
-    /// Expected cost of a ray that meets the cell, times half the cell's area.
+    /// The expected cost of a ray that intersects the cell, times half the cell's area.
     cost: f64,
 }
 
@@ -153,23 +148,23 @@ struct Builder<'a> {
     triangles: &'a Triangles,
     options: &'a KdOptions,
     costs: CostModel,
-    /// By how much a cut errs on the safe side.
+    /// The margin of conservative clipping.
     slack: f64,
 }
 
-/// The halves of a cell with so many members are built side by side. Part of what a tree is: they
-/// do not pass on what is left to each other.
-const SIDE_BY_SIDE: usize = 4096;
+/// Cells with at least this many members build their halves in parallel. The tree depends on it: parallel halves
+/// do not pass on the rest of their budgets to each other.
+const PARALLEL_MIN: usize = 4096;
 
 impl Builder<'_> {
-    /// Builds a branch of its own out of `cell`.
+    /// Builds a separate branch from `cell`.
     fn grow(&self, cell: Cell) -> (Branch, Built) {
         let mut branch = Branch::default();
         let built = self.subdivide(cell, &mut branch, &mut Vec::new());
         (branch, built)
     }
 
-    /// Adds the nodes of `cell` to `branch`.
+    /// Appends the nodes of `cell` to `branch`.
     fn subdivide(&self, cell: Cell, branch: &mut Branch, moves: &mut Vec<Move>) -> Built {
         let (area, count, budget) = (cell.bounds.half_area(), cell.members.len(), cell.budget);
         let left = Budget { room: budget.room - room_of_leaf(count), ..budget };
@@ -181,12 +176,12 @@ impl Builder<'_> {
         };
         let halves = self.halve(cell, &choice, moves);
         branch.add_split(&choice.split.plane);
-        let Built { left, cost } = if count < SIDE_BY_SIDE {
-            self.one_by_one(halves, branch, moves)
+        let Built { left, cost } = if count < PARALLEL_MIN {
+            self.build_sequentially(halves, branch, moves)
         } else {
-            // Freed for those below, who have their own.
+            // Free the buffer: the branches below have their own.
             *moves = Vec::new();
-            self.side_by_side(halves, branch)
+            self.build_in_parallel(halves, branch)
         };
         let cost = area * self.costs.traversal + cost;
         if choice.unpaid > 0 && cost >= as_leaf.cost {
@@ -197,8 +192,14 @@ impl Builder<'_> {
         Built { left, cost }
     }
 
-    /// Adds the nodes of both halves of a cell whose own node comes last in `branch`.
-    fn one_by_one(&self, [lower, mut upper]: [Cell; 2], branch: &mut Branch, moves: &mut Vec<Move>) -> Built {
+    /// Appends the nodes of both halves of a cell, whose own node is the last of `branch`. The upper half also gets
+    /// the rest of the lower half's budget.
+    fn build_sequentially(
+        &self,
+        [lower, mut upper]: [Cell; 2],
+        branch: &mut Branch,
+        moves: &mut Vec<Move>,
+    ) -> Built {
         let parent = branch.nodes.len() - 1;
         let lower = self.subdivide(lower, branch, moves);
         branch.point_to_upper(parent);
@@ -207,8 +208,8 @@ impl Builder<'_> {
         Built { left: upper.left, cost: lower.cost + upper.cost }
     }
 
-    /// The same on two threads, where there are two.
-    fn side_by_side(&self, [lower, upper]: [Cell; 2], branch: &mut Branch) -> Built {
+    /// Appends the nodes of both halves, built in parallel with separate budgets.
+    fn build_in_parallel(&self, [lower, upper]: [Cell; 2], branch: &mut Branch) -> Built {
         let parent = branch.nodes.len() - 1;
         let ((lower_branch, lower), (upper_branch, upper)) =
             rayon::join(|| self.grow(lower), || self.grow(upper));
@@ -218,8 +219,7 @@ impl Builder<'_> {
         Built { left: lower.left + upper.left, cost: lower.cost + upper.cost }
     }
 
-    /// Where to halve `cell`; `None` where it is to be a leaf: by the same criteria, whichever rule
-    /// proposes the plane.
+    /// The split of `cell`; `None` if it becomes a leaf. The leaf criteria are the same for all rules.
     fn choose_split(&self, cell: &Cell) -> Option<Choice> {
         let Cell { bounds, members, .. } = cell;
         if cell.depth_left == 0 || members.len() <= self.options.leaf_size as usize || members.is_empty() {
@@ -239,6 +239,7 @@ impl Builder<'_> {
         (fits && unpaid <= self.options.lookahead).then_some(Choice { split, unpaid, on_trial })
     }
 
+    /// The two halves of `cell`, with their members, events and budgets.
     fn halve(&self, cell: Cell, choice: &Choice, moves: &mut Vec<Move>) -> [Cell; 2] {
         let &Choice { ref split, unpaid, on_trial } = choice;
         let budgets = cell.budget.share(split.counts.map(room_of_leaf), on_trial);
@@ -260,9 +261,9 @@ impl Builder<'_> {
         [child(halves[0], lower, lower_events, budgets[0]), child(halves[1], upper, upper_events, budgets[1])]
     }
 
-    /// What is in each half, at most as many as the split counts: the members on its side of the
-    /// plane, and, from the returned places on, the parts of those that straddle it. Notes in
-    /// `moves` where they went.
+    /// The members of each half, at most as many as the split counts: first the members on its side of the plane,
+    /// then, from the returned indices on, the parts of those that straddle it. Stores in `moves` where each member
+    /// went.
     fn distribute(
         &self,
         cell: &Cell,

@@ -1,12 +1,12 @@
-//! What a ray that meets a cell is expected to cost.
+//! The expected cost of a ray that intersects a cell.
 //!
-//! It meets a part of the cell with a probability that is the ratio of their surface areas
-//! (Goldsmith and Salmon, 1987).
+//! The probability that it intersects a part of the cell is the ratio of their surface areas (Goldsmith and Salmon,
+//! 1987).
 
 use super::plane::Split;
 use crate::Aabb;
 
-/// Costs in units of deciding one triangle.
+/// Costs in units of one triangle test.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CostModel {
     pub(super) traversal: f64,
@@ -14,21 +14,21 @@ pub(super) struct CostModel {
 }
 
 impl CostModel {
-    /// Expected cost of a ray that meets `cell`, if both parts were leaves.
+    /// The expected cost of a ray that intersects `cell`, if both halves are leaves.
     pub(super) fn of_split(&self, cell: &Aabb, split: &Split) -> f64 {
         AxisCosts::new(self, cell, split.plane.axis).of(split)
     }
 }
 
-/// The cost of every split of one cell along one axis: linear in the plane's position.
+/// The costs of the splits of one cell along one axis, linear in the plane's position between events.
 #[derive(Clone, Copy)]
 pub(super) struct AxisCosts {
     costs: CostModel,
     min: f64,
     max: f64,
-    /// Half the area of the cell's two faces across the axis, as a share of half the cell's.
+    /// The area of a face orthogonal to the axis, divided by half the cell's area.
     faces: f64,
-    /// What each unit of length along the axis adds to that share.
+    /// The increase of that ratio per unit of length along the axis.
     per_length: f64,
 }
 

@@ -1,36 +1,36 @@
-//! Sorted events: where, along each axis, the boxes of a cell's members begin and end.
+//! Sorted events: the positions along each axis at which the boxes of a cell's members start and end.
 //!
-//! Sorted once for the whole scene and kept sorted while cells are halved, so that finding all
-//! planes takes `O(N log N)` in all (Wald and Havran, "On building fast kd-trees for ray tracing",
-//! 2006, section 4.3).
+//! Events are sorted once for the whole scene and stay sorted when cells are split, so that all sweeps together take
+//! `O(N log N)` (Wald and Havran, "On building fast kd-trees for ray tracing", 2006, section 4.3).
 
 use super::member::Member;
 use super::plane::Place;
 use rayon::slice::ParallelSliceMut;
 
-/// What is met at a position, in the order in which a sweep must count it.
+/// The kind of an event, in the order in which a sweep counts events of the same position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     End,
+    /// Start and end of a box that is flat along the axis.
     Within,
     Start,
 }
 
-/// A position, what is met there, and whose it is; as a number that sorts in this order.
+/// A position, a kind and the index of a member, packed into a number that sorts in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Event(u64);
 
 /// The sign bit of an `f32`.
 const SIGN: u32 = 1 << 31;
-/// Bits for the member, so that with two for the kind and 32 for the position 64 are full.
+/// The bits of the member index, beside 2 for the kind and 32 for the position.
 const MEMBER_BITS: u32 = 30;
 const MEMBER_MASK: u64 = (1 << MEMBER_BITS) - 1;
 
 impl Event {
     fn new(position: f32, kind: Kind, member: u32) -> Self {
-        // Adding zero turns the negative zero into the other one.
+        // Adding zero makes a negative zero positive.
         let bits = (position + 0.0).to_bits();
-        // Negative numbers descend by their bits, and come before the positive ones.
+        // The bits of negative numbers descend, and sort before those of positive ones.
         let ascending = if bits & SIGN != 0 { !bits } else { bits | SIGN };
         Self(u64::from(ascending) << 32 | (kind as u64) << MEMBER_BITS | u64::from(member))
     }
@@ -57,7 +57,7 @@ impl Event {
         Self(self.0 & !MEMBER_MASK | u64::from(member))
     }
 
-    /// All but the member.
+    /// The position and kind.
     fn key(self) -> u64 {
         self.0 >> MEMBER_BITS
     }
@@ -66,19 +66,18 @@ impl Event {
 /// The events of a cell's members, sorted along each axis.
 #[derive(Debug, Default)]
 pub(super) struct Events {
-    /// Axis by axis.
+    /// The events of all axes, one axis after another.
     all: Vec<Event>,
-    /// Where each axis ends.
+    /// The end of each axis in `all`.
     ends: [usize; 3],
 }
 
-/// What becomes of a member when its cell is halved: the side that alone lists it and its place
-/// there, or that it straddles the plane.
+/// Where a member goes when its cell is split: to an index in the list of one side, or to both sides.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Move(u32);
 
 impl Move {
-    /// To `place` in the list of that side; where it straddles the plane, `place` means nothing.
+    /// To index `place` in the list of `side`; `place` has no meaning for [`Place::Both`].
     #[inline]
     pub(super) fn to(side: Place, place: usize) -> Self {
         Self((place as u32) << 2 | side as u32)
@@ -94,6 +93,7 @@ impl Move {
 }
 
 impl Events {
+    /// The events of `members`, sorted in parallel.
     pub(super) fn new(members: &[Member]) -> Self {
         let mut events = Self { all: Vec::with_capacity(6 * members.len()), ends: [0; 3] };
         for axis in 0..3 {
@@ -107,15 +107,16 @@ impl Events {
         events
     }
 
+    /// The events along `axis`, sorted.
     pub(super) fn along(&self, axis: usize) -> &[Event] {
         let start = if axis == 0 { 0 } else { self.ends[axis - 1] };
         &self.all[start..self.ends[axis]]
     }
 
-    /// The events of both sides: those of `moves` keep their order; into them those of straddling
-    /// members are sorted, which are listed last among the members of each side: from `parts` on.
+    /// The events of both halves. Events of members that go to one side keep their order; the events of the parts of
+    /// straddling members, which are the members from the indices `parts` on, are sorted and merged into them.
     pub(super) fn divide(&self, moves: &[Move], members: [&[Member]; 2], parts: [usize; 2]) -> [Self; 2] {
-        // One more than there may be, see `distribute`.
+        // One more than the largest number of events, as `distribute` requires.
         let mut sides = members.map(|m| Self { all: Vec::with_capacity(6 * m.len() + 1), ends: [0; 3] });
         let mut fresh = Vec::new();
         for axis in 0..3 {
@@ -136,11 +137,10 @@ impl Events {
     }
 }
 
-/// Appends `events` to the list of their side, which takes those of so many members; those of straddling members
-/// come to neither.
+/// Appends `events` to the lists of their sides, which get `counts` members; drops those of straddling members.
 ///
-/// Sides change at random, which no processor foresees: so there is no branch. Every event is
-/// written at the end of both lists, and stays where the end moves on.
+/// The side of an event is unpredictable, so the loop has no branch: it writes every event at the end of both lists,
+/// and advances the end of its own.
 fn distribute(events: &[Event], moves: &[Move], lists: [&mut Vec<Event>; 2], counts: [usize; 2]) {
     let [lower, upper] = lists;
     let mut ends = [lower.len(), upper.len()];
@@ -158,7 +158,7 @@ fn distribute(events: &[Event], moves: &[Move], lists: [&mut Vec<Event>; 2], cou
     upper.truncate(ends[1]);
 }
 
-/// Merges the sorted list `fresh`, a short one, into what is in `events` from `start` on, the last first.
+/// Merges the short sorted list `fresh` into `events[start..]`, from the end.
 fn merge(events: &mut Vec<Event>, start: usize, fresh: &[Event]) {
     let mut kept = events.len();
     events.resize(kept + fresh.len(), Event(0));
@@ -172,7 +172,7 @@ fn merge(events: &mut Vec<Event>, start: usize, fresh: &[Event]) {
     }
 }
 
-/// How many of `kept` come before `event`, by steps from the end that double and then halve.
+/// The number of events in `kept` that come before `event`: a galloping search from the end.
 fn first_at_or_after(kept: &[Event], event: Event) -> usize {
     let mut reach = 1;
     while reach <= kept.len() && kept[kept.len() - reach].key() >= event.key() {
@@ -182,7 +182,7 @@ fn first_at_or_after(kept: &[Event], event: Event) -> usize {
     start + kept[start..end].partition_point(|e| e.key() < event.key())
 }
 
-/// Adds the events of `member`, which is at `place` among the members of its cell.
+/// Appends the events along `axis` of `member`, which has the index `place` in its cell.
 fn push_events(member: &Member, place: u32, axis: usize, events: &mut Vec<Event>) {
     let (min, max) = (member.bounds.min[axis], member.bounds.max[axis]);
     if min == max {
@@ -219,14 +219,14 @@ mod tests {
         Member { index: 0, bounds: Aabb { min: Vec3::splat(min), max: Vec3::splat(max) } }
     }
 
-    /// Position and kind: members may be numbered in any order among equals.
+    /// Positions and kinds. The order of members with equal keys is not specified.
     fn keys(events: &Events, axis: usize) -> Vec<u64> {
         events.along(axis).iter().map(|event| event.key()).collect()
     }
 
     proptest! {
         #[test]
-        fn dividing_is_as_good_as_sorting_anew(
+        fn divided_events_equal_sorted_ones(
             boxes in prop::collection::vec(prop::array::uniform2(-8i8..8), 1..40), at in -8i8..8,
         ) {
             let members: Vec<Member> = boxes.into_iter().map(member).collect();
@@ -243,7 +243,7 @@ mod tests {
             }).collect();
             let parts = sides.each_ref().map(Vec::len);
             for (_, i) in members.iter().filter(|m| straddles(m)).zip(0..) {
-                // Some other boxes, as clipping makes them.
+                // Arbitrary other boxes, like those that clipping makes.
                 sides[0].push(member([i % 5, 3]));
                 sides[1].push(member([-i % 7, i % 3]));
             }

@@ -1,38 +1,37 @@
-//! The part of a triangle within a cell.
+//! Split clipping: the part of a triangle within a cell ("perfect splits").
 //!
-//! A triangle's box may touch a cell that the triangle itself does not, and is mostly larger than
-//! the part within the cell. Cutting the triangle at the cell's faces makes for fewer references
-//! and better planes (Havran and Bittner, "On improving kd-trees for ray shooting", 2002). The
-//! k-d tree's own traversal does not depend on it, since a triangle is decided whole; the wide tree's boxes
-//! do (docs/numerics.md).
+//! A triangle's box may overlap a cell that the triangle misses, and is usually larger than the part of the triangle
+//! within the cell. Clipping the triangle to the cell saves references and gives better planes (Havran and Bittner,
+//! "On improving kd-trees for ray shooting", 2002). The traversal of the k-d tree does not depend on it, since whole
+//! triangles are tested; the boxes of the wide tree do (docs/numerics.md).
 
 use super::plane::Plane;
 use crate::{Aabb, Triangle, Triangles};
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-/// A triangle that touches a cell.
+/// A primitive reference: a triangle of a cell, with the bounds of its part in the cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Member {
     /// The triangle's index.
     pub(crate) index: u32,
-    /// A box, not empty, around the part of it within the cell.
+    /// Conservative bounds of its part in the cell, not empty.
     pub(crate) bounds: Aabb,
 }
 
-/// The most corners that three have after seven cuts: at the faces of a cell and at a plane.
+/// A clipped triangle: at most 3 + 7 vertices after clipping at the six faces of a cell and at a plane.
 type Polygon = ArrayVec<DVec3, 10>;
 
 impl Member {
-    /// The whole triangle.
+    /// The whole triangle of this index.
     pub(super) fn new(triangles: &Triangles, index: u32) -> Self {
         Self { index, bounds: triangles.get(index).bounds() }
     }
 
-    /// What of it lies on either side of `plane`, which halves `cell`; `None` if nothing does.
+    /// The parts in the lower and the upper half of `cell`, split by `plane`; `None` for an empty part.
     ///
-    /// Errs on the safe side by `slack`, which is to be far above the rounding of a coordinate in
-    /// `f64`: no point of the triangle in a half is ever outside its new box.
+    /// The new bounds are conservative: they contain every point of the triangle in their half. For this, `slack` is
+    /// far above the rounding error of a coordinate in `f64`.
     pub(super) fn halves(
         &self,
         cell: &Aabb,
@@ -48,13 +47,13 @@ impl Member {
         [self.around(&lower, &below, slack), self.around(&upper, &above, slack)]
     }
 
-    /// The member with a box around `polygon`, its part in `cell`; `None` if that is empty.
+    /// The member with the bounds of `polygon`, its part in `cell`; `None` if that is empty.
     fn around(&self, polygon: &Polygon, cell: &Aabb, slack: f64) -> Option<Self> {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for corner in polygon {
             (low, high) = (low.min(*corner), high.max(*corner));
         }
-        // One number further out makes up for rounding to the nearest.
+        // The next number outward compensates for rounding to nearest.
         let min = (low - slack).as_vec3().map(f32::next_down);
         let max = (high + slack).as_vec3().map(f32::next_up);
         let bounds = Aabb { min, max }.intersection(cell).intersection(&self.bounds);
@@ -62,12 +61,12 @@ impl Member {
     }
 }
 
-/// The triangle's part in `cell` widened by `slack` (Sutherland and Hodgman, 1974).
+/// The triangle clipped to `cell` widened by `slack` (Sutherland and Hodgman, 1974).
 fn cut_at_faces(triangle: &Triangle, cell: &Aabb, slack: f64) -> Polygon {
     let mut polygon: Polygon = triangle.vertices.iter().map(|v| v.as_dvec3()).collect();
     let bounds = triangle.bounds();
     for axis in 0..3 {
-        // Most faces have nothing of the triangle beyond them.
+        // The triangle lies inside most faces.
         if bounds.min[axis] < cell.min[axis] {
             let min = f64::from(cell.min[axis]) - slack;
             polygon = cut(&polygon, |p| p[axis] - min);
@@ -80,7 +79,7 @@ fn cut_at_faces(triangle: &Triangle, cell: &Aabb, slack: f64) -> Polygon {
     polygon
 }
 
-/// The part where `height` is not negative.
+/// The polygon clipped to where `height` is not negative.
 fn cut(polygon: &Polygon, height: impl Fn(&DVec3) -> f64) -> Polygon {
     let mut kept = Polygon::new();
     for (i, a) in polygon.iter().enumerate() {
@@ -116,14 +115,14 @@ mod tests {
         assert_eq!(lower.unwrap().max, Vec3::new(0.75, 1.0, 0.0));
         let upper = upper.unwrap();
         assert!((upper.max.y - 0.25).abs() < 1e-6 && upper.min.x == 0.75 && upper.max.x == 1.0);
-        // The corner that the long side cuts off is in the box, not in the triangle.
+        // The upper half of this cell overlaps the box, not the triangle.
         let cell = Aabb { min: Vec3::new(0.5, 0.5, -1.0), max: Vec3::ONE };
         let [lower, upper] = halves(corner, cell, 0, 0.75);
         assert!(lower.is_some() && upper.is_none());
     }
 
     proptest! {
-        /// A lattice makes touching at a face, edge or corner common.
+        /// On a lattice, contact at a face, an edge or a corner is frequent.
         #[test]
         fn no_point_of_the_triangle_in_the_cell_is_lost(
             c in prop::array::uniform9(-4i8..=4), low in prop::array::uniform3(-4i8..=4),

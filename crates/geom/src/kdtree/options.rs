@@ -2,42 +2,39 @@ use super::cost::CostModel;
 use super::tree::KdTree;
 use crate::GeomError;
 
-/// Where a [`KdTree`] halves a cell.
+/// The choice of the split plane of a [`KdTree`] cell.
 ///
-/// All rules share everything else: leaf criteria, limits, the cutting of triangles at the faces
-/// of cells, the layout. The first six are those of the ANN library for points (Arya and Mount,
-/// 1998). Here a *point* is the middle of the box around a triangle's part in the cell, and a
-/// triangle that straddles a plane is listed on both sides. Where a rule's plane would leave a
-/// cell whole, the cell is halved in the middle of its longest side.
+/// Leaf criteria, limits, clipping and layout are the same for all rules. The first six are those of the ANN library
+/// for points (Arya and Mount, 1998). Here a *point* is the center of the bounds of a triangle's part in the cell;
+/// both halves reference a triangle that straddles the plane. If the plane of a rule does not lie strictly inside the
+/// cell, the cell is split in the middle of its longest side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SplitRule {
     /// At the median point along the longest side of the cell.
     MedianOfSide,
-    /// At the median point along the axis on which the points spread furthest; ANN's standard
-    /// rule.
+    /// At the median point along the axis of the largest spread of the points; the standard rule of ANN.
     MedianOfSpread,
-    /// In the middle of the longest side; of equal ones, the one along which points spread
-    /// furthest.
+    /// In the middle of the longest side; of equal sides, that of the largest spread of the points.
     Midpoint,
-    /// As [`Midpoint`](SplitRule::Midpoint); but a plane with all triangles on one side slides to
-    /// the first of their boxes, and so cuts off all the empty space there is.
+    /// [`Midpoint`](SplitRule::Midpoint), but a plane with all triangles on one side slides to the nearest of their
+    /// bounds, so that the empty half is as large as possible.
     SlidingMidpoint,
-    /// Along the axis on which points spread furthest, of those on which half a cell would keep
-    /// its longest side within [`KdOptions::max_aspect`] times that half; as near to the median
-    /// point as that bound allows.
+    /// As near to the median point as the bound [`KdOptions::max_aspect`] on the aspect ratio of both halves allows,
+    /// along the axis of the largest spread of the points, of those axes on which a split in the middle keeps the
+    /// bound.
     Fair,
-    /// As [`Fair`](SplitRule::Fair); but a plane with all triangles on one side slides as in
-    /// [`SlidingMidpoint`](SplitRule::SlidingMidpoint), whatever the aspect of what it cuts off.
+    /// [`Fair`](SplitRule::Fair), but a plane with all triangles on one side slides as in
+    /// [`SlidingMidpoint`](SplitRule::SlidingMidpoint), regardless of the aspect ratio.
     SlidingFair,
-    /// Where the expected cost of a ray is least, over all planes at triangles' boxes: the surface
-    /// area heuristic (MacDonald and Booth, 1990; Wald and Havran, 2006).
+    /// Surface area heuristic: the least expected cost of a ray over all planes at the faces of triangles' bounds
+    /// (MacDonald and Booth, 1990; Wald and Havran, 2006).
     #[default]
     SurfaceArea,
 }
 
 impl SplitRule {
-    /// Every rule.
+    /// All rules.
     pub const ALL: [Self; 7] = [
         Self::MedianOfSide,
         Self::MedianOfSpread,
@@ -49,7 +46,7 @@ impl SplitRule {
     ];
 }
 
-/// How a [`KdTree`] is built.
+/// Options for building a [`KdTree`].
 ///
 /// ```
 /// use globillum_geom::{KdOptions, SplitRule};
@@ -60,26 +57,25 @@ impl SplitRule {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct KdOptions {
-    /// Where cells are halved.
+    /// The choice of split planes.
     pub rule: SplitRule,
-    /// Most planes above a leaf; more than [`KdTree::MAX_DEPTH`] counts as that.
+    /// The largest number of planes above a leaf, at most [`KdTree::MAX_DEPTH`]; larger values count as that.
     pub max_depth: u32,
-    /// A cell with at most this many triangles is not halved.
+    /// A cell with at most this many triangles becomes a leaf.
     pub leaf_size: u32,
-    /// A plane pays if it lowers the expected cost of a ray. So many planes in a row are tried that
-    /// do not pay by themselves; if all that follows has not paid for them in the end, they are
-    /// taken out again. The surface area heuristic gains nothing by it, the other rules much in
-    /// scenes aligned with their planes (docs/accelerators.md).
+    /// The number of consecutive planes that are tried although they do not pay. A plane pays if it lowers the
+    /// expected cost of a ray. If the finished subtree is not cheaper than a leaf, it is replaced by the leaf.
     ///
-    /// Any number is allowed: what is tried is bounded whatever the number ([`KdTree::build`]). On curved meshes 3
-    /// lower the expected cost by at most 1 % more than 1 do.
+    /// Any value is valid, since the number of trials is bounded ([`KdTree::build`]). The surface area heuristic does
+    /// not gain from it; the other rules gain much in scenes aligned with their planes (docs/accelerators.md). On
+    /// curved meshes, 3 lowers the expected cost by at most 1 % more than 1.
     pub lookahead: u32,
-    /// Cost of visiting an inner node, in units of deciding one triangle; finite and `>= 0`. The
-    /// default was measured (docs/accelerators.md).
+    /// The cost of visiting an inner node, in units of one triangle test; finite and `>= 0`. The default is
+    /// measured (docs/accelerators.md).
     pub traversal_cost: f64,
-    /// Factor on the cost of a split that cuts off an empty cell, in `(0, 1]`.
+    /// The factor on the cost of a split with an empty half, in `(0, 1]`.
     pub empty_factor: f64,
-    /// The fair rules' bound on a cell's longest side over its shortest, `>= 2`.
+    /// The bound of the fair rules on the ratio of a cell's longest to its shortest side; finite and `>= 2`.
     pub max_aspect: f64,
 }
 
@@ -98,7 +94,7 @@ impl Default for KdOptions {
 }
 
 impl KdOptions {
-    /// The default options, but for the rule.
+    /// The default options with this `rule`.
     pub fn by_rule(rule: SplitRule) -> Self {
         Self { rule, ..Self::default() }
     }

@@ -1,11 +1,11 @@
 use crate::Aabb;
 
-/// A plane `axis = position`.
+/// A split plane `axis = position`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Plane {
     pub(super) axis: usize,
     pub(super) position: f32,
-    /// To which side triangles that lie within the plane go.
+    /// The side of triangles that lie within the plane.
     pub(super) within: Side,
 }
 
@@ -15,7 +15,7 @@ pub(super) enum Side {
     Upper,
 }
 
-/// Where a member is to be listed.
+/// The halves that reference a member.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
     Lower,
@@ -23,7 +23,7 @@ pub(super) enum Place {
     Both,
 }
 
-/// A plane and how many boxes lie on its two sides; one that straddles it counts for both.
+/// A split plane and the number of boxes on each side; a box that straddles the plane counts for both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Split {
     pub(super) plane: Plane,
@@ -31,18 +31,18 @@ pub(super) struct Split {
 }
 
 impl Plane {
-    /// On which side of the plane a box lies.
+    /// The side of the plane on which `bounds` lie.
     #[inline]
     pub(super) fn place(&self, bounds: &Aabb) -> Place {
         let (min, max) = (bounds.min[self.axis], bounds.max[self.axis]);
         let below = min < self.position;
         let lower = below | ((max == self.position) & (self.within == Side::Lower));
-        // In numbers, since a branch would be foreseen half the time.
+        // By table: a branch would be unpredictable.
         [[Place::Upper, Place::Lower], [Place::Upper, Place::Both]]
             [usize::from(below & (self.position < max))][usize::from(lower)]
     }
 
-    /// The two parts of `cell`, lower and upper.
+    /// The lower and the upper half of `cell`.
     pub(super) fn halves(&self, cell: &Aabb) -> [Aabb; 2] {
         let [mut lower, mut upper] = [*cell; 2];
         lower.max[self.axis] = self.position;
@@ -50,14 +50,14 @@ impl Plane {
         [lower, upper]
     }
 
-    /// Whether both halves of `cell` are smaller than it.
+    /// Whether the plane lies strictly inside `cell`.
     pub(super) fn halves_properly(&self, cell: &Aabb) -> bool {
         cell.min[self.axis] < self.position && self.position < cell.max[self.axis]
     }
 }
 
 impl Split {
-    /// The plane, with the boxes on its sides counted.
+    /// The split by `plane` of these boxes.
     pub(super) fn count<'a>(plane: Plane, boxes: impl Iterator<Item = &'a Aabb>) -> Self {
         let mut counts = [0; 2];
         for bounds in boxes {

@@ -1,16 +1,14 @@
-//! The six rules that look at the cell and at points, after those of the ANN library (Arya and
-//! Mount, 1998).
+//! The six split rules that use only the cell and points, after the ANN library (Arya and Mount, 1998).
 
 use super::member::Member;
 use super::options::{KdOptions, SplitRule};
 use super::plane::{Place, Plane, Side};
 use crate::Aabb;
 
-/// Where `options.rule` halves `cell`; `None` if it cannot be halved.
+/// The split plane of `cell` by `options.rule`; `None` if no plane lies strictly inside the cell.
 ///
 /// # Panics
-/// If the rule is the surface area heuristic, which `sweep.rs` carries out, or if there are no
-/// members.
+/// If the rule is the surface area heuristic, which `sweep.rs` implements, or if `members` is empty.
 pub(super) fn choose_plane(options: &KdOptions, cell: &Aabb, members: &[Member]) -> Option<Plane> {
     let around = Surroundings { cell, members };
     let plane = match options.rule {
@@ -20,13 +18,13 @@ pub(super) fn choose_plane(options: &KdOptions, cell: &Aabb, members: &[Member])
         SplitRule::SlidingMidpoint => around.slide(around.middle()),
         SplitRule::Fair => around.fair(options.max_aspect),
         SplitRule::SlidingFair => around.slide(around.fair(options.max_aspect)),
-        // Its builder never comes here: it finds planes by a sweep over events (`sweep.rs`).
+        // Unreachable: the builder calls `cheapest_split` for this rule.
         SplitRule::SurfaceArea => unreachable!("the surface area heuristic sweeps"),
     };
     [plane, around.middle()].into_iter().find(|plane| plane.halves_properly(cell))
 }
 
-/// What a rule knows.
+/// The input of a rule.
 struct Surroundings<'a> {
     cell: &'a Aabb,
     members: &'a [Member],
@@ -37,7 +35,7 @@ impl Surroundings<'_> {
         self.cell.extent()[axis]
     }
 
-    /// Between the smallest and the largest point along `axis`.
+    /// The distance between the smallest and the largest point along `axis`.
     fn spread(&self, axis: usize) -> f64 {
         let points = || self.members.iter().map(|m| f64::from(m.point(axis)));
         points().fold(f64::NEG_INFINITY, f64::max) - points().fold(f64::INFINITY, f64::min)
@@ -48,8 +46,7 @@ impl Surroundings<'_> {
         self.widest_spread(|axis| self.length(axis) == longest)
     }
 
-    /// The axis, of those that are `allowed`, on which points spread furthest; the first of equal
-    /// ones.
+    /// The axis of the largest spread among the `allowed` ones; the first of equal ones.
     fn widest_spread(&self, allowed: impl Fn(usize) -> bool) -> usize {
         let axes = (0..3).rev().filter(|&axis| allowed(axis));
         axes.max_by(|&a, &b| self.spread(a).total_cmp(&self.spread(b))).unwrap_or(0)
@@ -71,7 +68,7 @@ impl Surroundings<'_> {
         let longest = self.cell.extent().max_element();
         let axis = self.widest_spread(|axis| 2.0 * longest <= max_aspect * self.length(axis));
         let others = self.length((axis + 1) % 3).max(self.length((axis + 2) % 3));
-        // The thinnest slice within the bound.
+        // The thinnest half within the bound.
         let slice = others / max_aspect;
         let lowest = (f64::from(self.cell.min[axis]) + slice) as f32;
         let highest = (f64::from(self.cell.max[axis]) - slice) as f32;
@@ -79,7 +76,7 @@ impl Surroundings<'_> {
         Plane { position: median.position.max(lowest).min(highest), ..median }
     }
 
-    /// The plane, moved to the nearest box if all are on one side of it.
+    /// The plane, moved to the nearest box if all boxes are on one side of it.
     fn slide(&self, plane: Plane) -> Plane {
         let all = |place| self.members.iter().all(|m| plane.place(&m.bounds) == place);
         let bounds = || self.members.iter().map(|m| m.bounds);
@@ -96,14 +93,14 @@ impl Surroundings<'_> {
 }
 
 impl Member {
-    /// The coordinate of the point that stands for the member.
+    /// The coordinate of the center of the bounds.
     fn point(&self, axis: usize) -> f32 {
         middle(self.bounds.min[axis], self.bounds.max[axis])
     }
 }
 
 fn middle(min: f32, max: f32) -> f32 {
-    // The difference is in range for coordinates of the domain.
+    // The difference does not overflow for coordinates within the domain.
     min + (max - min) / 2.0
 }
 
@@ -114,7 +111,7 @@ mod tests {
 
     const CELL: Aabb = Aabb { min: Vec3::ZERO, max: Vec3::new(8.0, 4.0, 2.0) };
 
-    /// The plane that `rule` chooses for cubes of that size around `points`.
+    /// The plane of `rule` for cubes of side `size` around `points`.
     fn plane(rule: SplitRule, points: &[[f32; 3]], size: f32) -> Option<(usize, f32)> {
         let half = Vec3::splat(size / 2.0);
         let around = |&p: &[f32; 3]| Aabb { min: Vec3::from(p) - half, max: Vec3::from(p) + half };
@@ -136,14 +133,13 @@ mod tests {
         assert_eq!(plane(SplitRule::SlidingMidpoint, &points, 0.5), Some((0, 2.25)));
         let far = points.map(|[x, y, z]| [8.0 - x, y, z]);
         assert_eq!(plane(SplitRule::SlidingMidpoint, &far, 0.5), Some((0, 5.75)));
-        // It stays where a box reaches across.
+        // The plane stays if a box straddles it.
         assert_eq!(plane(SplitRule::SlidingMidpoint, &points, 4.5), Some((0, 4.0)));
     }
 
     #[test]
     fn fair_splits_keep_their_aspect() {
-        // Only the side of 8 is long enough to be halved within the bound of 3; the thinnest slice
-        // of a cell 4 by 2 is 4/3.
+        // Only a split of the side of length 8 keeps the bound of 3; the thinnest half is 4/3.
         let low = [[0.5, 0.5, 1.0], [0.75, 2.0, 1.0], [6.0, 3.5, 1.0]];
         assert_eq!(plane(SplitRule::Fair, &low, 0.25), Some((0, 4.0 / 3.0)));
         let high = low.map(|[x, y, z]| [8.0 - x, y, z]);
@@ -151,13 +147,13 @@ mod tests {
         let middle = [[1.0, 0.5, 1.0], [3.0, 2.0, 1.0], [6.0, 3.5, 1.0]];
         assert_eq!(plane(SplitRule::Fair, &middle, 0.25), Some((0, 3.0)));
         assert_eq!(plane(SplitRule::SlidingFair, &middle, 0.25), Some((0, 3.0)));
-        // All below the thinnest slice: the fair plane cuts off empty space, the sliding one more.
+        // All boxes are below the thinnest half: the upper half is empty, and larger with the sliding rule.
         assert_eq!(plane(SplitRule::Fair, &low[..2], 0.25), Some((0, 4.0 / 3.0)));
         assert_eq!(plane(SplitRule::SlidingFair, &low[..2], 0.25), Some((0, 0.875)));
     }
 
     #[test]
-    fn a_plane_at_a_face_gives_way_to_the_middle() {
+    fn a_plane_at_a_face_is_replaced_by_the_middle() {
         let wall = [[0.0, 0.5, 1.0], [0.0, 2.0, 1.0], [0.0, 3.5, 1.0]];
         assert_eq!(plane(SplitRule::MedianOfSide, &wall, 0.0), Some((0, 4.0)));
         let ulp = Aabb { min: Vec3::ONE, max: Vec3::ONE.map(f32::next_up) };

@@ -1,49 +1,49 @@
 use super::tree::{KdTree, Node};
 use crate::Aabb;
 
-/// What a [`KdTree`] looks like, and what a ray is expected to cost in it.
+/// Statistics of a [`KdTree`], and the expected cost of a ray.
 ///
-/// *Expected* numbers are for a ray that meets the tree's bounds and hits nothing, its line drawn
-/// at random among all that do: such a ray meets a cell with a probability that is the cell's
-/// surface over that of the bounds (Goldsmith and Salmon, 1987).
+/// *Expected* numbers are for a uniformly random line through the tree's bounds that hits nothing. It intersects a
+/// cell with a probability that is the ratio of the surface areas of the cell and of the bounds (Goldsmith and
+/// Salmon, 1987).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct KdStats {
-    /// Number of planes above the deepest leaf.
+    /// The number of planes above the deepest leaf.
     pub depth: u32,
-    /// Nodes, leaves included.
+    /// The number of nodes, leaves included.
     pub nodes: usize,
-    /// Leaves, empty ones included.
+    /// The number of leaves, empty ones included.
     pub leaves: usize,
-    /// Leaves that list nothing.
+    /// The number of leaves without triangles.
     pub empty_leaves: usize,
-    /// How many triangles the leaves list, repetitions included.
+    /// The number of triangle references in all leaves.
     pub references: usize,
-    /// The same for each triangle that can be hit; 0 if there is none.
+    /// References per live triangle; 0 if there is none.
     pub references_per_triangle: f64,
-    /// The empty leaves' share of the bounds' volume; 0 for a flat scene.
+    /// The fraction of the bounds' volume in empty leaves, in `[0, 1]`; 0 for a flat scene.
     pub empty_volume: f64,
-    /// Longest over shortest side of a leaf that lists something, the median of all: infinite if
-    /// most are flat, 0 if there is none.
+    /// The median ratio of the longest to the shortest side over all leaves with triangles: infinite if most are
+    /// flat, 0 if there is no such leaf.
     pub aspect: f64,
-    /// Inner nodes that a ray is expected to visit.
+    /// The expected number of inner nodes visited.
     pub expected_visits: f64,
-    /// Leaves with triangles that it is expected to open.
+    /// The expected number of leaves with triangles visited.
     pub expected_opened: f64,
-    /// Triangles that it is expected to have decided, repetitions included.
+    /// The expected number of triangle tests, repeated ones included.
     pub expected_tests: f64,
 }
 
 impl KdStats {
-    /// What the surface area heuristic makes small: the expected cost of a ray, in units of
-    /// deciding one triangle, where visiting an inner node costs `traversal_cost` of them.
+    /// The expected cost of a ray, which the surface area heuristic minimizes. It and `traversal_cost`, the cost
+    /// of visiting an inner node, are in units of one triangle test.
     pub fn expected_cost(&self, traversal_cost: f64) -> f64 {
         traversal_cost * self.expected_visits + self.expected_tests
     }
 }
 
 impl KdTree {
-    /// Measures the tree: looks at every node.
+    /// The statistics of the tree, in time linear in the number of nodes.
     pub fn stats(&self) -> KdStats {
         let mut stats = KdStats::default();
         let mut aspects = Vec::new();
@@ -73,9 +73,9 @@ impl KdTree {
         stats
     }
 
-    /// Calls `visit` with every node, its cell and the number of planes above it.
+    /// Calls `visit` with each node, its cell and the number of planes above it.
     fn for_each_cell(&self, mut visit: impl FnMut(&Node, &Aabb, u32)) {
-        // Walked with an explicit stack, so that depth costs no call stack.
+        // An explicit stack instead of recursion.
         let mut open = vec![(0, self.triangles.bounds(), 0)];
         while let Some((index, cell, depth)) = open.pop() {
             let node = &self.nodes[index];
@@ -90,7 +90,7 @@ impl KdTree {
     }
 }
 
-/// `part / whole`, and 0 for a part of nothing.
+/// `part / whole`; 0 if `whole` is not positive.
 fn ratio(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
@@ -122,7 +122,7 @@ mod tests {
             ..KdOptions::by_rule(SplitRule::Midpoint)
         };
         let stats = KdTree::build(&triangles, &options).unwrap().stats();
-        // Halved at 2, and both halves at 1 and 3: the inner two quarters are empty.
+        // Split at 2, then at 1 and 3: the two inner quarters are empty.
         assert_eq!((stats.depth, stats.nodes, stats.leaves, stats.empty_leaves), (2, 7, 4, 2));
         assert_eq!((stats.references, stats.references_per_triangle), (2, 1.0));
         assert_eq!((stats.empty_volume, stats.aspect), (0.5, 1.0));

@@ -1,16 +1,14 @@
-//! The surface area heuristic: halve a cell where the expected cost of a ray is least.
+//! The surface area heuristic: split a cell where the expected cost of a ray is least.
 //!
-//! The cost is piecewise linear in the plane's position, with its minima at the triangles' boxes,
-//! so sweeping those finds the best plane (Wald and Havran, "On building fast kd-trees for ray
-//! tracing", 2006).
+//! The cost is piecewise linear in the plane's position between the faces of triangles' boxes, so a sweep over the
+//! faces finds the minimum (Wald and Havran, "On building fast kd-trees for ray tracing", 2006).
 
 use super::cost::{AxisCosts, CostModel};
 use super::events::{Event, Events};
 use super::plane::{Plane, Side, Split};
 use crate::Aabb;
 
-/// The cheapest plane strictly inside `cell`, which has `count` members; `None` if no box ends
-/// there.
+/// The cheapest split of `cell`, which has `count` members; `None` if no face of a box is strictly inside the cell.
 pub(super) fn cheapest_split(cell: &Aabb, count: usize, events: &Events, costs: &CostModel) -> Option<Split> {
     let mut cheapest = None;
     let mut least = f64::INFINITY;
@@ -27,7 +25,7 @@ pub(super) fn cheapest_split(cell: &Aabb, count: usize, events: &Events, costs: 
     cheapest
 }
 
-/// Calls `visit` with each candidate for a split.
+/// Calls `visit` with each candidate split along `axis`.
 fn sweep(cell: &Aabb, axis: usize, count: usize, events: &[Event], mut visit: impl FnMut(Split)) {
     let (mut lower, mut upper) = (0, count);
     let mut rest = events;
@@ -78,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn empty_space_is_cut_off_and_identical_boxes_are_left_together() {
+    fn empty_space_is_cut_off_and_identical_boxes_stay_together() {
         let small = Aabb { min: Vec3::ZERO, max: Vec3::splat(0.1) };
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
         let members = members(&[small; 100]);
