@@ -32,8 +32,8 @@ use std::fmt::Debug;
 /// # Ok::<(), globillum_geom::GeomError>(())
 /// ```
 pub trait Accel: Debug + Send + Sync {
-    /// The hit of smallest `t` in the ray's range, of equal `t` that of the smallest triangle index; `None` if
-    /// the range contains no hit.
+    /// The hit of smallest `t` in the ray's range, of equal `t` that of the smallest triangle index; `None`
+    /// if the range contains no hit.
     fn intersect(&self, ray: &Ray) -> Option<Hit>;
 
     /// Whether the ray's range contains any hit.
@@ -45,7 +45,8 @@ pub trait Accel: Debug + Send + Sync {
         hits.extend(rays.iter().map(|ray| self.intersect(ray)));
     }
 
-    /// [`occluded`](Accel::occluded) for many rays: clears `occluded`, then stores one entry per ray, in order.
+    /// [`occluded`](Accel::occluded) for many rays: clears `occluded`, then stores one entry per ray, in
+    /// order.
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
         occluded.clear();
         occluded.extend(rays.iter().map(|ray| self.occluded(ray)));

@@ -27,8 +27,8 @@ impl SimdLevel {
     /// Calls `work`, compiled for this level, or for the highest level below it that this machine supports.
     /// Returns its result, which is the same at every level, to the bit.
     ///
-    /// Use it for long computations, such as loops over arrays that the compiler vectorizes. Only code that is
-    /// inlined into `work` is compiled for the level: mark the closure and the functions that it calls
+    /// Use it for long computations, such as loops over arrays that the compiler vectorizes. Only code that
+    /// is inlined into `work` is compiled for the level: mark the closure and the functions that it calls
     /// `#[inline(always)]`.
     ///
     /// ```

@@ -1,15 +1,15 @@
 //! The exact decision whether a ray intersects a triangle, and where.
 //!
 //! The method is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2(1), 2013): a
-//! shear maps the ray to the z axis, and the signs of three edge functions decide whether the projected triangle
-//! contains the origin. All arithmetic is in `f64`, on `f32` vertices.
+//! shear maps the ray to the z axis, and the signs of three edge functions decide whether the projected
+//! triangle contains the origin. All arithmetic is in `f64`, on `f32` vertices.
 //!
-//! The test is watertight. A vertex is projected by the same arithmetic for every triangle that shares it. The
-//! sign of an edge function of projected vertices is correct or zero, and zero counts as inside. So the projected
-//! triangles of a closed mesh leave no gap, at edges and vertices either.
+//! The test is watertight. A vertex is projected by the same arithmetic for every triangle that shares it.
+//! The sign of an edge function of projected vertices is correct or zero, and zero counts as inside. So the
+//! projected triangles of a closed mesh leave no gap, at edges and vertices either.
 //!
-//! Every accelerator calls this routine, so all give the same answers to the bit. It is always inlined, so that a
-//! traversal compiled for FMA instructions uses them here too; the bits are the same without.
+//! Every accelerator calls this routine, so all give the same answers to the bit. It is always inlined, so
+//! that a traversal compiled for FMA instructions uses them here too; the bits are the same without.
 
 use crate::exact::difference_of_products;
 use crate::{Ray, Triangle};
@@ -45,8 +45,8 @@ struct Sheared {
     z: f64,
 }
 
-/// Slopes and origin coordinates below this become zero, so that no product in [`Shear::decide`] underflows. The
-/// difference is far below `2^-149`, the spacing of the smallest `f32` coordinates.
+/// Slopes and origin coordinates below this become zero, so that no product in [`Shear::decide`] underflows.
+/// The difference is far below `2^-149`, the spacing of the smallest `f32` coordinates.
 const NEGLIGIBLE: f64 = f64::from_bits((1023 - 200) << 52);
 
 impl Shear {
@@ -79,18 +79,18 @@ impl Shear {
 
     /// The intersection of the ray's line with `triangle`, edges and vertices included.
     ///
-    /// `None` if the line misses the triangle or lies in its plane. The line intersects the triangle if the exact
-    /// edge functions of the projected vertices do not differ in sign, and are not all zero.
+    /// `None` if the line misses the triangle or lies in its plane. The line intersects the triangle if the
+    /// exact edge functions of the projected vertices do not differ in sign, and are not all zero.
     ///
-    /// Let `u = 2^-53` and `P` be the largest coordinate distance from the ray's origin to a vertex. The answer is
-    /// that of a parallel ray, displaced by at most `6 u P` along each of the two other axes, up to an error of
-    /// `12 u` times the largest depth in `t` and `7 u` in the barycentrics. For a triangle seen edge-on, a small
-    /// displacement can change `t` much (docs/numerics.md).
+    /// Let `u = 2^-53` and `P` be the largest coordinate distance from the ray's origin to a vertex. The
+    /// answer is that of a parallel ray, displaced by at most `6 u P` along each of the two other axes, up to
+    /// an error of `12 u` times the largest depth in `t` and `7 u` in the barycentrics. For a triangle seen
+    /// edge-on, a small displacement can change `t` much (docs/numerics.md).
     #[inline(always)]
     pub fn decide(&self, triangle: &Triangle) -> Option<Intersection> {
         let [a, b, c] = self.project_triangle(triangle);
-        // The difference of rounded products has the correct sign or is zero. This rejects nearly all triangles
-        // before the accurate evaluation.
+        // The difference of rounded products has the correct sign or is zero. This rejects nearly all
+        // triangles before the accurate evaluation.
         if differ_in_sign(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x) {
             return None;
         }
@@ -98,16 +98,16 @@ impl Shear {
         is_hit.then_some(intersection)
     }
 
-    /// [`Shear::decide`] for a triangle that is likely hit. There is no early rejection, whose branch would be
-    /// mispredicted.
+    /// [`Shear::decide`] for a triangle that is likely hit. There is no early rejection, whose branch would
+    /// be mispredicted.
     #[inline(always)]
     pub(crate) fn decide_likely(&self, triangle: &Triangle) -> Option<Intersection> {
         let (intersection, is_hit) = self.evaluate(self.project_triangle(triangle));
         is_hit.then_some(intersection)
     }
 
-    /// [`Shear::decide`] for vertices permuted like the ray: the intersection, and whether there is one. It has no
-    /// branch, so that loops over it vectorize.
+    /// [`Shear::decide`] for vertices permuted like the ray: the intersection, and whether there is one. It
+    /// has no branch, so that loops over it vectorize.
     #[inline(always)]
     pub(crate) fn decide_permuted(&self, vertices: [DVec3; 3]) -> (Intersection, bool) {
         self.evaluate(self.project_all(vertices))

@@ -2,11 +2,12 @@
 
 use glam::DVec3;
 
-/// `a * b - c * d` within 1.5 ulp: Kahan's algorithm (error bound: Jeannerod, Louvet and Muller, Mathematics of
-/// Computation 82, 2013).
+/// `a * b - c * d` within 1.5 ulp: Kahan's algorithm (error bound: Jeannerod, Louvet and Muller, Mathematics
+/// of Computation 82, 2013).
 ///
 /// The sign is correct or zero, even if products underflow: the result is `fl(fl(ab - w) + fl(w - cd))` with
-/// `w = fl(cd)`, and rounding is monotone and odd. Without underflow it is zero only if the exact difference is.
+/// `w = fl(cd)`, and rounding is monotone and odd. Without underflow it is zero only if the exact difference
+/// is.
 #[inline(always)]
 pub(crate) fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let cd = c * d;

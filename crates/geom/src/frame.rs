@@ -12,8 +12,9 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame around the unit vector `normal`, orthonormal to a few ulps; continuous in `normal` except where its
-    /// z component changes sign (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017).
+    /// A frame around the unit vector `normal`, orthonormal to a few ulps; continuous in `normal` except
+    /// where its z component changes sign (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT
+    /// 6(1), 2017).
     #[inline(always)]
     pub fn around(normal: DVec3) -> Self {
         let DVec3 { x, y, z } = normal;

@@ -6,8 +6,8 @@
 pub struct Hit {
     /// The ray parameter, strictly inside the ray's range: the point is `origin + t * direction`.
     ///
-    /// The distance from the origin is `t * direction.length()`. The depth of a depth buffer is
-    /// `t * direction.dot(forward)`, where `forward` is the camera's unit view direction; it equals `t` if each
+    /// The distance from the origin is `t * direction.length()`. The depth of a depth buffer is `t *
+    /// direction.dot(forward)`, where `forward` is the camera's unit view direction; it equals `t` if each
     /// direction ends on the plane at depth 1.
     pub t: f64,
     /// The barycentric coordinate of the second vertex, in `[0, 1]`.

@@ -9,8 +9,8 @@
 //! - [`Triangles::surface_point`] turns the hit into a [`SurfacePoint`], from which rays leave without hitting
 //!   the same triangle again.
 //!
-//! Vertices are `f32`; rays, decisions and points are `f64`. No constant of this crate is a length, so a scene
-//! may have any scale.
+//! Vertices are `f32`; rays, decisions and points are `f64`. No constant of this crate is a length, so a
+//! scene may have any scale.
 //!
 //! ```
 //! use globillum_geom::{Accel, KdOptions, KdTree, Ray, Triangle, Triangles};

@@ -9,11 +9,12 @@ pub struct PdfArea(pub f64);
 pub struct PdfSolidAngle(pub f64);
 
 impl PdfArea {
-    /// The same density per steradian: `p_omega = p_area * r^2 / |cos theta_light|` (Veach 1997, section 8.2).
+    /// The same density per steradian: `p_omega = p_area * r^2 / |cos theta_light|` (Veach 1997, section
+    /// 8.2).
     ///
-    /// `distance_sq` is the squared distance between the two points, `cos_light` the cosine of the angle between
-    /// their connecting line and the normal of the sampled surface. `None` if the quotient is not finite, as for
-    /// a surface seen edge-on (`cos_light == 0`).
+    /// `distance_sq` is the squared distance between the two points, `cos_light` the cosine of the angle
+    /// between their connecting line and the normal of the sampled surface. `None` if the quotient is not
+    /// finite, as for a surface seen edge-on (`cos_light == 0`).
     pub fn to_solid_angle(self, distance_sq: f64, cos_light: f64) -> Option<PdfSolidAngle> {
         let pdf = self.0 * distance_sq / cos_light.abs();
         pdf.is_finite().then_some(PdfSolidAngle(pdf))

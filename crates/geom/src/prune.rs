@@ -1,9 +1,10 @@
 //! Conservative pruning of nodes and cells.
 //!
-//! At the computed `t` of a hit, the ray's point is within `24 u * reach` of a point of the triangle along each
-//! axis, where `u = 2^-53` and `reach` is the largest coordinate distance between the ray's origin and the scene's
-//! bounds (docs/numerics.md has the proof). Accelerators therefore widen every plane by [`Ray::pruning_slack`],
-//! which also covers the rounding of the parameter at which the ray crosses the plane.
+//! At the computed `t` of a hit, the ray's point is within `24 u * reach` of a point of the triangle along
+//! each axis, where `u = 2^-53` and `reach` is the largest coordinate distance between the ray's origin and
+//! the scene's bounds (docs/numerics.md has the proof). Accelerators therefore widen every plane by
+//! [`Ray::pruning_slack`], which also covers the rounding of the parameter at which the ray crosses the
+//! plane.
 
 use crate::{Aabb, Ray};
 use glam::DVec3;
@@ -28,24 +29,25 @@ pub(crate) struct Pruner {
 /// The slack in units of `u * reach`: 24 for the hit point, the rest for the rounding of accelerators.
 const SLACK_ULPS: f64 = 64.0;
 
-/// Direction components below this fraction of the largest are replaced by it, so that no quotient is NaN. The
-/// effect within the scene is far below the slack.
+/// Direction components below this fraction of the largest are replaced by it, so that no quotient is NaN.
+/// The effect within the scene is far below the slack.
 pub(crate) const PARALLEL: f64 = f64::from_bits((1023 - 200) << 52);
 
 impl Ray {
-    /// The length, in units of the scene, by which an accelerator over triangles within `bounds` widens its boxes
-    /// along each axis.
+    /// The length, in units of the scene, by which an accelerator over triangles within `bounds` widens its
+    /// boxes along each axis.
     ///
-    /// It is `64 u reach`, with `u = 2^-53` and `reach` the largest coordinate distance between the origin and
-    /// `bounds`. It is infinite for the empty box, and may be NaN for a ray that is not
+    /// It is `64 u reach`, with `u = 2^-53` and `reach` the largest coordinate distance between the origin
+    /// and `bounds`. It is infinite for the empty box, and may be NaN for a ray that is not
     /// [traceable](Ray::is_traceable).
     ///
-    /// Let a box contain a triangle, or the part of it that is referenced there, and move all six faces outward by
-    /// this length. A query may skip the box if the exact line misses it, or intersects it only at `t` outside the
-    /// ray's range or beyond the closest hit so far. A computed hit takes 24 of the 64 units: the point at its `t`
-    /// is within `24 u reach` of a point of the triangle along each axis, for triangles of any shape seen from any
-    /// side (docs/numerics.md has the proof). The other 40 are for the rounding of the accelerator, which takes 4
-    /// for the offset of a face from the origin and for the parameter at which the ray crosses it.
+    /// Let a box contain a triangle, or the part of it that is referenced there, and move all six faces
+    /// outward by this length. A query may skip the box if the exact line misses it, or intersects it only at
+    /// `t` outside the ray's range or beyond the closest hit so far. A computed hit takes 24 of the 64 units:
+    /// the point at its `t` is within `24 u reach` of a point of the triangle along each axis, for triangles
+    /// of any shape seen from any side (docs/numerics.md has the proof). The other 40 are for the rounding of
+    /// the accelerator, which takes 4 for the offset of a face from the origin and for the parameter at which
+    /// the ray crosses it.
     ///
     /// ```
     /// use glam::{DVec3, Vec3};
@@ -75,8 +77,8 @@ impl Pruner {
         Self { origin: ray.origin, direction, inverse: 1.0 / direction, slack: ray.pruning_slack(bounds) }
     }
 
-    /// The parameter at which the ray crosses the plane at the signed `distance` from its origin along `axis`. The
-    /// slack increases it if `later`, and decreases it otherwise.
+    /// The parameter at which the ray crosses the plane at the signed `distance` from its origin along
+    /// `axis`. The slack increases it if `later`, and decreases it otherwise.
     ///
     /// `distance` may have a relative error of a few `u`, or an absolute one of a few `u * reach`.
     #[inline(always)]
@@ -102,7 +104,8 @@ impl Pruner {
     }
 }
 
-/// The largest magnitude of a component. Unlike `max_element` it does not handle NaN, which saves instructions.
+/// The largest magnitude of a component. Unlike `max_element` it does not handle NaN, which saves
+/// instructions.
 #[inline(always)]
 fn largest(v: DVec3) -> f64 {
     let DVec3 { x, y, z } = v.abs();

@@ -42,7 +42,8 @@ pub fn quad(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> [Triangle; 2] {
     [Triangle::new(a, b, c), Triangle::new(a, c, d)]
 }
 
-/// A box around `center` with half sides `half`, rotated by `yaw` radians about the y axis; its front is outside.
+/// A box around `center` with half sides `half`, rotated by `yaw` radians about the y axis; its front is
+/// outside.
 pub fn cuboid(center: DVec3, half: DVec3, yaw: f64) -> Vec<Triangle> {
     // `libm` gives the same bits on every platform.
     let (sin, cos) = libm::sincos(0.5 * yaw);
@@ -65,8 +66,8 @@ pub fn inside_out(triangles: impl IntoIterator<Item = Triangle>) -> Vec<Triangle
     triangles.into_iter().map(flip).collect()
 }
 
-/// An icosahedron whose faces are subdivided `levels` times, with vertices on the unit sphere: a closed mesh of
-/// `20 * 4^levels` triangles.
+/// An icosahedron whose faces are subdivided `levels` times, with vertices on the unit sphere: a closed mesh
+/// of `20 * 4^levels` triangles.
 pub fn icosphere(levels: u32) -> Mesh {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut mesh = Mesh { core: vec![DVec3::ZERO], thickness: 0.7, ..Mesh::default() };
@@ -115,8 +116,8 @@ fn subdivide(mesh: &Mesh) -> Mesh {
     Mesh { vertices, faces, ..mesh.clone() }
 }
 
-/// A tube around the closed curve `core(u)`: the points `core(u) + wall(u, v)`, with both parameters from 0 to 2 pi,
-/// as `around` times `across` quadrilaterals.
+/// A tube around the closed curve `core(u)`: the points `core(u) + wall(u, v)`, with both parameters from 0
+/// to 2 pi, as `around` times `across` quadrilaterals.
 fn tube(
     [around, across]: [usize; 2],
     thickness: f64,
@@ -144,8 +145,8 @@ pub fn torus(around: usize, across: usize) -> Mesh {
     tube([around, across], 0.2, core, |u, v| 0.4 * (v.cos() * core(u) + v.sin() * DVec3::Y))
 }
 
-/// A tube around a trefoil knot with a rippled surface, as a stand-in for a scanned statue: a closed mesh of about
-/// `triangles` triangles, roughly within the unit ball.
+/// A tube around a trefoil knot with a rippled surface, as a stand-in for a scanned statue: a closed mesh of
+/// about `triangles` triangles, roughly within the unit ball.
 pub fn statue(triangles: usize) -> Mesh {
     // The tube is eight times as long as its circumference.
     let across = ((triangles as f64 / 16.0).sqrt() as usize).max(3);

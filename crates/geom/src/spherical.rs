@@ -1,17 +1,19 @@
 use crate::{PdfSolidAngle, Triangle};
 use glam::DVec3;
 
-/// The spherical triangle that a triangle covers on the unit sphere around a point, sampled uniformly by solid angle.
+/// The spherical triangle that a triangle covers on the unit sphere around a point, sampled uniformly by
+/// solid angle.
 ///
-/// The method is that of Arvo ("Stratified Sampling of Spherical Triangles", 1995): a first random number chooses an
-/// arc from the first vertex that cuts off a part of the area, a second one a point of that arc. Arvo computes the
-/// part from angles, whose sum cancels for small triangles. This implementation instead solves the formula of Van
-/// Oosterom and Strackee (1983) for the solid angle of the part (docs/estimators.md), which does not cancel. All values
-/// depend only on the point and the triangle, so the pdf of any direction is available.
+/// The method is that of Arvo ("Stratified Sampling of Spherical Triangles", 1995): a first random number
+/// chooses an arc from the first vertex that cuts off a part of the area, a second one a point of that arc.
+/// Arvo computes the part from angles, whose sum cancels for small triangles. This implementation instead
+/// solves the formula of Van Oosterom and Strackee (1983) for the solid angle of the part
+/// (docs/estimators.md), which does not cancel. All values depend only on the point and the triangle, so the
+/// pdf of any direction is available.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphericalTriangle {
-    /// The index of the first vertex: that opposite to the longest arc, so that the other two arcs are not near pi,
-    /// where their planes are ill-conditioned.
+    /// The index of the first vertex: that opposite to the longest arc, so that the other two arcs are not
+    /// near pi, where their planes are ill-conditioned.
     first: usize,
     /// The unit vectors toward the vertices, from the first one on.
     towards: [DVec3; 3],
@@ -32,16 +34,16 @@ impl SphericalTriangle {
     /// (docs/estimators.md has figures).
     pub const MIN_SOLID_ANGLE: f64 = 0.1;
 
-    /// The smallest determinant of the unit vectors toward the vertices. Rounding displaces a sample by about `2^-53`
-    /// over it, in units of the random numbers. The determinant is smaller for small solid angles, and for points
-    /// very close to the triangle's plane or to an edge.
+    /// The smallest determinant of the unit vectors toward the vertices. Rounding displaces a sample by about
+    /// `2^-53` over it, in units of the random numbers. The determinant is smaller for small solid angles,
+    /// and for points very close to the triangle's plane or to an edge.
     pub const MIN_DETERMINANT: f64 = 1e-8;
 
     /// The spherical triangle of `triangle` around `origin`, for either side of the triangle.
     ///
-    /// `None` if area sampling is preferable: if the solid angle is below [`SphericalTriangle::MIN_SOLID_ANGLE`], or
-    /// the determinant below [`SphericalTriangle::MIN_DETERMINANT`]. This includes every `origin` in the triangle's
-    /// plane.
+    /// `None` if area sampling is preferable: if the solid angle is below
+    /// [`SphericalTriangle::MIN_SOLID_ANGLE`], or the determinant below
+    /// [`SphericalTriangle::MIN_DETERMINANT`]. This includes every `origin` in the triangle's plane.
     pub fn new(triangle: &Triangle, origin: DVec3) -> Option<Self> {
         let [e1, e2] = triangle.edges();
         let longest_sq = e1.length_squared().max(e2.length_squared()).max(e1.distance_squared(e2));
@@ -79,11 +81,13 @@ impl SphericalTriangle {
         })
     }
 
-    /// A distance from the centroid of `triangle`, in units of length, beyond which [`SphericalTriangle::new`] returns
-    /// `None`. Comparing with it saves most of the work for distant points.
+    /// A distance from the centroid of `triangle`, in units of length, beyond which
+    /// [`SphericalTriangle::new`] returns `None`. Comparing with it saves most of the work for distant
+    /// points.
     ///
-    /// From a distance of at least `r` to the triangle, the solid angle of its area `A` is at most `A / r^2`. Each
-    /// vertex is within two thirds of a median of the centroid, and a median is at most as long as the longest side.
+    /// From a distance of at least `r` to the triangle, the solid angle of its area `A` is at most `A / r^2`.
+    /// Each vertex is within two thirds of a median of the centroid, and a median is at most as long as the
+    /// longest side.
     pub fn reach(triangle: &Triangle) -> f64 {
         let [e1, e2] = triangle.edges();
         let longest = e1.length().max(e2.length()).max(e1.distance(e2));
@@ -101,14 +105,14 @@ impl SphericalTriangle {
         PdfSolidAngle(1.0 / self.solid_angle)
     }
 
-    /// A point sampled uniformly by solid angle from random numbers `u` in `[0, 1)^2`, as barycentrics `(u, v)`, both
-    /// in `[0, 1]` with `u + v <= 1` up to rounding.
+    /// A point sampled uniformly by solid angle from random numbers `u` in `[0, 1)^2`, as barycentrics `(u,
+    /// v)`, both in `[0, 1]` with `u + v <= 1` up to rounding.
     pub fn sample(&self, u: [f64; 2]) -> (f64, f64) {
         let (on_second, on_third) = self.cut(u[0]);
         let [a, b, c] = self.towards;
         let (on_first, on_end) = along_arc(a, on_second * b + on_third * c, u[1]);
-        // The direction is a linear combination of the directions of the vertices. Dividing its coefficients by the
-        // distances gives those of the point.
+        // The direction is a linear combination of the directions of the vertices. Dividing its coefficients
+        // by the distances gives those of the point.
         let on_vertices = [on_first, on_end * on_second, on_end * on_third];
         let weights: [f64; 3] = std::array::from_fn(|i| on_vertices[i] / self.distances[i]);
         let sum = weights[0] + weights[1] + weights[2];
@@ -116,11 +120,12 @@ impl SphericalTriangle {
         (of_vertex(1), of_vertex(2))
     }
 
-    /// The unit vector on the arc from the second to the third vertex that cuts off the fraction `share` of the solid
-    /// angle on the side of the second vertex, as coefficients of these two vertices.
+    /// The unit vector on the arc from the second to the third vertex that cuts off the fraction `share` of
+    /// the solid angle on the side of the second vertex, as coefficients of these two vertices.
     ///
-    /// It solves `T = t det(A, B, B') / (1 + A . B + t A . B')` for `t`, the tangent of half the arc cut off. `T` is
-    /// the tangent of half the solid angle cut off, and `B'` the unit vector orthogonal to `B` toward `C`.
+    /// It solves `T = t det(A, B, B') / (1 + A . B + t A . B')` for `t`, the tangent of half the arc cut off.
+    /// `T` is the tangent of half the solid angle cut off, and `B'` the unit vector orthogonal to `B` toward
+    /// `C`.
     fn cut(&self, share: f64) -> (f64, f64) {
         let [a, b, c] = self.towards;
         let (sin, cos) = libm::sincos(0.5 * share * self.solid_angle);
@@ -165,8 +170,8 @@ fn opposite_to_longest_arc(unit: &[DVec3; 3]) -> usize {
     }
 }
 
-/// The unit vector on the arc between two unit vectors at the fraction `share` of `1 - cos`, where `cos` is the cosine
-/// of the arc, as coefficients of `from` and `to`.
+/// The unit vector on the arc between two unit vectors at the fraction `share` of `1 - cos`, where `cos` is
+/// the cosine of the arc, as coefficients of `from` and `to`.
 fn along_arc(from: DVec3, to: DVec3, share: f64) -> (f64, f64) {
     // One minus and one plus the cosine of the arc, without cancellation.
     let (height, rest) = (0.5 * from.distance_squared(to), 0.5 * (from + to).length_squared());

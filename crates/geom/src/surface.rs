@@ -4,15 +4,18 @@ use glam::DVec3;
 /// The unit roundoff of `f64`.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// The error bound of a hit along each axis, in units of `U` times the largest coordinate distance between the
-/// ray's origin and the triangle: 24 for the decision, 2 for the rounding of a direction between two points.
+/// The error bound of a hit along each axis, in units of `U` times the largest coordinate distance between
+/// the ray's origin and the triangle: 24 for the decision, 2 for the rounding of a direction between two
+/// points.
 const HIT_ERR: f64 = 26.0;
 
-/// A point on a triangle, from which rays leave without hitting the triangle or another one in the same plane.
+/// A point on a triangle, from which rays leave without hitting the triangle or another one in the same
+/// plane.
 ///
-/// Rounding displaces the computed position from the triangle's plane, and also the computed intersection of a
-/// ray with the triangle. `plane_err` bounds the sum of both errors. The origin of a spawned ray is offset by it
-/// along the normal, to the side of the direction. The bound scales with the scene; there is no epsilon to choose.
+/// Rounding displaces the computed position from the triangle's plane, and also the computed intersection of
+/// a ray with the triangle. `plane_err` bounds the sum of both errors. The origin of a spawned ray is offset
+/// by it along the normal, to the side of the direction. The bound scales with the scene; there is no epsilon
+/// to choose.
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
@@ -37,13 +40,13 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// The point of `triangle`, with its unit `normal`, at the barycentrics `u` (second vertex) and `v` (third
-    /// vertex), in a scene whose bounds have the longest side `scene_extent`.
+    /// The point of `triangle`, with its unit `normal`, at the barycentrics `u` (second vertex) and `v`
+    /// (third vertex), in a scene whose bounds have the longest side `scene_extent`.
     ///
-    /// With `u = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the error is
-    /// `|n| . (u |v0| + 3u extent + 2u |p| + 26u scene_extent)`. The first three terms bound the error of the
-    /// position and its offset (NVIDIA, "Solving Self-Intersection Artifacts in DirectX Raytracing", 2023), the
-    /// last that of a decision within the scene (docs/numerics.md).
+    /// With `u = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the error is `|n| .
+    /// (u |v0| + 3u extent + 2u |p| + 26u scene_extent)`. The first three terms bound the error of the
+    /// position and its offset (NVIDIA, "Solving Self-Intersection Artifacts in DirectX Raytracing", 2023),
+    /// the last that of a decision within the scene (docs/numerics.md).
     #[inline(always)]
     pub(crate) fn on(triangle: &Triangle, normal: DVec3, u: f64, v: f64, scene_extent: f64) -> Self {
         let [e1, e2] = triangle.edges();
@@ -70,8 +73,8 @@ impl SurfacePoint {
 
     /// The open segment to `other`, each end offset toward the other one.
     ///
-    /// `None` if one of the points lies in the plane of the other within `plane_err`, where the cosine is zero up
-    /// to rounding.
+    /// `None` if one of the points lies in the plane of the other within `plane_err`, where the cosine is
+    /// zero up to rounding.
     #[inline(always)]
     pub fn segment_to(&self, other: &Self) -> Option<Ray> {
         let between = other.position - self.position;

@@ -23,8 +23,8 @@ impl Triangle {
 
     /// The triangle with the vertices `corners` after `transform`, computed in `f64` and rounded once.
     ///
-    /// The front stays the front: if the determinant of `transform` is negative, which reverses the orientation,
-    /// the second and the third vertex are swapped.
+    /// The front stays the front: if the determinant of `transform` is negative, which reverses the
+    /// orientation, the second and the third vertex are swapped.
     pub fn transformed(corners: [DVec3; 3], transform: &DAffine3) -> Self {
         let [a, b, c] = corners.map(|corner| transform.transform_point3(corner).as_vec3());
         let mirrors = transform.matrix3.determinant() < 0.0;
@@ -86,8 +86,8 @@ impl Triangle {
         cross(e1, e2)
     }
 
-    /// Whether the vertices are collinear, decided by exact predicates (Shewchuk 1997), or so nearly collinear
-    /// that the cross product of the edges is zero in `f64`.
+    /// Whether the vertices are collinear, decided by exact predicates (Shewchuk 1997), or so nearly
+    /// collinear that the cross product of the edges is zero in `f64`.
     pub fn is_degenerate(&self) -> bool {
         let v = self.vertices.map(|v| v.as_dvec3());
         let projected_area = |i: usize, j: usize| {
@@ -99,8 +99,8 @@ impl Triangle {
         collinear || self.area_vector() == DVec3::ZERO
     }
 
-    /// A point sampled uniformly by area from random numbers `u` in `[0, 1)^2`, as barycentrics `(u, v)`, both in
-    /// `[0, 1]` with `u + v <= 1`: the square-root warp (Turk, Graphics Gems, 1990).
+    /// A point sampled uniformly by area from random numbers `u` in `[0, 1)^2`, as barycentrics `(u, v)`,
+    /// both in `[0, 1]` with `u + v <= 1`: the square-root warp (Turk, Graphics Gems, 1990).
     pub fn sample_uniform(u: [f64; 2]) -> (f64, f64) {
         let root = (1.0 - u[0]).sqrt();
         (1.0 - root, u[1] * root)

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 /// Validated triangles, from which every accelerator is built.
 ///
-/// Indices are those of the input. A [degenerate](Triangle::is_degenerate) triangle keeps its index, but it is
-/// not [`live`](Triangles::live) and never hit. Clones share the triangles.
+/// Indices are those of the input. A [degenerate](Triangle::is_degenerate) triangle keeps its index, but it
+/// is not [`live`](Triangles::live) and never hit. Clones share the triangles.
 #[derive(Clone, Debug)]
 pub struct Triangles {
     all: Arc<[Triangle]>,
@@ -19,8 +19,8 @@ impl Triangles {
     /// [`Triangle::MAX_COORDINATE`].
     pub const MAX_COORDINATE: f32 = Triangle::MAX_COORDINATE;
 
-    /// The largest number of triangles: `2^30 - 1`, so that an index, an `f32` coordinate and two bits fit into
-    /// 64 bits.
+    /// The largest number of triangles: `2^30 - 1`, so that an index, an `f32` coordinate and two bits fit
+    /// into 64 bits.
     pub const MAX_COUNT: usize = (1 << 30) - 1;
 
     /// Validates `triangles`. Replaces negative zeros by positive ones.
@@ -62,8 +62,8 @@ impl Triangles {
         self.surface_point_with_normal(index, self.get(index).normal(), u, v)
     }
 
-    /// [`Triangles::surface_point`] with a precomputed [`normal`](Triangle::normal) of triangle `index`, which
-    /// is most of the work.
+    /// [`Triangles::surface_point`] with a precomputed [`normal`](Triangle::normal) of triangle `index`,
+    /// which is most of the work.
     ///
     /// # Panics
     /// If `index` is not below [`Triangles::len`].

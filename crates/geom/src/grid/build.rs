@@ -6,11 +6,11 @@ use crate::{Aabb, GeomError, Triangles};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GridOptions {
-    /// The number of cells per live triangle if `resolution` is `None`; finite and `> 0`. The default is measured
-    /// (docs/accelerators.md).
+    /// The number of cells per live triangle if `resolution` is `None`; finite and `> 0`. The default is
+    /// measured (docs/accelerators.md).
     pub density: f64,
-    /// The number of cells along each axis, each at least 1; `None` derives it from `density`. An axis along which
-    /// the scene is flat always has one cell.
+    /// The number of cells along each axis, each at least 1; `None` derives it from `density`. An axis along
+    /// which the scene is flat always has one cell.
     pub resolution: Option<[u32; 3]>,
 }
 
@@ -26,13 +26,13 @@ const MAX_CELLS: u64 = 1 << 27;
 impl UniformGrid {
     /// Builds the grid.
     ///
-    /// Over `n` live triangles there are at most `2^27` cells, without a given resolution at most `8 n + 64`, and at
-    /// most `16 n + 1024` references. Each takes four bytes, and building needs no memory beyond its result. A
-    /// resolution derived from the density is halved until the references are within the budget.
+    /// Over `n` live triangles there are at most `2^27` cells, without a given resolution at most `8 n + 64`,
+    /// and at most `16 n + 1024` references. Each takes four bytes, and building needs no memory beyond its
+    /// result. A resolution derived from the density is halved until the references are within the budget.
     ///
     /// # Errors
-    /// [`GeomError::Param`] for an option out of its range; [`GeomError::Budget`] for a given resolution with more
-    /// than `2^27` cells or too many references, before anything is allocated.
+    /// [`GeomError::Param`] for an option out of its range; [`GeomError::Budget`] for a given resolution with
+    /// more than `2^27` cells or too many references, before anything is allocated.
     pub fn build(triangles: &Triangles, options: &GridOptions) -> Result<Self, GeomError> {
         let lattice = choose_lattice(triangles, options)?;
         let live = triangles.live();

@@ -32,8 +32,8 @@ impl Lattice {
         f64::from(index) * self.cell_size[axis]
     }
 
-    /// A cell along `axis` that contains the relative coordinate, up to rounding; the nearest cell for a coordinate
-    /// outside.
+    /// A cell along `axis` that contains the relative coordinate, up to rounding; the nearest cell for a
+    /// coordinate outside.
     #[inline]
     pub(super) fn index(&self, axis: usize, coordinate: f64) -> u32 {
         // The cast saturates.

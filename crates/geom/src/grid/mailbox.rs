@@ -1,5 +1,5 @@
-/// The triangles tested last: mailboxing avoids repeated tests of a triangle that several cells along a ray reference
-/// (Amanatides and Woo, 1987, section 3), here with a hash table per ray (Benthin, 2006).
+/// The triangles tested last: mailboxing avoids repeated tests of a triangle that several cells along a ray
+/// reference (Amanatides and Woo, 1987, section 3), here with a hash table per ray (Benthin, 2006).
 #[derive(Debug)]
 pub(super) struct Mailbox([u32; SLOTS]);
 

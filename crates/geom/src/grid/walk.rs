@@ -6,8 +6,9 @@ use glam::DVec3;
 
 /// The traversal of a lattice along a ray.
 ///
-/// Visits every cell that the ray, widened by the pruning slack, intersects: layer by layer along the ray's main axis,
-/// and row by row within a layer. Each crossing is computed from the cell's index, so that errors do not accumulate.
+/// Visits every cell that the ray, widened by the pruning slack, intersects: layer by layer along the ray's
+/// main axis, and row by row within a layer. Each crossing is computed from the cell's index, so that errors
+/// do not accumulate.
 pub(super) struct Walk<'a> {
     lattice: &'a Lattice,
     pruner: Pruner,
@@ -20,7 +21,8 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// The traversal for a [traceable](Ray::is_traceable) ray; `None` if it misses `bounds` or these are empty.
+    /// The traversal for a [traceable](Ray::is_traceable) ray; `None` if it misses `bounds` or these are
+    /// empty.
     pub(super) fn new(lattice: &'a Lattice, bounds: &Aabb, ray: &Ray) -> Option<Self> {
         if bounds.is_empty() {
             return None;
@@ -62,8 +64,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The cells along `axis` that the widened ray intersects within `span`, in the order of the ray; none for an
-    /// empty span.
+    /// The cells along `axis` that the widened ray intersects within `span`, in the order of the ray; none
+    /// for an empty span.
     fn indices(&self, axis: usize, span: Span) -> impl Iterator<Item = u32> + use<> {
         let at = |t: f64| self.origin[axis] + t * self.pruner.direction[axis];
         let (a, b) = (at(span.start), at(span.end));

@@ -25,7 +25,8 @@ impl Branch {
         self.nodes.push(Node::Leaf { first, count });
     }
 
-    /// Appends an inner node. [`Branch::point_to_upper`] sets its upper child, after the nodes of the lower one.
+    /// Appends an inner node. [`Branch::point_to_upper`] sets its upper child, after the nodes of the lower
+    /// one.
     pub(super) fn add_split(&mut self, plane: &Plane) {
         self.nodes.push(Node::Split { axis: plane.axis as u8, position: plane.position, upper: 0 });
     }

@@ -15,8 +15,8 @@ const MAX_REFERENCES: usize = 1 << 31;
 /// The budget of a cell and all cells below it.
 #[derive(Clone, Copy)]
 struct Budget {
-    /// The room for leaves: 1 per reference, and 1 per empty leaf, so that the number of nodes is bounded too.
-    /// Collapsing a subtree frees its room.
+    /// The room for leaves: 1 per reference, and 1 per empty leaf, so that the number of nodes is bounded
+    /// too. Collapsing a subtree frees its room.
     room: usize,
     /// The total room that the halves of cells on trial may take. Collapsing does not return it.
     trials: usize,
@@ -60,19 +60,20 @@ fn slack_for(bounds: &Aabb) -> f64 {
 impl KdTree {
     /// Builds the tree.
     ///
-    /// The surface area heuristic takes time `O(N log N)` for `N` references in the leaves. Large cells are built
-    /// in parallel on the current rayon thread pool; the tree is the same for any number of threads.
+    /// The surface area heuristic takes time `O(N log N)` for `N` references in the leaves. Large cells are
+    /// built in parallel on the current rayon thread pool; the tree is the same for any number of threads.
     ///
-    /// Memory and work are bounded for all options. Over `n` live triangles, the leaves hold at most `b = 8 n`
-    /// references, and never more than `2^31`. There are fewer than `2 b` nodes (one node for an empty scene),
-    /// and the depth is at most [`KdTree::MAX_DEPTH`]. Splits that do not pay ([`KdOptions::lookahead`]), and all
-    /// splits below them, are tried until their halves have held `60 b` references in total.
+    /// Memory and work are bounded for all options. Over `n` live triangles, the leaves hold at most `b = 8
+    /// n` references, and never more than `2^31`. There are fewer than `2 b` nodes (one node for an empty
+    /// scene), and the depth is at most [`KdTree::MAX_DEPTH`]. Splits that do not pay
+    /// ([`KdOptions::lookahead`]), and all splits below them, are tried until their halves have held `60 b`
+    /// references in total.
     ///
     /// Building takes at most `200 n + 240 b + 1024` bytes beside the triangles, on any number of threads: 76
-    /// bytes for each triangle of the split cell and for each of `b`, for a box and its six events; and 52 bytes
-    /// for each of `b`, for a box and two nodes, in vectors that hold up to three times their content while they
-    /// grow. Measured on one thread, closed meshes take 170 to 300 `n` bytes by the surface area heuristic and up
-    /// to 410 `n` by other rules; long triangles take up to 800 `n`.
+    /// bytes for each triangle of the split cell and for each of `b`, for a box and its six events; and 52
+    /// bytes for each of `b`, for a box and two nodes, in vectors that hold up to three times their content
+    /// while they grow. Measured on one thread, closed meshes take 170 to 300 `n` bytes by the surface area
+    /// heuristic and up to 410 `n` by other rules; long triangles take up to 800 `n`.
     ///
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range.
@@ -152,8 +153,8 @@ struct Builder<'a> {
     slack: f64,
 }
 
-/// Cells with at least this many members build their halves in parallel. The tree depends on it: parallel halves
-/// do not pass on the rest of their budgets to each other.
+/// Cells with at least this many members build their halves in parallel. The tree depends on it: parallel
+/// halves do not pass on the rest of their budgets to each other.
 const PARALLEL_MIN: usize = 4096;
 
 impl Builder<'_> {
@@ -192,8 +193,8 @@ impl Builder<'_> {
         Built { left, cost }
     }
 
-    /// Appends the nodes of both halves of a cell, whose own node is the last of `branch`. The upper half also gets
-    /// the rest of the lower half's budget.
+    /// Appends the nodes of both halves of a cell, whose own node is the last of `branch`. The upper half
+    /// also gets the rest of the lower half's budget.
     fn build_sequentially(
         &self,
         [lower, mut upper]: [Cell; 2],
@@ -261,9 +262,9 @@ impl Builder<'_> {
         [child(halves[0], lower, lower_events, budgets[0]), child(halves[1], upper, upper_events, budgets[1])]
     }
 
-    /// The members of each half, at most as many as the split counts: first the members on its side of the plane,
-    /// then, from the returned indices on, the parts of those that straddle it. Stores in `moves` where each member
-    /// went.
+    /// The members of each half, at most as many as the split counts: first the members on its side of the
+    /// plane, then, from the returned indices on, the parts of those that straddle it. Stores in `moves`
+    /// where each member went.
     fn distribute(
         &self,
         cell: &Cell,

@@ -1,7 +1,7 @@
 //! The expected cost of a ray that intersects a cell.
 //!
-//! The probability that it intersects a part of the cell is the ratio of their surface areas (Goldsmith and Salmon,
-//! 1987).
+//! The probability that it intersects a part of the cell is the ratio of their surface areas (Goldsmith and
+//! Salmon, 1987).
 
 use super::plane::Split;
 use crate::Aabb;

@@ -1,7 +1,8 @@
 //! Sorted events: the positions along each axis at which the boxes of a cell's members start and end.
 //!
-//! Events are sorted once for the whole scene and stay sorted when cells are split, so that all sweeps together take
-//! `O(N log N)` (Wald and Havran, "On building fast kd-trees for ray tracing", 2006, section 4.3).
+//! Events are sorted once for the whole scene and stay sorted when cells are split, so that all sweeps
+//! together take `O(N log N)` (Wald and Havran, "On building fast kd-trees for ray tracing", 2006, section
+//! 4.3).
 
 use super::member::Member;
 use super::plane::Place;
@@ -113,8 +114,9 @@ impl Events {
         &self.all[start..self.ends[axis]]
     }
 
-    /// The events of both halves. Events of members that go to one side keep their order; the events of the parts of
-    /// straddling members, which are the members from the indices `parts` on, are sorted and merged into them.
+    /// The events of both halves. Events of members that go to one side keep their order; the events of the
+    /// parts of straddling members, which are the members from the indices `parts` on, are sorted and merged
+    /// into them.
     pub(super) fn divide(&self, moves: &[Move], members: [&[Member]; 2], parts: [usize; 2]) -> [Self; 2] {
         // One more than the largest number of events, as `distribute` requires.
         let mut sides = members.map(|m| Self { all: Vec::with_capacity(6 * m.len() + 1), ends: [0; 3] });
@@ -137,10 +139,11 @@ impl Events {
     }
 }
 
-/// Appends `events` to the lists of their sides, which get `counts` members; drops those of straddling members.
+/// Appends `events` to the lists of their sides, which get `counts` members; drops those of straddling
+/// members.
 ///
-/// The side of an event is unpredictable, so the loop has no branch: it writes every event at the end of both lists,
-/// and advances the end of its own.
+/// The side of an event is unpredictable, so the loop has no branch: it writes every event at the end of both
+/// lists, and advances the end of its own.
 fn distribute(events: &[Event], moves: &[Move], lists: [&mut Vec<Event>; 2], counts: [usize; 2]) {
     let [lower, upper] = lists;
     let mut ends = [lower.len(), upper.len()];

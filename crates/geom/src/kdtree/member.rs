@@ -1,9 +1,9 @@
 //! Split clipping: the part of a triangle within a cell ("perfect splits").
 //!
-//! A triangle's box may overlap a cell that the triangle misses, and is usually larger than the part of the triangle
-//! within the cell. Clipping the triangle to the cell saves references and gives better planes (Havran and Bittner,
-//! "On improving kd-trees for ray shooting", 2002). The traversal of the k-d tree does not depend on it, since whole
-//! triangles are tested; the boxes of the wide tree do (docs/numerics.md).
+//! A triangle's box may overlap a cell that the triangle misses, and is usually larger than the part of the
+//! triangle within the cell. Clipping the triangle to the cell saves references and gives better planes
+//! (Havran and Bittner, "On improving kd-trees for ray shooting", 2002). The traversal of the k-d tree does
+//! not depend on it, since whole triangles are tested; the boxes of the wide tree do (docs/numerics.md).
 
 use super::plane::Plane;
 use crate::{Aabb, Triangle, Triangles};
@@ -30,8 +30,8 @@ impl Member {
 
     /// The parts in the lower and the upper half of `cell`, split by `plane`; `None` for an empty part.
     ///
-    /// The new bounds are conservative: they contain every point of the triangle in their half. For this, `slack` is
-    /// far above the rounding error of a coordinate in `f64`.
+    /// The new bounds are conservative: they contain every point of the triangle in their half. For this,
+    /// `slack` is far above the rounding error of a coordinate in `f64`.
     pub(super) fn halves(
         &self,
         cell: &Aabb,

@@ -1,5 +1,5 @@
-//! A k-d tree over triangles: axis-aligned planes split cells, and leaves reference the triangles that overlap
-//! them.
+//! A k-d tree over triangles: axis-aligned planes split cells, and leaves reference the triangles that
+//! overlap them.
 
 mod branch;
 mod build;

@@ -4,10 +4,10 @@ use crate::GeomError;
 
 /// The choice of the split plane of a [`KdTree`] cell.
 ///
-/// Leaf criteria, limits, clipping and layout are the same for all rules. The first six are those of the ANN library
-/// for points (Arya and Mount, 1998). Here a *point* is the center of the bounds of a triangle's part in the cell;
-/// both halves reference a triangle that straddles the plane. If the plane of a rule does not lie strictly inside the
-/// cell, the cell is split in the middle of its longest side.
+/// Leaf criteria, limits, clipping and layout are the same for all rules. The first six are those of the ANN
+/// library for points (Arya and Mount, 1998). Here a *point* is the center of the bounds of a triangle's part
+/// in the cell; both halves reference a triangle that straddles the plane. If the plane of a rule does not
+/// lie strictly inside the cell, the cell is split in the middle of its longest side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SplitRule {
@@ -17,18 +17,18 @@ pub enum SplitRule {
     MedianOfSpread,
     /// In the middle of the longest side; of equal sides, that of the largest spread of the points.
     Midpoint,
-    /// [`Midpoint`](SplitRule::Midpoint), but a plane with all triangles on one side slides to the nearest of their
-    /// bounds, so that the empty half is as large as possible.
+    /// [`Midpoint`](SplitRule::Midpoint), but a plane with all triangles on one side slides to the nearest of
+    /// their bounds, so that the empty half is as large as possible.
     SlidingMidpoint,
-    /// As near to the median point as the bound [`KdOptions::max_aspect`] on the aspect ratio of both halves allows,
-    /// along the axis of the largest spread of the points, of those axes on which a split in the middle keeps the
-    /// bound.
+    /// As near to the median point as the bound [`KdOptions::max_aspect`] on the aspect ratio of both halves
+    /// allows, along the axis of the largest spread of the points, of those axes on which a split in the
+    /// middle keeps the bound.
     Fair,
     /// [`Fair`](SplitRule::Fair), but a plane with all triangles on one side slides as in
     /// [`SlidingMidpoint`](SplitRule::SlidingMidpoint), regardless of the aspect ratio.
     SlidingFair,
-    /// Surface area heuristic: the least expected cost of a ray over all planes at the faces of triangles' bounds
-    /// (MacDonald and Booth, 1990; Wald and Havran, 2006).
+    /// Surface area heuristic: the least expected cost of a ray over all planes at the faces of triangles'
+    /// bounds (MacDonald and Booth, 1990; Wald and Havran, 2006).
     #[default]
     SurfaceArea,
 }
@@ -63,12 +63,13 @@ pub struct KdOptions {
     pub max_depth: u32,
     /// A cell with at most this many triangles becomes a leaf.
     pub leaf_size: u32,
-    /// The number of consecutive planes that are tried although they do not pay. A plane pays if it lowers the
-    /// expected cost of a ray. If the finished subtree is not cheaper than a leaf, it is replaced by the leaf.
+    /// The number of consecutive planes that are tried although they do not pay. A plane pays if it lowers
+    /// the expected cost of a ray. If the finished subtree is not cheaper than a leaf, it is replaced by the
+    /// leaf.
     ///
-    /// Any value is valid, since the number of trials is bounded ([`KdTree::build`]). The surface area heuristic does
-    /// not gain from it; the other rules gain much in scenes aligned with their planes (docs/accelerators.md). On
-    /// curved meshes, 3 lowers the expected cost by at most 1 % more than 1.
+    /// Any value is valid, since the number of trials is bounded ([`KdTree::build`]). The surface area
+    /// heuristic does not gain from it; the other rules gain much in scenes aligned with their planes
+    /// (docs/accelerators.md). On curved meshes, 3 lowers the expected cost by at most 1 % more than 1.
     pub lookahead: u32,
     /// The cost of visiting an inner node, in units of one triangle test; finite and `>= 0`. The default is
     /// measured (docs/accelerators.md).

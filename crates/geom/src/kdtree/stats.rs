@@ -3,9 +3,9 @@ use crate::Aabb;
 
 /// Statistics of a [`KdTree`], and the expected cost of a ray.
 ///
-/// *Expected* numbers are for a uniformly random line through the tree's bounds that hits nothing. It intersects a
-/// cell with a probability that is the ratio of the surface areas of the cell and of the bounds (Goldsmith and
-/// Salmon, 1987).
+/// *Expected* numbers are for a uniformly random line through the tree's bounds that hits nothing. It
+/// intersects a cell with a probability that is the ratio of the surface areas of the cell and of the bounds
+/// (Goldsmith and Salmon, 1987).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct KdStats {
@@ -23,8 +23,8 @@ pub struct KdStats {
     pub references_per_triangle: f64,
     /// The fraction of the bounds' volume in empty leaves, in `[0, 1]`; 0 for a flat scene.
     pub empty_volume: f64,
-    /// The median ratio of the longest to the shortest side over all leaves with triangles: infinite if most are
-    /// flat, 0 if there is no such leaf.
+    /// The median ratio of the longest to the shortest side over all leaves with triangles: infinite if most
+    /// are flat, 0 if there is no such leaf.
     pub aspect: f64,
     /// The expected number of inner nodes visited.
     pub expected_visits: f64,
@@ -35,8 +35,8 @@ pub struct KdStats {
 }
 
 impl KdStats {
-    /// The expected cost of a ray, which the surface area heuristic minimizes. It and `traversal_cost`, the cost
-    /// of visiting an inner node, are in units of one triangle test.
+    /// The expected cost of a ray, which the surface area heuristic minimizes. It and `traversal_cost`, the
+    /// cost of visiting an inner node, are in units of one triangle test.
     pub fn expected_cost(&self, traversal_cost: f64) -> f64 {
         traversal_cost * self.expected_visits + self.expected_tests
     }

@@ -1,14 +1,15 @@
 //! The surface area heuristic: split a cell where the expected cost of a ray is least.
 //!
-//! The cost is piecewise linear in the plane's position between the faces of triangles' boxes, so a sweep over the
-//! faces finds the minimum (Wald and Havran, "On building fast kd-trees for ray tracing", 2006).
+//! The cost is piecewise linear in the plane's position between the faces of triangles' boxes, so a sweep
+//! over the faces finds the minimum (Wald and Havran, "On building fast kd-trees for ray tracing", 2006).
 
 use super::cost::{AxisCosts, CostModel};
 use super::events::{Event, Events};
 use super::plane::{Plane, Side, Split};
 use crate::Aabb;
 
-/// The cheapest split of `cell`, which has `count` members; `None` if no face of a box is strictly inside the cell.
+/// The cheapest split of `cell`, which has `count` members; `None` if no face of a box is strictly inside the
+/// cell.
 pub(super) fn cheapest_split(cell: &Aabb, count: usize, events: &Events, costs: &CostModel) -> Option<Split> {
     let mut cheapest = None;
     let mut least = f64::INFINITY;
