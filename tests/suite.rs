@@ -1,4 +1,4 @@
-//! Tests of the crates together. `cargo test --test suite NAME::` runs those of one file.
+//! Tests of the crates together. `cargo test -p globillum-tests --test suite NAME::` runs those of one file.
 #![allow(clippy::unwrap_used, reason = "a panic is the message of a test")]
 
 mod api;

@@ -1,4 +1,4 @@
-//! Building: a [binary tree](binary) split by the [surface area heuristic](sah) is [collapsed](collapse) where
+//! Building: a [binary tree](kd_to_bvh) split by the [surface area heuristic](sah) is [collapsed](collapse) where
 //! the [costs of lanes](collapse_cost) are least.
 
 mod collapse;

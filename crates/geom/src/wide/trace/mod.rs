@@ -2,7 +2,7 @@
 //! a [`packet`], and all other rays as a [`stream`].
 //!
 //! The packet and the stream share what lies below both: the [conservative triangle test](prefilter)'s
-//! types and the [exact decision](exact).
+//! types and the [exact decision](deferred_decision).
 
 mod deferred_decision;
 mod leaf_test;

@@ -1,7 +1,7 @@
 //! Packet traversal: 64 coherent rays from a common origin, such as a pinhole camera's, are traversed together.
 //!
 //! What follows from the origin alone is computed once. A ray is then two numbers, its slopes' deviation from
-//! those of a [middle ray](setup). A box becomes [bounds of these slopes](slope_bounds), the [edge
+//! those of a [middle ray](setup). A box becomes [bounds of these slopes](child_slope_bounds), the [edge
 //! functions](edge_functions) of a triangle are linear in them, and depth is measured along the main axis.
 
 mod child_slope_bounds;
