@@ -1,7 +1,7 @@
 //! What other programs can name, crate by crate, beside a listing of it that is kept in
 //! `tests/public_api/`, so that no change of it goes unnoticed.
 //!
-//! `GLOBILLUM_BLESS=1 cargo test --test public_api` writes the listings anew. They are made from the
+//! `GLOBILLUM_BLESS=1 cargo test -p globillum-tests --test suite public_api::` writes the listings anew. They are made from the
 //! sources by a parser: what macros write is not seen, nor traits that types of other crates are
 //! given, and items of all features are listed.
 

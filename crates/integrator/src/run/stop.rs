@@ -13,7 +13,7 @@ use crate::{Film, RenderError};
 /// use globillum_integrator::Stop;
 ///
 /// let mut stop = Stop::default(); // not before all samples are taken
-/// stop.relative_rmse = Some(0.01); // at an error of one percent,
+/// stop.relative_rmse = Some(0.01); // when the error is at most one percent with 97.5 % confidence,
 /// stop.seconds = Some(60.0); // but after a minute at the latest
 /// stop.validate()?;
 /// # Ok::<(), globillum_integrator::RenderError>(())
