@@ -1,4 +1,4 @@
-use crate::accel::{accel_by_query, traverse_by_query};
+use crate::by_query::{accel_by_query, traverse_by_query};
 use crate::decide::Shear;
 use crate::query::{Query, offer_all};
 use crate::{Accel, Probe, Ray, Traverse, Triangles};

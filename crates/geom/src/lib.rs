@@ -27,6 +27,7 @@
 mod aabb;
 mod accel;
 mod brute;
+mod by_query;
 #[cfg(feature = "conformance")]
 pub mod conformance;
 #[allow(unsafe_code)]

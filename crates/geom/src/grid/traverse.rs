@@ -1,7 +1,7 @@
 use super::mailbox::Mailbox;
 use super::uniform::UniformGrid;
 use super::walk::Walk;
-use crate::accel::traverse_by_query;
+use crate::by_query::traverse_by_query;
 use crate::decide::Shear;
 use crate::query::{Query, offer_all};
 use crate::{Probe, Ray, Traverse};

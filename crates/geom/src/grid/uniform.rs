@@ -1,5 +1,5 @@
 use super::lattice::Lattice;
-use crate::accel::accel_by_query;
+use crate::by_query::accel_by_query;
 use crate::{Accel, Traverse, Triangles};
 
 /// A uniform grid: fast to build; suits triangles of similar size that are evenly distributed.

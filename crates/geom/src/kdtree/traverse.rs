@@ -1,5 +1,5 @@
 use super::tree::{KdTree, Node};
-use crate::accel::traverse_by_query;
+use crate::by_query::traverse_by_query;
 use crate::decide::Shear;
 use crate::prune::{Pruner, Span};
 use crate::query::{Query, offer_all};

@@ -1,4 +1,4 @@
-use crate::accel::accel_by_query;
+use crate::by_query::accel_by_query;
 use crate::{Accel, Traverse, Triangles};
 
 /// A k-d tree, built by one of the [`SplitRule`](crate::SplitRule)s.
