@@ -8,12 +8,12 @@
 //!
 //! # What an accelerator does
 //!
-//! [`Accel`] states what the answers are. This is how to give them:
+//! [`Accel`](crate::Accel) states what the answers are. This is how to give them:
 //!
 //! - **Decide** each candidate by [`Shear::decide`](crate::decide::Shear::decide) and by nothing else: its `t`,
 //!   `u` and `v` are the answer, to the bit. [`Shear::new`](crate::decide::Shear::new) returns `None` for a ray
 //!   that hits nothing, whatever the scene.
-//! - **Offer** only triangles that are [`live`](Triangles::live). A hit counts if `t_min < t < t_max`; the one of
+//! - **Offer** only triangles that are [`live`](crate::Triangles::live). A hit counts if `t_min < t < t_max`; the one of
 //!   smallest `t` wins, of equals the one of smallest index. So what begins at the best `t` so far is still
 //!   visited, and only what begins beyond it is not.
 //! - **Prune** with boxes, slabs or cells that are widened by [`Ray::pruning_slack`](crate::Ray::pruning_slack),
