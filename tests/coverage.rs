@@ -74,7 +74,7 @@ fn slivers(covered: f64) -> (Model, Camera) {
     (model, look(p(0.0, 0.0, 1.0), DVec3::ZERO, 2.0 * 1.0_f64.atan()))
 }
 
-/// Pictures of so many passes each, of other passes.
+/// Pictures of equally many passes, no pass in two of them.
 fn pictures((model, camera): &(Model, Camera), settings: &Settings, passes: u32, count: u32) -> Vec<Picture> {
     let scene = scenes::scene(model, STRUCTURES[0].1);
     let of = |i| Render::new(&scene, camera, settings).passes(i * passes..(i + 1) * passes).run(&());

@@ -92,7 +92,7 @@ mod tests {
 
     type Half = (Vec<Moments>, Tally);
 
-    /// A row of four pixels of so many observations, with these sums of squared deviations.
+    /// A row of four pixels with `observations` observations each and these sums of squared deviations.
     fn half(observations: u64, spreads: [f64; 4]) -> Half {
         let pixels = spreads.map(|spread| Moments { sum: Rgb::WHITE, spread: Rgb::splat(spread) });
         (pixels.to_vec(), Tally { samples: observations, observations })

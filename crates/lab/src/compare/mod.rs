@@ -34,7 +34,7 @@ pub struct Options {
     /// Camera rays are those of a square picture with so many pixels on each side
     #[arg(long, default_value_t = 192, value_parser = clap::value_parser!(u32).range(1..=4096))]
     side: u32,
-    /// The camera stands so many times as far away, and sees as much of the mesh
+    /// Factor on the camera distance; the field of view narrows, so the mesh fills the picture as before
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = farther)]
     farther: f64,
     /// How often each thing is timed; the median counts

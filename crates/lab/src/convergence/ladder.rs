@@ -97,7 +97,7 @@ impl Ladder {
     }
 }
 
-/// How often a picture is timed that takes so many seconds: a disturbance weighs more in a short time.
+/// How often a picture that takes `seconds` is timed: a disturbance weighs more in a short time.
 fn runs(seconds: f64) -> usize {
     ((ENOUGH / seconds).ceil() as usize | 1).min(MOST_RUNS)
 }

@@ -97,7 +97,8 @@ impl Scratch {
     #[cold]
     fn idle() -> Box<Self> {
         let traversals: Vec<Traversal> = (0..PACKET).map(|_| Traversal::idle()).collect();
-        // Through a vector, since an array of half a megabyte would be made on the stack.
+        // A vector, since an array of half a megabyte would be built on the stack. The conversion cannot fail:
+        // the vector has PACKET elements by construction.
         let traversals = traversals.into_boxed_slice().try_into().expect("as many as were made");
         Box::new(Self { traversals, packet: Packet::idle(), starts: Vec::new() })
     }
