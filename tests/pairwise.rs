@@ -41,16 +41,16 @@ fn estimators_agree_in_pairs() {
     let box_floor = stare(DVec3::new(0.4, 0.45, 0.4), DVec3::new(0.3, 0.0, 0.6));
     let mut settings = independent_pixels(64, 64, 64);
     let cases = [
-        ("furnace of five bounces", scenes::furnace(0.5, 1.0, DVec3::ZERO), furnace, Some(5), 3, 64),
+        ("furnace of five bounces", scenes::furnace(0.5, 1.0, DVec3::ZERO), furnace, Some(5), 3, 32),
         (
             "furnace, roulette from the first bounce",
             scenes::furnace(0.5, 1.0, DVec3::ZERO),
             furnace,
             None,
             0,
-            64,
+            32,
         ),
-        ("square light above a floor", scenes::light_over_floor(), floor, Some(1), 3, 64),
+        ("square light above a floor", scenes::light_over_floor(), floor, Some(1), 3, 32),
         (
             "square light beside the point",
             scenes::rectangle_over_floor([0.0, 1.0], [0.0, 1.0], 1.0),
@@ -59,8 +59,8 @@ fn estimators_agree_in_pairs() {
             3,
             192,
         ),
-        ("kaleidoscope of mirrors", scenes::kaleidoscope(0.5, 0.8), box_floor, None, 64, 64),
-        ("light beside a mirror", scenes::light_beside_mirror(), floor, Some(2), 3, 64),
+        ("kaleidoscope of mirrors", scenes::kaleidoscope(0.5, 0.8), box_floor, None, 24, 32),
+        ("light beside a mirror", scenes::light_beside_mirror(), floor, Some(2), 3, 32),
         ("half-hidden light", scenes::light_half_hidden(), floor, Some(1), 3, 128),
     ];
     for (turn, (what, model, camera, max_bounces, roulette, samples)) in cases.into_iter().enumerate() {

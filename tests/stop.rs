@@ -130,12 +130,12 @@ fn two_stages_render_what_the_pilot_asks_for() {
 
 /// The mean radiance over many seeds of a picture of one pixel that stops at an error, and its
 /// standard error.
-fn mean_of_stopped(pilot: Option<u32>) -> (f64, f64) {
+fn mean_of_stopped(pilot: Option<u32>, seeds: u64) -> (f64, f64) {
     let (scene, camera) = light_over_floor();
     let mut settings = Settings::new(1, 1, 1 << 12);
     (settings.pass_samples, settings.estimator, settings.threads) = (1, Estimator::Bsdf, 1);
     let stop = stop(|s| (s.pixels, s.pilot) = (Some(PixelGoal { error: 0.2, share: 1.0 }), pilot));
-    let means = (0..20_000).map(|seed| {
+    let means = (0..seeds).map(|seed| {
         settings.seed = seed;
         let render = Render::new(&scene, &camera, &settings).until(stop);
         render.run(&()).expect("the scene is good").film.mean(0, 0).g
@@ -149,9 +149,9 @@ fn mean_of_stopped(pilot: Option<u32>) -> (f64, f64) {
 /// A single pixel that looks at its error after each pass is biased plainly; one with a pilot is not.
 #[test]
 fn two_stages_have_no_stopping_bias() {
-    let (mean, std_err) = mean_of_stopped(None);
+    let (mean, std_err) = mean_of_stopped(None, 5_000);
     assert!((mean - TRUTH).abs() > 20.0 * std_err, "{mean} +- {std_err} is not biased: why two stages?");
-    let (mean, std_err) = mean_of_stopped(Some(8));
+    let (mean, std_err) = mean_of_stopped(Some(8), 20_000);
     assert!((mean - TRUTH).abs() < 5.85 * std_err, "{mean} +- {std_err}");
     assert!(5.85 * std_err < 0.01 * TRUTH, "{mean} +- {std_err}");
 }

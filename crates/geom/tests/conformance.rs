@@ -9,6 +9,7 @@ use globillum_geom::conformance::{Regime, Seeded, Source, Suite, Tally, Target, 
 use globillum_geom::{Accel, BruteForce, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
 use globillum_testkit::accelerators;
 use proptest::prelude::*;
+use rayon::prelude::*;
 
 fn effort() -> u64 {
     std::env::var("GLOBILLUM_EFFORT").ok().and_then(|e| e.parse().ok()).unwrap_or(1)
@@ -76,7 +77,8 @@ fn every_family_hits_and_misses() {
 /// Every comparison includes that `occluded` is `intersect().is_some()`.
 #[test]
 fn random_scenes_of_six_families() {
-    for (accelerator, build) in accelerators::all() {
+    let accelerators: Vec<_> = accelerators::all().collect();
+    accelerators.into_par_iter().for_each(|(accelerator, build)| {
         let suite = Suite { rays: 400_000 * effort(), seed: 1 };
         match suite.check(build) {
             Ok(tally) => {
@@ -86,7 +88,7 @@ fn random_scenes_of_six_families() {
             }
             Err(violation) => panic!("{accelerator}: {violation}"),
         }
-    }
+    });
 }
 
 proptest! {
