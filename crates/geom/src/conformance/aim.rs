@@ -1,10 +1,10 @@
-//! Rays where rounding matters: at edges and vertices, along axes and within planes.
+//! Rays that are sensitive to rounding: at edges and vertices, along axes, and within planes.
 
 use super::source::Source;
 use crate::{Ray, Triangle};
 use glam::DVec3;
 
-/// A point exactly on a vertex, as nearly as `f64` allows on an edge, or inside.
+/// A point exactly on a vertex, on an edge up to rounding, or inside.
 pub(super) fn point_of(triangle: &Triangle, source: &mut impl Source) -> DVec3 {
     let v = triangle.vertices.map(|v| v.as_dvec3());
     let first = source.below(3);
@@ -17,8 +17,8 @@ pub(super) fn point_of(triangle: &Triangle, source: &mut impl Source) -> DVec3 {
     }
 }
 
-/// A ray at a point of one of `triangles`, from a point of another, from `elsewhere`, or along an
-/// axis, over all or a part of its length.
+/// A ray at a point of one of `triangles`. It starts at a point of a triangle, at `elsewhere`, or where it is
+/// parallel to an axis or a coordinate plane. Its range is unlimited or ends near the point.
 pub(super) fn ray_at(triangles: &[Triangle], elsewhere: DVec3, source: &mut impl Source) -> Ray {
     if triangles.is_empty() {
         return Ray::new(elsewhere, DVec3::new(source.signed(), source.signed(), source.signed()));
@@ -33,7 +33,7 @@ pub(super) fn ray_at(triangles: &[Triangle], elsewhere: DVec3, source: &mut impl
     with_some_range(Ray::new(origin, direction), source)
 }
 
-/// `target` moved along one or two axes only, so that the ray back is parallel to the rest.
+/// `target` moved toward `elsewhere` along one or two axes only.
 fn snapped(target: DVec3, elsewhere: DVec3, source: &mut impl Source) -> DVec3 {
     let mut origin = target;
     let axis = source.below(3);
@@ -49,7 +49,7 @@ fn with_signed_zeros(direction: DVec3, source: &mut impl Source) -> DVec3 {
     direction.map(|x| if x == 0.0 && source.one_in(2) { -0.0 } else { x })
 }
 
-/// Mostly the whole ray; else a range that ends near the target, at `t = 1`.
+/// Mostly the whole ray; otherwise a range with an end at or near the target, which is at `t = 1`.
 pub(super) fn with_some_range(ray: Ray, source: &mut impl Source) -> Ray {
     let near_one = [1.0, 1.0_f64.next_up(), 1.0_f64.next_down(), 0.5, 2.0];
     match source.below(8) {

@@ -1,4 +1,4 @@
-//! Hard cases by name, as docs/testing.md lists them.
+//! Named hard cases, listed in docs/testing.md.
 
 use super::aim::ray_at;
 use super::compare::{Tally, Violation, compare};
@@ -9,24 +9,24 @@ use crate::{Accel, GeomError, Ray, Triangle, Triangles};
 use glam::{DVec3, Vec3};
 use std::f64;
 
-/// A scene, rays at it, and what is known beforehand about their hits.
+/// A scene, rays, and what is known in advance about their hits.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Case {
-    /// Its number and what it is about.
+    /// The name of the case.
     pub name: &'static str,
     /// The scene.
     pub triangles: Vec<Triangle>,
-    /// The rays, each with what is known of it.
+    /// The rays, each with what is known about its hits.
     pub rays: Vec<(Ray, Known)>,
 }
 
-/// What is known of a ray's hits, beside that they equal the oracle's.
+/// What is known about a ray's hits, in addition to their equality with the oracle's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Known {
-    /// Nothing more.
+    /// Nothing else.
     Whatever,
-    /// It hits nothing.
+    /// The ray hits nothing.
     Miss,
     /// The closest hit has exactly this `t`.
     At(f64),
@@ -43,7 +43,7 @@ impl Case {
         Self { name, triangles, rays: rays.into_iter().collect() }
     }
 
-    /// Checks the accelerator that `build` makes.
+    /// Checks the accelerator that `build` makes of the scene.
     ///
     /// # Errors
     /// The first [`Violation`] found.
@@ -112,7 +112,7 @@ fn p(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// The unit cube: two triangles a face, split along the diagonal from `(0, 0)` to `(1, 1)`.
+/// The unit cube: two triangles per face, split along the diagonal from `(0, 0)` to `(1, 1)`.
 fn cube() -> Vec<Triangle> {
     let face = |at: &dyn Fn(f64, f64) -> DVec3| quad(at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0));
     let mut faces = Vec::new();
@@ -128,13 +128,13 @@ fn at(origin: DVec3, direction: DVec3, t: f64) -> (Ray, Known) {
     (Ray::new(origin, direction), Known::At(t))
 }
 
-/// A ray that meets both triangles of a face on the diagonal they share.
+/// A ray that hits the diagonal shared by both triangles of a face.
 pub fn along_a_face_diagonal() -> Case {
     let ray = Ray::new(p(0.5, 0.5, -1.0), DVec3::Z);
     Case::new("along a face diagonal", cube(), [(ray, Known::All(vec![1.0, 1.0, 2.0, 2.0]))])
 }
 
-/// Zeros of either sign in the direction, origins on the cube's boundary.
+/// Zeros of either sign in the direction, and origins on the cube's boundary.
 pub fn signed_zeros_and_origins_on_the_boundary() -> Case {
     let zeros = [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (-0.0, -0.0)];
     let origins = [p(0.5, 0.5, -1.0), p(0.0, 0.5, -1.0), p(-0.0, 0.5, -1.0), p(0.0, 0.0, -1.0)];
@@ -142,25 +142,25 @@ pub fn signed_zeros_and_origins_on_the_boundary() -> Case {
     Case::new("signed zeros, origins on the boundary", cube(), rays)
 }
 
-/// A ray within the plane of one face meets the next at its edge.
+/// A ray within the plane of one face hits the adjacent face at its edge.
 pub fn within_the_plane_of_a_face() -> Case {
     let rays = [0.0, -0.0].map(|z| at(p(-1.0, 0.3, z), p(1.0, 0.0, z), 1.0));
     Case::new("within the plane of a face", cube(), rays)
 }
 
-/// A ray along an edge meets the vertex where it begins.
+/// A ray along an edge hits the vertex where the edge begins.
 pub fn along_an_edge() -> Case {
     Case::new("along an edge", cube(), [at(p(0.0, 0.0, -1.0), DVec3::Z, 1.0)])
 }
 
-/// A ray through two opposite vertices meets all triangles that share either.
+/// A ray through two opposite vertices hits all triangles that share either.
 pub fn through_opposite_vertices() -> Case {
     let ray = Ray::new(p(-1.0, -1.0, -1.0), DVec3::ONE);
     let all = [[1.0; 6], [2.0; 6]].concat();
     Case::new("through opposite vertices", cube(), [(ray, Known::All(all))])
 }
 
-/// Components that are not zero but might as well be.
+/// Directions with components that are tiny but not zero.
 pub fn directions_close_to_an_axis() -> Case {
     let origins = [p(0.5, 0.5, -1.0), p(0.0, 0.0, -1.0), p(0.25, 0.75, -1.0), p(1.0, 1.0, -1.0)];
     let directions = [p(5e-324, 1e-300, 1.0), p(-5e-324, 0.0, 1.0), p(1e-200, -1e-310, 1.0)];
@@ -168,7 +168,7 @@ pub fn directions_close_to_an_axis() -> Case {
     Case::new("directions close to an axis", cube(), rays)
 }
 
-/// Rays at every vertex, edge middle and border point of 8 x 8 quadrilaterals.
+/// Rays at every vertex, edge midpoint and boundary point of 8 x 8 quadrilaterals.
 pub fn a_lattice_of_shared_vertices() -> Case {
     let whole = || (0..=8).map(f64::from);
     let halves = || (0..8).map(|i| f64::from(i) + 0.5);
@@ -188,7 +188,7 @@ pub fn a_lattice_of_shared_vertices() -> Case {
     Case::new("a lattice of shared vertices", triangles.collect(), rays)
 }
 
-/// Origins exactly on the planes that accelerators like to split at.
+/// Origins exactly on planes through vertices, where accelerators split.
 pub fn origins_on_every_plane_through_a_vertex() -> Case {
     let triangles = shelves();
     let mut source = Seeded::new(8);
@@ -203,7 +203,7 @@ pub fn origins_on_every_plane_through_a_vertex() -> Case {
     Case::new("origins on splitting planes", triangles.clone(), rays.collect::<Vec<_>>())
 }
 
-/// Rays within planes that hold triangles on one side, on the other, on both, and in them.
+/// Rays within planes that have triangles on one side, on the other, on both, and in the plane.
 pub fn rays_within_planes_that_hold_triangles() -> Case {
     let triangles = shelves();
     let mut source = Seeded::new(9);
@@ -223,7 +223,7 @@ pub fn rays_within_planes_that_hold_triangles() -> Case {
     Case::new("rays within planes that hold triangles", triangles, rays.collect::<Vec<_>>())
 }
 
-/// A ray does not meet the triangle it starts on, and does meet the next one.
+/// A ray does not hit the triangle that it starts on; it hits the next one.
 pub fn origins_on_a_triangle() -> Case {
     let level = |z: f64| quad(p(0.0, 0.0, z), p(1.0, 0.0, z), p(1.0, 1.0, z), p(0.0, 1.0, z));
     let starts = [(0.25, 0.5), (0.5, 0.5), (0.0, 0.0), (0.5, 0.0), (1.0, 1.0)];
@@ -235,7 +235,7 @@ pub fn origins_on_a_triangle() -> Case {
     Case::new("origins on a triangle", [level(0.0), level(1.0)].concat(), rays)
 }
 
-/// Origins all around, with bounds that are met at a corner only.
+/// Origins outside, inside and behind the scene, and rays that touch its bounds at a corner only.
 pub fn origins_outside_inside_and_behind() -> Case {
     let corner = |o: DVec3, d: DVec3, known| (Ray::new(o, d), known);
     let rays = [
@@ -244,7 +244,7 @@ pub fn origins_outside_inside_and_behind() -> Case {
         at(p(-1.0, 0.5, 0.25), DVec3::X, 1.0),
         corner(p(2.0, 0.5, 0.5), DVec3::X, Known::Miss),
         corner(p(2.0, 2.0, 2.0), DVec3::ONE, Known::Miss),
-        // Past the corner (1, 1, 0), through it, and short of it.
+        // Outside the corner (1, 1, 0), through it, and inside.
         corner(p(0.5, 1.5, -0.5), p(1.0, -1.0, 1.0), Known::At(0.5)),
         corner(p(2.0, 0.0, 0.0), p(-1.0, 1.0, 0.0), Known::At(1.0)),
         corner(p(2.0 + 1e-9, 0.0, 0.5), p(-1.0, 1.0, 0.0), Known::Miss),
@@ -252,7 +252,7 @@ pub fn origins_outside_inside_and_behind() -> Case {
     Case::new("origins outside, inside and behind", cube(), rays)
 }
 
-/// Directions far from unit length.
+/// Directions whose length is far from 1.
 pub fn directions_of_any_length() -> Case {
     let rays = [-500, -100, -30, 0, 30, 100, 500].map(|k| {
         let d = 2.0_f64.powi(k);
@@ -261,7 +261,7 @@ pub fn directions_of_any_length() -> Case {
     Case::new("directions of any length", cube(), rays)
 }
 
-/// A direction of zero, NaNs and infinities anywhere.
+/// A zero direction, and NaNs and infinities in each component.
 pub fn zero_nan_and_infinite_rays() -> Case {
     let good = Ray::new(p(0.5, 0.25, -1.0), DVec3::Z);
     let mut rays = vec![Ray { direction: DVec3::ZERO, ..good }, Ray { direction: -DVec3::ZERO, ..good }];
@@ -278,7 +278,7 @@ pub fn zero_nan_and_infinite_rays() -> Case {
     Case::new("zero, NaN and infinite rays", cube(), rays)
 }
 
-/// Ranges that hold nothing, and one without end.
+/// Empty ranges, and an unlimited one.
 pub fn empty_ranges() -> Case {
     let ray = Ray::new(p(0.5, 0.25, -1.0), DVec3::Z);
     let inf = f64::INFINITY;
@@ -302,7 +302,7 @@ pub fn ranges_are_open() -> Case {
     Case::new("ranges are open", cube(), rays)
 }
 
-/// Rays at a slope of `10^-k` over a plane a million long.
+/// Rays at a slope of `10^-k` above a plane of length `10^6`.
 pub fn grazing_a_long_plane() -> Case {
     let cells = 16;
     let size = 1e6 / f64::from(cells);
@@ -318,7 +318,7 @@ pub fn grazing_a_long_plane() -> Case {
     Case::new("grazing a long plane", triangles.collect(), rays)
 }
 
-/// Rays at a sphere of unit size from a million million away.
+/// Rays at a unit sphere from a distance of `10^12`.
 pub fn origins_far_away() -> Case {
     let triangles = icosphere(2).triangles();
     let mut source = Seeded::new(20);
@@ -337,14 +337,14 @@ pub fn no_triangles() -> Case {
     Case::new("no triangles", Vec::new(), rays)
 }
 
-/// One triangle twice; the first copy is hit.
+/// One triangle twice: the first copy is hit.
 pub fn duplicate_triangles() -> Case {
     let triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
     let rays = [(0.25, 0.25), (0.0, 0.0), (0.5, 0.5)].map(|(x, y)| at(p(x, y, 1.0), -DVec3::Z, 1.0));
     Case::new("duplicate triangles", vec![triangle; 2], rays)
 }
 
-/// Everything in one plane across `axis`, 0 to 2.
+/// A scene within one plane perpendicular to `axis`, 0 to 2.
 fn flat_scene(name: &'static str, axis: usize) -> Case {
     let mut source = Seeded::new(23);
     let mut flat = || {
@@ -363,22 +363,22 @@ fn flat_scene(name: &'static str, axis: usize) -> Case {
     Case::new(name, triangles, rays)
 }
 
-/// Everything in the plane x = 0.
+/// A scene within the plane x = 0.
 pub fn a_scene_flat_in_x() -> Case {
     flat_scene("a scene flat in x", 0)
 }
 
-/// Everything in the plane y = 0.
+/// A scene within the plane y = 0.
 pub fn a_scene_flat_in_y() -> Case {
     flat_scene("a scene flat in y", 1)
 }
 
-/// Everything in the plane z = 0.
+/// A scene within the plane z = 0.
 pub fn a_scene_flat_in_z() -> Case {
     flat_scene("a scene flat in z", 2)
 }
 
-/// Triangles without area are not there.
+/// Degenerate triangles are never hit.
 pub fn degenerate_triangles() -> Case {
     let (a, b) = (Vec3::new(0.25, 0.25, 0.5), Vec3::new(0.5, 0.25, 0.5));
     let flat = [Triangle::new(a, a, b), Triangle::new(a, b, a), Triangle::new(a, a, a)];
@@ -391,8 +391,7 @@ pub fn degenerate_triangles() -> Case {
     Case::new("degenerate triangles", [&flat[..], &[collinear], &cube()].concat(), rays)
 }
 
-/// Aimed, axis-parallel and random rays at shelves, the same far from the origin, slivers,
-/// and round things.
+/// Aimed, axis-parallel and random rays at shelves, at shelves far from the origin, at slivers and at spheres.
 pub fn aimed_rays_at_aligned_offset_thin_and_round_scenes() -> Case {
     let moved = |t: &Triangle, by: Vec3| Triangle { vertices: t.vertices.map(|v| v + by) };
     let mut triangles = shelves();
@@ -414,7 +413,7 @@ pub fn aimed_rays_at_aligned_offset_thin_and_round_scenes() -> Case {
     Case::new("aligned, offset, thin and round", triangles, rays)
 }
 
-/// Axis-parallel squares on a lattice, as in a cupboard: much of it shares planes.
+/// Axis-parallel squares on a lattice, many of them coplanar.
 fn shelves() -> Vec<Triangle> {
     let mut triangles = Vec::new();
     for i in 0..4 {

@@ -3,19 +3,19 @@ use crate::shapes::Mesh;
 use crate::{Accel, Ray};
 use glam::DVec3;
 
-/// What rays are aimed at.
+/// The features of a mesh that [`leaks`] aims rays at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// Points of edges that two triangles share.
+    /// Points on edges that two triangles share.
     Edges,
     /// Vertices that several triangles share.
     Vertices,
 }
 
-/// Shoots `rays` rays from the core of a closed `mesh` at its edges or vertices, and counts those
-/// that hit nothing: each is a leak. `accel` is to be built of the mesh's triangles.
+/// Casts `rays` rays from the core of a closed `mesh` at its edges or vertices, and returns the number of rays
+/// that hit nothing: each is a leak. `accel` must be built from the mesh's triangles.
 pub fn leaks(accel: &dyn Accel, mesh: &Mesh, target: Target, rays: u64, source: &mut impl Source) -> u64 {
-    // What the accelerator knows are the rounded vertices.
+    // The accelerator holds the vertices rounded to `f32`.
     let corner = |i: usize| mesh.vertices[i].as_vec3().as_dvec3();
     let leaks = (0..rays).filter(|_| {
         let [a, b, _] = source.pick(&mesh.faces).map(corner);
@@ -24,7 +24,7 @@ pub fn leaks(accel: &dyn Accel, mesh: &Mesh, target: Target, rays: u64, source: 
             Target::Edges if source.one_in(2) => (a + b) / 2.0,
             Target::Edges => a + source.unit() * (b - a),
         };
-        // A little aside of the core, so that rays come from everywhere.
+        // Origins spread around the core, so that directions vary.
         let aside = DVec3::new(source.signed(), source.signed(), source.signed());
         let near = mesh.core[source.below(mesh.core.len())];
         let origin = near + aside * (0.1 * mesh.thickness);

@@ -1,48 +1,48 @@
-//! The suite that every accelerator must pass, for those who write their own.
+//! A test suite for implementations of [`Accel`](crate::Accel).
 //!
-//! One call builds the accelerator over many small, nasty scenes and compares each answer, bit
-//! for bit, with an oracle that was written on its own. Random rays at random triangles find nothing: rays
-//! must be aimed at edges and vertices, snapped to axes, laid into planes, and started on surfaces. [`cases`]
-//! holds hard cases by name, [`Regime`] makes scenes and rays at random from six families, [`leaks`] shoots at
-//! the edges and vertices of closed [`shapes`] from within.
+//! [`Suite::check`] builds the accelerator over many small, difficult scenes and compares each answer, bit for
+//! bit, with an independent [`oracle`]. Uniformly random rays and triangles rarely expose errors. The suite's
+//! rays therefore aim at edges and vertices, are parallel to axes, lie within planes of triangles, or start on
+//! surfaces. [`cases`] holds named hard cases. [`Regime`] generates scenes and rays of six families at random.
+//! [`leaks`] casts rays from inside closed [`shapes`] at their edges and vertices.
 //!
-//! # What an accelerator does
+//! # Writing an accelerator
 //!
-//! [`Accel`](crate::Accel) states what the answers are. This is how to give them:
+//! [`Accel`](crate::Accel) states what an accelerator returns. An implementation follows these rules:
 //!
-//! - **Decide** each candidate by [`Shear::decide`](crate::decide::Shear::decide) and by nothing else: its `t`,
-//!   `u` and `v` are the answer, to the bit. [`Shear::new`](crate::decide::Shear::new) returns `None` for a ray
-//!   that hits nothing, whatever the scene.
-//! - **Offer** only triangles that are [`live`](crate::Triangles::live). A hit counts if `t_min < t < t_max`; the one of
-//!   smallest `t` wins, of equals the one of smallest index. So what begins at the best `t` so far is still
-//!   visited, and only what begins beyond it is not.
-//! - **Prune** with boxes, slabs or cells that are widened by [`Ray::pruning_slack`](crate::Ray::pruning_slack),
-//!   given the bounds of all triangles. The computed `t` of a hit names a point within `24 u reach` of the
-//!   triangle, not on it; without slack an accelerator loses hits that brute force finds. The bound needs the
-//!   edge functions of `Shear`, which are never wrong in sign (Kahan's difference of products; Jeannerod, Louvet
-//!   and Muller, "Further analysis of Kahan's algorithm", 2013) after the projection of Woop, Benthin and Wald,
-//!   "Watertight Ray/Triangle Intersection" (JCGT 2(1), 2013); docs/numerics.md of the repository proves it.
-//! - **Mind** direction components that are zero, of either sign: a quotient of two zeros is not a number, and
-//!   no comparison with it may discard anything.
-//! - **Answer** `occluded` as `intersect(ray).is_some()`, and batches as their rays alone; without panicking, and
-//!   without an allocation beyond the output.
+//! - **Decision**: test each candidate triangle with [`Shear::decide`](crate::decide::Shear::decide) only. Its
+//!   `t`, `u` and `v` are the answer, to the bit. [`Shear::new`](crate::decide::Shear::new) returns `None` for
+//!   a ray that cannot hit anything.
+//! - **Candidates**: consider only [`live`](crate::Triangles::live) triangles. A hit counts if
+//!   `t_min < t < t_max`. The hit of smallest `t` wins; the smallest index breaks ties. A node that begins
+//!   exactly at the closest `t` so far is therefore visited; a node that begins beyond it is not.
+//! - **Pruning**: widen boxes, slabs and cells by [`Ray::pruning_slack`](crate::Ray::pruning_slack), given the
+//!   bounds of all triangles. The computed `t` of a hit describes a point within `24 u reach` of the triangle,
+//!   not on it. Without slack an accelerator loses hits that brute force finds. The bound relies on the edge
+//!   functions of `Shear`, whose signs are exact (Kahan's difference of products; Jeannerod, Louvet and Muller,
+//!   "Further analysis of Kahan's algorithm", 2013) after the projection of Woop, Benthin and Wald, "Watertight
+//!   Ray/Triangle Intersection" (JCGT 2(1), 2013). docs/numerics.md of the repository contains the proof.
+//! - **Zeros**: a direction component can be zero, of either sign. The quotient of two zeros is NaN; a comparison
+//!   with NaN must not discard a candidate.
+//! - **Other queries**: `occluded` returns `intersect(ray).is_some()`, and a batch returns the answers of its
+//!   rays one by one. No query panics or allocates beyond its output.
 //!
-//! An accelerator that does this and no more, and the same without slack, which is found out:
+//! The following accelerator follows the rules. Without slack, the suite rejects it:
 //!
 //! ```
 //! use globillum_geom::conformance::{Suite, Violation};
 //! use globillum_geom::decide::Shear;
 //! use globillum_geom::{Aabb, Accel, Hit, Ray, Triangles};
 //!
-//! /// Every triangle in its own box.
+//! /// Tests the bounding box of every triangle.
 //! #[derive(Debug)]
 //! struct Boxes {
 //!     triangles: Triangles,
-//!     /// 1, but to show what becomes of hits without slack.
+//!     /// 1; 0 shows that the suite finds hits that are lost without slack.
 //!     slack: f64,
 //! }
 //!
-//! /// Whether the ray may have a hit in the widened box at `t_end` or before.
+//! /// Whether the ray can have a hit in the widened box at `t_end` or before.
 //! fn admits(ray: &Ray, bounds: &Aabb, slack: f64, t_end: f64) -> bool {
 //!     let (mut start, mut end) = (ray.t_min, t_end);
 //!     for axis in 0..3 {
@@ -75,7 +75,7 @@
 //!             }
 //!             let Some(met) = shear.decide(triangle) else { continue };
 //!             let in_range = ray.t_min < met.t && met.t < ray.t_max;
-//!             // Indices ascend: of equal distances the first stays.
+//!             // Indices ascend: the first of equal distances stays.
 //!             if in_range && best.is_none_or(|hit| met.t < hit.t) {
 //!                 best = Some(Hit { t: met.t, u: met.u, v: met.v, triangle: index });
 //!             }
@@ -104,7 +104,7 @@
 //! ```
 //!
 //! A [`Violation`] names the case, the scene and the ray. Structures that list a triangle in several cells, clip
-//! triangles or walk a grid have more to mind; docs/numerics.md derives it for those of this crate.
+//! triangles or traverse a grid need further care; docs/numerics.md derives it for the structures of this crate.
 
 mod aim;
 pub mod cases;

@@ -1,11 +1,11 @@
-//! Brute force written on its own: what every accelerator must answer.
+//! Brute force, implemented independently: the answers that every accelerator must return.
 //!
-//! It shares no code with the accelerators or with [`decide`](crate::decide): only the formulas,
-//! in the same order of rounding, since the answers must be equal to the bit.
+//! It shares no code with the accelerators or with [`decide`](crate::decide). It evaluates the same formulas in
+//! the same order, since the answers must be equal to the bit.
 
 use crate::{Hit, Ray, Triangle};
 
-/// The closest hit of `ray` among `triangles`, ties to the smallest index.
+/// The closest hit of `ray` among `triangles`; the smallest index breaks ties. `None` if there is none.
 pub fn closest(triangles: &[Triangle], ray: &Ray) -> Option<Hit> {
     let mut all = hits(triangles, ray);
     all.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
@@ -28,12 +28,12 @@ pub fn hits(triangles: &[Triangle], ray: &Ray) -> Vec<Hit> {
     (0..).zip(triangles).filter_map(hit).collect()
 }
 
-/// `t`, `u` and `v` of the line `o + t d` on the triangle, if it meets it.
+/// `t`, `u` and `v` where the line `o + t d` intersects the triangle.
 fn meet(o: [f64; 3], d: [f64; 3], triangle: &Triangle) -> Option<(f64, f64, f64)> {
     if triangle.is_degenerate() {
         return None;
     }
-    // The axis of the largest component, the first of equals.
+    // The axis of the largest component; the first of equal ones.
     let k = (0..3).rev().max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs()))?;
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let tiny = |x: f64| if x.abs() < 2.0_f64.powi(-200) { 0.0 } else { x };

@@ -1,14 +1,14 @@
-/// Where choices come from: a random number generator, a fuzzer's bytes, a shrinking test.
+/// A source of bits: a random number generator, a fuzzer's bytes, or a shrinking property test.
 pub trait Source {
-    /// Sixty-four bits.
+    /// The next 64 bits.
     fn bits(&mut self) -> u64;
 
-    /// A whole number below `n`.
+    /// An integer in `0..n`; 0 if `n` is 0.
     fn below(&mut self, n: usize) -> usize {
         (self.bits() % n.max(1) as u64) as usize
     }
 
-    /// `true` once in `n` times.
+    /// `true` with probability `1 / n`.
     fn one_in(&mut self, n: usize) -> bool {
         self.below(n) == 0
     }
@@ -23,18 +23,21 @@ pub trait Source {
         2.0 * self.unit() - 1.0
     }
 
-    /// One of `choices`, which must not be empty.
+    /// One of `choices`.
+    ///
+    /// # Panics
+    /// If `choices` is empty.
     fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.below(choices.len())]
     }
 }
 
-/// A generator with a seed (SplitMix64).
+/// A seeded generator: SplitMix64 (Steele, Lea and Flood 2014).
 #[derive(Clone, Debug)]
 pub struct Seeded(u64);
 
 impl Seeded {
-    /// The generator of that seed.
+    /// The generator with the given seed.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
@@ -49,7 +52,7 @@ impl Source for Seeded {
     }
 }
 
-/// Numbers from a list, then zeros: for fuzzers and shrinking tests, whose inputs end.
+/// The numbers of a list, then zeros: for fuzzers and shrinking tests, whose inputs are finite.
 impl Source for std::vec::IntoIter<u64> {
     fn bits(&mut self) -> u64 {
         self.next().unwrap_or(0)

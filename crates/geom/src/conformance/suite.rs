@@ -1,4 +1,4 @@
-//! How much is tried, and in which order.
+//! Which cases and scenes are checked, and in which order.
 
 use super::cases;
 use super::compare::{Tally, Violation};
@@ -6,12 +6,12 @@ use super::regime::Regime;
 use super::source::Seeded;
 use crate::{Accel, GeomError, Triangles};
 
-/// How much is tried, and with which random numbers.
+/// The extent of a check and the seed of its random scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Suite {
-    /// About how many random rays are compared, beside those of the named cases.
+    /// The approximate number of random rays, in addition to those of the named cases.
     pub rays: u64,
-    /// Which random numbers.
+    /// The seed of the random scenes and rays.
     pub seed: u64,
 }
 
@@ -44,7 +44,7 @@ impl Suite {
         Ok(tally)
     }
 
-    /// Checks the named cases alone.
+    /// Checks the named cases only.
     ///
     /// # Errors
     /// The first [`Violation`] found.
@@ -60,8 +60,8 @@ impl Suite {
     }
 }
 
-/// Checks the accelerator that `build` makes with the scene and rays that `bytes` spell: how a
-/// fuzzer's inputs, and the findings among them, are run.
+/// Checks the accelerator that `build` makes with the scene and rays that `bytes` encode. Fuzzers call it, and
+/// tests replay their corpora with it.
 ///
 /// # Errors
 /// The first [`Violation`] found.
