@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub(crate) fn build(triangles: &Triangles) -> Result<Vec<Entry>> {
     let structures = [
         both("k-d tree", || KdTree::build(triangles, &KdOptions::default()))?,
-        both("wide k-d tree", || WideKdTree::build(triangles))?,
+        both("wide tree", || WideKdTree::build(triangles))?,
         both("uniform grid", || UniformGrid::build(triangles, &GridOptions::default()))?,
     ];
     Ok(structures.into_iter().flatten().collect())

@@ -56,8 +56,8 @@ impl Scene {
         for (name, accel) in [
             ("k-d tree", &self.kd as &dyn Accel),
             ("grid", &self.grid),
-            ("wide k-d tree", &self.wide),
-            ("wide k-d tree, built quickly", &self.quick),
+            ("wide tree", &self.wide),
+            ("wide tree, built quickly", &self.quick),
         ] {
             assert_same(name, accel, ray, expected);
         }

@@ -1,11 +1,11 @@
-//! The accelerators that tests run on: a new one is one line here.
+//! The accelerators under test. A new accelerator needs one line here.
 
 use globillum_geom::{
     Accel, BruteForce, Counts, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel, SplitRule,
     Traverse, Triangles, UniformGrid, WideKdTree,
 };
 
-/// An accelerator whose searches can be counted.
+/// An accelerator whose traversal steps can be counted.
 pub trait Measurable: Accel {
     /// [`Counts::closest`].
     fn count_closest(&self, ray: &Ray) -> (Option<Hit>, Counts);
@@ -22,41 +22,41 @@ impl<A: Traverse> Measurable for A {
     }
 }
 
-/// What a builder returns.
+/// The result of a [`Builder`].
 pub type Built = Result<Box<dyn Measurable>, GeomError>;
 
 /// Builds an accelerator.
 pub type Builder = fn(&Triangles) -> Built;
 
-/// Every accelerator by name; brute force, which is slow, comes first.
+/// Every accelerator by name; the slow brute force comes first.
 pub const ACCELERATORS: [(&str, Builder); 4] = [
     ("brute force", |t| Ok(Box::new(BruteForce::build(t)))),
     ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
     ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
-    ("wide k-d tree", |t| wide(t, SimdLevel::best())),
+    ("wide tree", |t| wide(t, SimdLevel::best())),
 ];
 
-/// Those among them that pictures are made with.
+/// The accelerators that tests render with.
 pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[3], ACCELERATORS[2]];
 
-/// The wide tree with lesser instructions than the machine's best.
+/// The wide tree at lower instruction levels than the machine's best.
 pub const LESSER_LEVELS: [(&str, Builder); 2] = [
-    ("wide k-d tree, AVX2", |t| wide(t, SimdLevel::Avx2)),
-    ("wide k-d tree, portable", |t| wide(t, SimdLevel::Portable)),
+    ("wide tree, AVX2", |t| wide(t, SimdLevel::Avx2)),
+    ("wide tree, portable", |t| wide(t, SimdLevel::Portable)),
 ];
 
-/// The wide tree with planes down to small cells, where small scenes have planes at all; in the
-/// second most of them do not pay, and are taken out again.
+/// The wide tree with split planes down to small cells, so that small scenes have planes. In the second, the
+/// builder removes most planes again because they do not pay.
 pub const SMALL_CELLS: [(&str, Builder); 2] = [
-    ("wide k-d tree, small cells", |t| small_cells(t, SplitRule::SurfaceArea, 1.0)),
-    ("wide k-d tree, small cells, midpoint", |t| small_cells(t, SplitRule::Midpoint, 8.0)),
+    ("wide tree, small cells", |t| small_cells(t, SplitRule::SurfaceArea, 1.0)),
+    ("wide tree, small cells, midpoint", |t| small_cells(t, SplitRule::Midpoint, 8.0)),
 ];
 
 fn wide(triangles: &Triangles, level: SimdLevel) -> Built {
     Ok(Box::new(WideKdTree::build(triangles)?.with_level(level)))
 }
 
-/// The k-d tree by every rule, all else being equal: [`rule_options`].
+/// The k-d tree by every split rule, with [`rule_options`].
 pub const RULES: [(&str, Builder); 7] = [
     ("k-d tree, median of side", |t| by_rule(t, SplitRule::MedianOfSide)),
     ("k-d tree, median of spread", |t| by_rule(t, SplitRule::MedianOfSpread)),
@@ -67,13 +67,13 @@ pub const RULES: [(&str, Builder); 7] = [
     ("k-d tree, surface area", |t| by_rule(t, SplitRule::SurfaceArea)),
 ];
 
-/// All of these.
+/// All accelerators and variants.
 pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
     ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(SMALL_CELLS).chain(RULES)
 }
 
-/// How rules are compared: with a plane of lookahead, without which the simple ones give up where
-/// a plane happens to cut through everything.
+/// The options for comparing split rules: one plane of lookahead. Without it the simple rules stop where one
+/// plane cuts through all triangles.
 pub fn rule_options(rule: SplitRule) -> KdOptions {
     let mut options = KdOptions::by_rule(rule);
     options.lookahead = 1;

@@ -1,5 +1,5 @@
-//! Rays aimed at triangles, at slivers and at the edges and vertices of a closed mesh; each by
-//! its index, the same every time.
+//! Rays aimed at triangles, at slivers, and at the edges and vertices of a closed mesh. An index determines each
+//! ray.
 
 use crate::precision::Precision;
 use crate::shapes::icosphere;
@@ -11,13 +11,13 @@ use globillum_integrator::Stream;
 /// A ray and the triangle it is aimed at.
 #[derive(Clone, Copy, Debug)]
 pub struct Aimed {
-    /// The ray; at `t = 1` it is where it aims.
+    /// The ray; the aimed-at point is at `t = 1`.
     pub ray: Ray,
     /// The triangle.
     pub triangle: Triangle,
 }
 
-/// Which stream of random numbers a family of cases takes.
+/// The stream of random numbers of each family of cases.
 #[derive(Clone, Copy)]
 enum Family {
     Ordinary,
@@ -32,9 +32,9 @@ impl Family {
 }
 
 /// A triangle with corners anywhere in the cube of half side one, and a ray from the cube of half
-/// side two toward a point of it. Few such triangles are slim or seen edge-on; some are.
+/// side two toward a point of it. A few such triangles are slim or seen edge-on.
 ///
-/// All numbers are representable in `f32`, so that every intersector is asked the same question.
+/// All numbers are representable in `f32`, so that every intersector gets the same input.
 pub fn ordinary(seed: u64, index: u32) -> Aimed {
     let random = Family::Ordinary.stream(seed, index);
     let triangle = Triangle { vertices: [0, 3, 6].map(|d| in_cube(&random, d).as_vec3()) };
@@ -47,7 +47,7 @@ pub fn ordinary(seed: u64, index: u32) -> Aimed {
 /// toward its centroid.
 ///
 /// The needle's short side lies next to the world's origin, where `f32` numbers are dense enough
-/// to hold it.
+/// to represent it.
 pub fn sliver(width: f64, seed: u64, index: u32) -> Aimed {
     let random = Family::Sliver.stream(seed, index);
     let tip = in_cube(&random, 0).normalize();
@@ -109,7 +109,7 @@ fn choose(random: &Stream, dimension: u32, count: usize) -> usize {
     (random.uniform(dimension) * count as f64) as usize
 }
 
-/// The ray from `origin` that is at `target` when `t = 1`, and goes on.
+/// The ray from `origin` that is at `target` when `t = 1`, without end.
 fn toward(target: DVec3, origin: DVec3) -> Ray {
     Ray::new(origin, target - origin)
 }

@@ -1,4 +1,4 @@
-//! One number for many, so that two answers can be compared at a glance.
+//! Hashes of answers and films.
 
 use globillum_geom::Hit;
 use globillum_integrator::Film;
@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn the_hash_is_that_of_its_authors() {
-        // Sixteen letters of the test suite that its authors publish.
+        // A 16-letter vector of the published test suite.
         let mut hash = Fnv::default();
         for word in [*b"chongo w", *b"as here!"] {
             hash.add(u64::from_le_bytes(word));

@@ -1,4 +1,4 @@
-//! What the project's tests, benches and studies share. Not published.
+//! Shared code of the project's tests, benches and studies. Not published.
 #![allow(clippy::missing_panics_doc, reason = "it is for tests, where a panic is the message")]
 
 pub mod accelerators;

@@ -1,24 +1,24 @@
-//! Meshes to measure accelerators on, each with a view of it.
+//! Meshes for measuring accelerators, each with a camera and a light position.
 
 use crate::shapes::{cuboid, inside_out, quad, statue};
 use glam::DVec3;
 use globillum_geom::conformance::{Seeded, Source};
 use globillum_geom::{GeomError, Triangle, Triangles};
 
-/// A mesh, where it is seen from, and where it is lit from.
+/// A mesh with a camera and a light position.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// The mesh.
     pub triangles: Triangles,
-    /// Where camera rays start.
+    /// The origin of camera rays.
     pub eye: DVec3,
-    /// What lies in the middle of the picture.
+    /// The point in the middle of the picture.
     pub target: DVec3,
-    /// Half the height of what is seen, as a share of its distance.
+    /// Half the height of the field of view, relative to the distance.
     pub half_height: f64,
-    /// Where shadow rays end.
+    /// The end of shadow rays.
     pub light: DVec3,
 }
 
@@ -26,7 +26,7 @@ impl Subject {
     /// A mesh seen from in front of it.
     ///
     /// # Errors
-    /// What [`Triangles::new`] finds.
+    /// Those of [`Triangles::new`].
     pub fn new(name: impl Into<String>, mesh: Vec<Triangle>) -> Result<Self, GeomError> {
         let triangles = Triangles::new(mesh)?;
         let bounds = triangles.bounds();
@@ -43,7 +43,7 @@ impl Subject {
     }
 }
 
-/// The procedural ones: two statues, of about 70,000 and 100,000 triangles; a stadium; a hall.
+/// The procedural meshes: two statues, of about 70,000 and 100,000 triangles; a stadium; a hall.
 ///
 /// # Errors
 /// None: the meshes are good.

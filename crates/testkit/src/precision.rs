@@ -1,4 +1,4 @@
-//! What computing in `f32` or in `f64` does to a number: the unit in which errors are counted.
+//! Rounding to `f32` and `f64`: the units in which errors are counted.
 
 use glam::DVec3;
 use globillum_geom::Ray;
@@ -25,7 +25,7 @@ impl Precision {
         }
     }
 
-    /// The ray as an intersector of this precision gets to see it.
+    /// The ray, rounded to this precision.
     pub fn round(self, ray: &Ray) -> Ray {
         let round = |v: DVec3| match self {
             Self::Single => v.as_vec3().as_dvec3(),

@@ -1,11 +1,11 @@
-//! Queries that accelerators are measured and compared by.
+//! The queries by which accelerators are measured and compared.
 
 use crate::accelerators::Measurable;
 use crate::hash::Fnv;
 use crate::rays::Rays;
 use globillum_geom::{Accel, Counts, Hit, Ray};
 
-/// What rays are asked for.
+/// A kind of query and a kind of ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Query {
     /// The closest hit of camera rays: coherent.
@@ -22,7 +22,7 @@ impl Query {
     /// Every query.
     pub const ALL: [Self; 4] = [Self::ClosestCamera, Self::ClosestBounce, Self::AnyShadow, Self::AnyBounce];
 
-    /// In two words: what is asked, for which rays.
+    /// A short name: the query and the rays.
     pub const fn name(self) -> &'static str {
         match self {
             Self::ClosestCamera => "closest camera",
@@ -32,7 +32,7 @@ impl Query {
         }
     }
 
-    /// The rays that it is asked for.
+    /// The rays of the query.
     pub fn rays(self, rays: &Rays) -> &[Ray] {
         match self {
             Self::ClosestCamera => &rays.camera,
@@ -45,7 +45,7 @@ impl Query {
         matches!(self, Self::AnyShadow | Self::AnyBounce)
     }
 
-    /// What it takes, in all.
+    /// The total traversal counts.
     pub fn count(self, accel: &dyn Measurable, rays: &Rays) -> Counts {
         let mut counts = Counts::default();
         for ray in self.rays(rays) {
@@ -54,7 +54,7 @@ impl Query {
         counts
     }
 
-    /// Answers it once for all rays, and returns a hash of the answers.
+    /// Traces all rays once and returns a hash of the answers.
     pub fn answer(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) -> u64 {
         let mut hash = Fnv::default();
         self.run(accel, rays, buffers);
@@ -66,7 +66,7 @@ impl Query {
         hash.0
     }
 
-    /// Answers it once for all rays.
+    /// Traces all rays once.
     pub fn run(self, accel: &dyn Accel, rays: &Rays, buffers: &mut Buffers) {
         if self.asks_for_any() {
             accel.occluded_batch(self.rays(rays), &mut buffers.occluded);
@@ -76,7 +76,7 @@ impl Query {
     }
 }
 
-/// Where answers go.
+/// Buffers for the answers.
 #[derive(Clone, Debug, Default)]
 pub struct Buffers {
     hits: Vec<Option<Hit>>,

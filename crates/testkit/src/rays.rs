@@ -1,4 +1,4 @@
-//! Rays as a renderer makes them.
+//! Camera, bounce and shadow rays of a renderer.
 
 use crate::meshes::Subject;
 use glam::DVec3;
@@ -9,13 +9,11 @@ use globillum_material::warp::CosineHemisphere;
 /// The rays of one picture.
 #[derive(Clone, Debug)]
 pub struct Rays {
-    /// From one place, row by row: neighbours take nearly the same way. Closest hits are asked for.
+    /// From one origin, row by row: coherent. For closest hits.
     pub camera: Vec<Ray>,
-    /// From what the camera rays hit, in directions that follow the cosine: no two take the same
-    /// way. Closest hits are asked for.
+    /// From the hits of the camera rays, in cosine-distributed directions: incoherent. For closest hits.
     pub bounce: Vec<Ray>,
-    /// From what the camera rays hit to one light: neighbours take nearly the same way. Any hit is
-    /// asked for.
+    /// From the hits of the camera rays to one light: coherent. For any hit.
     pub shadow: Vec<Ray>,
 }
 
@@ -23,7 +21,7 @@ impl Rays {
     /// The rays of a square picture of `subject` with `side` pixels on each side.
     ///
     /// # Errors
-    /// What building a [`KdTree`] says, whose hits the other rays start from.
+    /// Those of [`KdTree`], whose hits are the origins of bounce and shadow rays.
     pub fn new(subject: &Subject, side: u32) -> Result<Self, GeomError> {
         let accel = KdTree::build(&subject.triangles, &KdOptions::default())?;
         let camera = camera_rays(subject, side);

@@ -1,19 +1,19 @@
-//! Pictures by an independent renderer, as means over blocks of pixels with standard errors.
+//! Reference pictures of an independent renderer: means over blocks of pixels with standard errors.
 
 use globillum_integrator::Film;
 use serde::Deserialize;
 
-/// One scene's reference.
+/// The reference of one scene.
 #[derive(Debug, Deserialize)]
 pub struct Reference {
     /// Pixels along each side.
     pub resolution: u32,
     /// Pixels along each side of a block.
     pub block: u32,
-    /// Samples of each pixel, which were independent.
+    /// Independent samples per pixel.
     #[serde(rename = "spp")]
     pub samples: u32,
-    /// All light.
+    /// Light of any number of bounces.
     pub path: Blocks,
     /// Emitted light and light after one bounce.
     pub direct: Blocks,
@@ -30,12 +30,12 @@ pub struct Blocks {
     pub standard_error: Vec<Vec<[f64; 3]>>,
 }
 
-/// How far a film is from a reference.
+/// The deviation of a film from a reference.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deviation {
     /// Largest distance of a block in standard errors of the difference.
     pub largest_z: f64,
-    /// The same by the errors that the film tells.
+    /// The same with the standard errors of the film.
     pub largest_told_z: f64,
     /// Largest relative difference of the image mean.
     pub image_mean: f64,
@@ -45,16 +45,16 @@ impl Reference {
     /// Reads the reference's JSON.
     ///
     /// # Panics
-    /// If it is malformed: it is part of the tests.
+    /// If it is malformed.
     pub fn parse(json: &str) -> Self {
         serde_json::from_str(json).expect("a reference is well-formed")
     }
 
     /// Compares `film`, of the reference's resolution, with `blocks`.
     ///
-    /// For [`Deviation::largest_z`] the film's standard error of a block is the one it tells, but no less than
-    /// that of as many independent samples by the reference's error: where light is found once in ten
-    /// thousand samples, a film that has missed it believes its error to be small, too.
+    /// For [`Deviation::largest_z`], the standard error of a block is that of the film, but not less than the
+    /// reference's error scaled to the film's number of samples. A film whose samples all miss a rare light
+    /// underestimates its own error.
     pub fn deviation(&self, film: &Film, blocks: &Blocks) -> Deviation {
         let mut deviation = Deviation::default();
         let side = (self.resolution / self.block) as usize;
@@ -69,7 +69,7 @@ impl Reference {
                         reference_err * reference_err * f64::from(self.samples) / film.samples() as f64;
                     let error = (mean[c] - expected[c]).abs();
                     let z = |variance: f64| {
-                        // Both may know a block exactly, such as one that is black.
+                        // Both errors can be 0, for a black block.
                         let z = if error == 0.0 { 0.0 } else { error / reference_err.hypot(variance.sqrt()) };
                         assert!(!z.is_nan(), "block ({column}, {row}) is not a number");
                         z
@@ -85,7 +85,7 @@ impl Reference {
         deviation
     }
 
-    /// Mean of a block and the variance of that mean, the largest that its pixels' allow.
+    /// The mean of a block and the largest variance of that mean that its pixels' variances allow.
     fn block_of(&self, film: &Film, column: u32, row: u32) -> ([f64; 3], [f64; 3]) {
         let side = 0..self.block;
         let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);

@@ -1,4 +1,4 @@
-//! Scenes whose light is known in closed form, and cameras that look at one point of them.
+//! Scenes of known radiance, and cameras that look at one point of them.
 
 use crate::accelerators::{Builder, Measurable, STRUCTURES};
 use crate::shapes::{cuboid, icosphere, inside_out, quad};
@@ -7,20 +7,20 @@ use globillum_geom::{Accel, Triangle};
 use globillum_integrator::{Camera, Film, Model, Render, Scene, Settings};
 use globillum_material::{Emission, Material, Rgb, Sides};
 
-/// A scene from a model that is known to be good.
+/// The scene of a valid model.
 ///
 /// # Panics
-/// If it is not good after all.
+/// If the model is not valid.
 pub fn scene(model: &Model, build: Builder) -> Scene<Box<dyn Accel>> {
     let upcast = |accel: Box<dyn Measurable>| -> Box<dyn Accel> { accel };
     Scene::build(model.clone(), |triangles| build(triangles).map(upcast)).expect("the model is good")
 }
 
-/// The film of a model in the first structure.
+/// The film of a model, rendered with the first of [`STRUCTURES`].
 ///
 /// # Panics
-/// If the model is not good after all, or if another structure gives another first pass: fewer samples tell a
-/// difference in bits than a mean.
+/// If the model is not valid, or if the first pass has other bits with another structure. A comparison of bits
+/// needs fewer samples than a mean.
 pub fn film_in_every_structure(model: &Model, camera: &Camera, settings: &Settings) -> Film {
     let [first, others @ ..] = STRUCTURES.map(|(name, build)| (name, scene(model, build)));
     let render = |scene| Render::new(scene, camera, settings);
@@ -31,7 +31,7 @@ pub fn film_in_every_structure(model: &Model, camera: &Camera, settings: &Settin
     render(&first.1).run(&()).expect("the scene is good").film
 }
 
-/// A camera at `eye` whose whole picture is one point, `target` as good as exactly.
+/// A camera at `eye` whose whole picture shows one point, `target`, up to `1e-9` radians.
 ///
 /// # Panics
 /// If the two coincide.
@@ -128,7 +128,7 @@ pub fn rectangle_over_floor([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> M
     model
 }
 
-/// [`light_over_floor`] and a mirror of reflectance 0.9 at x = 1.5, which faces the light.
+/// [`light_over_floor`] with a mirror of reflectance 0.9 at x = 1.5 that faces the light.
 pub fn light_beside_mirror() -> Model {
     let p = DVec3::new;
     let mut model = light_over_floor();
@@ -180,8 +180,8 @@ pub fn light_above_floor(light: impl IntoIterator<Item = Triangle>, half: f64) -
     model
 }
 
-/// Integrating sphere: an icosphere of `20 * 4^levels` triangles and albedo 0.6, seen from within. A
-/// quarter of it, one connected part, emits radiance 4. Light that was reflected has radiance 1.5 in all of a true sphere.
+/// Integrating sphere: an icosphere of `20 * 4^levels` triangles and albedo 0.6, seen from within. A connected
+/// quarter of it emits radiance 4. In an exact sphere the reflected radiance is 1.5 everywhere.
 pub fn integrating_sphere(levels: u32) -> Model {
     let mut walls = inside_out(icosphere(levels).triangles());
     let light = walls.split_off(walls.len() / 4 * 3);

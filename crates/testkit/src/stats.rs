@@ -7,13 +7,13 @@
 use globillum_integrator::{Film, PathReuse, Settings};
 use globillum_material::Rgb;
 
-/// Standard deviations beyond which a mean is wrong, at the suite's risk of false alarm.
+/// The limit of a mean's error in standard errors, by the suite's risk of false alarm.
 pub const Z_LIMIT: f64 = 5.85;
 
-/// The widest interval, relative to the truth, that still means something.
+/// The largest accepted half width of an interval, relative to the truth.
 pub const PRECISION: f64 = 0.005;
 
-/// [`Settings::new`], but each pixel rests on its own paths: over independent pixels a mean is known best.
+/// [`Settings::new`] without path reuse: pixels are independent, which gives a mean its smallest error.
 pub fn independent_pixels(width: u32, height: u32, samples: u32) -> Settings {
     let mut settings = Settings::new(width, height, samples);
     settings.path_reuse = PathReuse::Off;
@@ -27,25 +27,25 @@ pub struct Estimate {
     pub mean: f64,
     /// Its standard error.
     pub std_err: f64,
-    /// How many samples it rests on.
+    /// The number of samples.
     pub count: f64,
 }
 
 impl Estimate {
-    /// The mean of one colour component over all pixels of `film`, which are to show the same. Where they share
-    /// paths, `std_err` is the largest that their variances allow.
+    /// The mean of one colour component over all pixels of `film`, which must have the same expectation. With
+    /// path reuse, `std_err` is the largest that the pixels' variances allow.
     pub fn of_film(film: &Film, component: impl Fn(Rgb) -> f64) -> Self {
         let pixels = || (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
         let n = pixels().count() as f64;
         let mean = pixels().map(|(x, y)| component(film.mean(x, y))).sum::<f64>() / n;
-        // Where pixels are independent, their variances add up to that of the sum.
+        // The variances of independent pixels add up to that of the sum.
         let within: f64 = pixels().map(|(x, y)| component(film.variance_of_mean(x, y))).sum();
         let within = within * f64::from(film.path_reuse().dependent_pixels());
         let count = n * film.samples() as f64;
         Self { mean, std_err: within.sqrt() / n, count }
     }
 
-    /// Variance of a single sample, of the independent sampler and of independent pixels.
+    /// The variance of a single sample; requires independent samples and pixels.
     pub fn sample_variance(&self) -> f64 {
         self.std_err * self.std_err * self.count
     }

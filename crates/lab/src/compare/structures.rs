@@ -44,7 +44,7 @@ impl Structures {
         all.push(("uniform grid".to_owned(), Box::new(move |t| Ok(Box::new(UniformGrid::build(t, &grid)?)))));
         let usual = self.usual_kd();
         all.push(("k-d tree".to_owned(), kd(usual)));
-        all.push(("wide k-d tree".to_owned(), Box::new(|t| Ok(Box::new(WideKdTree::build(t)?)))));
+        all.push(("wide tree".to_owned(), Box::new(|t| Ok(Box::new(WideKdTree::build(t)?)))));
         all.extend(SplitRule::ALL.map(|rule| (format!("k-d tree, {}", name(rule)), kd(self.kd(rule)))));
         all
     }

@@ -89,7 +89,7 @@ impl Combination {
 /// The accelerator in words.
 pub(crate) fn accel_name(accel: AccelKind) -> &'static str {
     match accel {
-        AccelKind::Wide => "wide k-d tree",
+        AccelKind::Wide => "wide tree",
         AccelKind::Kd => "k-d tree",
         AccelKind::Grid => "uniform grid",
         AccelKind::Brute => "brute force",
