@@ -39,21 +39,36 @@ fn largest_z(a: &Film, b: &Film) -> f64 {
     pixels.map(z).fold(0.0, f64::max)
 }
 
-/// Asserts that each pixel has the same mean whether paths are shared or not, and that sharing changed them.
+/// A picture of `8 * PASSES` samples per pixel.
+fn picture(model: &Model, camera: &Camera, path_reuse: PathReuse, change: impl Fn(&mut Settings)) -> Film {
+    let mut settings = Settings::new(SIDE, SIDE, 8 * PASSES);
+    (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
+    settings.pass_samples = 8;
+    change(&mut settings);
+    film(model, camera, &settings)
+}
+
+/// Asserts that each pixel has the same mean with and without path reuse, and that path reuse changes the errors.
 fn assert_same_mean(what: &str, model: &Model, camera: &Camera, change: impl Fn(&mut Settings)) {
-    let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
-        let mut settings = Settings::new(SIDE, SIDE, 8 * PASSES);
-        (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
-        settings.pass_samples = 8;
-        change(&mut settings);
-        film(model, camera, &settings)
-    });
-    let z = largest_z(&alone, &shared);
-    let [before, after] = [&alone, &shared].map(|film| film.error().relative_rmse);
+    let alone = picture(model, camera, PathReuse::Off, &change);
+    assert_same_mean_as(&alone, what, model, camera, change);
+}
+
+/// [`assert_same_mean`] beside a picture without path reuse that has the same expectation.
+fn assert_same_mean_as(
+    alone: &Film,
+    what: &str,
+    model: &Model,
+    camera: &Camera,
+    change: impl Fn(&mut Settings),
+) {
+    let shared = picture(model, camera, PathReuse::Fours, change);
+    let z = largest_z(alone, &shared);
+    let [before, after] = [alone, &shared].map(|film| film.error().relative_rmse);
     let mean = shared.image_mean().mean() / alone.image_mean().mean() - 1.0;
     println!("{what}: z {z:.2}, error {before:.4} becomes {after:.4}, mean {:+.4} %", 100.0 * mean);
     assert!(z < PIXEL_LIMIT, "{what}: {z}");
-    // What the errors tell of the mean, where those of four pixels may be alike.
+    // The errors of the mean, which of four pixels may be correlated.
     let margin = 5.85 * before.hypot(2.0 * after) / f64::from(SIDE);
     assert!(mean.abs() < margin && margin < 0.015, "{what}: {mean}, margin {margin}");
     assert_ne!(before, after, "{what}: paths were not shared");
@@ -108,11 +123,14 @@ fn sheets() -> (Model, Camera) {
 #[test]
 fn pixels_of_crossing_sheets_have_the_mean_of_their_own_paths() {
     let (model, camera) = sheets();
+    let alone = picture(&model, &camera, PathReuse::Off, |s| s.estimator = Mis);
     for estimator in [Bsdf, Mis] {
-        assert_same_mean(&format!("{estimator:?}"), &model, &camera, |s| s.estimator = estimator);
+        let what = format!("{estimator:?}");
+        assert_same_mean_as(&alone, &what, &model, &camera, |s| s.estimator = estimator);
     }
+    let independent = |s: &mut Settings| s.sampler = Sampler::Independent;
+    assert_same_mean_as(&alone, "independent samples", &model, &camera, independent);
     assert_same_mean("at most 2 bounces", &model, &camera, |s| s.max_bounces = Some(2));
-    assert_same_mean("independent samples", &model, &camera, |s| s.sampler = Sampler::Independent);
 }
 
 /// A dark pixel's tail is worth as much to a bright one of its group as its own: roulette must not
