@@ -79,7 +79,8 @@ impl Shear {
 
     /// The intersection of the ray's line with `triangle`, edges and vertices included.
     ///
-    /// `None` if the line misses the triangle or lies in its plane. The line intersects the triangle if the
+    /// `None` if the line misses the triangle, or if the projected vertices lie on one line. Since they are
+    /// rounded, a triangle whose plane contains the line may be hit. The line intersects the triangle if the
     /// exact edge functions of the projected vertices do not differ in sign, and are not all zero.
     ///
     /// Let `u = 2^-53` and `P` be the largest coordinate distance from the ray's origin to a vertex. The

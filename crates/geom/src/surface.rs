@@ -43,10 +43,11 @@ impl SurfacePoint {
     /// The point of `triangle`, with its unit `normal`, at the barycentrics `u` (second vertex) and `v`
     /// (third vertex), in a scene whose bounds have the longest side `scene_extent`.
     ///
-    /// With `u = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the error is `|n| .
-    /// (u |v0| + 3u extent + 2u |p| + 26u scene_extent)`. The first three terms bound the error of the
-    /// position and its offset (NVIDIA, "Solving Self-Intersection Artifacts in DirectX Raytracing", 2023),
-    /// the last that of a decision within the scene (docs/numerics.md).
+    /// With `eps = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the error is the
+    /// sum over axes `a` of `|n_a| (eps |v0_a| + 3 eps extent + 2 eps |p_a| + 26 eps scene_extent)`. The
+    /// first three terms bound the error of the position and its offset (NVIDIA, "Solving Self-Intersection
+    /// Artifacts in DirectX Raytracing", 2023), the last that of a decision within the scene
+    /// (docs/numerics.md).
     #[inline(always)]
     pub(crate) fn on(triangle: &Triangle, normal: DVec3, u: f64, v: f64, scene_extent: f64) -> Self {
         let [e1, e2] = triangle.edges();
