@@ -117,10 +117,11 @@ impl fmt::Debug for Loader<'_> {
 /// its first vertex. Degenerate triangles are dropped. An index must refer to an element above it in the
 /// file.
 ///
-/// A material with `Kd` is Lambertian with this albedo. A material with `Ks` and `illum 3`, or with `Ks` and
-/// no `Kd`, is a mirror with reflectance `Ks`. `Ke` is the radiance emitted from the front. Faces without a
-/// material are Lambertian with an albedo of one half. Libraries must be in the file's folder or below it.
-/// Textures and vertex normals are not read.
+/// A material is Lambertian with the albedo `Kd`, or a mirror. It is a mirror if `Pm` exceeds `Pr`; without
+/// `Pm`, if it has `Ks` and `illum 3`, or `Ks` and neither `Kd` nor `map_Kd`. The mirror's reflectance is `Kd`, or
+/// `Ks` where `Kd` is absent, black, or far darker; docs/scenes.md has the whole rule. `Ke` is the radiance emitted
+/// from the front. Faces without a material are Lambertian with an albedo of one half. Colours are rounded to
+/// `f32`. Libraries must be in the file's folder or below it. Textures and vertex normals are not read.
 ///
 /// # Errors
 /// An [`IoError`] that names file and line: for a file that cannot be read or has no faces, a malformed

@@ -19,6 +19,10 @@ use std::fmt::Write;
 /// The bound on the memory for loading as a multiple of the files' size, beyond what they declare.
 const TIMES: u64 = 4;
 
+/// The same for files of vertices: tobj stores 12 bytes for a line of 8, and a growing vector takes up to three
+/// times the memory of its content.
+const OBJ_TIMES: u64 = 6;
+
 /// Bytes that an empty file may take: the report, and one block of the stack of nodes.
 const SMALL: u64 = 256 << 10;
 
@@ -26,7 +30,7 @@ const SMALL: u64 = 256 << 10;
 const TRIANGLE: u64 = (size_of::<Triangle>() + size_of::<u32>()) as u64;
 
 /// Bytes that a material or a library may take. There are at most 65,536 of each.
-const NAMED: u64 = 512;
+const NAMED: u64 = 1280;
 
 /// Bytes that a light may take in the check for lights that overlap another triangle.
 const LIGHT: u64 = 256;
@@ -356,6 +360,8 @@ fn obj() {
     let polygon = |corners: usize, ring: &str| format!("f{}\n", ring.repeat(corners / 3));
     check([
         obj("vertices", "v 0 0 0\n".repeat(MILLION)),
+        obj("vertices, just more than a vector of tobj holds", "v 0 0 0\n".repeat((1 << 22) / 3))
+            .at_most(OBJ_TIMES),
         obj("vertices of nothing", "v \n".repeat(MILLION)).refused("expected 3, 4 or 6 numbers"),
         obj("faces", "f 1 2 3\n".repeat(MILLION)).loads(MILLION),
         obj("faces without area", "f 1 1 1\n".repeat(MILLION) + "f 1 2 3\n").loads(1),
@@ -366,6 +372,10 @@ fn obj() {
             .refused("too many vertices in a polygon (limit: 65536)")
             .declares(65_536),
         obj("polygons without area", polygon(60_000, " 1 1 1").repeat(40) + "f 1 2 3").loads(1),
+        obj("faces and vertices in turns", "v 0 0 0\nf -1 1 2\n".repeat(MANY) + "f 1 2 3\n").loads(1),
+        obj("faces of three and four corners", "f 1 2 3\nf 1 2 3 3\n".repeat(MANY)).loads(2 * MANY),
+        obj("faces that change the material", "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n".repeat(MANY))
+            .loads(2 * MANY),
         obj("faces of two corners", "f 1 1\n".repeat(MILLION)),
         obj("faces over many lines", "f 1 \\\n2 \\\n3\n".repeat(MANY)).loads(MANY),
         obj("texture coordinates and normals", "vt\nvn\n".repeat(MILLION)),
@@ -410,6 +420,10 @@ fn mtl() {
         shining("lights in one plane", "f 1 2 3\n".repeat(MANY)),
         shining("lights in planes of their own", of_their_own),
         Hostile::mtl("colours", "newmtl a\n".to_owned() + &"Kd 1\n".repeat(MILLION)),
+        Hostile::mtl(
+            "statements of their own",
+            "newmtl a\n".to_owned() + &lines(MANY, |i| format!("{i:x} 1")),
+        ),
         Hostile::mtl("a colour", format!("newmtl a\nKd{}\n", " 1".repeat(MILLION)))
             .refused("expected 1 or 3 numbers"),
         Hostile::mtl("a name", format!("newmtl {}\nmap_Kd a\nTr 1\n", "a".repeat(4 << 20))),

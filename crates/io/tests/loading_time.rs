@@ -10,11 +10,11 @@ use std::time::Instant;
 use tobj::LoadOptions;
 
 /// The bound on the time of loading as a multiple of tobj's.
-const LIMIT: f64 = 1.2;
+const LIMIT: f64 = 2.0;
 
 #[test]
 #[ignore = "a measurement for an idle machine and a release build"]
-fn a_scanned_mesh_loads_about_as_fast_as_by_tobj_alone() {
+fn a_scanned_mesh_takes_at_most_twice_as_long_as_by_tobj_alone() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/meshes/bunny.obj");
     if !path.exists() {
         eprintln!("SKIPPED: bunny.obj is not there");

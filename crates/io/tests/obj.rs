@@ -195,8 +195,9 @@ fn faces_without_a_material_are_grey() {
 
 #[test]
 fn materials_mean_what_they_say() {
-    let lambert = |r, g, b| Material::lambert(Rgb::new(r, g, b)).unwrap();
-    let mirror = |x| Material::mirror(Rgb::splat(x)).unwrap();
+    // tobj reads colours as `f32`.
+    let lambert = |r: f32, g: f32, b: f32| Material::lambert([r, g, b].map(f64::from).into()).unwrap();
+    let mirror = |x: f32| Material::mirror(Rgb::splat(x.into())).unwrap();
     let light = Emission::new(Rgb::new(9.0, 8.0, 7.0), Sides::Front).unwrap();
     let cases = [
         ("Kd 0.1 0.2 0.3", lambert(0.1, 0.2, 0.3)),
@@ -211,6 +212,47 @@ fn materials_mean_what_they_say() {
         let loaded = load_with(&format!("newmtl m\n{mtl}\n")).unwrap();
         assert_eq!(*loaded.model.material(0), expected, "{mtl}");
     }
+}
+
+#[test]
+fn mirrors_are_those_of_the_table_in_the_documentation() {
+    let cases = [
+        // Blender writes the metal's colour as `Kd` and a `Ks` of one half for every material.
+        ("Kd 0.75 0.5 0.25\nKs 0.5\nillum 2", false, [0.75, 0.5, 0.25]),
+        ("Ks 0.5\nillum 2\nmap_Kd a.png", false, [0.5; 3]),
+        ("Kd 0.75 0.5 0.25\nKs 0.5\nillum 3", true, [0.75, 0.5, 0.25]),
+        ("Kd 0.125\nKs 0.5\nillum 3", true, [0.125; 3]),
+        ("Kd 0.75 0.5 0.25\nKs 1\nillum 3", true, [0.75, 0.5, 0.25]),
+        ("Ks 0.5\nillum 3\nmap_Kd a.png", true, [0.5; 3]),
+        // The extension for physically based materials is read as glTF's factors are.
+        ("Kd 0.75 0.5 0.25\nKs 0.5\nillum 3\nPr 0.125\nPm 1", true, [0.75, 0.5, 0.25]),
+        ("Kd 0.75 0.5 0.25\nKs 0.5\nillum 3\nPm 1\nPr 1", false, [0.75, 0.5, 0.25]),
+        ("Kd 0.75 0.5 0.25\nKs 0.5\nillum 3\nPm 0.25\nPr 0.125", true, [0.75, 0.5, 0.25]),
+        ("Kd 0.75 0.5 0.25\nPm 0.75", true, [0.75, 0.5, 0.25]),
+        ("Kd 0.75 0.5 0.25\nPm 0.25", false, [0.75, 0.5, 0.25]),
+        ("Ks 0.5\nillum 3\nPm 1\nPr 0\nmap_Kd a.png", true, [0.5; 3]),
+        // Mirrors in other files.
+        ("Ks 0.75", true, [0.75; 3]),
+        ("Kd 0\nKs 0.25\nillum 3", true, [0.25; 3]),
+        ("Kd 0.25\nKs 0.75\nillum 3", true, [0.75; 3]),
+        ("Kd 0.25\nKs 0\nillum 3", false, [0.25; 3]),
+        ("Kd 0.25\nillum 3", false, [0.25; 3]),
+    ];
+    for (mtl, is_mirror, colour) in cases {
+        let colour = Rgb::from(colour);
+        let expected = if is_mirror { Material::mirror(colour) } else { Material::lambert(colour) };
+        let loaded = load_with(&format!("newmtl m\n{mtl}\n")).unwrap();
+        assert_eq!(*loaded.model.material(0), expected.unwrap(), "{mtl}");
+        let textured = WarningKind::TexturesIgnored { name: "m".into() };
+        let says_so = warnings(&loaded).contains(&(Place::Line(1), textured));
+        assert_eq!(says_so, mtl.contains("map_Kd"), "{mtl}");
+    }
+}
+
+#[test]
+fn a_light_too_dim_for_f32_is_not_lost() {
+    let message = message(load_with("newmtl m\nKe 0 1e-46 0\n"));
+    assert_eq!(message, "a.mtl:2: Ke: `1e-46` is too small for `f32`");
 }
 
 #[test]
@@ -279,27 +321,49 @@ fn libraries_lie_in_the_files_own_folder() {
     assert_eq!(warnings(&files.load().unwrap()), []);
 }
 
+/// The triangles of a text of `v` and `f` statements with plain indices, read in the plainest way.
+fn triangles(obj: &str) -> Vec<Triangle> {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for line in obj.lines() {
+        let words = || line.split_whitespace().skip(1);
+        match line.split_whitespace().next() {
+            Some("v") => {
+                let numbers: Vec<f32> = words().map(|word| word.parse().unwrap()).collect();
+                vertices.push(Vec3::from_slice(&numbers));
+            }
+            Some("f") => {
+                let count = vertices.len() as i64;
+                let index = |i: i64| if i < 0 { count + i } else { i - 1 } as usize;
+                let face: Vec<_> = words().map(|word| vertices[index(word.parse().unwrap())]).collect();
+                triangles.extend((2..face.len()).map(|i| Triangle::new(face[0], face[i - 1], face[i])));
+            }
+            _ => {}
+        }
+    }
+    triangles.retain(|triangle| !triangle.is_degenerate());
+    triangles
+}
+
 #[test]
-fn tobj_reads_the_same_triangles() {
+fn triangles_are_those_of_a_plain_reader() {
     let polygons = format!("{SQUARE}v 0.125 -2e-3 +7.\nf 1 2 3 4\nf -1 -2 -3\nf 1 2 3 5 4\n");
-    let files = Files::new(&[("a.obj", polygons.as_bytes())]);
+    // More corners than tobj reads into one mesh, with a polygon in between.
+    let vertices: String =
+        (0..9000).map(|i| format!("v {} {}.{i} {:e}\n", i % 97, i % 89, i as f32)).collect();
+    let face = |i: i32| format!("f {} {} {}\n", i % 8999 + 1, -1 - i % 8000, i % 77 + 1);
+    let faces: String = (0..40_000).map(face).collect();
+    let many = format!("{vertices}{faces}f 1 2 3 4 5\n{faces}");
     let bunny = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/meshes/bunny.obj"));
-    for path in [files.path("a.obj"), bunny] {
-        if !path.exists() {
-            eprintln!("SKIPPED: {} is not there", path.display());
-            continue;
-        }
-        let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-        let (models, _) = tobj::load_obj(&path, &options).unwrap();
-        let mut expected = Vec::new();
-        for mesh in models.iter().map(|model| &model.mesh) {
-            let (positions, _) = mesh.positions.as_chunks::<3>();
-            let (faces, _) = mesh.indices.as_chunks::<3>();
-            let at = |i: u32| Vec3::from(positions[i as usize]);
-            expected.extend(faces.iter().map(|face| Triangle { vertices: face.map(at) }));
-        }
-        expected.retain(|triangle| !triangle.is_degenerate());
-        assert_eq!(load_obj(&path).unwrap().model.triangles(), expected);
+    let bunny =
+        fs::read_to_string(&bunny).inspect_err(|_| eprintln!("SKIPPED: {} is not there", bunny.display()));
+    for obj in [polygons, many].into_iter().chain(bunny) {
+        let (loaded, expected) = (load(&obj).unwrap(), triangles(&obj));
+        assert!(!expected.is_empty());
+        // `==` does not tell the zeros apart.
+        let bits = |triangles: &[Triangle]| -> Vec<_> {
+            triangles.iter().flat_map(|t| t.vertices.map(|v| v.to_array().map(f32::to_bits))).collect()
+        };
+        assert_eq!(bits(loaded.model.triangles()), bits(&expected));
     }
 }
 

@@ -1,118 +1,163 @@
+use super::lines::{self, write};
 use super::source::{Source, Statement};
 use crate::error::Result;
 use crate::losses::Losses;
 use globillum_material::{Bsdf, Emission, Material, MaterialError, Reflectance, Rgb, Sides};
+use std::str::FromStr;
 
-/// The supported properties of one material in a library.
-///
-/// The reader of tobj is not used, since it panics on `Kd 0.5`, which is a valid grey.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Description {
-    diffuse: Option<Rgb>,
-    specular: Option<Rgb>,
-    emitted: Rgb,
-    illumination_model: u32,
-    /// Whether it has texture maps.
-    textured: bool,
-    /// Whether it has an opacity below 1.
-    transparent: bool,
-    /// Whether a colour is a spectral curve.
-    spectral: bool,
+/// One material of a library, as tobj reads it.
+pub(super) struct Description<'a> {
+    /// The statement that begins it.
+    pub(super) begin: Statement<'a>,
+    losses: Losses,
+    read: tobj::Material,
 }
 
+/// The albedo of a diffuse surface without `Kd`.
+const GREY: Rgb = Rgb { r: 0.5, g: 0.5, b: 0.5 };
+
+/// The roughness of a material with `Pm` and without `Pr`, as in Blender.
+const DEFAULT_ROUGHNESS: f32 = 0.5;
+
 /// The illumination model of an ideal mirror without transparency.
-const MIRROR: u32 = 3;
+const MIRROR: u8 = 3;
 
 /// The illumination models of glass.
-const GLASS: [u32; 4] = [4, 6, 7, 9];
+const GLASS: [u8; 4] = [4, 6, 7, 9];
 
-impl Description {
-    /// Calls `visit` for each complete material of a library, with the statement that begins it.
-    pub(super) fn each<'a>(
-        library: &'a Source,
-        mut visit: impl FnMut(&Statement<'a>, &Self) -> Result<()>,
-    ) -> Result<()> {
-        let mut current: Option<(Statement<'a>, Self)> = None;
-        for statement in library.statements() {
-            if statement.keyword == "newmtl" {
-                statement.name()?;
-                if let Some((begin, description)) = current.replace((statement, Self::default())) {
-                    visit(&begin, &description)?;
-                }
-            } else if let Some((_, description)) = &mut current {
-                description.read(&statement)?;
-            }
+/// The materials of a library, in order. `begin` checks the statement that begins each.
+pub(super) fn read<'a>(
+    library: &'a Source,
+    mut begin: impl FnMut(&Statement<'a>) -> Result<()>,
+) -> Result<impl Iterator<Item = Description<'a>>> {
+    let mut begun: Vec<(Statement<'a>, Losses)> = Vec::new();
+    let pass = |statement: &Statement<'a>, line: &mut String| {
+        if statement.keyword != "newmtl" {
+            return begun.last_mut().map_or(Ok(()), |(_, losses)| pass(statement, losses, line));
         }
-        current.map_or(Ok(()), |(begin, description)| visit(&begin, &description))
-    }
-
-    fn read(&mut self, statement: &Statement<'_>) -> Result<()> {
-        match statement.keyword {
-            "Kd" => self.diffuse = self.colour(statement)?,
-            "Ks" => self.specular = self.colour(statement)?,
-            "Ke" => self.emitted = self.colour(statement)?.unwrap_or_default(),
-            "illum" => self.illumination_model = first_number(statement)?,
-            "d" => self.transparent |= first_number::<f64>(statement).is_ok_and(|opacity| opacity < 1.0),
-            "Tr" => self.transparent |= first_number::<f64>(statement).is_ok_and(|share| share > 0.0),
-            "bump" | "decal" | "disp" | "norm" | "refl" => self.textured = true,
-            map if map.starts_with("map_") => self.textured = true,
-            _ => {}
-        }
+        statement.name()?;
+        begin(statement)?;
+        begun.push((*statement, Losses::default()));
+        // A name may consist of characters that tobj trims.
+        line.push_str("newmtl m\n");
         Ok(())
-    }
+    };
+    let (materials, _) = lines::read(library, pass, |lines| tobj::load_mtl_buf(lines))?;
+    let all = begun.into_iter().zip(materials);
+    Ok(all.map(|((begin, losses), read)| Description { begin, losses, read }))
+}
 
-    /// `r g b`, or one number for a grey. `None` for a spectral curve, which is not supported.
-    fn colour(&mut self, statement: &Statement<'_>) -> Result<Option<Rgb>> {
-        if statement.words().next() == Some("spectral") {
-            self.spectral = true;
-            return Ok(None);
-        }
-        let (mut rgb, mut count) = ([0.0; 3], 0);
-        for word in statement.words() {
-            let number = statement.number(word)?;
-            if let Some(component) = rgb.get_mut(count) {
-                *component = number;
+/// Checks a statement of a material, and writes the line that tobj reads for it or notes what is lost.
+fn pass(statement: &Statement<'_>, losses: &mut Losses, line: &mut String) -> Result<()> {
+    match statement.keyword {
+        "Kd" | "Ks" | "Ke" if statement.words().next() == Some("spectral") => losses.spectral = true,
+        "Kd" | "Ks" | "Ke" => colour(statement, line)?,
+        "illum" => number::<u8>(statement, line)?,
+        "Pm" | "Pr" => number::<f32>(statement, line)?,
+        "d" | "Tr" => losses.transparent |= is_transparent(statement),
+        "bump" | "decal" | "disp" | "norm" | "refl" => losses.textured = true,
+        map if map.starts_with("map_") => {
+            losses.textured = true;
+            if map == "map_Kd" {
+                line.push_str("map_Kd m\n");
             }
-            count += 1;
         }
-        match count {
-            1 => Ok(Some(Rgb::splat(rgb[0]))),
-            3 => Ok(Some(rgb.into())),
-            _ => Err(statement.malformed("expected 1 or 3 numbers")),
-        }
+        _ => {}
     }
+    Ok(())
+}
 
-    /// A mirror if the material has `Ks`, and also `illum 3` or no `Kd`. Otherwise Lambertian, with an
-    /// albedo of one half if there is no `Kd`.
+impl Description<'_> {
+    /// The material by the table in docs/scenes.md. It emits from the front.
     pub(super) fn material(&self) -> Result<Material, MaterialError> {
-        let wants_mirror = self.illumination_model == MIRROR || self.diffuse.is_none();
-        let material = match self.specular {
-            Some(specular) if wants_mirror => Material::mirror(specular)?,
-            _ => Material::lambert(self.diffuse.unwrap_or(Rgb::splat(0.5)))?,
+        let material = match self.mirror() {
+            Some(reflectance) => Material::mirror(reflectance)?,
+            None => Material::lambert(self.base().unwrap_or(GREY))?,
         };
-        Ok(material.emitting(Emission::new(self.emitted, Sides::Front)?))
+        let emitted = rgb(self.read.emissive).unwrap_or_default();
+        Ok(material.emitting(Emission::new(emitted, Sides::Front)?))
     }
 
     /// The properties that its [`material`](Description::material) does not have.
-    pub(super) fn losses(&self) -> Losses {
+    pub(super) fn losses(self) -> Losses {
         let visible = |colour: Option<Rgb>| colour.is_some_and(|colour| !colour.is_black());
+        let is_glass = self.read.illumination_model.is_some_and(|model| GLASS.contains(&model));
         Losses {
-            textured: self.textured,
-            transparent: self.transparent || GLASS.contains(&self.illumination_model),
-            spectral: self.spectral,
-            approximated: visible(self.diffuse) && visible(self.specular),
-            is_mirror: self.illumination_model == MIRROR,
+            transparent: self.losses.transparent || is_glass,
+            approximated: visible(self.base()) && visible(rgb(self.read.specular)),
+            is_mirror: self.mirror().is_some(),
+            ..self.losses
         }
+    }
+
+    /// The colour of the diffuse surface or the metal.
+    fn base(&self) -> Option<Rgb> {
+        let of_texture = self.read.diffuse_texture.is_some().then_some(GREY);
+        rgb(self.read.diffuse).or(of_texture)
+    }
+
+    /// Its reflectance if it becomes a mirror.
+    fn mirror(&self) -> Option<Rgb> {
+        let base = self.base();
+        if let Some(metallic) = self.parameter("Pm") {
+            let roughness = self.parameter("Pr").unwrap_or(DEFAULT_ROUGHNESS);
+            return (metallic > roughness).then_some(base.unwrap_or(GREY));
+        }
+        let specular = rgb(self.read.specular)?;
+        let reflects = self.read.illumination_model == Some(MIRROR) && !specular.is_black();
+        let is_mirror = reflects || base.is_none();
+        let metal = rgb(self.read.diffuse).filter(|&metal| !outshines(specular, metal));
+        is_mirror.then_some(metal.unwrap_or(specular))
+    }
+
+    /// A number of the extension for physically based materials.
+    fn parameter(&self, keyword: &str) -> Option<f32> {
+        self.read.unknown_param.get(keyword)?.parse().ok()
     }
 }
 
 /// The material of faces without a defined material: Lambertian with an albedo of one half.
 pub(super) fn default_material() -> Material {
-    let half = Rgb::splat(0.5);
-    Material { bsdf: Bsdf::Lambert(Reflectance::new(half).unwrap_or_default()), emission: Emission::NONE }
+    Material { bsdf: Bsdf::Lambert(Reflectance::new(GREY).unwrap_or_default()), emission: Emission::NONE }
 }
 
-fn first_number<T: std::str::FromStr>(statement: &Statement<'_>) -> Result<T> {
-    // The opacity of a halo is `d -halo factor`.
-    statement.number(statement.words().find(|word| *word != "-halo").unwrap_or_default())
+/// Whether `Ks` is the colour of a mirror rather than `Kd`. Exporters write the colour of a metal as `Kd`, and
+/// a `Ks` of one half for all materials.
+fn outshines(specular: Rgb, base: Rgb) -> bool {
+    let (specular, base) = (specular.max_component(), base.max_component());
+    base == 0.0 || (specular > 0.5 && specular > 2.0 * base)
+}
+
+/// Passes `r g b`, or one number for a grey, which tobj does not expect.
+fn colour(statement: &Statement<'_>, line: &mut String) -> Result<()> {
+    for word in statement.words() {
+        let number: f64 = statement.number(word)?;
+        if statement.keyword == "Ke" && number != 0.0 && number as f32 == 0.0 {
+            return Err(statement.malformed(&format!("`{word}` is too small for `f32`")));
+        }
+    }
+    if !matches!(statement.words().count(), 1 | 3) {
+        return Err(statement.malformed("expected 1 or 3 numbers"));
+    }
+    write(line, statement.keyword, statement.words().cycle().take(3));
+    Ok(())
+}
+
+/// Passes a number of type `T`.
+fn number<T: FromStr>(statement: &Statement<'_>, line: &mut String) -> Result<()> {
+    let word = statement.words().next().unwrap_or_default();
+    statement.number::<T>(word)?;
+    write(line, statement.keyword, [word].into_iter());
+    Ok(())
+}
+
+/// Whether `d` is below 1 or `Tr` above 0. The opacity of a halo is `d -halo factor`.
+fn is_transparent(statement: &Statement<'_>) -> bool {
+    let number = statement.words().find(|word| *word != "-halo").and_then(|word| word.parse::<f64>().ok());
+    number.is_some_and(|number| if statement.keyword == "d" { number < 1.0 } else { number > 0.0 })
+}
+
+/// A colour that tobj reads.
+fn rgb<T: Into<f64>>(colour: Option<[T; 3]>) -> Option<Rgb> {
+    colour.map(|colour| colour.map(T::into).into())
 }

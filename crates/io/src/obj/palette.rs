@@ -1,107 +1,151 @@
-use super::mtl::Description;
-use super::scan::{LIBRARIES, Named};
+use super::mtl::{self, default_material};
 use super::source::{Source, Statement};
 use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, WarningKind};
+use globillum_integrator::MaterialId;
 use std::collections::HashSet;
-use std::io;
+use std::collections::hash_map::{Entry, HashMap};
+use std::{io, mem};
 
-/// Reads the material libraries of an OBJ file and sets the materials that the file names.
-pub(super) struct Palette<'a, 'n, 'm, 'l> {
-    named: &'n Named<'a>,
-    loading: &'m mut Loading<'l>,
-    /// Whether a library defines each material of `named`.
-    is_known: Vec<bool>,
-    /// The names of all materials of all libraries.
-    defined: HashSet<String>,
-    /// The number of materials of all libraries.
-    materials: usize,
-    /// The number of library names in statements that name several libraries.
-    libraries: usize,
+/// The libraries and materials that an OBJ file names. The names do not pass to tobj, which finds a material
+/// only if its library is named above it, one library to a statement, and begins a mesh with every change of
+/// material.
+pub(super) struct Palette<'a> {
+    /// The material of the faces that follow.
+    pub(super) current: MaterialId,
+    /// The first of the statements that name the same libraries: some exporters repeat them for every object.
+    libraries: HashMap<&'a str, Statement<'a>>,
+    materials: HashMap<&'a str, Used<'a>>,
+    /// The number of words in `libraries`, which may be one name or several.
+    names: usize,
+    /// The number of materials of all libraries, and their names.
+    defined: (usize, HashSet<String>),
 }
 
-impl<'a, 'n, 'm, 'l> Palette<'a, 'n, 'm, 'l> {
-    pub(super) fn new(named: &'n Named<'a>, loading: &'m mut Loading<'l>) -> Self {
-        let is_known = vec![false; named.materials.len()];
-        Self { named, loading, is_known, defined: HashSet::new(), materials: 0, libraries: 0 }
+/// A material that the file names.
+struct Used<'a> {
+    /// The statement that first uses it.
+    first: Statement<'a>,
+    id: MaterialId,
+    is_defined: bool,
+}
+
+impl<'a> Palette<'a> {
+    /// No names. Faces before the first `usemtl` have the material `default`.
+    pub(super) fn new(default: MaterialId) -> Self {
+        let (libraries, materials) = (HashMap::new(), HashMap::new());
+        Self { current: default, libraries, materials, names: 0, defined: (0, HashSet::new()) }
     }
 
-    /// Reads all libraries. A library or material that does not exist causes a warning.
-    pub(super) fn load(mut self) -> Result<()> {
-        let named = self.named;
-        for statement in &named.libraries {
-            self.add_named(statement)?;
+    /// `mtllib name`.
+    pub(super) fn add_library(&mut self, statement: &Statement<'a>, loading: &Loading<'_>) -> Result<()> {
+        if let Entry::Vacant(entry) = self.libraries.entry(statement.arguments) {
+            entry.insert(*statement);
+            self.names += statement.words().count();
         }
-        for ((first_use, _), is_known) in named.materials.iter().zip(self.is_known) {
-            if !is_known {
-                let unknown = WarningKind::UnknownMaterial { name: first_use.arguments.into() };
-                self.loading.warn(first_use.place(), unknown);
+        statement.check_count(self.names, "material libraries", loading.limits.materials)
+    }
+
+    /// `usemtl name`.
+    pub(super) fn use_material(
+        &mut self,
+        statement: &Statement<'a>,
+        loading: &mut Loading<'_>,
+    ) -> Result<()> {
+        let count = self.materials.len();
+        let used = match self.materials.entry(statement.name()?) {
+            Entry::Occupied(used) => used.into_mut(),
+            Entry::Vacant(entry) => {
+                statement.check_count(count + 1, "materials", loading.limits.materials)?;
+                let id = loading.add_material(default_material());
+                entry.insert(Used { first: *statement, id, is_defined: false })
             }
+        };
+        self.current = used.id;
+        Ok(())
+    }
+
+    /// Reads all libraries and sets the materials that the file names. A library or material that does not
+    /// exist causes a warning.
+    pub(super) fn load(mut self, loading: &mut Loading<'_>) -> Result<()> {
+        for statement in in_order(mem::take(&mut self.libraries).into_values()) {
+            self.read_named(&statement, loading)?;
+        }
+        let undefined = self.materials.into_values().filter(|used| !used.is_defined);
+        for first in in_order(undefined.map(|used| used.first)) {
+            loading.warn(first.place(), WarningKind::UnknownMaterial { name: first.arguments.into() });
         }
         Ok(())
     }
 
-    /// Reads the library or the libraries that a statement names.
-    fn add_named(&mut self, statement: &Statement<'a>) -> Result<()> {
-        if self.add_library(statement, statement.name()?)? {
+    /// Reads the libraries that a statement names: its arguments are one name with spaces, or several names.
+    fn read_named(&mut self, statement: &Statement<'a>, loading: &mut Loading<'_>) -> Result<()> {
+        if self.read_library(statement, statement.name()?, loading)? {
             return Ok(());
         }
-        // The arguments are one name with spaces, or several names.
-        let names = statement.words().count();
         let mut missing = Vec::new();
         for name in statement.words() {
-            self.libraries += 1;
-            statement.check_count(self.libraries, LIBRARIES, self.loading.limits.materials)?;
-            if names == 1 || !self.add_library(statement, name)? {
+            if !self.read_library(statement, name, loading)? {
                 missing.push(name);
             }
         }
-        let missing = if missing.len() == names { vec![statement.arguments] } else { missing };
+        if missing.len() == statement.words().count() {
+            missing = vec![statement.arguments];
+        }
         for name in missing {
-            let kind = WarningKind::MissingLibrary { name: name.into() };
-            self.loading.warn(statement.place(), kind);
+            loading.warn(statement.place(), WarningKind::MissingLibrary { name: name.into() });
         }
         Ok(())
     }
 
     /// Reads a library; `false` if it does not exist.
-    fn add_library(&mut self, statement: &Statement<'_>, name: &str) -> Result<bool> {
-        let path = match self.loading.jail.resolve(name, &statement.at()) {
+    fn read_library(
+        &mut self,
+        statement: &Statement<'_>,
+        name: &str,
+        loading: &mut Loading<'_>,
+    ) -> Result<bool> {
+        let path = match loading.jail.resolve(name, &statement.at()) {
             Err(IoError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
                 return Ok(false);
             }
             path => path?,
         };
-        let bytes = self.loading.jail.read(&path)?;
-        let library = Source::of(&path, bytes, self.loading.limits)?;
-        self.add(&library)?;
+        let bytes = loading.jail.read(&path)?;
+        self.define(&Source::of(&path, bytes, loading.limits)?, loading)?;
         Ok(true)
     }
 
-    /// Adds the materials of one library. A second material of the same name replaces the first.
-    fn add(&mut self, library: &Source) -> Result<()> {
-        let limit = self.loading.limits.materials;
-        // A malformed statement anywhere in the library is reported before an invalid material.
-        Description::each(library, |begin, _| {
-            self.materials += 1;
-            begin.check_count(self.materials, "materials", limit)
+    /// Sets the materials of a library. A second material of the same name replaces the first.
+    fn define(&mut self, library: &Source, loading: &mut Loading<'_>) -> Result<()> {
+        let (count, names) = &mut self.defined;
+        let descriptions = mtl::read(library, |begin| {
+            *count += 1;
+            begin.check_count(*count, "materials", loading.limits.materials)
         })?;
-        Description::each(library, |begin, description| {
-            let name = begin.arguments;
+        for description in descriptions {
+            let (begin, name) = (description.begin, description.begin.arguments);
             let refused = |source| IoError::Material { at: begin.at(), name: name.into(), source };
             let material = description.material().map_err(refused)?;
-            if !self.defined.insert(name.into()) {
-                self.loading.warn_of(begin.at(), WarningKind::DuplicateMaterial { name: name.into() });
+            if !names.insert(name.into()) {
+                loading.warn_of(begin.at(), WarningKind::DuplicateMaterial { name: name.into() });
             }
             for kind in description.losses().warnings(name) {
-                self.loading.warn_of(begin.at(), kind);
+                loading.warn_of(begin.at(), kind);
             }
-            if let Some(&position) = self.named.positions.get(name) {
-                self.is_known[position] = true;
-                self.loading.set_material(self.named.materials[position].1, material);
+            if let Some(used) = self.materials.get_mut(name) {
+                used.is_defined = true;
+                loading.set_material(used.id, material);
             }
-            Ok(())
-        })
+        }
+        Ok(())
     }
+}
+
+/// Statements in the order of the file.
+fn in_order<'a>(statements: impl Iterator<Item = Statement<'a>>) -> Vec<Statement<'a>> {
+    let mut all: Vec<_> = statements.collect();
+    all.sort_unstable_by_key(|statement| statement.line);
+    all
 }

@@ -1,191 +1,139 @@
-use super::face;
-use super::mtl::default_material;
-use super::number::fraction;
-use super::polygon::is_convex;
+use super::corner::{self, Counts};
+use super::lines::write;
+use super::palette::Palette;
 use super::source::Statement;
-use super::totals::Totals;
 use crate::error::Result;
 use crate::loading::Loading;
 use crate::occurrences::Occurrences;
 use crate::range::check_range;
 use crate::{IoError, WarningKind};
 use glam::Vec3;
-use globillum_geom::Triangle;
 use globillum_integrator::MaterialId;
-use std::collections::{HashMap, HashSet};
 
-/// Libraries in the message of an error. They share the limit of materials.
-pub(super) const LIBRARIES: &str = "material libraries";
+/// The number of corners after which tobj begins a new mesh. tobj takes 104 bytes for a face, and 24 for a
+/// corner of a polygon, until it completes the mesh; then it takes 4 bytes for a corner.
+const MESH_CORNERS: usize = 1 << 16;
 
-/// The state of reading an OBJ file line by line. Faces become triangles at once; materials are only named.
-pub(super) struct Scan<'a, 'm, 'l> {
-    loading: &'m mut Loading<'l>,
-    positions: Vec<Vec3>,
+/// Checks the statements of an OBJ file on their way to tobj, and keeps what does not pass.
+pub(super) struct Scan<'a> {
+    vertices: usize,
     texture_coordinates: usize,
     normals: Occurrences,
     short_faces: Occurrences,
-    non_convex: Occurrences,
-    /// The corners of one face as indices of `positions`. Reused between faces to avoid reallocation.
-    corners: Vec<usize>,
+    /// The number of corners in tobj's current mesh.
+    mesh_corners: usize,
     /// The number of triangles of all faces, with degenerate ones.
-    triangles: u64,
-    /// The material of the faces that follow.
-    current: MaterialId,
-    library_names: HashSet<&'a str>,
-    named: Named<'a>,
+    pub(super) triangles: usize,
+    /// The materials of all faces, each with the number of consecutive faces that have it.
+    pub(super) runs: Vec<(MaterialId, usize)>,
+    pub(super) palette: Palette<'a>,
 }
 
-/// The libraries and materials that a file names.
-#[derive(Default)]
-pub(super) struct Named<'a> {
-    /// The statements that name material libraries, without repetitions.
-    pub(super) libraries: Vec<Statement<'a>>,
-    /// Each material with the statement that first uses it.
-    pub(super) materials: Vec<(Statement<'a>, MaterialId)>,
-    /// The position in `materials` of each material's name.
-    pub(super) positions: HashMap<&'a str, usize>,
-}
-
-impl<'a, 'm, 'l> Scan<'a, 'm, 'l> {
-    /// A scan with memory for `totals`. Faces before the first `usemtl` have the material `default`.
-    pub(super) fn new(loading: &'m mut Loading<'l>, default: MaterialId, totals: &Totals) -> Result<Self> {
-        loading.try_grow(totals.triangles)?;
-        let mut positions = Vec::new();
-        positions.try_reserve_exact(totals.vertices).map_err(|_| loading.out_of_memory())?;
-        Ok(Self {
-            loading,
-            positions,
+impl<'a> Scan<'a> {
+    /// A scan in which faces before the first `usemtl` have the material `default`.
+    pub(super) fn new(default: MaterialId) -> Self {
+        Self {
+            vertices: 0,
             texture_coordinates: 0,
             normals: Occurrences::default(),
             short_faces: Occurrences::default(),
-            non_convex: Occurrences::default(),
-            corners: Vec::with_capacity(totals.corners),
+            mesh_corners: 0,
             triangles: 0,
-            current: default,
-            library_names: HashSet::new(),
-            named: Named::default(),
-        })
-    }
-
-    /// Reads `statements`, which have `total` bytes.
-    pub(super) fn run(
-        mut self,
-        statements: impl Iterator<Item = Statement<'a>>,
-        total: usize,
-    ) -> Result<Named<'a>> {
-        let (mut done, total) = (0, total as u64);
-        for statement in statements {
-            done += statement.len();
-            self.loading.progress(done.min(total), total)?;
-            self.read(&statement)?;
+            runs: Vec::new(),
+            palette: Palette::new(default),
         }
-        self.loading.progress(total, total)?;
-        self.short_faces.warn(self.loading, |count| WarningKind::ShortFaces { count });
-        self.non_convex.warn(self.loading, |count| WarningKind::NonConvex { count });
-        self.normals.warn(self.loading, |count| WarningKind::NormalsIgnored { count });
-        Ok(self.named)
     }
 
-    fn read(&mut self, statement: &Statement<'a>) -> Result<()> {
+    /// Checks a statement and writes the line that tobj reads for it: `v x y z`, `v x y z weight`, or `f` and
+    /// three vertices or more.
+    pub(super) fn pass(
+        &mut self,
+        statement: &Statement<'a>,
+        line: &mut String,
+        loading: &mut Loading<'_>,
+    ) -> Result<()> {
         match statement.keyword {
-            "v" => self.positions.push(position(statement)?),
-            "f" => self.face(statement)?,
+            "v" => self.vertex(statement, line)?,
+            "f" => self.face(statement, line, loading)?,
             "vt" => self.texture_coordinates += 1,
             "vn" => self.normals.add(statement.place(), 1),
-            "usemtl" => self.material(statement)?,
-            "mtllib" => self.library(statement)?,
+            "usemtl" => self.palette.use_material(statement, loading)?,
+            "mtllib" => self.palette.add_library(statement, loading)?,
             // Names, points, lines and curves, which no ray can hit.
             _ => {}
         }
         Ok(())
     }
 
-    /// `f` and the corners of a polygon. A face with one or two corners is skipped.
-    fn face(&mut self, statement: &Statement<'a>) -> Result<()> {
-        let limits = self.loading.limits;
-        let counts = [self.positions.len(), self.texture_coordinates, self.normals.count()];
-        self.corners.clear();
+    /// Adds the warnings about faces and normals that did not pass.
+    pub(super) fn warn(&self, loading: &mut Loading<'_>) {
+        self.short_faces.warn(loading, |count| WarningKind::ShortFaces { count });
+        self.normals.warn(loading, |count| WarningKind::NormalsIgnored { count });
+    }
+
+    fn vertex(&mut self, statement: &Statement<'_>, line: &mut String) -> Result<()> {
+        let count = check_position(statement)?;
+        // tobj refuses a file in which only some vertices have colours.
+        write(line, "v", statement.words().take(if count == 6 { 3 } else { count }));
+        self.vertices += 1;
+        Ok(())
+    }
+
+    /// `f` and the corners of a polygon. A face with one or two corners does not pass.
+    fn face(&mut self, statement: &Statement<'_>, line: &mut String, loading: &Loading<'_>) -> Result<()> {
+        let limits = loading.limits;
+        let counts: Counts = [self.vertices, self.texture_coordinates, self.normals.count()];
+        let mut corners = 0;
+        line.push('f');
         for word in statement.words() {
-            let corner = face::corner(statement, word, &counts)?;
-            let count = self.corners.len() + 1;
-            statement.check_count(count, "vertices in a polygon", limits.polygon_corners)?;
-            self.corners.push(corner);
+            line.extend([" ", corner::vertex(statement, word, &counts)?]);
+            corners += 1;
+            statement.check_count(corners, "vertices in a polygon", limits.polygon_corners)?;
         }
-        match self.corners.len() {
-            0 => return Err(statement.malformed("expected at least three vertices")),
-            1 | 2 => self.short_faces.add(statement.place(), 1),
-            _ => {
-                self.triangles += self.corners.len() as u64 - 2;
-                statement.check_count(self.triangles as usize, "triangles", limits.triangles)?;
-                self.add_fan(statement);
-            }
+        if corners == 0 {
+            return Err(statement.malformed("expected at least three vertices"));
         }
+        if corners < 3 {
+            self.short_faces.add(statement.place(), 1);
+            line.clear();
+            return Ok(());
+        }
+        self.triangles += corners - 2;
+        statement.check_count(self.triangles, "triangles", limits.triangles)?;
+        line.push('\n');
+        self.mesh_corners += corners;
+        if self.mesh_corners > MESH_CORNERS {
+            self.mesh_corners = corners;
+            line.insert_str(0, "g\n");
+        }
+        self.add_face();
         Ok(())
     }
 
-    /// Adds the polygon of `corners` as a triangle fan around its first corner.
-    fn add_fan(&mut self, statement: &Statement<'a>) {
-        let corner = |i: usize| self.positions[self.corners[i]];
-        if !is_convex(self.corners.len(), corner) {
-            self.non_convex.add(statement.place(), 1);
+    /// Counts a face of the current material.
+    fn add_face(&mut self) {
+        let current = self.palette.current;
+        match self.runs.last_mut() {
+            Some((material, faces)) if *material == current => *faces += 1,
+            _ => self.runs.push((current, 1)),
         }
-        for i in 2..self.corners.len() {
-            self.loading.add(self.current, Triangle::new(corner(0), corner(i - 1), corner(i)));
-        }
-    }
-
-    /// `mtllib name`. Some exporters repeat it for every object.
-    fn library(&mut self, statement: &Statement<'a>) -> Result<()> {
-        if self.library_names.insert(statement.arguments) {
-            let libraries = &mut self.named.libraries;
-            statement.check_count(libraries.len() + 1, LIBRARIES, self.loading.limits.materials)?;
-            libraries.push(*statement);
-        }
-        Ok(())
-    }
-
-    /// `usemtl name`.
-    fn material(&mut self, statement: &Statement<'a>) -> Result<()> {
-        let name = statement.name()?;
-        let Named { materials, positions, .. } = &mut self.named;
-        self.current = match positions.get(name) {
-            Some(&position) => materials[position].1,
-            None => {
-                statement.check_count(materials.len() + 1, "materials", self.loading.limits.materials)?;
-                let id = self.loading.add_material(default_material());
-                positions.insert(name, materials.len());
-                materials.push((*statement, id));
-                id
-            }
-        };
-        Ok(())
     }
 }
 
-/// `v x y z`, or `v x y z weight`, or `v x y z r g b`.
-fn position(statement: &Statement<'_>) -> Result<Vec3> {
-    let mut numbers = [0.0; 6];
-    let mut count = 0;
-    for word in statement.words() {
-        let number = fraction(word).map_or_else(|| statement.number(word), Ok)?;
-        *numbers.get_mut(count).ok_or_else(|| wrong_count(statement))? = number;
-        count += 1;
-    }
-    let weight = match count {
-        3 | 6 => 1.0,
-        4 if numbers[3] == 0.0 => return Err(statement.malformed("weight is zero")),
-        4 => numbers[3],
-        _ => return Err(wrong_count(statement)),
+/// Checks the numbers of `v x y z`, `v x y z weight` or `v x y z r g b`, and returns how many they are.
+fn check_position(statement: &Statement<'_>) -> Result<usize> {
+    let numbers: Result<Vec<f32>> = statement.words().map(|word| statement.number(word)).collect();
+    let numbers = numbers?;
+    let position = match numbers[..] {
+        [x, y, z] | [x, y, z, _, _, _] => Vec3::new(x, y, z),
+        [_, _, _, 0.0] => return Err(statement.malformed("weight is zero")),
+        [x, y, z, weight] => Vec3::new(x, y, z) / weight,
+        _ => return Err(statement.malformed("expected 3, 4 or 6 numbers")),
     };
-    let position = Vec3::from_slice(&numbers) / weight;
     if !position.is_finite() {
         return Err(IoError::NonFinite { at: statement.at() });
     }
     check_range("coordinate", position.to_array())
         .map_err(|message| IoError::Domain { at: statement.at(), message })?;
-    Ok(position)
-}
-
-fn wrong_count(statement: &Statement<'_>) -> IoError {
-    statement.malformed("expected 3, 4 or 6 numbers")
+    Ok(numbers.len())
 }

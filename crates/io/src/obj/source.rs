@@ -10,7 +10,7 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// The text of an OBJ or MTL file. Both have the same syntax.
 pub(super) struct Source {
-    path: PathBuf,
+    pub(super) path: PathBuf,
     text: String,
 }
 
@@ -41,19 +41,14 @@ impl Source {
         Ok(Self { path: path.into(), text })
     }
 
-    /// All lines, in order.
-    pub(super) fn lines(&self) -> impl Iterator<Item = &str> {
-        self.text.lines()
-    }
-
     /// All lines but empty ones and comments, in order.
     pub(super) fn statements(&self) -> impl Iterator<Item = Statement<'_>> {
-        self.lines().zip(1..).filter_map(|(text, line)| Statement::of(&self.path, line, text))
+        self.text.lines().zip(1..).filter_map(|(text, line)| Statement::of(&self.path, line, text))
     }
 
     /// Bytes of text.
-    pub(super) fn len(&self) -> usize {
-        self.text.len()
+    pub(super) fn len(&self) -> u64 {
+        self.text.len() as u64
     }
 }
 
@@ -62,7 +57,7 @@ impl Source {
 pub(super) struct Statement<'a> {
     path: &'a Path,
     /// The line number, from 1.
-    line: usize,
+    pub(super) line: usize,
     pub(super) keyword: &'a str,
     pub(super) arguments: &'a str,
 }
@@ -77,7 +72,7 @@ impl<'a> Statement<'a> {
     }
 
     /// The words of the arguments, up to a comment.
-    pub(super) fn words(&self) -> impl Iterator<Item = &'a str> + use<'a> {
+    pub(super) fn words(&self) -> impl Iterator<Item = &'a str> + Clone + use<'a> {
         self.arguments.split_ascii_whitespace().take_while(|word| !word.starts_with('#'))
     }
 
