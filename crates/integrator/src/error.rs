@@ -1,5 +1,6 @@
+use glam::DVec3;
 use globillum_geom::GeomError;
-use globillum_material::MaterialError;
+use globillum_material::{MaterialError, Rgb};
 use thiserror::Error;
 
 /// Why a scene could not be built or a picture not be rendered.
@@ -12,6 +13,9 @@ pub enum RenderError {
     /// A radiance or a reflectance is out of range.
     #[error(transparent)]
     Material(#[from] MaterialError),
+    /// A delta light is invalid.
+    #[error(transparent)]
+    DeltaLight(#[from] DeltaLightError),
     /// A parameter is out of its range.
     #[error("{name} = {value} is outside {range}")]
     Param {
@@ -61,6 +65,31 @@ pub enum RenderError {
     /// The worker threads could not be started.
     #[error("worker threads: {0}")]
     Threads(String),
+}
+
+/// Why a delta light is invalid.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum DeltaLightError {
+    /// A coordinate is not finite or larger in magnitude than
+    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE).
+    #[error("position {0} of a delta light is not finite or beyond the domain of +-2^60")]
+    Position(DVec3),
+    /// The direction is zero or not finite.
+    #[error("direction {0} of a delta light is zero or not finite")]
+    Direction(DVec3),
+    /// A component of intensity or irradiance is negative, not finite, or beyond the range of
+    /// [`DeltaLight`](crate::DeltaLight).
+    #[error("{0} of a delta light has a component that is neither 0 nor within [1e-50, 1e50]")]
+    Value(Rgb),
+    /// The angles of a cone are not `0 <= inner < outer <= pi / 2`, or the cosine of `outer` rounds to 1.
+    #[error("the cone of a spot light has the angles {inner} and {outer}, not 0 <= inner < outer <= pi/2")]
+    Cone {
+        /// The inner angle in radians.
+        inner: f64,
+        /// The outer angle in radians.
+        outer: f64,
+    },
 }
 
 /// Why a checkpoint cannot be used.

@@ -35,11 +35,11 @@ mod sampler;
 mod scene;
 mod settings;
 
-pub use error::{CheckpointError, RenderError};
+pub use error::{CheckpointError, DeltaLightError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;
 pub use film::{Ending, Film, ImageError, Picture};
-pub use light::{LightSample, LightSampler, LightSampling, Lights};
+pub use light::{DeltaLight, LightSample, LightSampler, LightSampling, Lights};
 pub use path::{Counters, Replay, Vertex, replay};
 pub use run::{Monitor, PixelGoal, Progress, Render, Stop, render};
 pub use sampler::{Sampler, Stream};

@@ -63,7 +63,7 @@ impl<A: Accel> Scene<A> {
         model: Model,
         build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
     ) -> Result<Self, RenderError> {
-        let Model { triangles, material_ids, materials } = model;
+        let Model { triangles, material_ids, materials, delta_lights: _ } = model;
         let triangles = Triangles::new(triangles)?;
         let emission = |index: u32| materials[material_ids[index as usize] as usize].emission;
         let lights = Lights::of(&triangles, emission);

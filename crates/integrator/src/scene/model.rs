@@ -1,11 +1,12 @@
 use crate::RenderError;
+use crate::light::DeltaLight;
 use glam::DAffine3;
 use globillum_geom::{Aabb, Triangle};
 use globillum_material::Material;
 use std::collections::TryReserveError;
 
-/// Triangles with materials, from which [`Scene::build`](crate::Scene::build) makes a scene. Nothing is
-/// checked yet.
+/// Triangles with materials, and delta lights, from which [`Scene::build`](crate::Scene::build) makes a scene.
+/// Triangles are not checked yet.
 ///
 /// ```
 /// use glam::Vec3;
@@ -28,6 +29,7 @@ pub struct Model {
     /// For each triangle, the index of its material in `materials`.
     pub(super) material_ids: Vec<u32>,
     pub(super) materials: Vec<Material>,
+    pub(super) delta_lights: Vec<DeltaLight>,
 }
 
 /// A material of a [`Model`], returned by [`Model::add_material`].
@@ -66,6 +68,11 @@ impl Model {
         self.material_ids.push(material.0);
     }
 
+    /// Adds a light without extent.
+    pub fn add_delta_light(&mut self, light: DeltaLight) {
+        self.delta_lights.push(light);
+    }
+
     /// Reserves memory for `additional` more triangles.
     ///
     /// # Errors
@@ -90,6 +97,11 @@ impl Model {
         &self.materials
     }
 
+    /// All delta lights in the order in which they were added.
+    pub fn delta_lights(&self) -> &[DeltaLight] {
+        &self.delta_lights
+    }
+
     /// The material of triangle `index`.
     ///
     /// # Panics
@@ -98,16 +110,20 @@ impl Model {
         &self.materials[self.material_ids[index] as usize]
     }
 
-    /// The bounds of all vertices, [`Aabb::EMPTY`] if there are none. NaN coordinates are ignored.
+    /// The bounds of all vertices, [`Aabb::EMPTY`] if there are none. NaN coordinates are ignored. Delta lights
+    /// do not count.
     pub fn bounds(&self) -> Aabb {
         Aabb::around(self.triangles.iter().flat_map(|triangle| triangle.vertices))
     }
 
-    /// Transforms all triangles. Points are computed in `f64` and rounded once to `f32`.
+    /// Transforms all triangles and delta lights. Points are computed in `f64` and rounded once to `f32`.
     ///
     /// A mirroring transform keeps fronts ([`Triangle::transformed`]): a mirrored light emits from the same side
     /// of its surface. A singular transform makes degenerate triangles, which are never hit. Emitted radiance
     /// is not scaled, so a light of twice the size has four times the power.
+    ///
+    /// The position of a delta light is transformed as a point, its direction as a vector. Its intensity or
+    /// irradiance stays: at twice the distance, the irradiance of a point light is a quarter.
     ///
     /// ```
     /// use glam::{DAffine3, DVec3, Vec3};
@@ -129,28 +145,34 @@ impl Model {
     ///
     /// # Errors
     /// [`RenderError::Geometry`] for the first triangle whose transformed coordinates are not finite or exceed
-    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE). The model is then unchanged.
+    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE), [`RenderError::DeltaLight`] for
+    /// a delta light that leaves this domain or whose direction becomes zero. The model is then unchanged.
     pub fn transform(&mut self, transform: &DAffine3) -> Result<(), RenderError> {
         let moved = |(index, triangle): (usize, &Triangle)| {
             let moved = Triangle::transformed(triangle.vertices.map(|v| v.as_dvec3()), transform);
             moved.validate(index).map(|()| moved)
         };
-        self.triangles = self.triangles.iter().enumerate().map(moved).collect::<Result<_, _>>()?;
+        let triangles = self.triangles.iter().enumerate().map(moved).collect::<Result<_, _>>()?;
+        let lights = self.delta_lights.iter().map(|light| light.transformed(transform));
+        self.delta_lights = lights.collect::<Result<_, _>>()?;
+        self.triangles = triangles;
         Ok(())
     }
 
-    /// Appends the triangles and materials of `other`.
+    /// Appends the triangles, materials and delta lights of `other`.
     pub fn append(&mut self, other: &Model) {
         let offset = self.materials.len() as u32;
         self.triangles.extend(&other.triangles);
         self.material_ids.extend(other.material_ids.iter().map(|id| id + offset));
         self.materials.extend(&other.materials);
+        self.delta_lights.extend(&other.delta_lights);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::DeltaLightError;
     use glam::{DMat3, DVec3, Vec3};
     use globillum_geom::GeomError;
     use globillum_material::Rgb;
@@ -186,6 +208,48 @@ mod tests {
                 let expected = (normals * before.normal()).normalize();
                 assert!((after.normal() - expected).length() < 1e-6, "{scale}");
             }
+        }
+    }
+
+    #[test]
+    fn delta_lights_move_with_the_triangles() {
+        let (value, angles) = (Rgb::splat(2.0), (0.2, 0.4));
+        let lights = |position: Vec3, direction: Vec3| {
+            [
+                DeltaLight::point(position, value),
+                DeltaLight::spot(position, direction, value, angles.0, angles.1),
+                DeltaLight::directional(direction, value),
+            ]
+            .map(Result::unwrap)
+        };
+        let mut moved = model();
+        lights(Vec3::new(1.0, 2.0, 3.0), Vec3::X).into_iter().for_each(|light| moved.add_delta_light(light));
+        let bounds = moved.bounds();
+        assert_eq!(bounds, model().bounds());
+        // Mirrors x, doubles lengths, then turns x to y.
+        let turn = DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z);
+        let matrix3 = turn * DMat3::from_diagonal(DVec3::new(-2.0, 2.0, 2.0));
+        moved.transform(&DAffine3 { matrix3, translation: DVec3::new(0.0, 0.0, 1.0) }).unwrap();
+        assert_eq!(moved.delta_lights(), lights(Vec3::new(-4.0, -2.0, 7.0), Vec3::NEG_Y));
+        let mut both = model();
+        both.append(&moved);
+        assert_eq!(both.delta_lights(), moved.delta_lights());
+    }
+
+    #[test]
+    fn a_delta_light_that_leaves_the_domain_leaves_the_model_unchanged() {
+        let far = DeltaLight::point(Vec3::splat(1e17), Rgb::WHITE).unwrap();
+        let sun = DeltaLight::directional(Vec3::X, Rgb::WHITE).unwrap();
+        let flat = DVec3::new(0.0, 1.0, 1.0);
+        for (light, scale, expected) in [
+            (far, DVec3::splat(100.0), DeltaLightError::Position(DVec3::splat(100.0 * f64::from(1e17_f32)))),
+            (sun, flat, DeltaLightError::Direction(DVec3::ZERO)),
+        ] {
+            let mut before = model();
+            before.add_delta_light(light);
+            let mut moved = before.clone();
+            let error = moved.transform(&DAffine3::from_scale(scale)).unwrap_err();
+            assert_eq!((error, moved), (RenderError::DeltaLight(expected), before));
         }
     }
 

@@ -1,0 +1,346 @@
+use crate::DeltaLightError;
+use glam::{DAffine3, DVec3, Vec3};
+use globillum_geom::Triangles;
+use globillum_material::{Emission, Rgb};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A light without extent: a point, spot or directional light. [`Model::add_delta_light`] adds one to a model.
+///
+/// No ray hits it, so the camera does not see it, and only next event estimation finds it. Mirrors do not
+/// show it, and there are no caustics of it: diffuse surfaces get its light directly and by way of other
+/// diffuse surfaces, but not by way of mirrors.
+///
+/// Each component of an intensity or irradiance is 0 or within [`Emission::MIN_RADIANCE`] and
+/// [`Emission::MAX_RADIANCE`]. Coordinates of a position are at most [`Triangles::MAX_COORDINATE`] in
+/// magnitude.
+///
+/// ```
+/// use glam::Vec3;
+/// use globillum_integrator::{DeltaLight, Model};
+/// use globillum_material::Rgb;
+///
+/// let mut model = Model::default();
+/// model.add_delta_light(DeltaLight::point(Vec3::Y, Rgb::splat(20.0))?);
+/// model.add_delta_light(DeltaLight::spot(Vec3::Y, -Vec3::Y, Rgb::splat(5.0), 0.2, 0.4)?);
+/// model.add_delta_light(DeltaLight::directional(-Vec3::Y, Rgb::splat(3.0))?);
+/// assert_eq!(model.delta_lights().len(), 3);
+/// # Ok::<(), globillum_integrator::DeltaLightError>(())
+/// ```
+///
+/// [`Model::add_delta_light`]: crate::Model::add_delta_light
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeltaLight(Kind);
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Point { position: Vec3, intensity: Rgb },
+    Spot { position: Vec3, axis: DVec3, intensity: Rgb, cone: Cone },
+    Directional { direction: DVec3, irradiance: Rgb },
+}
+
+/// What a delta light brings to a point, if nothing is between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Incident {
+    /// Unit vector toward the light.
+    pub(crate) direction: DVec3,
+    /// On a plane perpendicular to the direction; not black.
+    pub(crate) irradiance: Rgb,
+    /// Where the light is; `None` if it is infinitely far away.
+    pub(crate) position: Option<DVec3>,
+}
+
+impl DeltaLight {
+    /// A light at `position` that emits `intensity`, in power per steradian, in all directions.
+    ///
+    /// At distance `r` its irradiance on a plane perpendicular to the direction is `intensity / r^2`, and 0 at
+    /// `position` itself.
+    ///
+    /// # Errors
+    /// [`DeltaLightError`] for a position or an intensity out of range.
+    pub fn point(position: Vec3, intensity: Rgb) -> Result<Self, DeltaLightError> {
+        let position = valid_position(position.as_dvec3())?;
+        Ok(Self(Kind::Point { position, intensity: valid_value(intensity)? }))
+    }
+
+    /// A light at `position` that emits within a cone around `direction`, of any length.
+    ///
+    /// `inner` and `outer` are angles in radians between the axis and the side of the cone, with
+    /// `0 <= inner < outer <= pi / 2` (`outer` also as `pi / 2` rounded to `f32`). At the angle `a` from the
+    /// axis, the light emits `intensity` times
+    ///
+    /// ```text
+    /// clamp((cos a - cos outer) / max(0.001, cos inner - cos outer), 0, 1)^2
+    /// ```
+    ///
+    /// in power per steradian (glTF 2.0, KHR_lights_punctual): all of it up to `inner`, none from `outer` on.
+    /// By that formula a cone for which `1 - cos outer` is below 0.001 (2.6 degrees) is dimmer than `intensity`
+    /// on its axis too.
+    ///
+    /// # Errors
+    /// [`DeltaLightError`] for a position, a direction, angles or an intensity out of range, and for an
+    /// `outer` whose cosine rounds to 1.
+    pub fn spot(
+        position: Vec3,
+        direction: Vec3,
+        intensity: Rgb,
+        inner: f64,
+        outer: f64,
+    ) -> Result<Self, DeltaLightError> {
+        Ok(Self(Kind::Spot {
+            position: valid_position(position.as_dvec3())?,
+            axis: valid_direction(direction.as_dvec3())?,
+            intensity: valid_value(intensity)?,
+            cone: Cone::new(inner, outer)?,
+        }))
+    }
+
+    /// A light infinitely far away whose radiation travels along `direction`, of any length, with this
+    /// `irradiance`, in power per area, on a plane perpendicular to it.
+    ///
+    /// # Errors
+    /// [`DeltaLightError`] for a direction or an irradiance out of range.
+    pub fn directional(direction: Vec3, irradiance: Rgb) -> Result<Self, DeltaLightError> {
+        let direction = valid_direction(direction.as_dvec3())?;
+        Ok(Self(Kind::Directional { direction, irradiance: valid_value(irradiance)? }))
+    }
+
+    /// The light after `transform`. Position and axis are transformed as points and vectors are, so a
+    /// mirroring transform mirrors them. Intensity, irradiance and the angles of a cone stay.
+    pub(crate) fn transformed(&self, transform: &DAffine3) -> Result<Self, DeltaLightError> {
+        let moved = |position: Vec3| valid_position(transform.transform_point3(position.as_dvec3()));
+        let turned = |direction: DVec3| valid_direction(transform.transform_vector3(direction));
+        Ok(Self(match self.0 {
+            Kind::Point { position, intensity } => Kind::Point { position: moved(position)?, intensity },
+            Kind::Spot { position, axis, intensity, cone } => {
+                Kind::Spot { position: moved(position)?, axis: turned(axis)?, intensity, cone }
+            }
+            Kind::Directional { direction, irradiance } => {
+                Kind::Directional { direction: turned(direction)?, irradiance }
+            }
+        }))
+    }
+
+    /// What arrives at `from`; `None` for what is black: beyond a spot light's cone, or at the light itself.
+    pub(crate) fn incident(&self, from: DVec3) -> Option<Incident> {
+        let incident = match self.0 {
+            Kind::Point { position, intensity } => Incident::along(from, position, |_| intensity)?,
+            Kind::Spot { position, axis, intensity, cone } => {
+                Incident::along(from, position, |toward| intensity * cone.falloff(-axis.dot(toward)))?
+            }
+            Kind::Directional { direction, irradiance } => {
+                Incident { direction: -direction, irradiance, position: None }
+            }
+        };
+        (!incident.irradiance.is_black()).then_some(incident)
+    }
+
+    /// The emitted power as luminance; of a directional light what passes through `cross_section`, an area.
+    pub(crate) fn power(&self, cross_section: f64) -> f64 {
+        match self.0 {
+            Kind::Point { intensity, .. } => intensity.luminance() * (4.0 * PI),
+            Kind::Spot { intensity, cone, .. } => intensity.luminance() * cone.solid_angle(),
+            Kind::Directional { irradiance, .. } => irradiance.luminance() * cross_section,
+        }
+    }
+
+    /// The numbers that determine the light.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let (kind, place, direction, value, shape) = match self.0 {
+            Kind::Point { position, intensity } => (0.0, position, DVec3::ZERO, intensity, [0.0; 2]),
+            Kind::Spot { position, axis, intensity, cone } => {
+                (1.0, position, axis, intensity, [cone.cos_outer, cone.width])
+            }
+            Kind::Directional { direction, irradiance } => (2.0, Vec3::ZERO, direction, irradiance, [0.0; 2]),
+        };
+        let vectors = [place.as_dvec3().to_array(), direction.to_array(), value.to_array()];
+        std::iter::once(kind).chain(vectors.into_iter().flatten()).chain(shape)
+    }
+}
+
+impl Incident {
+    /// At `from`, of a light at `position` whose intensity depends on the direction toward it.
+    fn along(from: DVec3, position: Vec3, intensity: impl FnOnce(DVec3) -> Rgb) -> Option<Self> {
+        let position = position.as_dvec3();
+        let between = position - from;
+        let distance_sq = between.length_squared();
+        let direction = between / distance_sq.sqrt();
+        let at =
+            || Self { direction, irradiance: intensity(direction) / distance_sq, position: Some(position) };
+        (distance_sq > 0.0).then(at)
+    }
+}
+
+/// The directions in which a spot light emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cone {
+    cos_outer: f64,
+    /// The difference of cosines over which the intensity falls.
+    width: f64,
+}
+
+impl Cone {
+    fn new(inner: f64, outer: f64) -> Result<Self, DeltaLightError> {
+        // libm gives the same bits on every platform.
+        let [cos_inner, cos_outer] = [inner, outer.min(FRAC_PI_2)].map(libm::cos);
+        let is_valid = inner >= 0.0
+            && inner < outer
+            && outer <= f64::from(std::f32::consts::FRAC_PI_2)
+            && cos_outer < 1.0;
+        let width = (cos_inner - cos_outer).max(0.001);
+        if is_valid { Ok(Self { cos_outer, width }) } else { Err(DeltaLightError::Cone { inner, outer }) }
+    }
+
+    /// The share of the intensity at an angle of this cosine from the axis.
+    fn falloff(&self, cos: f64) -> f64 {
+        ((cos - self.cos_outer) / self.width).clamp(0.0, 1.0).powi(2)
+    }
+
+    /// The integral of [`Cone::falloff`] over all directions.
+    fn solid_angle(&self) -> f64 {
+        let height = 1.0 - self.cos_outer;
+        let (falling, full) = (height.min(self.width), (height - self.width).max(0.0));
+        2.0 * PI * (falling * (falling / self.width).powi(2) / 3.0 + full)
+    }
+}
+
+fn valid_position(position: DVec3) -> Result<Vec3, DeltaLightError> {
+    let rounded = position.as_vec3();
+    // Comparisons with NaN are false.
+    let is_valid = rounded.abs().cmple(Vec3::splat(Triangles::MAX_COORDINATE)).all();
+    // A negative zero equals a positive one and must have the same bits.
+    if is_valid { Ok(rounded + Vec3::ZERO) } else { Err(DeltaLightError::Position(position)) }
+}
+
+/// The unit vector along `direction`.
+fn valid_direction(direction: DVec3) -> Result<DVec3, DeltaLightError> {
+    // Dividing by the largest component first keeps the square in range.
+    let unit = (direction / direction.abs().max_element()).normalize() + DVec3::ZERO;
+    if unit.is_finite() { Ok(unit) } else { Err(DeltaLightError::Direction(direction)) }
+}
+
+fn valid_value(value: Rgb) -> Result<Rgb, DeltaLightError> {
+    let range = Emission::MIN_RADIANCE..=Emission::MAX_RADIANCE;
+    let is_valid = value.to_array().iter().all(|x| *x == 0.0 || range.contains(x));
+    if is_valid { Ok(value) } else { Err(DeltaLightError::Value(value)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    const VALUE: Rgb = Rgb::new(3.0, 2.0, 1.0);
+
+    fn spot(inner: f64, outer: f64) -> Result<DeltaLight, DeltaLightError> {
+        DeltaLight::spot(Vec3::new(1.0, 5.0, 2.0), Vec3::NEG_Y, VALUE, inner, outer)
+    }
+
+    #[test]
+    fn a_point_light_falls_off_with_the_square_of_the_distance() {
+        let light = DeltaLight::point(Vec3::new(1.0, 2.0, 3.0), VALUE).unwrap();
+        let at = light.incident(DVec3::new(1.0, 2.0, 7.0)).unwrap();
+        assert_eq!((at.direction, at.irradiance), (DVec3::NEG_Z, VALUE / 16.0));
+        assert_eq!(at.position, Some(DVec3::new(1.0, 2.0, 3.0)));
+        assert_eq!(light.incident(DVec3::new(1.0, 2.0, 3.0)), None);
+        assert_eq!(light.power(7.0), VALUE.luminance() * 4.0 * PI);
+    }
+
+    #[test]
+    fn a_directional_light_is_the_same_everywhere() {
+        let light = DeltaLight::directional(Vec3::new(0.0, -2.0, 0.0), VALUE).unwrap();
+        let expected = Incident { direction: DVec3::Y, irradiance: VALUE, position: None };
+        for from in [DVec3::ZERO, DVec3::splat(1e18)] {
+            assert_eq!(light.incident(from), Some(expected));
+        }
+        assert_eq!(light.power(7.0), VALUE.luminance() * 7.0);
+    }
+
+    /// The equations of KHR_lights_punctual as the extension prints them.
+    #[test]
+    fn a_spot_light_falls_off_by_the_equations_of_the_extension() {
+        for (inner, outer) in [(0.0, 0.3), (0.2, 0.4), (0.3, 0.301), (0.0, 0.01), (0.5, FRAC_PI_2)] {
+            let light = spot(inner, outer).unwrap();
+            let scale = 1.0 / f64::max(0.001, f64::cos(inner) - f64::cos(outer));
+            let offset = -f64::cos(outer) * scale;
+            for i in 0..300 {
+                let angle = 0.01 * f64::from(i);
+                let from = DVec3::new(1.0 + 2.0 * angle.sin(), 5.0 - 2.0 * angle.cos(), 2.0);
+                let expected = (angle.cos() * scale + offset).clamp(0.0, 1.0).powi(2) / 4.0;
+                let found = light.incident(from).map_or(0.0, |at| at.irradiance.r / VALUE.r);
+                assert_relative_eq!(found, expected, epsilon = 1e-12, max_relative = 1e-9);
+            }
+        }
+    }
+
+    /// By the midpoint rule.
+    #[test]
+    fn the_power_of_a_spot_light_is_the_integral_of_its_intensity() {
+        for (inner, outer) in [(0.0, 0.3), (0.2, 0.4), (0.3, 0.301), (0.0, 0.01), (0.5, FRAC_PI_2)] {
+            let light = spot(inner, outer).unwrap();
+            let cone = Cone::new(inner, outer).unwrap();
+            let height = 1.0 - cone.cos_outer;
+            let steps = 100_000;
+            let falloff = |i| cone.falloff(1.0 - height * (f64::from(i) + 0.5) / f64::from(steps));
+            let mean = (0..steps).map(falloff).sum::<f64>() / f64::from(steps);
+            let expected = VALUE.luminance() * 2.0 * PI * height * mean;
+            assert_relative_eq!(light.power(0.0), expected, max_relative = 1e-8);
+        }
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_refused() {
+        let limit = Triangles::MAX_COORDINATE;
+        for x in [f32::NAN, f32::INFINITY, -limit * 1.01] {
+            let error = DeltaLight::point(Vec3::new(0.0, x, 0.0), VALUE).unwrap_err();
+            assert!(matches!(error, DeltaLightError::Position(_)), "{error}");
+        }
+        assert!(DeltaLight::point(Vec3::splat(-limit), VALUE).is_ok());
+        for direction in [Vec3::ZERO, Vec3::new(1.0, f32::NAN, 0.0), Vec3::new(0.0, 0.0, f32::INFINITY)] {
+            let error = DeltaLight::directional(direction, VALUE).unwrap_err();
+            assert!(matches!(error, DeltaLightError::Direction(_)), "{error}");
+        }
+        for direction in [Vec3::X * f32::from_bits(1), Vec3::splat(f32::MAX)] {
+            assert!(DeltaLight::directional(direction, VALUE).is_ok());
+        }
+        for value in [-1.0, 1e-51, 1e51, f64::NAN, f64::INFINITY] {
+            let error = DeltaLight::point(Vec3::ZERO, Rgb::new(1.0, value, 1.0)).unwrap_err();
+            assert!(matches!(error, DeltaLightError::Value(_)), "{error}");
+        }
+        assert!(DeltaLight::point(Vec3::ZERO, Rgb::new(0.0, 1e-50, 1e50)).is_ok());
+        let beyond = f64::from(std::f32::consts::FRAC_PI_2).next_up();
+        for (inner, outer) in [
+            (-0.1, 0.2),
+            (0.2, 0.2),
+            (0.3, 0.2),
+            (0.0, beyond),
+            (0.0, 1e-9),
+            (f64::NAN, 1.0),
+            (0.0, f64::NAN),
+        ] {
+            let error = spot(inner, outer).unwrap_err();
+            assert!(matches!(error, DeltaLightError::Cone { .. }), "{error}");
+        }
+        assert_eq!(spot(0.0, f64::from(std::f32::consts::FRAC_PI_2)), spot(0.0, FRAC_PI_2));
+    }
+
+    #[test]
+    fn lights_with_other_numbers_differ_in_a_number() {
+        let lights = [
+            DeltaLight::point(Vec3::ZERO, VALUE),
+            DeltaLight::point(Vec3::X, VALUE),
+            DeltaLight::point(Vec3::ZERO, Rgb::WHITE),
+            spot(0.1, 0.4),
+            spot(0.2, 0.4),
+            spot(0.2, 0.5),
+            DeltaLight::directional(Vec3::X, VALUE),
+            DeltaLight::directional(Vec3::Y, VALUE),
+            DeltaLight::directional(Vec3::Y, Rgb::WHITE),
+        ]
+        .map(Result::unwrap);
+        for (i, a) in lights.iter().enumerate() {
+            for (j, b) in lights.iter().enumerate() {
+                assert_eq!(a.numbers().eq(b.numbers()), i == j, "{a:?}, {b:?}");
+            }
+        }
+    }
+}
