@@ -33,6 +33,13 @@ impl PdfSolidAngle {
     pub fn chosen_with(self, choice_prob: f64) -> Self {
         Self(self.0 * choice_prob)
     }
+
+    /// The weight of a sample of this density where another technique samples the same with density `other`:
+    /// `pdf / (pdf + other)`, the balance heuristic for one sample of each (Veach 1997, section 9.2.2).
+    #[inline(always)]
+    pub fn balance(self, other: Self) -> f64 {
+        self.0 / (self.0 + other.0)
+    }
 }
 
 #[cfg(test)]

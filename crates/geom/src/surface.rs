@@ -79,8 +79,23 @@ impl SurfacePoint {
     #[inline(always)]
     pub fn segment_to(&self, other: &Self) -> Option<Ray> {
         let between = other.position - self.position;
-        let stands_off = |at: &Self| at.normal.dot(between).abs() > at.plane_err;
-        (stands_off(self) && stands_off(other))
+        (self.stands_off(between) && other.stands_off(between))
             .then(|| Ray::segment(self.leave_toward(between), other.leave_toward(-between)))
+    }
+
+    /// The open segment to `position`, a point on no surface, offset toward it at this end.
+    ///
+    /// `None` if `position` lies in this point's plane within `plane_err`. If it lies on another triangle,
+    /// rounding decides whether the segment meets that triangle.
+    #[inline(always)]
+    pub fn segment_to_position(&self, position: DVec3) -> Option<Ray> {
+        let between = position - self.position;
+        self.stands_off(between).then(|| Ray::segment(self.leave_toward(between), position))
+    }
+
+    /// Whether `offset` leads out of the plane by more than `plane_err`.
+    #[inline(always)]
+    fn stands_off(&self, offset: DVec3) -> bool {
+        self.normal.dot(offset).abs() > self.plane_err
     }
 }
