@@ -1,9 +1,9 @@
 //! Pictures in parts: saved, continued, merged.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, CheckpointError, Ending, Estimator, Monitor, PathReuse, Picture, PixelFilter, Render,
+    Camera, CheckpointError, DeltaLight, Ending, Estimator, Monitor, PathReuse, Picture, PixelFilter, Render,
     RenderError, Sampler, Scene, Settings, render,
 };
 use globillum::material::Rgb;
@@ -145,6 +145,14 @@ fn another_picture_is_refused() {
     let mirror = cornell::with_blocks(true).expect("the box is good");
     let mirror = scenes::scene(&mirror, STRUCTURES[0].1);
     refused(Render::new(&mirror, &camera, &base).resume(picture.clone()).run(&()));
+    let with_light = |intensity: f64| {
+        let mut model = cornell::with_blocks(false).expect("the box is good");
+        model.add_delta_light(DeltaLight::point(Vec3::ZERO, Rgb::splat(intensity)).expect("in range"));
+        scenes::scene(&model, STRUCTURES[0].1)
+    };
+    refused(Render::new(&with_light(1.0), &camera, &base).resume(picture.clone()).run(&()));
+    let lit = Render::new(&with_light(1.0), &camera, &base).passes(0..2).run(&()).expect("the scene is good");
+    refused(Render::new(&with_light(1.0_f64.next_up()), &camera, &base).resume(lit).run(&()));
     let scene = scene.with_environment(Rgb::splat(1e-9)).expect("it is finite");
     refused(Render::new(&scene, &camera, &base).resume(picture).run(&()));
 }

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use globillum::geom::{Accel, Frame, Ray};
 use globillum::integrator::{
-    Camera, Estimator, Film, Interaction, LightSampler, LightSampling, Model, Scene, Stream, render,
+    Camera, DeltaLight, Estimator, Film, Interaction, LightSampler, LightSampling, Model, Scene, Stream,
+    render,
 };
 use globillum::material::{Density, Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -11,8 +12,8 @@ use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
-/// The square light over a floor with a second light, which is far away, emits on both sides and reflects, and a third that emits
-/// away from the floor. A sheet hides half of the first.
+/// The square light over a floor with a second light, which is far away, emits on both sides and reflects, a third that emits away
+/// from the floor, and a point light. A sheet hides half of the first.
 fn model() -> Model {
     let p = DVec3::new;
     let mut model = scenes::light_half_hidden();
@@ -24,6 +25,8 @@ fn model() -> Model {
     );
     let up = quad(p(-3.0, 0.5, 1.0), p(-2.0, 0.5, 1.0), p(-2.0, 0.5, 0.0), p(-3.0, 0.5, 0.0));
     model.add(Material::light(Rgb::splat(3.0)).expect("a radiance"), up);
+    let position = DVec3::new(-1.5, 1.2, 0.8).as_vec3();
+    model.add_delta_light(DeltaLight::point(position, Rgb::new(3.0, 2.0, 1.0)).expect("in range"));
     model
 }
 
@@ -41,14 +44,14 @@ fn by_light<A: Accel>(
     numbers: Stream,
 ) -> Rgb {
     let Some(light) = lights.sample(numbers.uniform(0), numbers.uniform_pair(1)) else { return Rgb::BLACK };
-    let Some(segment) = at.point.segment_to(&light.point) else { return Rgb::BLACK };
-    if scene.accel().occluded(&segment) {
+    let Some(shadow_ray) = light.shadow_ray(&at.point) else { return Rgb::BLACK };
+    if scene.accel().occluded(&shadow_ray) {
         return Rgb::BLACK;
     }
     let frame = Frame::around(at.point.normal);
-    let (wo, wi) = (frame.to_local(at.wo), frame.to_local(light.direction));
+    let (wo, wi) = (frame.to_local(at.wo), frame.to_local(light.direction()));
     let scattered = at.material.bsdf.pdf(wo, wi);
-    at.material.bsdf.eval(wo, wi) * light.radiance * (wi.z.abs() / (light.pdf.0 + scattered.0))
+    at.material.bsdf.eval(wo, wi) * light.irradiance() * (wi.z.abs() * light.balance(scattered))
 }
 
 /// What scattering at `at` finds, by the balance heuristic.
@@ -66,7 +69,7 @@ fn by_scattering<A: Accel>(
     let ray = at.point.spawn(frame.to_world(sample.wi));
     let Some(hit) = scene.accel().intersect(&ray) else { return scene.environment() };
     let met = scene.interaction(&ray, &hit);
-    sample.weight * met.emitted() * (scattered.0 / (scattered.0 + lights.pdf(&hit, &met).0))
+    sample.weight * met.emitted() * scattered.balance(lights.pdf(&hit, &met))
 }
 
 /// Mean and standard error of each component of direct light at [`TARGET`], by an estimator of one's own.
@@ -100,7 +103,7 @@ fn librarys(scene: &Scene<Box<dyn Accel>>, estimator: Estimator) -> Film {
 #[test]
 fn an_estimator_of_ones_own_agrees_with_the_librarys() {
     let scene = scenes::scene(&model(), STRUCTURES[0].1);
-    assert_eq!(scene.lights().len(), 6);
+    assert_eq!(scene.lights().len(), 7);
     assert!(scene.lights().triangles().eq([2, 3, 6, 7, 8, 9]));
     for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
         let own = own(&scene, sampling);

@@ -7,6 +7,7 @@ mod cancel;
 mod checkpoint;
 mod closed_form;
 mod coverage;
+mod delta_lights;
 mod determinism;
 mod equilibrium;
 mod error_bars;

@@ -1,6 +1,6 @@
 //! A Monte Carlo path tracer over wavefronts of rays.
 //!
-//! A [`Model`] holds triangles with materials. [`Scene::build`] turns it into a [`Scene`] with an
+//! A [`Model`] holds triangles with materials, and delta lights. [`Scene::build`] turns it into a [`Scene`] with an
 //! accelerator and [`Lights`]. [`render`] traces paths from a [`Camera`] through the scene, one tile of
 //! the picture at a time, with random numbers from a [`Sampler`]. A [`Film`] sums their radiance and
 //! estimates its own error; a [`Stop`] ends the render when that is small enough.
@@ -39,7 +39,9 @@ pub use error::{CheckpointError, DeltaLightError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;
 pub use film::{Ending, Film, ImageError, Picture};
-pub use light::{DeltaLight, LightSample, LightSampler, LightSampling, Lights};
+pub use light::{
+    AreaLightSample, DeltaLight, DeltaLightSample, LightSample, LightSampler, LightSampling, Lights,
+};
 pub use path::{Counters, Replay, Vertex, replay};
 pub use run::{Monitor, PixelGoal, Progress, Render, Stop, render};
 pub use sampler::{Sampler, Stream};

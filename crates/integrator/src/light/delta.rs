@@ -38,15 +38,19 @@ enum Kind {
     Directional { direction: DVec3, irradiance: Rgb },
 }
 
-/// What a delta light brings to a point, if nothing is between them.
+/// A delta light chosen by [`LightSampler::sample`](crate::LightSampler::sample). Its direction is certain, so no
+/// density per steradian exists.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Incident {
-    /// Unit vector toward the light.
-    pub(crate) direction: DVec3,
-    /// On a plane perpendicular to the direction; not black.
-    pub(crate) irradiance: Rgb,
+#[non_exhaustive]
+pub struct DeltaLightSample {
     /// Where the light is; `None` if it is infinitely far away.
-    pub(crate) position: Option<DVec3>,
+    pub position: Option<DVec3>,
+    /// Unit direction from the shading point, world frame.
+    pub direction: DVec3,
+    /// Irradiance on a plane perpendicular to the direction if the light is visible; not black.
+    pub irradiance: Rgb,
+    /// The probability of choosing the light, above zero.
+    pub choice_prob: f64,
 }
 
 impl DeltaLight {
@@ -120,18 +124,27 @@ impl DeltaLight {
         }))
     }
 
-    /// What arrives at `from`; `None` for what is black: beyond a spot light's cone, or at the light itself.
-    pub(crate) fn incident(&self, from: DVec3) -> Option<Incident> {
-        let incident = match self.0 {
-            Kind::Point { position, intensity } => Incident::along(from, position, |_| intensity)?,
-            Kind::Spot { position, axis, intensity, cone } => {
-                Incident::along(from, position, |toward| intensity * cone.falloff(-axis.dot(toward)))?
-            }
-            Kind::Directional { direction, irradiance } => {
-                Incident { direction: -direction, irradiance, position: None }
-            }
+    /// What arrives at `from`. `None` if it is black: beyond a spot light's cone, or at the light itself.
+    pub(crate) fn sample(&self, from: DVec3, choice_prob: f64) -> Option<DeltaLightSample> {
+        let toward = |position: Vec3| {
+            let between = position.as_dvec3() - from;
+            let distance_sq = between.length_squared();
+            (distance_sq > 0.0).then(|| (between / distance_sq.sqrt(), distance_sq))
         };
-        (!incident.irradiance.is_black()).then_some(incident)
+        let (position, direction, irradiance) = match self.0 {
+            Kind::Point { position, intensity } => {
+                let (direction, distance_sq) = toward(position)?;
+                (Some(position.as_dvec3()), direction, intensity / distance_sq)
+            }
+            Kind::Spot { position, axis, intensity, cone } => {
+                let (direction, distance_sq) = toward(position)?;
+                let falloff = cone.falloff(-axis.dot(direction));
+                (Some(position.as_dvec3()), direction, intensity * falloff / distance_sq)
+            }
+            Kind::Directional { direction, irradiance } => (None, -direction, irradiance),
+        };
+        let is_black = irradiance.is_black();
+        (!is_black).then_some(DeltaLightSample { position, direction, irradiance, choice_prob })
     }
 
     /// The emitted power as luminance; of a directional light what passes through `cross_section`, an area.
@@ -154,19 +167,6 @@ impl DeltaLight {
         };
         let vectors = [place.as_dvec3().to_array(), direction.to_array(), value.to_array()];
         std::iter::once(kind).chain(vectors.into_iter().flatten()).chain(shape)
-    }
-}
-
-impl Incident {
-    /// At `from`, of a light at `position` whose intensity depends on the direction toward it.
-    fn along(from: DVec3, position: Vec3, intensity: impl FnOnce(DVec3) -> Rgb) -> Option<Self> {
-        let position = position.as_dvec3();
-        let between = position - from;
-        let distance_sq = between.length_squared();
-        let direction = between / distance_sq.sqrt();
-        let at =
-            || Self { direction, irradiance: intensity(direction) / distance_sq, position: Some(position) };
-        (distance_sq > 0.0).then(at)
     }
 }
 
@@ -238,19 +238,20 @@ mod tests {
     #[test]
     fn a_point_light_falls_off_with_the_square_of_the_distance() {
         let light = DeltaLight::point(Vec3::new(1.0, 2.0, 3.0), VALUE).unwrap();
-        let at = light.incident(DVec3::new(1.0, 2.0, 7.0)).unwrap();
+        let at = light.sample(DVec3::new(1.0, 2.0, 7.0), 0.5).unwrap();
         assert_eq!((at.direction, at.irradiance), (DVec3::NEG_Z, VALUE / 16.0));
-        assert_eq!(at.position, Some(DVec3::new(1.0, 2.0, 3.0)));
-        assert_eq!(light.incident(DVec3::new(1.0, 2.0, 3.0)), None);
+        assert_eq!((at.position, at.choice_prob), (Some(DVec3::new(1.0, 2.0, 3.0)), 0.5));
+        assert_eq!(light.sample(DVec3::new(1.0, 2.0, 3.0), 0.5), None);
         assert_eq!(light.power(7.0), VALUE.luminance() * 4.0 * PI);
     }
 
     #[test]
     fn a_directional_light_is_the_same_everywhere() {
         let light = DeltaLight::directional(Vec3::new(0.0, -2.0, 0.0), VALUE).unwrap();
-        let expected = Incident { direction: DVec3::Y, irradiance: VALUE, position: None };
+        let expected =
+            DeltaLightSample { position: None, direction: DVec3::Y, irradiance: VALUE, choice_prob: 0.5 };
         for from in [DVec3::ZERO, DVec3::splat(1e18)] {
-            assert_eq!(light.incident(from), Some(expected));
+            assert_eq!(light.sample(from, 0.5), Some(expected));
         }
         assert_eq!(light.power(7.0), VALUE.luminance() * 7.0);
     }
@@ -266,7 +267,7 @@ mod tests {
                 let angle = 0.01 * f64::from(i);
                 let from = DVec3::new(1.0 + 2.0 * angle.sin(), 5.0 - 2.0 * angle.cos(), 2.0);
                 let expected = (angle.cos() * scale + offset).clamp(0.0, 1.0).powi(2) / 4.0;
-                let found = light.incident(from).map_or(0.0, |at| at.irradiance.r / VALUE.r);
+                let found = light.sample(from, 1.0).map_or(0.0, |at| at.irradiance.r / VALUE.r);
                 assert_relative_eq!(found, expected, epsilon = 1e-12, max_relative = 1e-9);
             }
         }

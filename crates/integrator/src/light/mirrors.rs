@@ -1,12 +1,13 @@
-//! The plane mirrors in which lights are sampled.
+//! The plane mirrors in which area lights are sampled.
 
-use super::lights::{Light, Lights};
+use super::lights::{AreaLight, Light, Lights};
 use super::mirror_plane::{PlaneMirror, Sphere};
 use crate::Stream;
 use glam::DVec3;
 use globillum_geom::{Accel, Triangle, Triangles};
 
-/// The plane mirrors of a scene in which lights are sampled.
+/// The plane mirrors of a scene in which area lights are sampled. Delta lights are not: BSDF sampling finds them
+/// in a mirror with probability zero, so the mean would depend on whether mirrors are sampled.
 ///
 /// A point `x` sees in a plane mirror what its image `x'`, on the other side of the plane, sees through
 /// the mirror's triangles. Reflection is an isometry: the density of a direction at `x'` is that of the
@@ -16,7 +17,7 @@ pub(crate) struct PlaneMirrors {
     planes: Vec<PlaneMirror>,
     /// The triangles of all planes in ascending order, each with its plane.
     members: Vec<(u32, usize)>,
-    /// Bounds all lights.
+    /// Bounds all area lights.
     light_bounds: Sphere,
 }
 
@@ -45,7 +46,7 @@ impl PlaneMirrors {
     /// The smallest area of a triangle as a share of all mirrors' area, so that a sample tests at most 256.
     const LEAST_TRIANGLE: f64 = 1.0 / 256.0;
 
-    /// Groups the triangles for which `is_mirror` holds by planes; none if there are no lights. Traces up to
+    /// Groups the triangles for which `is_mirror` holds by planes; none if there are no area lights. Traces up to
     /// 128 segments for each plane.
     pub(crate) fn of<A: Accel>(
         triangles: &Triangles,
@@ -55,7 +56,7 @@ impl PlaneMirrors {
     ) -> Self {
         let emitting = lights.triangles().flat_map(|index| triangles.get(index).vertices);
         let light_bounds = Sphere::around(emitting);
-        if lights.is_empty() {
+        if lights.triangles().next().is_none() {
             return Self { planes: Vec::new(), members: Vec::new(), light_bounds };
         }
         let mut planes = Vec::new();
@@ -169,7 +170,8 @@ fn lit<A: Accel>(group: &CoplanarMirrors, triangles: &Triangles, lights: &Lights
     let mut lit = [false; 2];
     for (i, &member) in (0..128).zip(group.members.iter().cycle()) {
         let numbers = Stream::new(0, group.members[0].into(), i);
-        let Some(&Light { triangle, emission, .. }) = lights.choose(numbers.uniform(0)) else { continue };
+        let Some(Light::Area(light)) = lights.choose(numbers.uniform(0)) else { continue };
+        let AreaLight { triangle, emission, .. } = *light;
         let place = |index: u32, u: [f64; 2]| {
             let (u, v) = Triangle::sample_uniform(u);
             triangles.surface_point(index, u, v)
@@ -198,7 +200,7 @@ mod tests {
         let light = quad(p(-1.0, 4.0, -1.0), p(1.0, 4.0, -1.0), p(1.0, 4.0, 1.0), p(-1.0, 4.0, 1.0));
         let triangles = Triangles::new(light.into_iter().chain(mirrors).collect()).unwrap();
         let glow = Emission::new(Rgb::WHITE, Sides::Front).unwrap();
-        let lights = Lights::of(&triangles, |index| if index < 2 { glow } else { Emission::NONE });
+        let lights = Lights::of(&triangles, |index| if index < 2 { glow } else { Emission::NONE }, &[]);
         let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
         let mirrors = PlaneMirrors::of(&triangles, |index| index >= 2, &lights, &tree);
         (triangles, lights, mirrors)
@@ -253,7 +255,7 @@ mod tests {
         }
         let triangles = Triangles::new(block()).unwrap();
         let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
-        let dark = Lights::of(&triangles, |_| Emission::NONE);
+        let dark = Lights::of(&triangles, |_| Emission::NONE, &[]);
         let found = PlaneMirrors::of(&triangles, |_| true, &dark, &tree);
         assert!(found.is_empty());
     }
@@ -288,7 +290,10 @@ mod tests {
                 mirrors.choose(from, u).unwrap().plane
             });
             assert!(chosen.eq(images().map(|image| image.plane)));
-            let light = lights.choose(numbers.uniform(4)).unwrap().triangle;
+            let Some(Light::Area(&AreaLight { triangle: light, .. })) = lights.choose(numbers.uniform(4))
+            else {
+                panic!("the only lights are triangles");
+            };
             let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(5));
             let light = triangles.surface_point(light, u, v).position;
             for (plane, mirror) in mirrors.planes.iter().enumerate() {

@@ -1,7 +1,8 @@
-use super::lights::Lights;
+use super::delta::DeltaLightSample;
+use super::lights::{AreaLight, Light, Lights};
 use crate::Interaction;
 use glam::DVec3;
-use globillum_geom::{Hit, PdfSolidAngle, SphericalTriangle, SurfacePoint, Triangle, Triangles};
+use globillum_geom::{Hit, PdfSolidAngle, Ray, SphericalTriangle, SurfacePoint, Triangle, Triangles};
 use globillum_material::{Emission, Rgb};
 
 /// The distribution of light samples on a triangle. It changes the variance, not the mean.
@@ -16,10 +17,11 @@ pub enum LightSampling {
     SolidAngle,
 }
 
-/// Samples points on lights for one shading point, and evaluates the density of such a sample: what a direct
-/// illumination estimator needs. [`Scene::light_sampler`](crate::Scene::light_sampler) returns one.
+/// Samples lights and points on them for one shading point, and evaluates the density of such a sample: what a
+/// direct illumination estimator needs. [`Scene::light_sampler`](crate::Scene::light_sampler) returns one.
 ///
-/// Densities are per steradian at the shading point, over all lights together. They ignore visibility.
+/// Densities are per steradian at the shading point, over all lights together. They ignore visibility. A delta
+/// light has no density but a probability of being chosen.
 ///
 /// A direct illumination estimator by next event estimation, on a floor of albedo 1/2 under a square light:
 ///
@@ -36,13 +38,13 @@ pub enum LightSampling {
 ///     let Some(light) = lights.sample(numbers.uniform(0), numbers.uniform_pair(1)) else {
 ///         return at.emitted();
 ///     };
-///     let is_hidden = |segment| scene.accel().occluded(&segment);
-///     if at.point.segment_to(&light.point).is_none_or(is_hidden) {
+///     let is_hidden = |shadow_ray| scene.accel().occluded(&shadow_ray);
+///     if light.shadow_ray(&at.point).is_none_or(is_hidden) {
 ///         return at.emitted();
 ///     }
 ///     let frame = Frame::around(at.point.normal);
-///     let (wo, wi) = (frame.to_local(at.wo), frame.to_local(light.direction));
-///     at.emitted() + at.material.bsdf.eval(wo, wi) * light.radiance * (wi.z.abs() / light.pdf.0)
+///     let (wo, wi) = (frame.to_local(at.wo), frame.to_local(light.direction()));
+///     at.emitted() + at.material.bsdf.eval(wo, wi) * light.irradiance() * wi.z.abs()
 /// }
 ///
 /// let mut model = Model::default();
@@ -68,10 +70,19 @@ pub struct LightSampler<'a> {
     pub(crate) from: DVec3,
 }
 
-/// A point on a light, sampled by [`LightSampler::sample`].
-#[derive(Clone, Copy, Debug)]
+/// A light sampled by [`LightSampler::sample`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightSample {
+    /// A point on a triangle that emits.
+    Area(AreaLightSample),
+    /// A delta light.
+    Delta(DeltaLightSample),
+}
+
+/// A point on a triangle that emits, sampled by [`LightSampler::sample`].
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct LightSample {
+pub struct AreaLightSample {
     /// The point.
     pub point: SurfacePoint,
     /// Unit direction from the shading point, world frame.
@@ -82,13 +93,73 @@ pub struct LightSample {
     pub pdf: PdfSolidAngle,
 }
 
+impl LightSample {
+    /// Unit direction from the shading point, world frame.
+    #[inline(always)]
+    pub fn direction(&self) -> DVec3 {
+        match self {
+            Self::Area(light) => light.direction,
+            Self::Delta(light) => light.direction,
+        }
+    }
+
+    /// The ray to the light from the shading point, on the surface at `from`: the sample counts if it is not
+    /// occluded. It ends at the light, or nowhere if that is infinitely far away.
+    ///
+    /// `None` if the light lies in the plane of the surface up to rounding, or the surface in that of the light.
+    #[inline(always)]
+    pub fn shadow_ray(&self, from: &SurfacePoint) -> Option<Ray> {
+        match self {
+            Self::Area(light) => from.segment_to(&light.point),
+            Self::Delta(DeltaLightSample { position: Some(position), .. }) => {
+                from.segment_to_position(*position)
+            }
+            Self::Delta(DeltaLightSample { position: None, direction, .. }) => Some(from.spawn(*direction)),
+        }
+    }
+
+    /// The irradiance on a plane perpendicular to the direction, as this sample estimates it if the light is
+    /// visible: radiance over density, or that of a delta light over the probability of choosing it.
+    #[inline(always)]
+    pub fn irradiance(&self) -> Rgb {
+        let (incident, probability) = self.quotient();
+        incident / probability
+    }
+
+    /// Dividend and divisor of [`LightSample::irradiance`].
+    #[inline(always)]
+    pub(crate) fn quotient(&self) -> (Rgb, f64) {
+        match self {
+            Self::Area(light) => (light.radiance, light.pdf.0),
+            Self::Delta(light) => (light.irradiance, light.choice_prob),
+        }
+    }
+
+    /// The weight of the balance heuristic beside BSDF sampling, which samples the direction with density
+    /// `scattered`; 1 for a delta light, which BSDF sampling never finds.
+    #[inline(always)]
+    pub fn balance(&self, scattered: PdfSolidAngle) -> f64 {
+        match self {
+            Self::Area(light) => light.pdf.balance(scattered),
+            Self::Delta(_) => 1.0,
+        }
+    }
+}
+
 impl LightSampler<'_> {
     /// Samples a light by `choice` in `[0, 1)` and a point on it by `u` in `[0, 1)^2`; the three numbers are
-    /// independent. `None` if there is no light or the point does not emit toward the shading point: the
-    /// sample then contributes 0.
+    /// independent. `None` if there is no light or it does not emit toward the shading point: the sample then
+    /// contributes 0.
     #[inline(always)]
     pub fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
-        let light = self.lights.choose(choice)?;
+        match self.lights.choose(choice)? {
+            Light::Area(light) => self.sample_area(light, u).map(LightSample::Area),
+            Light::Delta(delta) => delta.light.sample(self.from, delta.choice_prob).map(LightSample::Delta),
+        }
+    }
+
+    #[inline(always)]
+    fn sample_area(&self, light: &AreaLight, u: [f64; 2]) -> Option<AreaLightSample> {
         let triangle = self.triangles.get(light.triangle);
         let spherical = if light.may_look_large(self.from) { self.by_solid_angle(triangle) } else { None };
         let (u, v) = match &spherical {
@@ -105,7 +176,7 @@ impl LightSampler<'_> {
             Some(spherical) => spherical.pdf().chosen_with(light.choice_prob),
             None => light.area_density.to_solid_angle(distance_sq, cos_light)?,
         };
-        Some(LightSample { point, direction, radiance, pdf })
+        Some(AreaLightSample { point, direction, radiance, pdf })
     }
 
     /// The density per steradian with which [`LightSampler::sample`] samples the direction to `at`, the
@@ -166,11 +237,15 @@ struct Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Stream;
+    use crate::{DeltaLight, Stream};
     use glam::Vec3;
     use globillum_material::Sides;
 
-    /// Lights of several sizes, radiances and sides around the origin, and what does not emit.
+    /// What the delta light of [`lights`] brings to the origin.
+    const FROM_DELTA: Rgb = Rgb::new(2.0, 4.0, 8.0);
+
+    /// Lights of several sizes, radiances and sides around the origin, and what does not emit. A delta light has
+    /// half of the power.
     fn lights() -> (Triangles, Vec<Emission>, Lights) {
         let (mut triangles, mut emissions) = (Vec::new(), Vec::new());
         let mut add = |vertices: [[f32; 3]; 3], radiance: f64, sides: Sides| {
@@ -182,7 +257,11 @@ mod tests {
         add([[2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 3.0]], 5.0, Sides::Both);
         add([[30.0, 0.0, 1.0], [30.0, 1.0, 0.0], [30.0, 0.0, 0.0]], 20.0, Sides::Both);
         let triangles = Triangles::new(triangles).unwrap();
-        let lights = Lights::of(&triangles, |i| emissions[i as usize]);
+        let lights = Lights::of(
+            &triangles,
+            |i| emissions[i as usize],
+            &[DeltaLight::point(Vec3::new(0.0, -2.0, 0.0), FROM_DELTA * 4.0).unwrap()],
+        );
         (triangles, emissions, lights)
     }
 
@@ -206,8 +285,10 @@ mod tests {
                 for i in 0..1000 {
                     let numbers = Stream::new(3, 0, i);
                     let (choice, u) = (numbers.uniform(0), numbers.uniform_pair(1));
-                    let Some(sample) = sampler.sample(choice, u) else { continue };
-                    let index = lights.choose(choice).unwrap().triangle;
+                    let Some(LightSample::Area(sample)) = sampler.sample(choice, u) else { continue };
+                    let Some(Light::Area(&AreaLight { triangle: index, .. })) = lights.choose(choice) else {
+                        panic!("a triangle was sampled");
+                    };
                     let asked = sampler.density(index, &sample.point, &emissions[index as usize]);
                     assert_eq!(asked, sample.pdf, "{sampling:?} {from}");
                     assert!(sample.pdf.0 > 0.0 && (sample.direction.length() - 1.0).abs() < 1e-14);
@@ -232,7 +313,10 @@ mod tests {
             for i in 0..n {
                 let numbers = Stream::new(4, 0, i);
                 let sample = sampler.sample(numbers.uniform(0), numbers.uniform_pair(1));
-                let inverse = sample.map_or(0.0, |sample| 1.0 / sample.pdf.0);
+                let inverse = match sample {
+                    Some(LightSample::Area(sample)) => 1.0 / sample.pdf.0,
+                    Some(LightSample::Delta(_)) | None => 0.0,
+                };
                 (sum, sum_sq) = (sum + inverse, sum_sq + inverse * inverse);
             }
             let n = f64::from(n);
@@ -240,5 +324,25 @@ mod tests {
             assert!((mean - truth).abs() < 5.85 * std_err, "{sampling:?}: {mean} +- {std_err}, not {truth}");
             assert!(5.85 * std_err < 0.01 * truth, "{sampling:?}: {std_err}");
         }
+    }
+    /// The mean of what samples of a delta light estimate, counted zero where another light was chosen.
+    #[test]
+    fn delta_lights_are_divided_by_the_probability_of_their_choice() {
+        let (triangles, _, lights) = lights();
+        let sampling = LightSampling::Area;
+        let sampler = LightSampler { lights: &lights, triangles: &triangles, sampling, from: DVec3::ZERO };
+        // Evenly spaced numbers instead of random ones: the error is within two of n.
+        let n = 100_000;
+        let (mut count, mut sum) = (0, Rgb::BLACK);
+        for i in 0..n {
+            let choice = (f64::from(i) + 0.5) / f64::from(n);
+            let Some(sample @ LightSample::Delta(_)) = sampler.sample(choice, [0.5; 2]) else { continue };
+            assert_eq!((sample.direction(), sample.balance(PdfSolidAngle(0.3))), (DVec3::NEG_Y, 1.0));
+            count += 1;
+            sum += sample.irradiance();
+        }
+        assert!((f64::from(count) / f64::from(n) - 0.53).abs() < 0.01, "{count}");
+        let ratios = (sum / f64::from(n)).to_array().into_iter().zip(FROM_DELTA.to_array());
+        assert!(ratios.map(|(mean, truth)| (mean / truth - 1.0).abs()).all(|error| error < 1e-3), "{sum}");
     }
 }

@@ -8,7 +8,9 @@ pub(crate) struct Job<'a, A> {
     pub(crate) scene: &'a Scene<A>,
     pub(crate) camera: &'a Camera,
     pub(crate) settings: &'a Settings,
-    /// The mirrors in which lights are sampled; `None` if there are none or the settings rule it out.
+    /// Whether next event estimation samples lights.
+    pub(super) samples_lights: bool,
+    /// The mirrors in which area lights are sampled; `None` if there are none or the settings rule it out.
     pub(super) mirrors: Option<&'a PlaneMirrors>,
     /// The instructions that shade; they change no bit.
     pub(super) simd: SimdLevel,
@@ -16,10 +18,11 @@ pub(crate) struct Job<'a, A> {
 
 impl<'a, A: Accel> Job<'a, A> {
     pub(crate) fn new(scene: &'a Scene<A>, camera: &'a Camera, settings: &'a Settings) -> Self {
-        let samples_mirrors =
-            settings.mirror_sampling == MirrorSampling::Planes && settings.estimator.samples_lights();
+        let samples_areas = settings.estimator.samples_area_lights();
+        let samples_lights = samples_areas || scene.lights().delta_lights().next().is_some();
+        let samples_mirrors = samples_areas && settings.mirror_sampling == MirrorSampling::Planes;
         let mirrors = samples_mirrors.then(|| scene.mirrors()).filter(|mirrors| !mirrors.is_empty());
-        Self { scene, camera, settings, mirrors, simd: SimdLevel::best() }
+        Self { scene, camera, settings, samples_lights, mirrors, simd: SimdLevel::best() }
     }
 }
 

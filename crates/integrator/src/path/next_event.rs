@@ -2,9 +2,9 @@ use super::job::Job;
 use super::path_state::Path;
 use super::shading_point::{MisContext, ShadingPoint};
 use crate::Interaction;
-use crate::light::{Image, LightSampler};
+use crate::light::{AreaLightSample, Image, LightSample, LightSampler};
 use glam::DVec3;
-use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
+use globillum_geom::{Hit, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 
 /// A light sample by way of a plane mirror. It counts if its ray hits the mirror first and the segment from
@@ -36,23 +36,19 @@ impl<A> Job<'_, A> {
         self.scene.light_sampler(self.settings.light_sampling, from)
     }
 
-    fn samples_lights(&self, bsdf: &Bsdf) -> bool {
-        self.settings.estimator.samples_lights() && !bsdf.is_delta()
-    }
-
-    /// Samples a point on a light: the shadow ray, and the contribution if it is not occluded.
+    /// Samples a light: the shadow ray, and the contribution if it is not occluded.
     #[inline(always)]
     pub(super) fn next_event(&self, path: &Path, vertex: &ShadingPoint<'_>) -> Option<(Ray, Rgb)> {
         let ShadingPoint { at, numbers, .. } = vertex;
-        if !self.samples_lights(&at.material.bsdf) {
+        if !self.samples_lights || at.material.bsdf.is_delta() {
             return None;
         }
         let light = self.light_sampler(at.point.position).sample(numbers.light, numbers.point)?;
-        let radiance = self.scattered(path, vertex, light.direction, light.radiance, light.pdf)?;
-        Some((at.point.segment_to(&light.point)?, radiance))
+        let radiance = self.scattered(path, vertex, &light)?;
+        Some((light.shadow_ray(&at.point)?, radiance))
     }
 
-    /// Samples a point on a light as a plane mirror shows it, with the ray that must hit the mirror.
+    /// Samples a point on an area light as a plane mirror shows it, with the ray that must hit the mirror.
     pub(super) fn next_event_in_mirror(
         &self,
         path: &Path,
@@ -69,34 +65,36 @@ impl<A> Job<'_, A> {
         let image = mirrors.choose(position, || path.numbers.mirror(*bounce))?;
         let Image { mirror, plane, choice_prob, .. } = image;
         let (choice, u) = path.numbers.light_in_mirror(*bounce);
-        let light = self.light_sampler(image.position).sample(choice, u)?;
+        let light = match self.light_sampler(image.position).sample(choice, u)? {
+            LightSample::Area(light) => light,
+            LightSample::Delta(_) => return None,
+        };
         if !mirror.same_side(position, light.point.position) {
             return None;
         }
         let direction = mirror.reflect(light.direction);
         let pdf = light.pdf.chosen_with(choice_prob);
-        let radiance = self.scattered(path, vertex, direction, light.radiance, pdf)?;
+        let reflected = LightSample::Area(AreaLightSample { direction, pdf, ..light });
+        let radiance = self.scattered(path, vertex, &reflected)?;
         let ray = at.point.spawn(direction);
         mirror.is_hit_by(&ray).then_some((ray, MirrorSample { plane, light: light.point, radiance }))
     }
 
-    /// The contribution of a light sample of density `pdf`: `radiance` that arrives from the unit vector
-    /// `direction`, scattered along the path, times its multiple importance sampling weight. `None` if
-    /// that is black.
+    /// The contribution of a light sample: what arrives from it, scattered along the path, times its multiple
+    /// importance sampling weight. `None` if that is black.
     #[inline(always)]
     fn scattered(
         &self,
         path: &Path,
         ShadingPoint { at, frame, wo, .. }: &ShadingPoint<'_>,
-        direction: DVec3,
-        radiance: Rgb,
-        pdf: PdfSolidAngle,
+        light: &LightSample,
     ) -> Option<Rgb> {
-        let wi = frame.to_local(direction);
+        let wi = frame.to_local(light.direction());
         let scattered = at.material.bsdf.pdf(*wo, wi);
-        let weight = self.settings.estimator.weight_of_light(pdf, scattered);
-        let value = at.material.bsdf.eval(*wo, wi) * radiance;
-        let radiance = path.throughput * value * (wi.z.abs() * weight / pdf.0);
+        let weight = self.settings.estimator.weight_of_light(light, scattered);
+        let (incident, probability) = light.quotient();
+        let value = at.material.bsdf.eval(*wo, wi) * incident;
+        let radiance = path.throughput * value * (wi.z.abs() * weight / probability);
         (!radiance.is_black()).then_some(radiance)
     }
 
@@ -138,7 +136,7 @@ mod tests {
     use crate::sampler::BounceNumbers;
     use crate::{Camera, Estimator, Model, Scene, Settings};
     use globillum_geom::conformance::shapes::quad;
-    use globillum_geom::{Accel, KdOptions, KdTree};
+    use globillum_geom::{Accel, KdOptions, KdTree, PdfSolidAngle};
     use globillum_material::Material;
 
     const LIGHT: Rgb = Rgb::splat(3.0);

@@ -1,5 +1,5 @@
 use crate::hash::fold;
-use crate::{Camera, Scene, Settings};
+use crate::{Camera, DeltaLight, Scene, Settings};
 use glam::DVec3;
 use globillum_material::{Bsdf, Material, Rgb};
 
@@ -38,6 +38,8 @@ impl Key {
             self.add_material(scene.material(index));
         }
         self.add_rgb(scene.environment());
+        // Nothing is added for a scene without delta lights.
+        scene.lights().delta_lights().flat_map(DeltaLight::numbers).for_each(|x| self.add(x.to_bits()));
     }
 
     fn add_material(&mut self, material: &Material) {

@@ -38,12 +38,12 @@ impl<A> Scene<A> {
         &self.triangles
     }
 
-    /// The triangles that emit light.
+    /// The lights: triangles that emit, and delta lights.
     pub fn lights(&self) -> &Lights {
         &self.lights
     }
 
-    /// Samples points on lights, distributed as `sampling` says, for the shading point `from`.
+    /// Samples lights and points on them, distributed as `sampling` says, for the shading point `from`.
     pub fn light_sampler(&self, sampling: LightSampling, from: DVec3) -> LightSampler<'_> {
         LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, from }
     }
@@ -63,10 +63,10 @@ impl<A: Accel> Scene<A> {
         model: Model,
         build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
     ) -> Result<Self, RenderError> {
-        let Model { triangles, material_ids, materials, delta_lights: _ } = model;
+        let Model { triangles, material_ids, materials, delta_lights } = model;
         let triangles = Triangles::new(triangles)?;
         let emission = |index: u32| materials[material_ids[index as usize] as usize].emission;
-        let lights = Lights::of(&triangles, emission);
+        let lights = Lights::of(&triangles, emission, &delta_lights);
         let accel = build(&triangles)?;
         Ok(Self {
             accel,
@@ -89,7 +89,7 @@ impl<A: Accel> Scene<A> {
         Ok(Self { environment: radiance, ..self })
     }
 
-    /// The plane mirrors in which lights are sampled.
+    /// The plane mirrors in which area lights are sampled.
     ///
     /// The first call finds them. Where there are lights and plane mirrors, it asks the accelerator whether up
     /// to 128 segments for each of at most 64 planes are occluded.

@@ -1,7 +1,10 @@
+use crate::LightSample;
 use globillum_geom::PdfSolidAngle;
 use globillum_material::Density;
 
-/// The technique that finds emission. All three are unbiased.
+/// The technique that finds the emission of triangles. All three are unbiased.
+///
+/// Delta lights, which no path hits, are found by next event estimation with any of them.
 ///
 /// Scattering alone finds a constant environment, what the camera sees in a mirror, and caustics, except
 /// those of plane mirrors ([`MirrorSampling`](crate::MirrorSampling)).
@@ -19,8 +22,8 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// Whether lights are sampled.
-    pub(crate) fn samples_lights(self) -> bool {
+    /// Whether points on triangles that emit are sampled.
+    pub(crate) fn samples_area_lights(self) -> bool {
         self != Self::Bsdf
     }
 
@@ -31,39 +34,58 @@ impl Estimator {
         match (self, scattered) {
             (Self::Bsdf, _) | (_, Density::Delta) => 1.0,
             (Self::Light, _) => 0.0,
-            (Self::Mis, Density::SolidAngle(scattered)) => balance(scattered, light()),
+            (Self::Mis, Density::SolidAngle(scattered)) => scattered.balance(light()),
         }
     }
 
-    /// The weight of a light sample of density `light`, which scattering would have sampled with density
-    /// `scattered`.
+    /// The weight of a light sample whose direction scattering would have sampled with density `scattered`.
     #[inline(always)]
-    pub(crate) fn weight_of_light(self, light: PdfSolidAngle, scattered: PdfSolidAngle) -> f64 {
-        match self {
-            Self::Mis => balance(light, scattered),
-            Self::Bsdf | Self::Light => 1.0,
+    pub(crate) fn weight_of_light(self, light: &LightSample, scattered: PdfSolidAngle) -> f64 {
+        match (self, light) {
+            (Self::Mis, _) => light.balance(scattered),
+            (Self::Light, _) | (Self::Bsdf, LightSample::Delta(_)) => 1.0,
+            (Self::Bsdf, LightSample::Area(_)) => 0.0,
         }
     }
-}
-
-/// The balance heuristic for one sample of each of two techniques (Veach 1997, section 9.2.2).
-#[inline(always)]
-fn balance(own: PdfSolidAngle, other: PdfSolidAngle) -> f64 {
-    own.0 / (own.0 + other.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{DeltaLight, LightSampler, LightSampling, Lights};
+    use glam::{DVec3, Vec3};
+    use globillum_geom::{Triangle, Triangles};
+    use globillum_material::{Emission, Rgb, Sides};
+
+    const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
+
+    /// A sample of a scene's only light: a triangle that emits `radiance`, or one of `deltas`.
+    fn sample(radiance: f64, deltas: &[DeltaLight]) -> LightSample {
+        let triangles = Triangles::new(vec![Triangle::new(Vec3::Z, Vec3::X, Vec3::Y)]).unwrap();
+        let emission = Emission::new(Rgb::splat(radiance), Sides::Both).unwrap();
+        let lights = &Lights::of(&triangles, |_| emission, deltas);
+        let sampling = LightSampling::Area;
+        let sampler = LightSampler { lights, triangles: &triangles, sampling, from: DVec3::ZERO };
+        sampler.sample(0.5, [0.5; 2]).unwrap()
+    }
 
     #[test]
     fn the_shares_of_the_two_techniques_add_up_to_one() {
-        let (scattered, light) = (PdfSolidAngle(0.3), PdfSolidAngle(7.0));
-        for estimator in [Estimator::Light, Estimator::Mis] {
-            let shares = estimator.weight_of_emission(Density::SolidAngle(scattered), || light)
-                + estimator.weight_of_light(light, scattered);
-            assert!((shares - 1.0).abs() < 1e-15, "{estimator:?}");
-        }
-        assert_eq!(Estimator::Bsdf.weight_of_emission(Density::SolidAngle(scattered), || light), 1.0);
+        let sample = sample(1.0, &[]);
+        let LightSample::Area(light) = sample else { panic!("the triangle") };
+        let scattered = PdfSolidAngle(0.3);
+        let shares = ALL.map(|estimator| {
+            let by_scattering = estimator.weight_of_emission(Density::SolidAngle(scattered), || light.pdf);
+            (by_scattering, estimator.weight_of_light(&sample, scattered))
+        });
+        assert_eq!(shares[..2], [(1.0, 0.0), (0.0, 1.0)]);
+        assert!((shares[2].0 + shares[2].1 - 1.0).abs() < 1e-15 && shares[2].0 > 0.0 && shares[2].1 > 0.0);
+    }
+
+    #[test]
+    fn each_technique_has_all_of_a_delta_light() {
+        let sample = sample(0.0, &[DeltaLight::point(Vec3::ONE, Rgb::WHITE).unwrap()]);
+        let weights = ALL.map(|estimator| estimator.weight_of_light(&sample, PdfSolidAngle(0.3)));
+        assert_eq!(weights, [1.0; 3]);
     }
 }

@@ -102,8 +102,8 @@ impl PathReuse {
     }
 }
 
-/// Whether next event estimation samples lights in plane mirrors, whose caustics it then finds. This changes
-/// the variance, not the mean.
+/// Whether next event estimation samples triangles that emit in plane mirrors, whose caustics it then finds.
+/// This changes the variance, not the mean. Light from delta lights by way of a mirror is never found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MirrorSampling {
