@@ -243,6 +243,40 @@ fn two_triangles_apart_never_shade_each_other() {
     }
 }
 
+/// From next to the surface to a million times its size away.
+#[test]
+fn a_surface_does_not_shade_itself_from_a_point() {
+    let mut source = Seeded::new(502);
+    let mut count = 0;
+    for size in SIZES {
+        for _ in 0..500 * effort() {
+            let center = size * in_cube(&mut source);
+            let triangle = triangle_around(&mut source, center, size);
+            let triangles = Triangles::new(vec![triangle]).expect("the triangle is good");
+            if triangles.live().is_empty() {
+                continue;
+            }
+            let [u, v] = on_triangle(&mut source);
+            let at = triangles.surface_point(0, u, v);
+            assert_eq!(at.segment_to_position(at.position), None);
+            let distance = size * magnitude(&mut source, -12.0, 6.0);
+            let position = at.position + leaving(&mut source, at.normal) * distance * whole(&mut source, 1);
+            let Some(segment) = at.segment_to_position(position) else { continue };
+            count += 1;
+            assert_eq!((segment.t_min, segment.t_max), (0.0, 1.0));
+            let rounding = 4.0 * f64::EPSILON * (position.abs() + segment.origin.abs());
+            assert!((segment.at(1.0) - position).abs().cmple(rounding).all(), "{position}, {segment:?}");
+            let height = |point: DVec3| at.normal.dot(point - at.position);
+            assert!(height(segment.origin) * height(position) > 0.0, "{position}, {segment:?}");
+            for (name, build) in ACCELERATORS {
+                let accel = build(&triangles).expect("the accelerator can be built");
+                assert!(!accel.occluded(&segment), "{name}, {triangle:?}, {segment:?}");
+            }
+        }
+    }
+    assert!(count > 1000 * effort(), "{count}");
+}
+
 /// A triangle of half `size` around `center`, facing anywhere.
 fn triangle_around(source: &mut Seeded, center: DVec3, size: f64) -> Triangle {
     let mut vertex = || (center + size * in_cube(source)).as_vec3();
