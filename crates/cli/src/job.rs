@@ -5,8 +5,9 @@ use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::summary::{Summary, Timing};
-use anyhow::Result;
-use globillum::integrator::{Camera, Ending, Model, Picture, Scene};
+use crate::view::View;
+use anyhow::{Context, Result};
+use globillum::integrator::{Ending, Model, Picture, Scene};
 use globillum::material::Rgb;
 use std::time::Instant;
 
@@ -15,7 +16,7 @@ pub(crate) struct Subject {
     /// What the figures call it.
     pub(crate) name: String,
     pub(crate) model: Model,
-    pub(crate) camera: Camera,
+    pub(crate) view: View,
     /// Radiance from all directions.
     pub(crate) environment: Rgb,
 }
@@ -34,7 +35,7 @@ impl Job {
     pub(crate) fn prepare(flags: &RenderFlags, default_out: &str) -> Result<Self> {
         let flags = flags.resolved(default_out)?;
         let interrupt = Interrupt::catch()?;
-        let outputs = Outputs::open(&flags.output, flags.stats.stats.as_deref())?;
+        let outputs = Outputs::open(&flags.output, flags.report.stats.as_deref())?;
         let checkpoints = &flags.checkpoints;
         let checkpoint = checkpoints.checkpoint.as_deref();
         let checkpoint = checkpoint.map(|path| Checkpoint::new(path, checkpoints.save_every)).transpose()?;
@@ -44,15 +45,18 @@ impl Job {
     /// Renders, writes what was asked for, and prints the figures.
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
-        let Subject { name, model, camera, environment } = subject;
+        let Subject { name, model, view, environment } = subject;
         let start = Instant::now();
         let scene = Scene::build(model, |triangles| flags.speed.accel.build(triangles))?
             .with_environment(environment)?;
         let build_seconds = start.elapsed().as_secs_f64();
         interrupt.check()?;
 
+        let camera = view
+            .camera(&scene, flags.picture.aspect())
+            .with_context(|| format!("{name}: cannot be seen whole"))?;
         let settings = flags.settings();
-        let render = flags.render(&scene, &camera, &settings)?;
+        let render = flags.render(&scene, &camera.0, &settings)?;
         let monitor = RenderMonitor::new(checkpoint, &interrupt);
         let start = Instant::now();
         let picture = render.run(&monitor)?;
@@ -63,7 +67,7 @@ impl Job {
         }
 
         let timing = Timing { build_seconds, render_seconds, traced };
-        let summary = Summary::new(&name, &flags, &settings, &scene, &picture, timing);
+        let summary = Summary::new(&name, &flags, &settings, &scene, camera, &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
         let written = outputs.write(&picture.film, || summary.to_json())?;
         console::print_table(&summary.to_table(&written), data_on_stdout)?;

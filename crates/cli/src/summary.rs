@@ -2,9 +2,10 @@
 
 use crate::flags::RenderFlags;
 use crate::monitor::Traced;
+use crate::view::{CameraBy, format_camera};
 use anyhow::Result;
 use globillum::geom::{Accel, SimdLevel};
-use globillum::integrator::{Ending, Film, Picture, Scene, Settings};
+use globillum::integrator::{Camera, Ending, Film, Picture, Scene, Settings};
 use serde::Serialize;
 use std::fmt::{self, Display};
 use std::ops::Range;
@@ -25,6 +26,10 @@ pub(crate) struct Summary<'a> {
     triangles: usize,
     degenerate_triangles: usize,
     lights: usize,
+    environment: [f64; 3],
+    bounds: [[f32; 3]; 2],
+    camera: String,
+    camera_by: CameraBy,
     accelerator_bytes: usize,
     build_seconds: f64,
     render_seconds: f64,
@@ -59,11 +64,14 @@ impl<'a> Summary<'a> {
         flags: &'a RenderFlags,
         settings: &Settings,
         scene: &Scene<A>,
+        (camera, camera_by): (Camera, CameraBy),
         picture: &Picture,
         timing: Timing,
     ) -> Self {
         let Timing { build_seconds, render_seconds, traced } = timing;
         let counters = picture.counters;
+        let bounds = scene.triangles().bounds();
+        let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
         Self {
             version: env!("CARGO_PKG_VERSION"),
             arguments: std::env::args_os().skip(1).map(|word| word.to_string_lossy().into()).collect(),
@@ -75,6 +83,10 @@ impl<'a> Summary<'a> {
             triangles: scene.triangles().len(),
             degenerate_triangles: scene.triangles().degenerate_count(),
             lights: scene.lights().len(),
+            environment: scene.environment().to_array(),
+            bounds: [bounds.min, bounds.max].map(|corner| corner.to_array()),
+            camera: format_camera(&camera, middle),
+            camera_by,
             accelerator_bytes: scene.accel().bytes(),
             build_seconds,
             render_seconds,
@@ -111,6 +123,15 @@ impl Display for Summary<'_> {
         let million = |count: u64| count as f64 / 1e6;
         let [triangles, emit, degenerate] = [self.triangles, self.lights, self.degenerate_triangles];
         writeln!(f, "triangles     {triangles} ({emit} emit, {degenerate} degenerate)")?;
+        let [min, max] = self.bounds.map(|corner| corner.map(|x| x.to_string()).join(", "));
+        writeln!(f, "bounds        ({min}) to ({max})")?;
+        let by = match self.camera_by {
+            CameraBy::Flag => "as given",
+            CameraBy::Scene => "the scene's",
+            CameraBy::Outside => "automatic",
+            CameraBy::Inside => "automatic, inside",
+        };
+        writeln!(f, "camera        {} ({by})", self.camera)?;
         let kilobytes = self.accelerator_bytes as f64 / 1e3;
         writeln!(f, "accelerator   {kilobytes:.1} kB, built in {:.3} s", self.build_seconds)?;
         let samples = million(self.samples);

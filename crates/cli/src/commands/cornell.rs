@@ -1,10 +1,12 @@
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
+use crate::view::{CameraBy, View};
 use crate::{load, parse};
 use anyhow::{Result, ensure};
 use globillum::geom::Triangle;
 use globillum::integrator::{Camera, Model};
+use globillum::io::Limits;
 use globillum::material::Rgb;
 use globillum::scenes::cornell;
 use std::path::{Path, PathBuf};
@@ -46,13 +48,13 @@ pub(crate) struct Options {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::integer(0_u32..=4))]
     #[arg(help_heading = "Scene", allow_negative_numbers = true)]
     scene: u32,
-    /// Put this mesh into the scene instead of blocks and statues; twice for two different ones
+    /// Put this mesh into the scene instead of blocks or statues; twice for two different ones in scenes 2 and 4
     #[arg(long, value_name = "FILE.{obj,gltf,glb}", help_heading = "Scene")]
     mesh: Vec<PathBuf>,
     /// Make the tall block, the statue or the mesh of scenes 0, 1 and 3 an ideal mirror
     #[arg(long, help_heading = "Scene")]
     specular: bool,
-    /// About how many triangles all statues of scenes 1 to 4 have together
+    /// About how many triangles all statues of scenes 1 to 4 have together; not with --mesh
     #[arg(long, value_name = "N", help_heading = "Scene", value_parser = parse::integer(100..=u32::MAX))]
     #[arg(allow_negative_numbers = true)]
     triangles: Option<u32>,
@@ -79,13 +81,14 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let job = Job::prepare(&options.flags, "cornell.png")?;
     let (model, camera) = options.scene(&job.interrupt)?;
     let name = format!("cornell {}", options.scene);
-    job.run(Subject { name, model, camera, environment: Rgb::BLACK })
+    let view = View::Fixed(camera, CameraBy::Scene);
+    job.run(Subject { name, model, view, environment: Rgb::BLACK })
 }
 
 impl Options {
     fn scene(&self, interrupt: &Interrupt) -> Result<(Model, Camera)> {
-        ensure!(self.mesh.len() <= 2, "--mesh: can be given twice at most");
-        let meshes = self.mesh.iter().map(|path| mesh(path, interrupt)).collect::<Result<Vec<_>>>()?;
+        self.check()?;
+        let meshes = self.mesh.iter().map(|path| self.mesh(path, interrupt)).collect::<Result<Vec<_>>>()?;
         let model = match self.scene {
             0 if meshes.is_empty() => cornell::with_blocks(self.specular)?,
             0 | 1 => cornell::with_mesh(&self.statues(meshes, [cornell::knot], 100_000)[0], self.specular)?,
@@ -105,6 +108,28 @@ impl Options {
         Ok((model, cornell::camera()?))
     }
 
+    /// Refuses flags that the scene has no use for.
+    fn check(&self) -> Result<()> {
+        let (scene, most) = (self.scene, if matches!(self.scene, 2 | 4) { 2 } else { 1 });
+        ensure!(self.mesh.len() <= most, "--mesh: scene {scene} takes at most {most}");
+        if self.triangles.is_some() {
+            ensure!(scene > 0, "--triangles: scene 0 has no statues");
+            ensure!(self.mesh.is_empty(), "--triangles: a mesh of --mesh has its own number");
+        }
+        ensure!(
+            !self.specular || matches!(scene, 0 | 1 | 3),
+            "--specular: scene {scene} has mirrors of its own"
+        );
+        Ok(())
+    }
+
+    fn mesh(&self, path: &Path, interrupt: &Interrupt) -> Result<Vec<Triangle>> {
+        let loaded = load::load(path, Limits::default(), self.flags.warnings(), interrupt)?;
+        let mesh = loaded.model.triangles().to_vec();
+        ensure!(cornell::has_extent(&mesh), "{}: all vertices are the same point", path.display());
+        Ok(mesh)
+    }
+
     /// The meshes from files; else sculptures of `triangles` together, if no other number is asked for.
     fn statues<const N: usize>(
         &self,
@@ -115,10 +140,4 @@ impl Options {
         let of_each = self.triangles.unwrap_or(triangles) as usize / N;
         if meshes.is_empty() { sculptures.map(|sculpture| sculpture(of_each)).into() } else { meshes }
     }
-}
-
-fn mesh(path: &Path, interrupt: &Interrupt) -> Result<Vec<Triangle>> {
-    let mesh = load::load_triangles(path, interrupt)?;
-    ensure!(cornell::has_extent(&mesh), "{}: all vertices are the same point", path.display());
-    Ok(mesh)
 }

@@ -12,10 +12,11 @@ mod stop;
 pub(crate) use checkpoints::CheckpointFlags;
 pub(crate) use output::PictureOutput;
 
+use crate::load::Warnings;
 use anyhow::{Result, ensure};
 use globillum::geom::Accel;
 use globillum::integrator::{Camera, Render, Scene, Settings, Stop};
-use output::StatsOutput;
+use output::ReportFlags;
 use picture::PictureFlags;
 use sampling::SamplingFlags;
 use serde::Serialize;
@@ -42,7 +43,7 @@ pub(crate) struct RenderFlags {
     pub(crate) output: PictureOutput,
     #[command(flatten)]
     #[serde(flatten)]
-    pub(crate) stats: StatsOutput,
+    pub(crate) report: ReportFlags,
     #[command(flatten)]
     #[serde(flatten)]
     pub(crate) speed: SpeedFlags,
@@ -99,6 +100,11 @@ impl RenderFlags {
         settings.threads = self.speed.threads;
         self.sampling.apply_to(&mut settings);
         settings
+    }
+
+    /// Which warnings about scene files are shown.
+    pub(crate) fn warnings(&self) -> Warnings {
+        if self.report.verbose { Warnings::All } else { Warnings::FirstOfEachKind }
     }
 
     /// What may end the render before all samples are taken.

@@ -18,14 +18,17 @@ pub(crate) struct PictureOutput {
     pub(crate) exposure: f64,
 }
 
-/// Where the figures go.
+/// Where the figures go, and what is said.
 #[derive(clap::Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Output")]
-pub(crate) struct StatsOutput {
+pub(crate) struct ReportFlags {
     /// Write settings and figures of the render to FILE as JSON; `-` is standard output
     ///
     /// Settings have the names of their flags, with underscores. The table goes to standard error if `-` is
     /// given here or to --out.
     #[arg(long, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
+    /// List every warning about a scene file, not the first of each kind
+    #[arg(long)]
+    pub(crate) verbose: bool,
 }

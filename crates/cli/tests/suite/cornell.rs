@@ -29,6 +29,14 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["--spp", "0"], &["--spp 0"]);
     assert_refused(&["--spp", "many"], &["--spp", "many"]);
     assert_refused(&["--scene", "5"], &["--scene 5: must be an integer from 0 to 4"]);
+    assert_refused(&["--scene", "2", "--specular"], &["--specular: scene 2 has mirrors of its own"]);
+    assert_refused(&["--scene", "4", "--specular"], &["--specular: scene 4 has mirrors of its own"]);
+    assert_refused(&["--triangles", "1000"], &["--triangles: scene 0 has no statues"]);
+    assert_refused(
+        &["--scene", "1", "--triangles", "1000", "--mesh", "bad.obj"],
+        &["--triangles: a mesh of --mesh has its own number"],
+    );
+    assert_refused(&["--mesh", "bad.obj", "--mesh", "bad.obj"], &["--mesh: scene 0 takes at most 1"]);
     assert_refused(&["--accel", "magic"], &["--accel magic: must be one of wide, kd, grid, brute"]);
     assert_refused(&["--out", "picture.bmp"], &["picture.bmp"]);
     assert_refused(&["--out", "picture"], &["picture"]);

@@ -22,10 +22,18 @@ fn assert_refused(arguments: &[&str], words: &[&str]) {
     RENDER.assert_refused(fill, arguments, words);
 }
 
+/// What is said of a file in which nothing shines.
+fn no_lights(file: &str) -> String {
+    format!(
+        "{file}: scene has no lights: a white environment of radiance 1 is added (--environment R,G,B sets it; \
+         0 is none)"
+    )
+}
+
 /// What rows 1 to 82 must print is in one table with what the loaders must return.
 #[test]
 fn rows_1_to_82_bad_scenes_are_one_line_that_names_file_and_place() {
-    let size = ["--width", "1", "--height", "1", "--spp", "1", "--threads", "1"];
+    let size = ["--width", "1", "--height", "1", "--spp", "1", "--threads", "1", "--verbose"];
     for case in bad_input::cases() {
         let (row, folder) = (case.row, tempfile::tempdir().expect("a temporary folder"));
         if !case.write(folder.path()).expect("an empty folder can be filled") {
@@ -34,10 +42,10 @@ fn rows_1_to_82_bad_scenes_are_one_line_that_names_file_and_place() {
         }
         let output = RENDER.run(folder.path(), &[&[case.scene()], &size[..]].concat());
         let said = String::from_utf8_lossy(&output.stderr);
+        let nothing_shines = no_lights(case.scene());
         let (code, lines) = match case.outcome {
             Outcome::Refused { message, .. } => (1, vec![format!("error: {message}")]),
             Outcome::Loaded { warnings } => {
-                let nothing_shines = format!("{}: scene has no lights", case.files[0].0);
                 let all = warnings.into_iter().chain([nothing_shines]);
                 (0, all.map(|warning| format!("warning: {warning}")).collect())
             }
@@ -239,15 +247,72 @@ fn a_scene_becomes_several_pictures_and_figures() {
     assert_eq!(png.get_pixel(0, 0).0, [137, 137, 99]);
 }
 
+/// Runs `render` with these flags and returns what it says on standard error, and its figures.
+fn figures(folder: &Path, arguments: &[&str]) -> (String, serde_json::Value) {
+    let size = ["--width", "12", "--height", "8", "--spp", "4", "--stats", "stats.json"];
+    let output = RENDER.run(folder, &[&size[..], arguments].concat());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    let stats = std::fs::read(folder.join("stats.json")).expect("it was written");
+    (said, serde_json::from_slice(&stats).expect("it is JSON"))
+}
+
+/// A triangle without lights, whose material library does not exist.
+fn fill_unlit(folder: &Path) {
+    let text = "mtllib no.mtl\nusemtl a\nv 0 0 0\nv 2 0 0\nv 0 0 -1\nf 1 2 3\nusemtl b\nv 0 0.5 0\nf 1 2 4\n";
+    std::fs::write(folder.join("a.obj"), text).expect("an empty folder can be filled");
+}
+
 #[test]
 fn what_is_passed_over_is_said() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("a.obj"), "mtllib no.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-        .expect("an empty folder can be filled");
-    let output = RENDER.run(folder.path(), &["a.obj", "--width", "4", "--height", "4", "--spp", "1"]);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    assert!(said.contains("warning: a.obj:1: material library `no.mtl` does not exist"), "{said}");
-    assert!(said.contains("warning: a.obj: scene has no lights"), "{said}");
-    assert!(folder.path().join("render.png").exists());
+    fill_unlit(folder.path());
+    let first = "warning: a.obj:2: material `a` is not defined; grey is used instead";
+    let missing = "warning: a.obj:1: material library `no.mtl` does not exist";
+    let (said, _) = figures(folder.path(), &["a.obj", "--environment", "1"]);
+    let grouped = format!("{first} (first of 2 such warnings; --verbose lists all)");
+    assert_eq!(said.lines().collect::<Vec<_>>(), [missing, &grouped]);
+    let (said, _) = figures(folder.path(), &["a.obj", "--environment", "1", "--verbose"]);
+    let second = "warning: a.obj:7: material `b` is not defined; grey is used instead";
+    assert_eq!(said.lines().collect::<Vec<_>>(), [missing, first, second]);
+}
+
+#[test]
+fn a_file_in_which_nothing_shines_gets_a_white_environment() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fill_unlit(folder.path());
+    let last = |said: &str| said.lines().last().expect("it warns").to_owned();
+    let (said, lit) = figures(folder.path(), &["a.obj"]);
+    assert_eq!(last(&said), format!("warning: {}", no_lights("a.obj")));
+    assert_eq!(lit["environment"], serde_json::json!([1.0, 1.0, 1.0]));
+    let mean = lit["image_mean"][0].as_f64().expect("a number");
+    assert!(mean > 0.5 && mean < 1.0, "{mean}");
+    let (said, dark) = figures(folder.path(), &["a.obj", "--environment", "0"]);
+    assert_eq!(last(&said), "warning: a.obj: scene has no lights and no environment: the picture is black");
+    assert_eq!(dark["image_mean"], serde_json::json!([0.0, 0.0, 0.0]));
+    let (said, own) = figures(folder.path(), &["a.obj", "--environment", "0.5,1,2"]);
+    assert!(!said.contains("lights"), "{said}");
+    assert_eq!(own["environment"], serde_json::json!([0.5, 1.0, 2.0]));
+    // What has a light of its own gets nothing.
+    fill(folder.path());
+    let (said, room) = figures(folder.path(), &["room.obj"]);
+    assert_eq!((said.as_str(), &room["environment"]), ("", &serde_json::json!([0.0, 0.0, 0.0])));
+}
+
+#[test]
+fn figures_say_where_the_scene_and_the_camera_are() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fill_unlit(folder.path());
+    let (_, stats) = figures(folder.path(), &["a.obj"]);
+    assert_eq!(stats["bounds"], serde_json::json!([[0.0, 0.0, -1.0], [2.0, 0.5, 0.0]]));
+    assert_eq!(stats["camera_by"], "outside");
+    let camera = stats["camera"].as_str().expect("a text");
+    let (_, again) = figures(folder.path(), &["a.obj", "--camera", camera]);
+    assert_eq!((&again["camera"], &again["camera_by"]), (&stats["camera"], &"flag".into()));
+    let (_, up) = figures(folder.path(), &["a.obj", "--up", "z"]);
+    assert_ne!(up["camera"], stats["camera"]);
+    let (_, up) = figures(folder.path(), &["a.obj", "--up", "z", "--camera", "1,-4,2/1,0,0"]);
+    let camera = up["camera"].as_str().expect("a text");
+    assert!(camera.starts_with("1,-4,2/1,") && camera.ends_with("/0,0.447214,0.894427/40"), "{camera}");
+    assert_refused(&["room.obj", "--up", "x"], &["--up x: must be one of y, z"]);
 }

@@ -41,7 +41,7 @@ pub struct Options {
     accel: Vec<AccelKind>,
     /// For files: where the camera stands, what it looks at, which way is up and how many degrees it
     /// sees; by default the file's own camera, else a view of the whole scene
-    #[arg(long, value_name = "X,Y,Z/X,Y,Z[/X,Y,Z[/FOV]]", allow_hyphen_values = true, value_parser = view::parse_camera)]
+    #[arg(long, value_name = "X,Y,Z/X,Y,Z[/X,Y,Z[/FOV]]", allow_hyphen_values = true, value_parser = |text: &str| view::parse_camera(text, view::Up::Y))]
     camera: Option<Camera>,
     /// For files: radiance that arrives from all around
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, default_value = "0", value_parser = view::parse_colour)]

@@ -72,7 +72,7 @@ impl Subject {
         let loaded = globillum::io::load(path)?;
         let camera = match camera.or(loaded.cameras.first().copied()) {
             Some(camera) => camera,
-            None => view::of_all(&loaded.model, 1.0)
+            None => view::of_all(&loaded.model.bounds(), view::Up::Y, 1.0)
                 .with_context(|| format!("{}: cannot be seen whole", path.display()))?,
         };
         let shines = loaded.model.materials().iter().any(|material| !material.emission.is_none());
