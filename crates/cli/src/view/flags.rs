@@ -33,10 +33,16 @@ pub fn parse_camera(text: &str, up: Up) -> Result<Camera, String> {
 pub(crate) fn format_camera(camera: &Camera, near: DVec3) -> String {
     let ray = camera.ray(0.0, 0.0, 1.0);
     let up = camera.ray(0.0, 1.0, 1.0).direction - ray.direction;
-    let target = ray.at(near.distance(ray.origin) / ray.direction.length());
+    let distance = near.distance(ray.origin);
+    let target = ray.at(distance / ray.direction.length());
+    let [from, to] = [ray.origin, target].map(|point| vector(point, distance));
     let degrees = 2.0 * up.length().atan().to_degrees();
-    let [from, to, up] = [ray.origin, target, up.normalize()].map(|v| v.to_array().map(short).join(","));
-    format!("{from}/{to}/{up}/{}", short(degrees))
+    format!("{from}/{to}/{}/{}", vector(up.normalize(), 1.0), short(degrees))
+}
+
+/// Coordinates to six digits each; 0 for those that are rounding errors in things of this size.
+fn vector(v: DVec3, size: f64) -> String {
+    v.to_array().map(|x| short(if x.abs() < 1e-9 * size { 0.0 } else { x })).join(",")
 }
 
 /// A number to six digits, without zeros at its end.
@@ -75,6 +81,12 @@ mod tests {
                 text.split('/').nth(1).expect("a target").split(',').flat_map(str::parse).collect();
             assert_eq!(format_camera(&camera, DVec3::from_slice(&to)), text);
         }
+    }
+
+    #[test]
+    fn rounding_errors_are_not_shown() {
+        let camera = parse_camera("1e-12,3,5/0,1e-12,0", Up::Y).expect("it is well-formed");
+        assert_eq!(format_camera(&camera, DVec3::ZERO), "0,3,5/0,0,0/0,0.857493,-0.514496/40");
     }
 
     #[test]
