@@ -1,21 +1,21 @@
-//! Where a ray meets a triangle, without rounding: the truth that intersectors are measured by.
+//! The intersection of a ray with a triangle without rounding: the reference for ray-triangle tests.
 //!
-//! A finite float is a rational number, and where a line meets a plane takes no more than the
-//! four operations of arithmetic. Nothing here has a tolerance, and nothing is shared with the
-//! arithmetic under test: this is Cramer's rule, not a shear.
+//! Finite floats are rational numbers, and the intersection of a line with a plane takes only the four
+//! operations of arithmetic. There is no tolerance. The method is Cramer's rule, which shares nothing with
+//! the shear of the tests that are compared with it.
 
 use dashu_ratio::Relaxed;
 use glam::DVec3;
 use globillum_geom::{Ray, Triangle};
 
-/// An exact number. What comes out of floats has a power of two as denominator, and powers of two
-/// are all that this type cancels, so no time goes into common divisors.
+/// An exact number. This type cancels powers of two only, which saves the time for common divisors. Sums and
+/// products of floats have powers of two as denominators.
 pub type Rational = Relaxed;
 
 /// A vector of exact numbers.
 pub type Vector = [Rational; 3];
 
-/// Where a ray's line meets a triangle's plane.
+/// The intersection of a ray's line with a triangle's plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crossing {
     /// Ray parameter; may be negative.
@@ -24,14 +24,14 @@ pub struct Crossing {
     pub u: Rational,
     /// Barycentric weight of the third vertex; any sign.
     pub v: Rational,
-    /// How `t`, `u` and `v` change with the ray's origin, on which they depend linearly: what an
-    /// error in the origin is multiplied by.
+    /// The gradients of `t`, `u` and `v` with respect to the ray's origin, on which they depend linearly.
     pub gradients: [Vector; 3],
 }
 
-/// Where the ray's line meets the triangle, edges and vertices included; its range is ignored.
+/// The intersection of the ray's line with the triangle, edges and vertices included. The ray's range is
+/// ignored.
 ///
-/// `None` if it passes outside, or runs parallel to the triangle's plane.
+/// `None` if the line passes the triangle, or is parallel to its plane.
 ///
 /// # Panics
 /// If a coordinate is not finite.
@@ -40,7 +40,7 @@ pub fn intersect(ray: &Ray, triangle: &Triangle) -> Option<Crossing> {
 }
 
 impl Crossing {
-    /// Where the ray's line meets the plane of `triangle`; `None` if it is parallel, or if the
+    /// The intersection of the ray's line with the plane of `triangle`; `None` if they are parallel, or if the
     /// vertices lie on one line.
     ///
     /// # Panics
@@ -85,12 +85,12 @@ pub fn rational(x: f64) -> Rational {
     Rational::try_from(x).unwrap_or_else(|_| panic!("{x} is not a number"))
 }
 
-/// The nearest `f64`, of two the even one.
+/// The nearest `f64`; ties round to even.
 pub fn rounded(x: &Rational) -> f64 {
     x.to_f64().value()
 }
 
-/// `|computed - exact|`, rounded only at the end.
+/// `|computed - exact|`, computed exactly and rounded once.
 ///
 /// # Panics
 /// If `computed` is not finite.
@@ -130,14 +130,14 @@ mod tests {
     }
 
     #[test]
-    fn thirds_come_out_as_thirds() {
+    fn thirds_are_exact() {
         let triangle =
             Triangle::new(Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0));
         let ray = ray([0.0; 3], [1.0; 3]);
         let hit = intersect(&ray, &triangle).unwrap();
         assert_eq!([&hit.t, &hit.u, &hit.v], [&fraction(1, 3); 3]);
         assert_eq!(hit.point(&ray), [1, 1, 1].map(|n| fraction(n, 3)));
-        // On the plane x + y + z = 1 every unit of displacement takes a third off t.
+        // For the plane x + y + z = 1 each unit of displacement lowers t by a third.
         assert_eq!(hit.gradients[0], [-1, -1, -1].map(|n| fraction(n, 3)));
     }
 
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_and_vertices_belong_to_the_triangle_and_nothing_beyond() {
+    fn the_triangle_includes_its_edges_and_vertices_and_nothing_beyond() {
         let down = [0.0, 0.0, -1.0];
         for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.5, 0.0), (0.0, 0.5)] {
             let hit = intersect(&ray([x, y, 1.0], down), &CORNER).unwrap();

@@ -1,6 +1,6 @@
-//! Studies of the library: what each program of this package prints, draws and writes.
+//! Studies of the library, one module for each program of this package:
 //!
-//! - [`compare`]: every accelerator and every splitting rule on a few meshes;
+//! - [`compare`]: every accelerator and every split rule on a few meshes;
 //! - [`convergence`]: speed against error of every accelerator, estimator and sampler;
 //! - [`accuracy`]: speed and error of ray-triangle tests.
 

@@ -1,24 +1,23 @@
-//! Where figures come from: what those who repeat them need to know.
+//! The processor, command and date that are printed with figures, so that they can be reproduced.
 
-/// What the machine calls its processor, where that is known.
+/// The processor's model name; `None` where it is unknown.
 pub(crate) fn cpu_model() -> Option<String> {
     let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = info.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// The command that runs `program` of this package once more, with the same options.
+/// The command that runs `program` of this package with the current options.
 pub(crate) fn command(program: &str) -> String {
     let options: Vec<_> = std::env::args().skip(1).collect();
     let separator = if options.is_empty() { "" } else { " -- " };
     format!("cargo run --release -p globillum-lab --bin {program}{separator}{}", options.join(" "))
 }
 
-/// Today in Greenwich, as year, month and day (Hinnant, "chrono-compatible low-level date algorithms",
-/// 2013).
+/// Today's date in UTC, as `YYYY-MM-DD` (Hinnant, "chrono-compatible low-level date algorithms", 2013).
 pub(crate) fn date() -> String {
     let since_1970 = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
-    // Days since 1 March of the year 0: leap days come last in a year, and 400 years are 146097 days.
+    // Days since 1 March of the year 0. Leap days are the last days of such years; 400 years have 146097 days.
     let days = since_1970.as_secs() / 86_400 + 719_468;
     let (era, day_of_era) = (days / 146_097, days % 146_097);
     let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;

@@ -1,9 +1,9 @@
-//! Tables in Markdown, so that they can be copied into a document.
+//! Markdown tables.
 
 use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{CellAlignment, Table};
 
-/// A table of that many columns, all but the first to the right.
+/// A table with this header; all columns but the first are right-aligned.
 pub(crate) fn table(head: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_preset(ASCII_MARKDOWN).set_header(head.iter().copied());

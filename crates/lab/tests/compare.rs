@@ -1,4 +1,4 @@
-//! The program `compare` as a person meets it: what it writes, and what it says when it cannot.
+//! Runs the program `compare`, and checks its output files and error messages.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -59,7 +59,7 @@ fn everything_is_written_and_all_rows_have_one_hash() {
     assert!(table.contains("| k-d tree, sliding fair"), "{table}");
     let csv = std::fs::read_to_string(folder.path().join("compare/compare.csv")).expect("a table");
     let hashes: Vec<&str> = csv.lines().skip(1).filter_map(|line| line.rsplit(',').next()).collect();
-    // Brute force, the grid, the usual tree, the wide one and seven rules.
+    // Brute force, the grid, the default k-d tree, the wide tree and seven rules.
     assert_eq!(hashes.len(), 11, "{csv}");
     assert!(hashes.iter().all(|hash| hash == &hashes[0] && hash.len() == 16), "{csv}");
     for name in
@@ -70,9 +70,9 @@ fn everything_is_written_and_all_rows_have_one_hash() {
     }
 }
 
-/// Between the two middle columns of pixels: no ray meets it, and every picture is of one colour.
+/// The mesh lies between the two middle columns of pixels: no ray hits it, and every picture has one colour.
 #[test]
-fn a_mesh_that_no_ray_meets_is_no_reason_to_stop() {
+fn a_mesh_that_no_ray_hits_is_no_error() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("blade.obj"), "v 0 0 0\nv 0 1 0\nv 0.0001 0.5 0\nf 1 2 3\n")
         .expect("a file");

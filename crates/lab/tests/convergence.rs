@@ -1,12 +1,12 @@
-//! The program `convergence` as a person meets it: what it writes, and what it says when it cannot.
+//! Runs the program `convergence`, and checks its report and error messages.
 
 use globillum_testkit::program::Program;
 use std::path::Path;
 
 const CONVERGENCE: Program = Program { path: env!("CARGO_BIN_EXE_convergence"), first: &[] };
 
-/// As little as makes a report.
-const LITTLE: [&str; 6] = ["--spp", "16", "--time", "0.02", "--rays", "1000"];
+/// Small parameters that still give a full report.
+const SMALL: [&str; 6] = ["--spp", "16", "--time", "0.02", "--rays", "1000"];
 
 fn fill(folder: &Path) {
     std::fs::write(folder.join("dark.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
@@ -17,11 +17,11 @@ fn assert_refused(arguments: &[&str], words: &[&str]) {
     CONVERGENCE.assert_refused(fill, arguments, words);
 }
 
-/// A report of `scenes`, in a folder of its own.
+/// A report of `scenes`, in its own folder.
 fn report(scenes: &[&str], more: &[&str]) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fill(folder.path());
-    let arguments = [scenes, &LITTLE, more].concat();
+    let arguments = [scenes, &SMALL, more].concat();
     let output = CONVERGENCE.run(folder.path(), &arguments);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = std::fs::read_to_string(folder.path().join("convergence/report.md")).expect("a report");
@@ -33,7 +33,7 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["c4"], &["c4"]);
     assert_refused(&["none.obj"], &["none.obj"]);
     assert_refused(&["bad.obj"], &["bad.obj:2"]);
-    assert_refused(&["dark.obj"], &["dark.obj", "nothing shines", "--environment"]);
+    assert_refused(&["dark.obj"], &["dark.obj", "no light", "--environment"]);
     assert_refused(&["corner", "corner"], &["two scenes", "corner"]);
     assert_refused(&["--spp", "12"], &["--spp 12", "power of two"]);
     assert_refused(&["--spp", "2"], &["--spp"]);
@@ -44,9 +44,9 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["--out", "dark.obj"], &["dark.obj"]);
 }
 
-/// Random numbers are fixed, and so are the verdicts, whatever the machine is busy with.
+/// The seeds are fixed, and verdicts do not depend on times.
 #[test]
-fn what_is_biased_on_purpose_is_found_and_nothing_else() {
+fn only_the_combination_that_is_biased_on_purpose_is_found_biased() {
     let (folder, report) = report(&["corner", "cornell"], &["--accel", "wide", "--side", "64"]);
     let verdicts = |scene: &str| -> Vec<String> {
         let section = report.split("\n## ").find(|section| section.starts_with(scene)).expect("a section");
@@ -56,11 +56,11 @@ fn what_is_biased_on_purpose_is_found_and_nothing_else() {
     for (scene, biased) in [("corner", 0), ("cornell", 1)] {
         let verdicts = verdicts(scene);
         assert_eq!(verdicts.len(), 8, "{report}");
-        let [right @ .., cut_short] = &verdicts[..] else { panic!("no rows") };
-        assert!(right.iter().all(|row| row.contains("no bias found")), "{scene}: {right:#?}");
-        assert_eq!(usize::from(cut_short.contains("**biased**: the mean")), biased, "{scene}: {cut_short}");
+        let [unbiased @ .., truncated] = &verdicts[..] else { panic!("no rows") };
+        assert!(unbiased.iter().all(|row| row.contains("no bias found")), "{scene}: {unbiased:#?}");
+        assert_eq!(usize::from(truncated.contains("**biased**: the mean")), biased, "{scene}: {truncated}");
     }
-    // What the report shows is there.
+    // The pictures in the report exist.
     let shown = report.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     let shown: Vec<&str> = shown.collect();
     assert_eq!(shown.len(), 5, "{report}");
@@ -77,7 +77,7 @@ fn a_file_is_measured_and_all_accelerators_have_one_hash() {
     let csv = std::fs::read_to_string(folder.path().join("convergence/samples.csv")).expect("a table");
     let mut rows = csv::Reader::from_reader(csv.as_bytes());
     let rows: Vec<csv::StringRecord> = rows.records().map(|row| row.expect("a row")).collect();
-    // Five numbers of samples, seven combinations in three accelerators, and one in one.
+    // Five numbers of samples: seven combinations with three accelerators, and one with one.
     assert_eq!(rows.len(), 5 * (7 * 3 + 1), "{csv}");
     let key = |row: &csv::StringRecord| [2, 3, 4].map(|column| row[column].to_owned());
     for row in &rows {

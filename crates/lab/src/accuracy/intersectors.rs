@@ -1,4 +1,4 @@
-//! The library's decision and two rivals in `f32`, behind one face.
+//! The library's exact decision and two well-known tests in `f32`, behind one trait.
 //!
 //! All accept edges and vertices, have no epsilon and ignore the ray's range.
 
@@ -7,17 +7,17 @@ use globillum::geom::decide::{Intersection, Shear};
 use globillum::geom::{Ray, Triangle};
 use globillum_testkit::precision::Precision;
 
-/// A ray made ready by some method for meeting many triangles.
+/// A ray prepared for intersection tests with many triangles.
 pub(crate) trait Intersector: Sized {
-    /// What a table calls the method.
+    /// The name in tables.
     const NAME: &'static str;
-    /// What it computes in; the ray is rounded to that.
+    /// The precision of the arithmetic; the ray is rounded to it.
     const PRECISION: Precision;
 
-    /// The work done once for each ray; `None` if nothing can be hit.
+    /// The precomputation per ray; `None` if the ray cannot hit anything.
     fn prepare(ray: &Ray) -> Option<Self>;
 
-    /// Where the ray's line meets `triangle`.
+    /// The intersection of the ray's line with `triangle`.
     fn intersect(&self, triangle: &Triangle) -> Option<Intersection>;
 }
 
@@ -36,7 +36,7 @@ impl Intersector for Shear {
 }
 
 /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (JGT 2(1), 1997), both
-/// sides, in `f32`: Cramer's rule. Only a determinant of exactly zero is turned away.
+/// sides, in `f32`: Cramer's rule. Only a determinant of exactly zero is rejected.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MoellerTrumbore {
     origin: Vec3,
@@ -92,7 +92,7 @@ impl Intersector for Woop {
         let d = ray.direction.as_vec3();
         let kz = d.abs().max_position();
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        // Seen against the axis, left and right change places.
+        // A direction against the axis swaps left and right.
         let [kx, ky] = if d[kz] < 0.0 { [ky, kx] } else { [kx, ky] };
         let shear = [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]];
         Some(Self { origin: ray.origin.as_vec3().to_array(), axes: [kx, ky, kz], shear })
@@ -136,8 +136,8 @@ mod tests {
         I::prepare(ray)?.intersect(triangle).map(|i| [i.t, i.u, i.v])
     }
 
-    /// Small integers and quarters, so that nothing rounds.
-    fn finds_its_way<I: Intersector>() {
+    /// Coordinates are small integers and quarters, so that no operation rounds.
+    fn assert_exact<I: Intersector>() {
         let corner = Triangle::new(Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0);
         for (x, y, z) in [(1.0, 2.0, 2.0), (0.0, 0.0, 2.0), (4.0, 0.0, -2.0), (2.0, 2.0, -4.0)] {
             let ray = Ray::new(DVec3::new(x, y, z), DVec3::new(0.0, 0.0, -z));
@@ -156,8 +156,8 @@ mod tests {
 
     #[test]
     fn all_agree_where_nothing_rounds() {
-        finds_its_way::<MoellerTrumbore>();
-        finds_its_way::<Woop>();
-        finds_its_way::<Shear>();
+        assert_exact::<MoellerTrumbore>();
+        assert_exact::<Woop>();
+        assert_exact::<Shear>();
     }
 }

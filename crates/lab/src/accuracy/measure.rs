@@ -1,4 +1,4 @@
-//! What an intersector costs and how far it is from exact arithmetic.
+//! Time and error of an intersector, the error against exact arithmetic.
 
 use super::intersectors::Intersector;
 use crate::timing::timed;
@@ -8,7 +8,7 @@ use globillum_exact::{self as exact, Crossing};
 use globillum_testkit::aimed::{Aimed, Ball, ordinary, sliver};
 use std::hint::black_box;
 
-/// Mean and maximum of some errors.
+/// Mean and maximum of a set of errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Errors {
     /// The mean.
@@ -32,9 +32,9 @@ impl FromIterator<f64> for Errors {
 /// Errors of `t` and of the hit point over `count` [ordinary] cases, in ulps of the intersector's
 /// own precision.
 ///
-/// The error of `t` counts in ulps of the exact `t`. The hit point is `origin + t * direction`
-/// computed in the intersector's precision; its error is that of the worst coordinate, in ulps of
-/// the largest coordinate, in magnitude, of the ray's origin and the exact point.
+/// The error of `t` is in ulps of the exact `t`. The hit point is `origin + t * direction` computed in the
+/// intersector's precision. Its error is that of the worst coordinate, in ulps of the largest coordinate, in
+/// magnitude, of the ray's origin and the exact point.
 pub(crate) fn errors<I: Intersector>(seed: u64, count: u32) -> [Errors; 2] {
     let cases = (0..count).filter_map(|index| errors_of::<I>(&ordinary(seed, index)));
     let (t, point): (Vec<f64>, Vec<f64>) = cases.unzip();
@@ -53,15 +53,15 @@ fn errors_of<I: Intersector>(case: &Aimed) -> Option<(f64, f64)> {
     Some((t_error, worst / I::PRECISION.ulp(reach)))
 }
 
-/// What became of rays aimed at slivers.
+/// Counts of rays that miss the sliver they are aimed at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Misses {
     /// Rays that hit nothing.
     pub(crate) all: u32,
-    /// Rays that meet their sliver, as exact arithmetic sees it: the others, rounded to the
-    /// intersector's precision, point past it.
+    /// Rays that meet their sliver in exact arithmetic. The others pass it because they are rounded to the
+    /// intersector's precision.
     pub(crate) meeting: u32,
-    /// Rays that meet their sliver and yet hit nothing.
+    /// Rays that meet their sliver in exact arithmetic and hit nothing.
     pub(crate) wrong: u32,
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn sliver_misses<I: Intersector>(width: f64, seed: u64, count: u32) -
     })
 }
 
-/// How many of `count` rays aimed from inside `ball` at its edges or vertices hit nothing.
+/// The number of rays that hit nothing, of `count` rays aimed from inside `ball` at its edges or vertices.
 pub(crate) fn leaks<I: Intersector>(ball: &Ball, target: Target, seed: u64, count: u32) -> u32 {
     let escapes = |index: &u32| {
         let Some(ray) = I::prepare(&ball.ray_at(target, seed, *index)) else { return true };
@@ -88,26 +88,26 @@ pub(crate) fn leaks<I: Intersector>(ball: &Ball, target: Target, seed: u64, coun
     (0..count).filter(escapes).count() as u32
 }
 
-/// What a test takes.
+/// Time per test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Timing {
     /// Median over the runs, in nanoseconds.
     pub(crate) median_ns: f64,
-    /// The fastest run, in nanoseconds: on a busy machine nearer to the truth.
+    /// The fastest run, in nanoseconds; other load on the machine affects it least.
     pub(crate) fastest_ns: f64,
     /// Fraction of the tests that hit.
     pub(crate) hit_rate: f64,
 }
 
-/// Triangles of the leaf that is timed.
+/// Triangles of the timed leaf.
 const LEAF_LEN: u32 = 64;
-/// Rays of a run, prepared beforehand.
+/// Rays of a run, prepared in advance.
 const TIMED_RAYS: u32 = 4096;
-/// Runs of about five milliseconds each.
+/// Number of runs, of about five milliseconds each.
 const RUNS: usize = 101;
 
-/// Times the test alone, without the work done once for each ray: the closest hit of each ray
-/// among the triangles of one leaf. About as many tests hit as in the leaves of a k-d tree.
+/// Times the test alone, without the precomputation per ray: the closest hit of each ray among the triangles of
+/// one leaf. The share of tests that hit is about that in the leaves of a k-d tree.
 pub(crate) fn time<I: Intersector>(seed: u64) -> Timing {
     let leaf: Vec<Triangle> = (0..LEAF_LEN).map(|i| ordinary(seed, i).triangle).collect();
     let rays: Vec<I> =

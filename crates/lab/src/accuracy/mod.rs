@@ -1,8 +1,8 @@
-//! Prints how accurate and how fast ray-triangle tests are, as Markdown tables:
+//! Prints the accuracy and speed of ray-triangle tests as Markdown tables:
 //! `cargo run --release -p globillum-lab --bin accuracy`.
 //!
-//! The library's decision stands next to two well-known tests in `f32`; exact rational arithmetic
-//! is the judge. docs/numerics.md shows the tables and says what they mean.
+//! Compares the library's exact decision and two well-known tests in `f32` with exact rational arithmetic.
+//! docs/numerics.md contains the tables and explains them.
 
 pub(crate) mod intersectors;
 pub(crate) mod measure;
@@ -18,14 +18,14 @@ use intersectors::{Intersector, MoellerTrumbore, Woop};
 use measure::{Misses, errors, leaks, sliver_misses, time};
 use std::io::Write;
 
-/// Prints how accurate and how fast ray-triangle tests are.
+/// Prints the accuracy and speed of ray-triangle tests.
 #[derive(Debug, Parser)]
 #[command(version, about)]
 pub struct Options {
     /// Rays for each count of leaks, and for the errors
     #[arg(long, default_value_t = 200_000, value_parser = clap::value_parser!(u32).range(1..))]
     rays: u32,
-    /// Which random numbers
+    /// Seed of the random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
 }
@@ -34,10 +34,10 @@ pub struct Options {
 const SLIVER_RAYS: u32 = 20_000;
 const SLIVER_WIDTHS: [f64; 3] = [1e-4, 1e-8, 1e-12];
 
-/// Measures, prints and writes everything.
+/// Measures and prints all tables.
 ///
 /// # Errors
-/// An option that makes no sense, a file that cannot be read or written, naming it.
+/// Standard output cannot be written.
 pub fn run(options: &Options) -> Result<()> {
     let mut out = std::io::stdout().lock();
     write_table(
@@ -105,7 +105,7 @@ fn leaks_of<I: Intersector>(options: &Options) -> Vec<String> {
     [vec![I::NAME.to_owned()], columns.to_vec()].concat()
 }
 
-/// Writes a Markdown table, numbers to the right.
+/// Writes a Markdown table with right-aligned numbers.
 fn write_table(out: &mut impl Write, head: &[&str], rows: [Vec<String>; 3]) -> Result<()> {
     writeln!(out, "| {} |", head.join(" | "))?;
     writeln!(out, "|---|{}", "---:|".repeat(head.len() - 1))?;

@@ -1,4 +1,4 @@
-//! Prints how accurate and how fast ray-triangle tests are: `cargo run --release -p globillum-lab --bin accuracy`.
+//! Prints the accuracy and speed of ray-triangle tests: `cargo run --release -p globillum-lab --bin accuracy`.
 
 use clap::Parser;
 use globillum_cli::report_and_exit;

@@ -1,4 +1,5 @@
-//! Compares every accelerator and every splitting rule on a few meshes: `cargo run --release -p globillum-lab --bin compare`.
+//! Compares every accelerator and every split rule on a few meshes: `cargo run --release -p globillum-lab
+//! --bin compare`.
 
 use clap::Parser;
 use globillum_cli::report_and_exit;

@@ -1,4 +1,4 @@
-//! Bars: build time on the left, time of a query on the right, a line of both for each mesh.
+//! Bar charts: build times on the left, query times on the right, one row of panels per mesh.
 
 use super::row::Row;
 use crate::plot::{self, Drawing, failed};
@@ -8,7 +8,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::{Path, PathBuf};
 
-/// A bar's colour and what it stands for.
+/// The colour, name and value of a kind of bar.
 struct Series {
     name: &'static str,
     color: RGBColor,
@@ -17,7 +17,7 @@ struct Series {
 
 const BUILD: [Series; 1] = [Series { name: "build", color: RGBColor(68, 1, 84), value: |row| row.build_ms }];
 
-/// Dark, middle and light, so that print shows the difference too.
+/// The colours differ in brightness too, so that they remain distinct in greyscale print.
 const QUERIES: [Series; 3] = [
     Series { name: "closest, camera", color: RGBColor(68, 1, 84), value: |row| row.closest_camera_ns },
     Series { name: "closest, bounce", color: RGBColor(33, 145, 140), value: |row| row.closest_bounce_ns },
@@ -29,7 +29,7 @@ pub(crate) fn write(folder: &Path, rows: &[Vec<Row>]) -> Result<[PathBuf; 2]> {
     plot::write_both(folder, "compare", &Bars(rows))
 }
 
-/// A line of two panels for each mesh.
+/// A row of two panels for each mesh.
 struct Bars<'r>(&'r [Vec<Row>]);
 
 impl Drawing for Bars<'_> {
@@ -56,7 +56,7 @@ fn panel<'a, B: DrawingBackend + 'a>(
 ) -> Result<()> {
     let values = rows.iter().flat_map(|row| series.iter().map(|s| (s.value)(row)));
     let longest = values.fold(0.0, f64::max);
-    // Where there is a legend, bars leave room for it.
+    // Bars leave room for the legend, if there is one.
     let width = longest * if series.len() > 1 { 1.3 } else { 1.05 };
     let count = rows.len() as f64;
     let mut chart = ChartBuilder::on(area)

@@ -1,5 +1,5 @@
 //! The cost of each pixel's camera ray, as a picture and as a histogram.
-#![allow(clippy::print_stdout, reason = "a program talks to people")]
+#![allow(clippy::print_stdout, reason = "a program prints its results")]
 
 use super::structures::Structures;
 use crate::plot::{self, Drawing, Scale, failed, short};
@@ -11,7 +11,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Visits and tests that a pixel's camera ray takes.
+/// Node visits and triangle tests of each pixel's camera ray.
 struct Costs {
     structure: &'static str,
     of_pixels: Vec<u64>,
@@ -25,7 +25,7 @@ fn costs(structure: &'static str, accel: &impl Traverse, rays: &[Ray]) -> Costs 
     Costs { structure, of_pixels: rays.iter().map(cost).collect() }
 }
 
-/// Of the best tree, the best of the other rules, and the grid.
+/// The costs of the default k-d tree, of the sliding midpoint tree (the best other rule) and of the grid.
 fn all_costs(subject: &Subject, side: u32, structures: &Structures) -> Result<[Costs; 3]> {
     let triangles = &subject.triangles;
     let kd = KdTree::build(triangles, &structures.usual_kd())?;
@@ -35,7 +35,7 @@ fn all_costs(subject: &Subject, side: u32, structures: &Structures) -> Result<[C
     Ok([costs("kd", &kd, &rays), costs("sliding", &sliding, &rays), costs("grid", &grid, &rays)])
 }
 
-/// Prints how many pixels cost how much, in classes that double.
+/// Prints the number of pixels by cost, in classes of doubling width.
 pub(crate) fn print_histogram(subject: &Subject, side: u32, structures: &Structures) -> Result<()> {
     println!("pixels by visits and tests of their camera ray:");
     for Costs { structure, of_pixels } in all_costs(subject, side, structures)? {
@@ -54,7 +54,7 @@ pub(crate) fn print_histogram(subject: &Subject, side: u32, structures: &Structu
     Ok(())
 }
 
-/// Draws one heat map for each structure, all of a mesh on one logarithmic scale.
+/// Draws one heat map for each structure. All maps of a mesh share one logarithmic scale.
 pub(crate) fn write_maps(
     folder: &Path,
     subject: &Subject,
@@ -71,7 +71,7 @@ pub(crate) fn write_maps(
     all.iter().map(write).collect()
 }
 
-/// A pixel of the map for each ray, or a square of pixels, and the scale below.
+/// A map with a square of pixels for each ray, and the colour scale below it.
 struct HeatMap<'c> {
     costs: &'c Costs,
     /// Rays along each side.
@@ -79,10 +79,10 @@ struct HeatMap<'c> {
     scale: Scale,
 }
 
-/// What a map measures along each side at least.
+/// The least number of pixels along each side of a map.
 const LEAST_SIDE: u32 = 384;
 const MARGIN: u32 = 16;
-/// The scale and what it measures.
+/// The height of the scale and its caption.
 const BELOW: u32 = 64;
 
 impl HeatMap<'_> {

@@ -1,4 +1,4 @@
-//! Measuring an accelerator: what it costs, and that it answers like the others.
+//! Measures accelerators: build time, memory, query times, counts, and a hash of all answers.
 
 use crate::timing::{median, timed};
 use globillum::geom::{Counts, GeomError, Triangles};
@@ -8,31 +8,31 @@ use globillum_testkit::meshes::Subject;
 use globillum_testkit::query::{Buffers, Query};
 use globillum_testkit::rays::Rays;
 
-/// An accelerator on a mesh, measured.
+/// The measurements of an accelerator on a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct Measurement {
     /// The accelerator's name.
     pub(crate) accelerator: String,
     /// Median seconds of building it.
     pub(crate) build_seconds: f64,
-    /// Bytes it holds, the triangles included.
+    /// Memory in bytes, including the triangles.
     pub(crate) bytes: usize,
-    /// Median nanoseconds a ray, for each of [`Query::ALL`].
+    /// Median nanoseconds per ray, for each of [`Query::ALL`].
     pub(crate) nanoseconds: [f64; 4],
-    /// What is done, for each of [`Query::ALL`].
+    /// Traversal counts, for each of [`Query::ALL`].
     pub(crate) counts: [Counts; 4],
-    /// Of all answers to all queries.
+    /// Hash of all answers to all queries.
     pub(crate) hash: u64,
 }
 
-/// An accelerator by name, and how it is built.
+/// The name and builder of an accelerator.
 pub(crate) type Contender = (String, Box<dyn Fn(&Triangles) -> Built>);
 
-/// Builds and asks every accelerator `repeats` times, in turn, so that a disturbance meets all
-/// alike; `done` is called after each turn of each.
+/// Builds and queries every accelerator `repeats` times. The accelerators take turns, so that other load on the
+/// machine affects all equally. `done` is called after each turn of each accelerator.
 ///
 /// # Errors
-/// What building one says.
+/// Those of the builders.
 pub(crate) fn measure(
     contenders: &[Contender],
     subject: &Subject,
@@ -52,7 +52,7 @@ pub(crate) fn measure(
     Ok(runs.into_iter().map(|run| run.finish(rays)).collect())
 }
 
-/// What has been measured of one accelerator.
+/// The timings of one accelerator so far.
 struct Run<'a> {
     contender: &'a Contender,
     accel: Box<dyn Measurable>,
@@ -77,7 +77,7 @@ impl<'a> Run<'a> {
         let (built, seconds) = timed(|| self.contender.1(&subject.triangles));
         let built = built?;
         self.builds.push(seconds);
-        // The one before is freed outside the time that is taken.
+        // Drops the previous accelerator outside the timed section.
         self.accel = built;
         for query in Query::ALL {
             self.queries[query as usize].push(timed(|| query.run(&self.accel, rays, &mut self.buffers)).1);
@@ -110,7 +110,7 @@ mod tests {
     use globillum_testkit::shapes::statue;
 
     #[test]
-    fn all_accelerators_have_one_hash_and_a_wrong_one_another() {
+    fn hashes_agree_for_all_accelerators_and_differ_for_a_wrong_one() {
         let subject = Subject::new("statue", statue(500).triangles()).unwrap();
         let rays = Rays::new(&subject, 16).unwrap();
         assert!(rays.bounce.len() > 20 && rays.shadow.len() == rays.bounce.len());
@@ -119,10 +119,10 @@ mod tests {
         let contenders: Vec<Contender> =
             contenders.map(|(name, build)| (name.to_owned(), Box::new(build) as Box<_>)).collect();
         let measured = measure(&contenders, &subject, &rays, 1, || ()).unwrap();
-        let [alike @ .., nothing] = &measured[..] else { panic!("there is nothing") };
-        for measurement in alike {
-            assert_eq!(measurement.hash, alike[0].hash, "{}", measurement.accelerator);
+        let [correct @ .., nothing] = &measured[..] else { panic!("no measurement") };
+        for measurement in correct {
+            assert_eq!(measurement.hash, correct[0].hash, "{}", measurement.accelerator);
         }
-        assert_ne!(nothing.hash, alike[0].hash);
+        assert_ne!(nothing.hash, correct[0].hash);
     }
 }

@@ -1,9 +1,9 @@
-//! Compares every accelerator and every splitting rule on a few meshes:
+//! Compares every accelerator and every split rule on a few meshes:
 //! `cargo run --release -p globillum-lab --bin compare`.
 //!
-//! docs/accelerators.md shows the tables and says what they mean.
+//! docs/accelerators.md contains the tables and explains them.
 
-#![allow(clippy::print_stdout, reason = "a program talks to people")]
+#![allow(clippy::print_stdout, reason = "a program prints its results")]
 
 mod chart;
 mod heat;
@@ -24,20 +24,20 @@ use row::Row;
 use std::path::{Path, PathBuf};
 use structures::Structures;
 
-/// Compares every accelerator and every splitting rule on a few meshes.
+/// Compares every accelerator and every split rule on a few meshes.
 #[derive(Debug, Parser)]
 #[command(version, about)]
 pub struct Options {
     /// Compare on this mesh instead of the procedural ones; may be given several times
     #[arg(long, value_name = "FILE.obj")]
     mesh: Vec<PathBuf>,
-    /// Camera rays are those of a square picture with so many pixels on each side
+    /// Pixels along each side of the square picture, with one camera ray each
     #[arg(long, default_value_t = 192, value_parser = clap::value_parser!(u32).range(1..=4096))]
     side: u32,
     /// Factor on the camera distance; the field of view narrows, so the mesh fills the picture as before
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = farther)]
     farther: f64,
-    /// How often each thing is timed; the median counts
+    /// Repetitions of each timing; the median is reported
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     repeats: u32,
     #[command(flatten)]
@@ -50,11 +50,11 @@ pub struct Options {
 /// Measures, prints and writes everything.
 ///
 /// # Errors
-/// An option that makes no sense, a file that cannot be read or written, naming it.
+/// An invalid option, or a file that cannot be read or written; the message names it.
 pub fn run(options: &Options) -> Result<()> {
     let subjects = options.subjects()?;
     let folder = &options.out;
-    std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+    std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
     let contenders = options.structures.contenders();
     let progress =
         indicatif::ProgressBar::new((subjects.len() * contenders.len()) as u64 * u64::from(options.repeats));
@@ -86,7 +86,7 @@ pub fn run(options: &Options) -> Result<()> {
 fn assert_one_hash(rows: &[Vec<Row>]) -> Result<()> {
     for rows in rows {
         for row in rows {
-            ensure!(row.hash == rows[0].hash, "{}: {} answers differently", row.mesh, row.accelerator);
+            ensure!(row.hash == rows[0].hash, "{}: {} gives different answers", row.mesh, row.accelerator);
         }
     }
     Ok(())
@@ -102,7 +102,7 @@ impl Options {
         Ok(subjects)
     }
 
-    /// Each from where it is usually seen.
+    /// Each mesh with its default camera.
     fn meshes(&self) -> Result<Vec<Subject>> {
         if self.mesh.is_empty() {
             return Ok(procedural()?);
@@ -110,15 +110,15 @@ impl Options {
         let subjects = self.mesh.iter().map(|path| subject_from(path)).collect::<Result<Vec<_>>>()?;
         for (i, subject) in subjects.iter().enumerate() {
             let twice = subjects[..i].iter().any(|other| other.name == subject.name);
-            ensure!(!twice, "--mesh: two are called {}, and so would be their pictures", subject.name);
+            ensure!(!twice, "--mesh: two meshes are named {}; their pictures would collide", subject.name);
         }
         Ok(subjects)
     }
 }
 
-/// A distance at which rays can still be told apart.
+/// Parses a factor on the camera distance. The limit keeps rays of different pixels distinct.
 fn farther(text: &str) -> Result<f64, String> {
-    let factor: f64 = text.parse().map_err(|_| "a number is needed".to_owned())?;
+    let factor: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     let range = 1.0..=1e15;
     if range.contains(&factor) { Ok(factor) } else { Err("it must lie in [1, 1e15]".to_owned()) }
 }

@@ -1,4 +1,4 @@
-//! One accelerator on one mesh: what a line of the table and of the CSV file says.
+//! The figures of one accelerator on one mesh: a row of the table and of the CSV file.
 
 use super::measure::Measurement;
 use anyhow::Result;
@@ -8,7 +8,8 @@ use globillum_testkit::rays::Rays;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// A line of `compare.csv`. Times are in milliseconds and nanoseconds, counts a ray.
+/// A row of `compare.csv`. Build times are in milliseconds, query times in nanoseconds per ray. Counts are per
+/// ray.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Row {
     pub(crate) mesh: String,
@@ -38,13 +39,13 @@ pub(crate) struct Row {
     pub(crate) opened_shadow: f64,
     pub(crate) tests_shadow: f64,
     pub(crate) repeats_shadow: f64,
-    /// Bounce rays after which the next row, slower to build, has caught up; empty if it never
-    /// does, or there is none.
+    /// Number of bounce rays after which the next row, which takes longer to build, is faster in total. Empty
+    /// if it never is, or in the last row.
     pub(crate) break_even_rays: Option<f64>,
     pub(crate) hash: String,
 }
 
-/// The rows of one mesh, by build time.
+/// The rows of one mesh, in ascending order of build time.
 pub(crate) fn rows(mesh: &str, triangles: usize, rays: &Rays, mut measured: Vec<Measurement>) -> Vec<Row> {
     measured.sort_by(|a, b| a.build_seconds.total_cmp(&b.build_seconds));
     let row = |i: usize| {
@@ -88,7 +89,8 @@ pub(crate) fn rows(mesh: &str, triangles: usize, rays: &Rays, mut measured: Vec<
     (0..measured.len()).map(row).collect()
 }
 
-/// After how many bounce rays `next`, which takes longer to build, has caught up.
+/// The number of bounce rays after which `next`, which takes longer to build, is faster in total; `None` if it
+/// never is.
 fn break_even(this: &Measurement, next: &Measurement) -> Option<f64> {
     let bounce = Query::ClosestBounce as usize;
     let gain = (this.nanoseconds[bounce] - next.nanoseconds[bounce]) * 1e-9;

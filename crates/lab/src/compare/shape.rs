@@ -1,12 +1,12 @@
-//! What the trees look like, rule by rule.
-#![allow(clippy::print_stdout, reason = "a program talks to people")]
+//! Statistics of the k-d trees of all split rules.
+#![allow(clippy::print_stdout, reason = "a program prints its results")]
 
 use super::structures::{Structures, name};
 use crate::table::table;
 use anyhow::Result;
 use globillum::geom::{KdTree, SplitRule, Triangles};
 
-/// A line for each rule.
+/// Prints a table with a row for each split rule.
 pub(crate) fn print(triangles: &Triangles, structures: &Structures) -> Result<()> {
     let mut table = table(&[
         "rule",

@@ -1,4 +1,4 @@
-//! What is compared, and the options that all of it shares.
+//! The compared structures and their common options.
 
 use super::measure::Contender;
 use clap::Args;
@@ -10,31 +10,31 @@ use globillum_testkit::accelerators::{Built, rule_options};
 /// Options of the structures.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct Structures {
-    /// Leave a cell whole that holds so few triangles
+    /// Largest number of triangles of a cell that is not split
     #[arg(long, default_value_t = KdOptions::default().leaf_size)]
     leaf_size: u32,
     /// Cost of visiting an inner node, in units of deciding one triangle
     #[arg(long, default_value_t = KdOptions::default().traversal_cost)]
     traversal_cost: f64,
-    /// Planes in a row that need not pay by themselves, where rules are compared
+    /// Consecutive split planes that need not lower the cost by themselves, in the comparison of split rules
     #[arg(long, default_value_t = 1)]
     lookahead: u32,
-    /// The fair rules' bound on a cell's longest side over its shortest
+    /// Bound of the fair rules on a cell's longest side over its shortest
     #[arg(long, default_value_t = KdOptions::default().max_aspect)]
     max_aspect: f64,
-    /// The grid's cells for each triangle
+    /// Cells of the grid per triangle
     #[arg(long, default_value_t = GridOptions::default().density)]
     density: f64,
-    /// The grid's cells along each axis, instead
+    /// Cells of the grid along each axis; overrides --density
     #[arg(long, value_name = "X,Y,Z", value_parser = resolution)]
     resolution: Option<[u32; 3]>,
-    /// Also test every triangle for every ray, which is slow
+    /// Also measure brute force, which is slow
     #[arg(long)]
     brute: bool,
 }
 
 impl Structures {
-    /// The name of each structure, and how it is built.
+    /// The name and builder of each structure.
     pub(crate) fn contenders(self) -> Vec<Contender> {
         let mut all: Vec<Contender> = Vec::new();
         if self.brute {
@@ -49,14 +49,14 @@ impl Structures {
         all
     }
 
-    /// The options of a tree as it is by default.
+    /// The options of the default tree.
     pub(crate) fn usual_kd(self) -> KdOptions {
         let mut options = self.kd(SplitRule::default());
         options.lookahead = KdOptions::default().lookahead;
         options
     }
 
-    /// The options under which rules are compared.
+    /// The options for comparing split rules.
     pub(crate) fn kd(self, rule: SplitRule) -> KdOptions {
         let mut options = rule_options(rule);
         options.leaf_size = self.leaf_size;
@@ -88,12 +88,12 @@ pub(crate) fn name(rule: SplitRule) -> &'static str {
         SplitRule::Fair => "fair",
         SplitRule::SlidingFair => "sliding fair",
         SplitRule::SurfaceArea => "surface area",
-        _ => "another rule",
+        _ => "unknown rule",
     }
 }
 
 fn resolution(text: &str) -> Result<[u32; 3], String> {
     let numbers: Result<Vec<u32>, _> = text.split(',').map(str::parse).collect();
     let numbers = numbers.map_err(|error| error.to_string())?;
-    numbers.try_into().map_err(|_| "three numbers with commas between them are needed".to_owned())
+    numbers.try_into().map_err(|_| "expected three numbers separated by commas".to_owned())
 }

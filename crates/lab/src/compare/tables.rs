@@ -1,10 +1,10 @@
-//! What is printed: Markdown, so that it can be copied into a document.
-#![allow(clippy::print_stdout, reason = "a program talks to people")]
+//! Prints tables as Markdown.
+#![allow(clippy::print_stdout, reason = "a program prints its results")]
 
 use super::row::Row;
 use crate::table::table;
 
-/// One mesh: a line for each accelerator.
+/// Prints the table of one mesh, with a row for each accelerator.
 pub(crate) fn print(rows: &[Row]) {
     let first = &rows[0];
     println!(
@@ -22,7 +22,7 @@ pub(crate) fn print(rows: &[Row]) {
         "visits",
         "tests",
         "repeated",
-        "catches up after",
+        "break-even",
     ]);
     for (i, row) in rows.iter().enumerate() {
         let never = if i + 1 < rows.len() { "never" } else { "" };
@@ -43,11 +43,13 @@ pub(crate) fn print(rows: &[Row]) {
         ]);
     }
     println!("{table}");
-    println!("\nVisits, tests and repeated tests are those of a bounce ray. The last column: after how many");
-    println!("bounce rays the next line, slower to build, has caught up.\n");
+    println!(
+        "\nVisits, tests and repeated tests are per bounce ray. Break-even is the number of bounce rays after"
+    );
+    println!("which the next row, which takes longer to build, is faster in total.\n");
 }
 
-/// The table of the course project that this library grew from: whole times, k-d tree beside grid.
+/// Prints total times of k-d trees and the grid, the comparison of the course project behind this library.
 pub(crate) fn print_totals(rows: &[Vec<Row>]) {
     let mut table = table(&["mesh", "structure", "build ms", "rays", "all queries ns"]);
     for row in rows.iter().flatten() {
@@ -64,5 +66,5 @@ pub(crate) fn print_totals(rows: &[Vec<Row>]) {
             ]);
         }
     }
-    println!("\nIn all, for the closest hits of camera and bounce rays:\n\n{table}\n");
+    println!("\nTotal times for the closest hits of camera and bounce rays:\n\n{table}\n");
 }

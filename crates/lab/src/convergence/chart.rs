@@ -1,4 +1,4 @@
-//! Error over time on logarithmic axes: a panel for each accelerator, a line for each combination.
+//! Error over time on logarithmic axes, with a panel for each accelerator and a line for each combination.
 
 use super::combination::{Combination, accel_name};
 use super::ladder::{Ladder, Level};
@@ -13,9 +13,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A panel's width and height with all around it.
+/// Width and height of a panel with its title, labels and margins.
 const SIZE: (u32, u32) = (420, 440);
-/// What all panels share is below them: what the axis means, and the legend.
+/// Height of the axis title and legend below all panels.
 const BELOW: u32 = 74;
 
 /// Draws `study` as `convergence-NAME.svg` and `.png`.
@@ -45,7 +45,7 @@ impl Drawing for Chart<'_> {
     }
 }
 
-/// What all panels show, so that they can be compared.
+/// The ranges of both axes, common to all panels.
 fn ranges(study: &Study) -> (Range<f64>, Range<f64>) {
     let levels = || study.ladders.iter().flat_map(|ladder| &ladder.levels).filter(|level| visible(level));
     let around = |values: &mut dyn Iterator<Item = f64>| {
@@ -56,7 +56,8 @@ fn ranges(study: &Study) -> (Range<f64>, Range<f64>) {
     (seconds, around(&mut levels().map(|level| level.errors.rmse())))
 }
 
-/// Whether the level's error stands out from the reference's.
+/// Whether the level's mean squared error exceeds twice its standard error, which includes the reference's
+/// error.
 fn visible(level: &Level) -> bool {
     level.errors.mse > 2.0 * level.errors.mse_std_err
 }
@@ -111,7 +112,7 @@ fn panel<'a, B: DrawingBackend + 'a>(
     Ok(())
 }
 
-/// How a combination looks; in print, too, where colours are shades of grey.
+/// The marker and line style of a combination, also distinct in greyscale print.
 struct Style {
     colour: RGBColor,
     estimator: Estimator,
@@ -135,13 +136,13 @@ impl Style {
 
     /// A line through `points`, dashed for Sobol' points.
     fn line<C: Clone + 'static>(&self, points: Vec<C>) -> DashedLineSeries<std::vec::IntoIter<C>, u32> {
-        // A dash longer than any line is a line.
+        // A dash longer than the chart draws a solid line.
         let (dash, gap) = if self.dashed { (7, 5) } else { (1 << 20, 0) };
         DashedLineSeries::new(points, dash, gap, self.colour.stroke_width(2))
     }
 
-    /// The corners around a point: (nearly) a circle for `Bsdf`, a triangle for `Light`, a square for
-    /// `Mis`, on its tip with path reuse.
+    /// The corners of the marker around a point: an octagon for `Bsdf`, a triangle for `Light`, a square for
+    /// `Mis`, a diamond with path reuse.
     fn corners(&self) -> Vec<(i32, i32)> {
         match self.estimator {
             _ if self.reuse => vec![(0, -6), (6, 0), (0, 6), (-6, 0)],
@@ -155,7 +156,7 @@ impl Style {
         if self.filled { self.colour.filled() } else { WHITE.filled() }
     }
 
-    /// The corners and the first again.
+    /// The closed outline of the marker.
     fn outline(&self) -> Vec<(i32, i32)> {
         let corners = self.corners();
         corners.iter().chain(&corners[..1]).copied().collect()
@@ -163,10 +164,10 @@ impl Style {
 }
 
 fn draw_legend<'a, B: DrawingBackend + 'a>(area: &DrawingArea<B, Shift>) -> Result<()> {
-    let combinations = Combination::unbiased().chain([Combination::CUT_SHORT]);
+    let combinations = Combination::unbiased().chain([Combination::TRUNCATED]);
     for (i, combination) in combinations.enumerate() {
         let style = Style::of(combination);
-        // Estimators side by side, their samplers one below the other.
+        // A column for each estimator, a row for each sampler.
         let (x, y) = (20 + 210 * (i as i32 / 2), 36 + 20 * (i as i32 % 2));
         let ends = vec![(x, y), (x + 44, y)];
         let dashes: Vec<_> = style.line(ends).into_iter().collect();

@@ -1,16 +1,15 @@
-//! What is compared.
+//! The compared combinations of estimator, sampler and path reuse.
 
 use globillum::integrator::{Estimator, PathReuse, Sampler, Settings};
 use globillum_cli::AccelKind;
 
-/// A way to make a picture, but for what finds the triangles.
+/// The settings that are compared, except the accelerator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Combination {
     pub(crate) estimator: Estimator,
     pub(crate) sampler: Sampler,
-    /// Whether pixels reuse each other's paths.
     pub(crate) path_reuse: PathReuse,
-    /// `None` but for the one that is biased on purpose.
+    /// `None` for all but [`Combination::TRUNCATED`].
     pub(crate) max_bounces: Option<u32>,
 }
 
@@ -18,18 +17,19 @@ const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator
 const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
 
 impl Combination {
-    /// How many [`Combination::unbiased`] there are.
+    /// The number of [`Combination::unbiased`].
     pub(crate) const UNBIASED: usize = ESTIMATORS.len() * SAMPLERS.len() + 1;
 
-    /// Biased where light of more bounces matters; it shows that the report notices.
-    pub(crate) const CUT_SHORT: Self = Self {
+    /// Biased on purpose in scenes with illumination by more than two bounces, to show that the report detects
+    /// bias.
+    pub(crate) const TRUNCATED: Self = Self {
         estimator: Estimator::Mis,
         sampler: Sampler::Independent,
         path_reuse: PathReuse::Off,
         max_bounces: Some(2),
     };
 
-    /// What is usual.
+    /// The default.
     const REUSE: Self = Self {
         estimator: Estimator::Mis,
         sampler: Sampler::Sobol,
@@ -37,7 +37,7 @@ impl Combination {
         max_bounces: None,
     };
 
-    /// All that is right on average.
+    /// All combinations with unbiased estimators.
     pub(crate) fn unbiased() -> impl Iterator<Item = Self> {
         let path_reuse = PathReuse::Off;
         let with = move |estimator| {
@@ -46,7 +46,7 @@ impl Combination {
         ESTIMATORS.into_iter().flat_map(with).chain([Self::REUSE])
     }
 
-    /// Puts it into settings.
+    /// Sets these values in `settings`.
     pub(crate) fn apply(self, settings: &mut Settings) {
         (settings.estimator, settings.sampler) = (self.estimator, self.sampler);
         (settings.path_reuse, settings.max_bounces) = (self.path_reuse, self.max_bounces);
@@ -58,7 +58,7 @@ impl Combination {
             Estimator::Bsdf => "Bsdf",
             Estimator::Light => "Light",
             Estimator::Mis => "Mis",
-            _ => "another",
+            _ => "unknown",
         };
         match (self.max_bounces, self.path_reuse) {
             (Some(limit), _) => format!("{name}, at most {limit} bounces"),
@@ -81,7 +81,7 @@ impl Combination {
         match self.sampler {
             Sampler::Independent => "independent",
             Sampler::Sobol => "Sobol'",
-            _ => "another",
+            _ => "unknown",
         }
     }
 }

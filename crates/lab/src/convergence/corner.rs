@@ -1,4 +1,4 @@
-//! The floor under a square light, as a picture of which every pixel is known.
+//! The floor under a square light, a picture with a closed form for every pixel.
 
 use super::errors::Truth;
 use globillum::glam::DVec3;
@@ -16,22 +16,22 @@ fn radiance(x: f64, z: f64) -> f64 {
     0.5 * factor
 }
 
-/// A camera under the light that sees nothing but floor, from its middle nearly to its edge, in a picture no
-/// wider than high.
+/// A camera under the light. A picture that is at most as wide as high shows only floor, from its middle
+/// nearly to its edge.
 pub(super) fn camera() -> Camera {
     let (eye, target) = (DVec3::new(0.2, 0.9, 0.45), DVec3::new(0.15, 0.0, 0.2));
     Camera::look_at(eye, target, DVec3::Y, 0.7).expect("eye and target are apart")
 }
 
-/// The floor as [`camera`] sees it, by a square picture with `side` pixels on each side: the mean
-/// over each pixel, by quadrature, whose error is below 1e-9 from eight pixels a side on.
+/// The exact picture of [`camera`] with `side` pixels along each side: the mean over each pixel by quadrature.
+/// From eight pixels per side on, the error is below 1e-9.
 pub(super) fn picture(side: u32) -> Truth {
     let camera = camera();
     let pixels = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
     Truth::exact(pixels.map(|(x, y)| Rgb::splat(pixel(&camera, side, x, y))).collect())
 }
 
-/// The mean over a pixel, by the tensor product of Gauss' quadrature with four nodes.
+/// The mean over a pixel, by the tensor product of Gauss quadrature with four nodes.
 fn pixel(camera: &Camera, side: u32, x: u32, y: u32) -> f64 {
     const NODES: [(f64, f64); 4] = [
         (-0.861_136_311_594_052_6, 0.347_854_845_137_453_86),
@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_middle_of_the_floor_is_the_number_in_the_books() {
+    fn the_middle_of_the_floor_has_the_tabulated_value() {
         assert!((radiance(0.0, 0.0) - 0.277_063_212).abs() < 1e-9);
     }
 
@@ -69,7 +69,7 @@ mod tests {
         }
     }
 
-    /// Sixteen small pixels make a large one.
+    /// The mean of sixteen fine pixels is the coarse pixel.
     #[test]
     fn quadrature_over_pixels_agrees_with_finer_pixels() {
         let (coarse, fine) = (picture(8), picture(32));

@@ -1,47 +1,47 @@
-//! How far a picture is from the truth, and how that falls with the number of samples.
+//! The error of a picture against the truth, and its slope over the number of samples.
 
 use globillum::integrator::Film;
 use globillum::material::Rgb;
 
-/// What a picture should look like.
+/// The true or reference picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Truth {
     means: Vec<Rgb>,
-    /// Of each mean; zero where it is exact.
+    /// The variance of each mean; zero where it is exact.
     variances: Vec<Rgb>,
-    /// Which pixels count.
+    /// The pixels that are compared.
     counted: Vec<bool>,
-    /// Errors of as many pixels may be alike.
-    alike: u32,
+    /// The largest number of pixels whose errors depend on each other; 1 if all are independent.
+    dependent_pixels: u32,
 }
 
 impl Truth {
-    /// Known in closed form, pixel by pixel.
+    /// A closed form, pixel by pixel.
     pub(crate) fn exact(means: Vec<Rgb>) -> Self {
         let (variances, counted) = (vec![Rgb::BLACK; means.len()], vec![true; means.len()]);
-        Self { means, variances, counted, alike: 1 }
+        Self { means, variances, counted, dependent_pixels: 1 }
     }
 
-    /// Known by a long run: the film's means, and their variances as the film tells them.
+    /// The result of a long run: the film's means and its estimates of their variances.
     pub(crate) fn of_film(film: &Film) -> Self {
         let means: Vec<Rgb> = film.means().collect();
         let counted = vec![true; means.len()];
-        let alike = film.path_reuse().dependent_pixels();
-        Self { means, variances: film.variances_of_mean().collect(), counted, alike }
+        let dependent_pixels = film.path_reuse().dependent_pixels();
+        Self { means, variances: film.variances_of_mean().collect(), counted, dependent_pixels }
     }
 
-    /// Lets only those pixels count for which `counted` says so.
+    /// Restricts the comparison to the pixels whose entry in `counted` is true.
     ///
     /// # Panics
-    /// Unless there is an entry for every pixel, and one of them counts.
+    /// If the number of entries is not that of pixels, or if none is true.
     #[must_use]
     pub(crate) fn counting(self, counted: Vec<bool>) -> Self {
         assert_eq!(counted.len(), self.means.len(), "an entry for every pixel");
-        assert!(counted.contains(&true), "a pixel counts");
+        assert!(counted.contains(&true), "at least one pixel is compared");
         Self { counted, ..self }
     }
 
-    /// Those of some numbers, one for each pixel, that count.
+    /// The values of the compared pixels, of values for all pixels.
     fn of_counted<'a, T: 'a>(&'a self, all: impl Iterator<Item = T> + 'a) -> impl Iterator<Item = T> + 'a {
         all.zip(&self.counted).filter_map(|(x, counted)| counted.then_some(x))
     }
@@ -51,19 +51,19 @@ impl Truth {
         &self.means
     }
 
-    /// The mean over all pixels that count and all components.
+    /// The mean over all compared pixels and all components.
     pub(crate) fn mean(&self) -> f64 {
         mean(self.of_counted(self.means.iter().map(|mean| mean.mean()))).0
     }
 
-    /// Root of the mean squared standard error, over [`Truth::mean`]: 0 for what is exact.
+    /// Root of the mean squared standard error, divided by [`Truth::mean`]; 0 for a closed form.
     pub(crate) fn relative_std_err(&self) -> f64 {
         self.relative_rmse(self.variances.iter().copied())
     }
 
-    /// The error that a film tells of itself, over all that counts and relative to
-    /// [`Truth::mean`]; infinite before it has two observations.
-    pub(crate) fn error_told_by(&self, film: &Film) -> f64 {
+    /// A film's own estimate of its relative RMSE over the compared pixels, relative to [`Truth::mean`];
+    /// infinite before it has two observations.
+    pub(crate) fn estimated_rmse(&self, film: &Film) -> f64 {
         self.relative_rmse(film.variances_of_mean())
     }
 
@@ -74,39 +74,38 @@ impl Truth {
     }
 }
 
-/// Mean of some numbers, and the standard error of it, going by their spread.
+/// The mean of some numbers and its standard error, by their sample variance.
 fn mean(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let (mut count, mut mean, mut squares) = (0.0, 0.0, 0.0);
     for x in numbers {
         count += 1.0;
-        let apart = x - mean;
-        mean += apart / count;
-        squares += apart * (x - mean);
+        let deviation = x - mean;
+        mean += deviation / count;
+        squares += deviation * (x - mean);
     }
     (mean, (squares / (count * (count - 1.0))).sqrt())
 }
 
-/// A film's errors over the pixels that count, relative to their true mean.
+/// A film's errors over the compared pixels, relative to their true mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Errors {
-    /// Mean squared error over pixels and components, less what of it is the truth's own; may be
-    /// below zero where that is all there is.
+    /// Mean squared error over pixels and components, minus the truth's own mean squared error. It may be
+    /// negative if the film's error is small beside the truth's.
     pub(crate) mse: f64,
-    /// Standard error of `mse`, from the spread over the pixels; where these share paths, the largest that it
-    /// can be.
+    /// Standard error of `mse`, by the sample variance over the pixels. With path reuse it is an upper bound.
     pub(crate) mse_std_err: f64,
-    /// Mean error over its standard error, both over pixels: that of the film and that of the
-    /// truth are in it alike. Normal for an unbiased film of many pixels.
+    /// Mean error over its standard error, both over pixels. It contains the errors of the film and of the
+    /// truth. It is normally distributed for an unbiased film of many pixels.
     pub(crate) z: f64,
-    /// The share that the pixel with the largest error has of all squared errors: near 1, one pixel
-    /// decides and neither of these means much.
+    /// The share of the pixel with the largest error in the sum of squared errors. Near 1 that pixel alone
+    /// determines `mse` and `z`, and neither is reliable.
     pub(crate) largest_share: f64,
-    /// The truth's own mean squared error over that of the difference, which `mse` is less by.
+    /// The truth's own mean squared error, divided by the mean squared difference of film and truth.
     pub(crate) truth_share: f64,
 }
 
 impl Errors {
-    /// Compares the two.
+    /// Compares `film` with `truth`.
     ///
     /// # Panics
     /// If they differ in size.
@@ -114,15 +113,16 @@ impl Errors {
         let pixels: Vec<Rgb> = film.means().collect();
         assert_eq!(pixels.len(), truth.means.len(), "the film has the truth's size");
         let scale = truth.mean();
-        let apart =
+        let differences =
             || truth.of_counted(pixels.iter().zip(&truth.means)).map(|(&x, &r)| (x + r * -1.0) / scale);
         let square = |x: f64| x * x;
-        let squares = || apart().map(|e| e.map(square).mean());
+        let squares = || differences().map(|e| e.map(square).mean());
         let own = || truth.of_counted(truth.variances.iter()).map(|v| v.mean() / square(scale));
-        let alike = f64::from(film.path_reuse().dependent_pixels().max(truth.alike)).sqrt();
+        let dependent_pixels = film.path_reuse().dependent_pixels().max(truth.dependent_pixels);
+        let widening = f64::from(dependent_pixels).sqrt();
         let (mse, mse_std_err) = mean(squares().zip(own()).map(|(square, own)| square - own));
-        let (error, std_err) = mean(apart().map(|e| e.mean()));
-        let (mse_std_err, std_err) = (alike * mse_std_err, alike * std_err);
+        let (error, std_err) = mean(differences().map(|e| e.mean()));
+        let (mse_std_err, std_err) = (widening * mse_std_err, widening * std_err);
         let (sum, largest) = squares().fold((0.0, 0.0_f64), |(sum, max), e| (sum + e, max.max(e)));
         let over = |x: f64, y: f64| if x == 0.0 { 0.0 } else { x / y };
         Self {
@@ -134,35 +134,34 @@ impl Errors {
         }
     }
 
-    /// The root of [`Errors::mse`], 0 where that is below zero.
+    /// The root of [`Errors::mse`]; 0 if that is negative.
     pub(crate) fn rmse(&self) -> f64 {
         self.mse.max(0.0).sqrt()
     }
 
-    /// The interval that holds the true [`Errors::rmse`] with a probability of 95 %.
+    /// The 95 % confidence interval of [`Errors::rmse`].
     pub(crate) fn interval_95(&self) -> [f64; 2] {
         [-1.96, 1.96].map(|z| (self.mse + z * self.mse_std_err).max(0.0).sqrt())
     }
 }
 
-/// Error over number of samples on logarithmic axes.
+/// The slope of the logarithm of the error over that of the number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slope {
     /// -0.5 for independent samples without bias.
     pub(crate) value: f64,
-    /// Its standard error, as it follows from those of the errors.
+    /// Its standard error, propagated from those of the errors.
     pub(crate) std_err: f64,
 }
 
 impl Slope {
-    /// The truth's share of an error beyond which the error is not used for a slope.
+    /// Errors with a larger [`Errors::truth_share`] are not used for a slope.
     const LARGEST_TRUTH_SHARE: f64 = 0.25;
 
-    /// By least squares through errors of independent films of so many samples; `None` if fewer than
-    /// three of them stand out from the truth's own error.
+    /// Fits a line by least squares to `errors`, pairs of a number of samples and the errors of an independent
+    /// film. Returns `None` if fewer than three of them clearly exceed the truth's own error.
     ///
-    /// All count alike: weighing an error by its own precision would favour those that are small by
-    /// chance.
+    /// All errors have equal weights: weights by precision would favour errors that are small by chance.
     pub(crate) fn fit(errors: &[(u32, Errors)]) -> Option<Self> {
         let usable = errors.iter().filter(|(_, e)| e.truth_share <= Self::LARGEST_TRUTH_SHARE && e.mse > 0.0);
         let points: Vec<_> = usable
@@ -189,7 +188,7 @@ mod tests {
     use globillum_testkit::scenes::{furnace, scene, stare};
     use globillum_testkit::stats::{Z_LIMIT, independent_pixels};
 
-    /// Of a furnace of albedo 0.5, roulette from the first bounce on: mean 2, variance 2.
+    /// The film of a furnace of albedo 0.5 with Russian roulette from the first bounce on: mean 2, variance 2.
     fn film(samples: u32, max_bounces: Option<u32>) -> Film {
         let mut settings = independent_pixels(64, 64, samples);
         (settings.sampler, settings.estimator) = (Sampler::Independent, Estimator::Bsdf);
@@ -211,7 +210,7 @@ mod tests {
     #[test]
     fn errors_of_a_known_variance_are_found() {
         for (samples, errors) in ladder(None, &truth()) {
-            // Variance 2 over the square of the mean.
+            // The variance 2 divided by the square of the mean.
             let expected = 0.5 / f64::from(samples);
             assert!((errors.mse - expected).abs() < 5.85 * errors.mse_std_err, "{samples}: {errors:?}");
             assert!(errors.mse_std_err < 0.1 * expected && errors.z.abs() < Z_LIMIT, "{samples}: {errors:?}");
@@ -227,29 +226,30 @@ mod tests {
         for samples in [50, 200] {
             let film = film(samples, None);
             let [by_long, by_exact] = [&long, &exact].map(|truth| Errors::of(&film, truth));
-            let apart = (by_long.mse - by_exact.mse).abs();
-            assert!(apart < 5.85 * by_long.mse_std_err, "{by_long:?} {by_exact:?}");
+            let difference = (by_long.mse - by_exact.mse).abs();
+            assert!(difference < 5.85 * by_long.mse_std_err, "{by_long:?} {by_exact:?}");
             assert!((by_long.truth_share - 1.0 / (1.0 + 300.0 / f64::from(samples))).abs() < 0.05);
         }
     }
 
-    /// Half of the pixels should show 2 and do, the others should show 9 and do not count.
+    /// The film shows 2 everywhere. The truth is 2 for half of the pixels, and 9 for the others, which are
+    /// excluded.
     #[test]
-    fn only_what_counts_is_judged() {
+    fn only_counted_pixels_are_compared() {
         let counted: Vec<bool> = (0..64 * 64).map(|i| i % 2 == 0).collect();
         let means = counted.iter().map(|&counted| Rgb::splat(if counted { 2.0 } else { 9.0 })).collect();
         let (truth, film) = (Truth::exact(means).counting(counted), film(256, None));
         let errors = Errors::of(&film, &truth);
         assert!(truth.mean() == 2.0 && errors.z.abs() < Z_LIMIT, "{errors:?}");
-        let told = truth.error_told_by(&film);
-        assert!((told / errors.rmse() - 1.0).abs() < 0.08, "{told} {errors:?}");
+        let estimated = truth.estimated_rmse(&film);
+        assert!((estimated / errors.rmse() - 1.0).abs() < 0.08, "{estimated} {errors:?}");
     }
 
     #[test]
     fn a_slope_is_minus_one_half_unless_there_is_a_bias() {
         let slope = Slope::fit(&ladder(None, &truth())).unwrap();
         assert!((slope.value + 0.5).abs() < 5.85 * slope.std_err && slope.std_err < 0.02, "{slope:?}");
-        // Light of more than two bounces, an eighth of all, is missing.
+        // The radiance of more than two bounces, an eighth of the total, is missing.
         let biased = ladder(Some(2), &truth());
         assert!(biased[2].1.z < -10.0 * Z_LIMIT, "{biased:?}");
         let slope = Slope::fit(&biased).unwrap();

@@ -1,4 +1,5 @@
-//! Furnaces: closed rooms whose walls shine, in which no path can gather less than all there is.
+//! Furnaces: closed rooms whose walls emit. Every path has the same, known radiance, so that each lost path
+//! shows.
 
 use globillum::glam::DVec3;
 use globillum::integrator::{Camera, Estimator, render};
@@ -8,20 +9,20 @@ use globillum_testkit::furnace::truncated_series;
 use globillum_testkit::scenes::{furnace, scene};
 use globillum_testkit::stats::independent_pixels;
 
-/// What became of the paths of a furnace.
+/// Counts of the paths of a furnace, and their mean radiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Loss {
-    /// All of them.
+    /// The number of all paths.
     pub(crate) paths: u32,
-    /// Those that did not gather what they should, to the bit: they left, or met a wall from behind.
+    /// The number of paths whose radiance differs from the exact sum by a bit or more: they left the room, or
+    /// met a wall from behind.
     pub(crate) lost: u32,
     /// The mean radiance.
     pub(crate) mean: f64,
 }
 
-/// Paths of 64 bounces, by scattering alone, in a cubic furnace of albedo 0.8 whose half side is
-/// `half`, around `center`; `side` squared of them. Their exact mean is 5 but for a part in a
-/// million.
+/// Traces `side` squared paths of 64 bounces by BSDF sampling in a cubic furnace of albedo 0.8 with half side
+/// `half` and centre `center`. Their exact radiance is 5 to within a part in a million.
 ///
 /// # Panics
 /// If the furnace cannot be built or rendered.
@@ -32,7 +33,7 @@ pub(crate) fn loss(build: Builder, half: f64, center: DVec3, side: u32) -> Loss 
     let toward = half * DVec3::new(0.4, -0.3, 0.8);
     let up = toward.any_orthogonal_vector();
     let camera = Camera::look_at(eye, eye + toward, up, 2.5).expect("eye and target are apart");
-    // One sample a pixel: the sum of several equal ones would be rounded.
+    // One sample per pixel: a sum of several equal samples would be rounded.
     let mut settings = independent_pixels(side, side, 1);
     (settings.estimator, settings.max_bounces) = (Estimator::Bsdf, Some(BOUNCES));
     settings.roulette.start = u32::MAX;
@@ -50,7 +51,7 @@ mod tests {
     use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
 
     #[test]
-    fn a_furnace_keeps_its_paths_and_a_room_without_walls_none() {
+    fn a_furnace_loses_no_path_and_a_room_without_walls_all() {
         let kept = loss(STRUCTURES[0].1, 1e-3, DVec3::splat(1e3), 16);
         assert_eq!((kept.paths, kept.lost), (256, 0));
         assert!((kept.mean - 5.0).abs() < 1e-5, "{kept:?}");

@@ -1,4 +1,4 @@
-//! Speed and error of ray-triangle tests, and light lost at the ends of the scale.
+//! Speed and error of ray-triangle tests, and the radiance of furnaces of extreme sizes and positions.
 
 use super::furnace::{Loss, loss};
 use super::plan::Plan;
@@ -12,34 +12,33 @@ use globillum_testkit::aimed::Ball;
 use globillum_testkit::precision::Precision;
 use indicatif::ProgressBar;
 
-/// A ray-triangle test, measured.
+/// The measurements of a ray-triangle test.
 pub(crate) struct Decision {
     pub(crate) name: &'static str,
-    /// Median and fastest nanoseconds of a test.
+    /// Median and fastest nanoseconds per test.
     pub(crate) nanoseconds: [f64; 2],
-    /// Of `t`, in ulps of the test's own precision.
+    /// Errors of `t`, in ulps of the test's own precision.
     pub(crate) ulps: Errors,
     /// One ulp of 1 in that precision.
     pub(crate) ulp: f64,
-    /// Rays of a million, aimed from inside a closed mesh at its edges and at its vertices, that get
-    /// out.
+    /// Rays per million that leave a closed mesh, aimed from inside at its edges and at its vertices.
     pub(crate) leaks: [f64; 2],
     /// Percentage of missed slivers, 1e-8 wide.
     pub(crate) slivers: f64,
 }
 
-/// A furnace whose radiance is 5, by its size and place.
+/// A furnace of radiance 5 with a size and position.
 pub(crate) struct Furnace {
     pub(crate) half: f64,
-    /// Along each axis.
+    /// The centre's coordinate on each axis.
     pub(crate) offset: f64,
     pub(crate) loss: Loss,
-    /// What Mitsuba 3.9.1 (variant `scalar_rgb`, its own path integrator) made of it, where that was
+    /// The radiance that Mitsuba 3.9.1 renders (variant `scalar_rgb`, its own path integrator), where it was
     /// measured.
     pub(crate) mitsuba: Option<f64>,
 }
 
-/// All of these.
+/// All measurements of this module.
 pub(crate) struct Geometry {
     pub(crate) decisions: [Decision; 3],
     pub(crate) sizes: Vec<Furnace>,
@@ -70,7 +69,7 @@ const OFFSETS: [(f64, Option<f64>); 8] = [
 ];
 
 impl Geometry {
-    /// How often [`Geometry::measure`] moves the bar.
+    /// The number of steps by which [`Geometry::measure`] advances the progress bar.
     pub(crate) const STEPS: usize = 3 + SIZES.len() + OFFSETS.len();
 
     /// Measures everything.

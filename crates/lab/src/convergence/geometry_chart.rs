@@ -1,4 +1,4 @@
-//! Three panels: ray-triangle tests, furnaces of any size, furnaces anywhere.
+//! Three panels: ray-triangle tests, furnaces by size, furnaces by offset.
 
 use super::geometry::{Decision, Furnace, Geometry};
 use crate::plot::{self, Drawing, failed};
@@ -26,7 +26,7 @@ impl Drawing for Chart<'_> {
     fn draw<'a, B: DrawingBackend + 'a>(&self, area: &DrawingArea<B, Shift>) -> Result<()> {
         let [left, middle, right] = &area.split_evenly((1, 3))[..] else { return Ok(()) };
         decisions(left, &self.0.decisions)?;
-        // There is no zero on a logarithmic axis: what is not moved is in the table.
+        // The logarithmic axis has no zero: the furnace without offset is in the table only.
         let moved: Vec<&Furnace> = self.0.offsets.iter().filter(|furnace| furnace.offset > 0.0).collect();
         let sizes: Vec<&Furnace> = self.0.sizes.iter().collect();
         furnaces(middle, "furnace at the origin", "half its side, in any unit", &sizes, |furnace| {
@@ -70,7 +70,7 @@ fn decisions<'a, B: DrawingBackend + 'a>(area: &DrawingArea<B, Shift>, decisions
             decision.name.to_owned(),
             format!("{:.0} leaks of 1e6", decision.leaks[0].max(decision.leaks[1])),
         ];
-        // The two of single precision lie close together: one is labelled above, one below.
+        // The two tests in single precision lie close together: one label is above, one below.
         let above = if place == 0 { -40 } else { 8 };
         for (line, text) in lines.into_iter().enumerate() {
             let label = Text::new(text, (-60, above + 15 * line as i32), ("sans-serif", 13));

@@ -13,12 +13,12 @@ use globillum::integrator::{Film, Scene, render};
 use globillum_cli::AccelKind;
 use globillum_testkit::hash;
 
-/// Seconds that all runs of a picture take, about.
-const ENOUGH: f64 = 0.2;
-/// Odd, so that there is a middle one.
-const MOST_RUNS: usize = 9;
+/// Target for the total seconds of all runs of a picture.
+const TARGET_SECONDS: f64 = 0.2;
+/// Largest number of runs; odd, for the median.
+const MAX_RUNS: usize = 9;
 
-/// A picture of so many samples.
+/// The error and time of a picture with `samples` samples per pixel.
 pub(crate) struct Level {
     pub(crate) samples: u32,
     pub(crate) seconds: f64,
@@ -26,7 +26,7 @@ pub(crate) struct Level {
     pub(crate) hash: u64,
 }
 
-/// Pictures of doubling numbers of samples, of a seed each.
+/// Pictures with doubling numbers of samples, each with its own seed.
 pub(crate) struct Ladder {
     pub(crate) accel: AccelKind,
     pub(crate) combination: Combination,
@@ -34,8 +34,8 @@ pub(crate) struct Ladder {
 }
 
 impl Ladder {
-    /// Renders all levels; Sobol' points are stratified over all samples of a level.
-    pub(crate) fn climb(
+    /// Renders all levels. Sobol' points are stratified over all samples of a level.
+    pub(crate) fn measure(
         subject: &Subject,
         (accel, scene): (AccelKind, &Scene<Box<dyn Accel>>),
         combination: Combination,
@@ -56,8 +56,8 @@ impl Ladder {
         };
         let first: Vec<(Film, f64)> = plan.samples.iter().map(|&n| run(n)).collect::<Result<_>>()?;
         let mut times: Vec<Vec<f64>> = first.iter().map(|&(_, seconds)| vec![seconds]).collect();
-        // In turn, so that a disturbance meets all levels alike.
-        for turn in 1..MOST_RUNS {
+        // The levels take turns, so that other load on the machine affects all equally.
+        for turn in 1..MAX_RUNS {
             for (&samples, times) in plan.samples.iter().zip(&mut times) {
                 if turn < runs(times[0]) {
                     times.push(run(samples)?.1);
@@ -75,29 +75,30 @@ impl Ladder {
         Ok(Self { accel, combination, levels })
     }
 
-    /// The level of most samples.
+    /// The level with most samples.
     pub(crate) fn top(&self) -> &Level {
         &self.levels[self.levels.len() - 1]
     }
 
-    /// Of the error over the number of samples; `None` where the reference is not good enough.
+    /// The slope of the error over the number of samples; `None` if the reference is not precise enough.
     pub(crate) fn slope(&self) -> Option<Slope> {
         let errors: Vec<_> = self.levels.iter().map(|level| (level.samples, level.errors)).collect();
         Slope::fit(&errors)
     }
 
-    /// Whether it is right on average, as far as can be seen.
+    /// The result of the tests for bias.
     pub(crate) fn verdict(&self) -> Verdict {
         Verdict::of(self.combination.sampler, self.slope(), &self.top().errors)
     }
 
-    /// Relative mean squared error times seconds, of the level of most samples.
+    /// Relative mean squared error times seconds, of the level with most samples.
     pub(crate) fn mse_seconds(&self) -> f64 {
         self.top().errors.mse * self.top().seconds
     }
 }
 
-/// How often a picture that takes `seconds` is timed: a disturbance weighs more in a short time.
+/// The number of runs of a picture that takes `seconds`. Short times need more, as other load affects them
+/// more.
 fn runs(seconds: f64) -> usize {
-    ((ENOUGH / seconds).ceil() as usize | 1).min(MOST_RUNS)
+    ((TARGET_SECONDS / seconds).ceil() as usize | 1).min(MAX_RUNS)
 }

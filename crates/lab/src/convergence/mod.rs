@@ -1,9 +1,9 @@
 //! Reports speed against error, for pictures and for ray-triangle tests:
 //! `cargo run --release -p globillum-lab --bin convergence -- --quick`.
 //!
-//! docs/convergence.md shows a report and says what it means.
+//! docs/convergence.md explains a report.
 
-#![allow(clippy::print_stdout, reason = "a program talks to people")]
+#![allow(clippy::print_stdout, reason = "a program prints its results")]
 
 mod chart;
 mod combination;
@@ -32,7 +32,7 @@ use study::Study;
 /// Measures, prints and writes everything.
 ///
 /// # Errors
-/// An option that makes no sense, a file that cannot be read or written, naming it.
+/// An invalid option, or a file that cannot be read or written; the message names it.
 pub fn run(options: &Options) -> Result<()> {
     let plan = options.plan()?;
     let subjects = options.subjects()?;

@@ -1,4 +1,4 @@
-//! What is asked for.
+//! The command-line options, and the plan of measurements that follows from them.
 
 use super::combination::accel_name;
 use super::subject::Subject;
@@ -14,10 +14,10 @@ use std::path::PathBuf;
 #[command(version, about)]
 pub struct Options {
     /// furnace, corner, kaleidoscope, cornell, cornell-mirror, cornell-statue, cornell-statues, cornell-million,
-    /// cornell-hall, or a file of yours (.obj, .gltf, .glb); corner and cornell by default
+    /// cornell-hall, or a file (.obj, .gltf, .glb); corner and cornell by default
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
-    /// Seconds for each of the pictures that take equal times; 2 by default, 0.5 with --quick
+    /// Seconds for each equal-time picture; 2 by default, 0.5 with --quick
     #[arg(long, value_name = "S")]
     time: Option<f64>,
     /// Pixels along each side of a picture; 96 by default, 64 with --quick
@@ -26,38 +26,37 @@ pub struct Options {
     /// Sample counts double from 1 up to this; 256 by default, 64 with --quick
     #[arg(long, value_parser = clap::value_parser!(u32).range(4..=65536))]
     spp: Option<u32>,
-    /// Samples of each of the two long runs that a scene without closed form is compared with;
-    /// 16 times --spp by default
+    /// Samples per pixel of the two reference runs of a scene without closed form; 16 times --spp by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(128..))]
     reference_spp: Option<u32>,
-    /// Rays for each figure of a ray-triangle test; 200,000 by default, 20,000 with --quick
+    /// Rays for each figure of ray-triangle tests; 200,000 by default, 20,000 with --quick
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..))]
     rays: Option<u32>,
-    /// Less of everything: a report in about a minute
+    /// Smaller defaults, for a report in about a minute
     #[arg(long)]
     quick: bool,
-    /// The accelerators that take part
+    /// The compared accelerators
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [AccelKind::Wide, AccelKind::Kd, AccelKind::Grid])]
     accel: Vec<AccelKind>,
-    /// For files: where the camera stands, what it looks at, which way is up and how many degrees it
-    /// sees; by default the file's own camera, else a view of the whole scene
+    /// For files: camera position, target, up vector and vertical field of view in degrees; by default the
+    /// file's first camera, else a view of the whole scene
     #[arg(long, value_name = "X,Y,Z/X,Y,Z[/X,Y,Z[/FOV]]", allow_hyphen_values = true, value_parser = |text: &str| view::parse_camera(text, view::Up::Y))]
     camera: Option<Camera>,
-    /// For files: radiance that arrives from all around
+    /// For files: radiance of the environment in all directions
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, default_value = "0", value_parser = view::parse_colour)]
     environment: Rgb,
-    /// Which random numbers
+    /// Seed of the random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Worker threads, 0 for all
     #[arg(long, default_value_t = 0)]
     threads: usize,
-    /// The folder for report.md and all that belongs to it
+    /// The folder for report.md, its figures and CSV files
     #[arg(long, value_name = "DIR", default_value = "convergence")]
     pub(crate) out: PathBuf,
 }
 
-/// What is measured, in numbers.
+/// The parameters of the measurements.
 pub(crate) struct Plan {
     pub(crate) accels: Vec<AccelKind>,
     /// Pixels along each side.
@@ -65,16 +64,16 @@ pub(crate) struct Plan {
     /// Ascending powers of two.
     pub(crate) samples: Vec<u32>,
     pub(crate) reference_samples: u32,
-    /// Seconds for each picture that takes equal times.
+    /// Seconds for each equal-time picture.
     pub(crate) seconds: f64,
-    /// Rays for each figure of a ray-triangle test.
+    /// Rays for each figure of ray-triangle tests.
     pub(crate) rays: u32,
     pub(crate) seed: u64,
     pub(crate) threads: usize,
 }
 
 impl Options {
-    /// The numbers, checked.
+    /// The validated parameters.
     pub(crate) fn plan(&self) -> Result<Plan> {
         let or = |given: Option<u32>, quick, usual| given.unwrap_or(if self.quick { quick } else { usual });
         let most = or(self.spp, 64, 256);
@@ -108,7 +107,7 @@ impl Options {
                 None => Subject::load(scene.as_ref(), self.camera, self.environment)?,
             };
             let twice = subjects.iter().any(|other| other.name == subject.name);
-            ensure!(!twice, "two scenes are called {}, and so would be their pictures", subject.name);
+            ensure!(!twice, "two scenes are named {}; their pictures would collide", subject.name);
             subjects.push(subject);
         }
         Ok(subjects)
@@ -116,14 +115,14 @@ impl Options {
 }
 
 impl Plan {
-    /// A picture's settings but for what is compared.
+    /// The settings common to all combinations.
     pub(crate) fn settings(&self, samples: u32) -> Settings {
         let mut settings = Settings::new(self.side, self.side, samples);
         (settings.seed, settings.threads) = (self.seed, self.threads);
         settings
     }
 
-    /// The end of a picture that takes equal time.
+    /// The stop condition of equal-time pictures.
     pub(crate) fn stop(&self) -> Stop {
         let mut stop = Stop::default();
         stop.seconds = Some(self.seconds);

@@ -1,4 +1,4 @@
-//! One combination for a given time.
+//! One combination rendered for a given time.
 
 use super::combination::Combination;
 use super::errors::{Errors, Truth};
@@ -11,23 +11,23 @@ use globillum::integrator::{Film, Render, Scene};
 use globillum_cli::AccelKind;
 use std::time::Instant;
 
-/// A picture that took the time given, and not more than one pass in all.
+/// A picture rendered for the given time. The pass in which the time ends is completed.
 pub(crate) struct Race {
     pub(crate) accel: AccelKind,
     pub(crate) combination: Combination,
     pub(crate) samples: u32,
     pub(crate) seconds: f64,
-    /// As it truly is.
+    /// The errors against the truth.
     pub(crate) errors: Errors,
-    /// The relative RMSE as the film tells it; infinite after a single pass of Sobol' points.
-    pub(crate) told: f64,
+    /// The film's own estimate of its relative RMSE; infinite after a single pass of Sobol' points.
+    pub(crate) estimated_rmse: f64,
     pub(crate) film: Film,
-    /// The error of each pixel over the truth's mean, all components together.
+    /// The RMSE of each pixel over its components, relative to the truth's mean.
     pub(crate) error_map: Vec<f64>,
 }
 
 impl Race {
-    /// Renders, as a user does who asks for a time, in passes of the usual length.
+    /// Renders with a time limit, in passes of the default length.
     pub(crate) fn run(
         subject: &Subject,
         (accel, scene): (AccelKind, &Scene<Box<dyn Accel>>),
@@ -47,7 +47,7 @@ impl Race {
             samples: picture.samples,
             seconds,
             errors: Errors::of(&picture.film, truth),
-            told: truth.error_told_by(&picture.film),
+            estimated_rmse: truth.estimated_rmse(&picture.film),
             error_map: error_map(&picture.film, truth),
             film: picture.film,
         })

@@ -1,4 +1,4 @@
-//! What pictures are compared with.
+//! The reference that pictures are compared with.
 
 use super::combination::Combination;
 use super::errors::Truth;
@@ -8,29 +8,30 @@ use anyhow::{Result, ensure};
 use globillum::integrator::{Estimator, PathReuse, Sampler, render};
 use globillum_cli::AccelKind;
 
-/// The picture as it should be.
+/// The reference picture.
 pub(crate) enum Reference {
-    /// By a formula.
+    /// A closed form.
     ClosedForm(Truth),
-    /// By two long runs: each combination is compared with the one of another estimator. Pixels in
-    /// which a light is seen do not count; the others are this share of all.
+    /// Two long runs. Each combination is compared with the run of another estimator. Pixels that show a
+    /// light are excluded; `without_lights` is the share of the others.
     Runs { by_light: Truth, by_mis: Truth, without_lights: f64 },
 }
 
 /// Samples of a long run that are stratified together.
 const PASS: u32 = 64;
 
-/// Samples by which a light that covers a thousandth of a pixel is found.
+/// Samples per pixel that detect a light; enough for one that covers a thousandth of a pixel.
 const LIGHT_SAMPLES: u32 = 1024;
 
-/// Far from the seeds of pictures.
+/// Differs from the seeds of pictures.
 const SEED: u64 = 0x0072_6566_6572_656e;
 
 impl Reference {
-    /// How many long runs there may be.
+    /// The number of long runs.
     pub(crate) const RUNS: usize = 2;
 
-    /// Of `subject`, rendered with `accel` where no formula is known; `done` is called after each run.
+    /// The reference of `subject`: its closed form, else two long runs rendered with `accel`. `done` is called
+    /// [`Reference::RUNS`] times.
     pub(crate) fn of(
         subject: &Subject,
         accel: AccelKind,
@@ -53,12 +54,12 @@ impl Reference {
             Ok(Truth::of_film(&picture.film).counting(counted.clone()))
         };
         let (by_light, by_mis) = (run(Estimator::Light, 1 << 63)?, run(Estimator::Mis, 0)?);
-        ensure!(by_mis.mean() > 0.0, "no light reaches the camera");
+        ensure!(by_mis.mean() > 0.0, "the picture is black: no radiance reaches the camera");
         let share = counted.iter().filter(|&&counted| counted).count() as f64 / counted.len() as f64;
         Ok(Self::Runs { by_light, by_mis, without_lights: share })
     }
 
-    /// What `combination` is compared with.
+    /// The picture that `combination` is compared with.
     pub(crate) fn truth(&self, combination: Combination) -> &Truth {
         match self {
             Self::ClosedForm(truth) => truth,
@@ -67,18 +68,18 @@ impl Reference {
         }
     }
 
-    /// In a sentence.
+    /// A description for the report.
     pub(crate) fn describe(&self, plan: &Plan) -> String {
         match self {
             Self::ClosedForm(_) => "Compared with a closed form, pixel by pixel.".to_owned(),
             Self::Runs { by_light, by_mis, without_lights } => {
                 let [light, mis] = [by_light, by_mis].map(|truth| 100.0 * truth.relative_std_err());
                 format!(
-                    "Compared with two runs of {} samples a pixel, by Sobol' points of other seeds in passes of \
-                     {PASS}: `Mis` with one by `Light`, whose standard error is {light:.3} % of the mean radiance, \
-                     the others with one by `Mis` ({mis:.3} %). What these errors add is subtracted; it is within \
-                     all intervals and z. The {:.1} % of the pixels in which a light is seen are left out: a light's \
-                     edge is the same to all, and hides what differs.",
+                    "Compared with two runs of {} samples per pixel, by Sobol' points of other seeds in passes of \
+                     {PASS}: `Mis` with a run by `Light`, whose standard error is {light:.3} % of the mean radiance, \
+                     the others with a run by `Mis` ({mis:.3} %). The squared errors of these runs are subtracted; \
+                     intervals and z include them. The {:.1} % of the pixels that show a light are excluded, because \
+                     the error at a light's edge is the same for all estimators and hides the differences.",
                     plan.reference_samples,
                     100.0 * (1.0 - without_lights)
                 )
@@ -87,7 +88,7 @@ impl Reference {
     }
 }
 
-/// Which pixels see no light; all, if there is no such pixel.
+/// The pixels that show no light; all pixels if every one shows a light.
 fn without_lights(subject: &Subject, accel: AccelKind, plan: &Plan) -> Result<Vec<bool>> {
     let mut settings = plan.settings(LIGHT_SAMPLES);
     (settings.max_bounces, settings.pass_samples) = (Some(0), LIGHT_SAMPLES);

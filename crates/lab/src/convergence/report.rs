@@ -1,4 +1,4 @@
-//! The report: Markdown that shows the plots and says how to read them.
+//! The report: Markdown with plots, tables and explanations.
 
 use super::combination::accel_name;
 use super::geometry::{Furnace, Geometry};
@@ -36,19 +36,20 @@ fn head(text: &mut String, plan: &Plan) -> Result<()> {
         "# Speed against error\n\n`{}`, {}\n\n{cpu}, {threads} threads; pictures of {side} x {side} pixels. The figures \
          are also in `samples.csv` and `time.csv`.\n\n\
          - **RMSE**: root of the mean squared error over pixels and components, in percent of their mean \
-         radiance; behind it the interval of 95 %, from the spread over the pixels; twice as wide with path reuse, \
-         where the errors of four pixels may be alike.\n\
-         - **slope** of the logarithm of the RMSE over that of the samples, every number of samples with random \
-         numbers of its own: -0.5 for independent samples without bias, less for Sobol' points (here stratified \
-         over all samples of a picture).\n\
-         - **z**: mean error over its standard error, of the picture of most samples. The verdict is *biased* \
-         beyond {Z_LIMIT}, which chance does once in 2e8, or where the slope is flatter than -0.5 by as many \
-         standard errors.\n\
-         - The last line of the first table is cut short at two bounces on purpose: where more light than that \
-         matters, the verdict must say so.\n\
-         - **hash** of that picture's bits: the same in every accelerator, or there would be no report.\n\
-         - **MSE x s**: mean squared error over the squared mean radiance, times seconds, at most samples: the \
-         inverse of the efficiency, and for independent samples the seconds to an error of 100 %.\n",
+         radiance. The 95 % confidence interval follows in parentheses, by the sample variance over the pixels. \
+         With path reuse it is twice as wide, because the errors of four pixels may depend on each other.\n\
+         - **slope** of the logarithm of the RMSE over that of the number of samples. Each number of samples has \
+         its own random numbers. The slope is -0.5 for independent samples without bias, and less for Sobol' points \
+         (here stratified over all samples of a picture).\n\
+         - **z**: mean error over its standard error, of the picture with most samples. The verdict is *biased* \
+         if |z| exceeds {Z_LIMIT}, which an unbiased picture does with probability 5e-9, or if the slope exceeds \
+         -0.5 by more than {Z_LIMIT} standard errors.\n\
+         - The last row of the first table is limited to two bounces on purpose. Where illumination by more bounces \
+         matters, its verdict must be *biased*.\n\
+         - **hash** of that picture's bits. All accelerators have the same hash; otherwise no report is written.\n\
+         - **MSE x s**: mean squared error over the squared mean radiance, times seconds, of the picture with most \
+         samples: the inverse of the efficiency. For independent samples it is the time in seconds to a relative \
+         RMSE of 100 %.\n",
         command("convergence"),
         date(),
         side = plan.side,
@@ -63,22 +64,23 @@ fn scene(text: &mut String, plan: &Plan, study: &Study) -> Result<()> {
     if study.reference_error > 0.0 {
         writeln!(
             text,
-            "The dotted line is the larger of the references' own errors, where that is in sight.\n"
+            "A dotted line marks the larger of the references' own errors, if it lies within the plot.\n"
         )?;
     }
     writeln!(text, "{}\n", by_samples(plan, study))?;
     writeln!(text, "{}\n", by_time(plan, study))?;
     writeln!(
         text,
-        "Told: as the pictures themselves tell their errors, without knowing the truth, from passes of 16 samples, of \
-         which Sobol' points need two. The pictures of equal time by the {}, brightened alike, and their errors:\n",
+        "The last column is the RMSE that the picture itself estimates, without the reference, from passes of 16 \
+         samples; Sobol' points need two passes. The equal-time pictures by the {}, with one exposure, and their \
+         errors:\n",
         accel_name(study.ladders[0].accel)
     )?;
     writeln!(text, "![pictures of equal time](equal-time-{name}.png)\n")?;
     Ok(())
 }
 
-/// Errors and verdicts, which no accelerator changes.
+/// Errors and verdicts. They do not depend on the accelerator.
 fn by_samples(plan: &Plan, study: &Study) -> Table {
     let shown = [0, plan.samples.len() / 2, plan.samples.len() - 1];
     let [first, middle, last] = shown.map(|i| format!("RMSE %, {} spp", plan.samples[i]));
@@ -103,7 +105,7 @@ fn by_samples(plan: &Plan, study: &Study) -> Table {
     table
 }
 
-/// What time buys, which accelerators do change.
+/// Times, and errors after equal times. They depend on the accelerator.
 fn by_time(plan: &Plan, study: &Study) -> Table {
     let equal = format!("samples in {} s", plan.seconds);
     let mut table = table(&[
@@ -114,7 +116,7 @@ fn by_time(plan: &Plan, study: &Study) -> Table {
         "MSE x s",
         &equal,
         "RMSE % (95 %)",
-        "told %",
+        "estimated %",
     ]);
     for race in &study.races {
         let same = |ladder: &&Ladder| (ladder.accel, ladder.combination) == (race.accel, race.combination);
@@ -127,7 +129,7 @@ fn by_time(plan: &Plan, study: &Study) -> Table {
             ladder.map_or(String::new(), |ladder| format!("{:.1e}", ladder.mse_seconds())),
             race.samples.to_string(),
             with_interval(race.errors.rmse(), race.errors.interval_95()),
-            if race.told.is_finite() { percent(race.told) } else { "unknown".to_owned() },
+            if race.estimated_rmse.is_finite() { percent(race.estimated_rmse) } else { "unknown".to_owned() },
         ]);
     }
     table
@@ -159,16 +161,16 @@ fn tests(text: &mut String, plan: &Plan, geometry: &Geometry) -> Result<()> {
     }
     writeln!(
         text,
-        "{decisions}\n\n{} rays for each figure; ulps are those of the test's own precision, of which one of `f32` \
-         is 5.4e8 of `f64`. Slivers are 1e-8 wide. The program `accuracy` has more of it.\n",
+        "{decisions}\n\n{} rays for each figure. Ulps are those of the test's own precision; one of `f32` is 5.4e8 \
+         of `f64`. Slivers are 1e-8 wide. The program `accuracy` prints more figures.\n",
         plan.rays
     )?;
-    writeln!(text, "## Size and place\n\n{}\n", furnaces(geometry))?;
+    writeln!(text, "## Size and position\n\n{}\n", furnaces(geometry))?;
     writeln!(
         text,
-        "Closed cubes of albedo 0.8 that emit 1, where the radiance is 5 everywhere: paths of 64 bounces by \
-         scattering alone, and how many of them did not gather what they should, to the bit. Mitsuba's figures were \
-         measured once, with 3.9.1 and its variant `scalar_rgb`; they have statistical errors of about 0.005."
+        "Closed cubes of albedo 0.8 that emit 1 have the radiance 5 everywhere. The paths have 64 bounces by BSDF \
+         sampling; a path is lost if its radiance differs from the exact sum by a bit. Mitsuba's figures were \
+         measured once, with version 3.9.1 and its variant `scalar_rgb`; their statistical error is about 0.005."
     )?;
     Ok(())
 }
@@ -200,7 +202,7 @@ fn furnaces(geometry: &Geometry) -> Table {
     table
 }
 
-/// A share with three digits that count.
+/// A share in percent with three significant digits.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     let decimals = (2 - percent.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;

@@ -1,4 +1,4 @@
-//! The figures as CSV. Errors are relative to the mean radiance, times are seconds.
+//! The figures as CSV. Errors are relative to the mean radiance; times are in seconds.
 
 use super::combination::accel_name;
 use super::ladder::{Ladder, Level};
@@ -9,7 +9,7 @@ use globillum::io::AtomicFile;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// A line of `samples.csv`: so many samples a pixel.
+/// A row of `samples.csv`: a combination with a number of samples per pixel.
 #[derive(Serialize)]
 struct SampleRow<'a> {
     scene: &'a str,
@@ -27,7 +27,7 @@ struct SampleRow<'a> {
     hash: String,
 }
 
-/// A line of `time.csv`: so much time.
+/// A row of `time.csv`: a combination rendered for a given time.
 #[derive(Serialize)]
 struct TimeRow<'a> {
     scene: &'a str,
@@ -39,7 +39,7 @@ struct TimeRow<'a> {
     rmse: f64,
     rmse_low_95: f64,
     rmse_high_95: f64,
-    rmse_told: Option<f64>,
+    rmse_estimated: Option<f64>,
     z: f64,
 }
 
@@ -87,7 +87,7 @@ fn time_row<'a>(scene: &'a str, race: &Race) -> TimeRow<'a> {
         rmse: race.errors.rmse(),
         rmse_low_95,
         rmse_high_95,
-        rmse_told: Some(race.told).filter(|told| told.is_finite()),
+        rmse_estimated: Some(race.estimated_rmse).filter(|rmse| rmse.is_finite()),
         z: race.errors.z,
     }
 }

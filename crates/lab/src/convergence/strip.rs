@@ -1,4 +1,4 @@
-//! The pictures of equal time side by side, and their errors below them.
+//! The equal-time pictures side by side, with maps of their errors below.
 
 use super::race::Race;
 use super::study::Study;
@@ -10,17 +10,17 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// A picture's side in the strip, about.
+/// Approximate side of a picture in the strip.
 const PANEL: u32 = 192;
 const GAP: u32 = 8;
-/// Room for three lines above the pictures, and for the scale below.
+/// Heights of the three caption lines above the pictures and of the scale below.
 const TOP: u32 = 62;
 const BOTTOM: u32 = 50;
 
-/// What the pictures' mean comes out as.
+/// The mean radiance after exposure.
 const BRIGHTNESS: f64 = 0.3;
 
-/// Draws the strip as `equal-time-NAME.png`, and writes its pictures beside it.
+/// Draws the strip as `equal-time-NAME.png`, and writes its pictures to the folder `pictures`.
 pub(crate) fn write(folder: &Path, study: &Study) -> Result<PathBuf> {
     let races: Vec<&Race> = study.races_of_first().collect();
     let pictures = races.iter().map(|race| picture(folder, study, race)).collect::<Result<Vec<_>>>()?;
@@ -29,7 +29,7 @@ pub(crate) fn write(folder: &Path, study: &Study) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// The picture as it is seen, which goes into a file of its own.
+/// Writes a picture to its own file, and returns its 8-bit pixels.
 fn picture(folder: &Path, study: &Study, race: &Race) -> Result<RgbImage> {
     let name = format!("{}-{}.png", study.name, race.combination.file_name());
     let path = folder.join("pictures").join(name);
@@ -43,7 +43,7 @@ struct Strip<'s> {
 }
 
 impl Strip<'_> {
-    /// How many pixels along each side one pixel of a picture takes up.
+    /// The side of a picture's pixel, in pixels of the strip.
     fn zoom(&self) -> u32 {
         (PANEL / self.pictures[0].width()).max(1)
     }
@@ -110,10 +110,10 @@ impl Strip<'_> {
         Ok(())
     }
 
-    /// What the colours of the lower row mean.
+    /// Draws the colour scale of the lower row.
     fn draw_scale<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<()> {
         const WIDTH: i32 = 450;
-        // The numbers at its ends stand out on both sides.
+        // The numbers at its ends extend beyond it on both sides.
         let (left, top) = (3 * GAP as i32, (self.size().1 - BOTTOM + 4) as i32);
         errors().draw(area, (left, top), WIDTH, |error| format!("{} %", short(100.0 * error)))?;
         let text = "error of a pixel, in % of the picture's mean radiance";
@@ -122,7 +122,7 @@ impl Strip<'_> {
     }
 }
 
-/// The colours of errors.
+/// The colour scale of errors.
 fn errors() -> Scale {
     Scale::new(1e-3..1.0)
 }

@@ -1,4 +1,4 @@
-//! All that is measured of one scene.
+//! All measurements of one scene.
 
 use super::combination::{Combination, accel_name};
 use super::ladder::Ladder;
@@ -12,15 +12,15 @@ use globillum::integrator::Scene;
 use globillum_cli::AccelKind;
 use indicatif::ProgressBar;
 
-/// A scene, measured.
+/// The measurements of a scene.
 pub(crate) struct Study {
     pub(crate) name: String,
     pub(crate) triangles: usize,
-    /// What it was compared with, in a sentence.
+    /// A description of the reference.
     pub(crate) reference: String,
     /// The largest of the reference's own relative standard errors; 0 for a closed form.
     pub(crate) reference_error: f64,
-    /// For each combination, the accelerators in turn; the one that is biased on purpose comes last.
+    /// For each combination, all accelerators; [`Combination::TRUNCATED`] comes last.
     pub(crate) ladders: Vec<Ladder>,
     pub(crate) races: Vec<Race>,
     /// Mean radiance.
@@ -28,7 +28,7 @@ pub(crate) struct Study {
 }
 
 impl Study {
-    /// How often a study moves the progress bar.
+    /// The number of steps by which a study advances the progress bar.
     pub(crate) fn steps(plan: &Plan) -> usize {
         Reference::RUNS + 2 * Combination::UNBIASED * plan.accels.len() + 1
     }
@@ -47,13 +47,13 @@ impl Study {
             let (estimator, sampler) = (combination.estimator_name(), combination.sampler_name());
             bar.set_message(format!("{}: {estimator}, {sampler}", subject.name));
             for (accel, scene) in &scenes {
-                ladders.push(Ladder::climb(subject, (*accel, scene), combination, &reference, plan)?);
+                ladders.push(Ladder::measure(subject, (*accel, scene), combination, &reference, plan)?);
                 bar.inc(1);
                 races.push(Race::run(subject, (*accel, scene), combination, &reference, plan)?);
                 bar.inc(1);
             }
         }
-        ladders.push(Ladder::climb(subject, (*first, scene), Combination::CUT_SHORT, &reference, plan)?);
+        ladders.push(Ladder::measure(subject, (*first, scene), Combination::TRUNCATED, &reference, plan)?);
         bar.inc(1);
 
         let truth = |combination| reference.truth(combination);
@@ -63,23 +63,23 @@ impl Study {
             triangles: subject.model.triangles().len(),
             reference: reference.describe(plan),
             reference_error: errors.fold(0.0, f64::max),
-            mean: truth(Combination::CUT_SHORT).mean(),
+            mean: truth(Combination::TRUNCATED).mean(),
             ladders,
             races,
         };
-        study.assert_one_picture()?;
+        study.assert_same_pictures()?;
         Ok(study)
     }
 
-    /// All accelerators must make the same picture, to the bit.
-    fn assert_one_picture(&self) -> Result<()> {
+    /// Fails unless all accelerators render the same pictures, to the bit.
+    fn assert_same_pictures(&self) -> Result<()> {
         for ladder in &self.ladders {
             let first = self.ladders.iter().find(|other| other.combination == ladder.combination);
             let levels = first.map_or(&[][..], |first| &first.levels);
             for (level, other) in ladder.levels.iter().zip(levels) {
                 ensure!(
                     level.hash == other.hash,
-                    "the {} makes another picture: {:016x} instead of {:016x}",
+                    "the {} renders a different picture: hash {:016x} instead of {:016x}",
                     accel_name(ladder.accel),
                     level.hash,
                     other.hash
@@ -89,7 +89,7 @@ impl Study {
         Ok(())
     }
 
-    /// The ladders of the accelerator that comes first: the errors are the same in all.
+    /// The ladders of the first accelerator. The errors are the same for all accelerators.
     pub(crate) fn ladders_of_first(&self) -> impl Iterator<Item = &Ladder> {
         self.ladders.iter().filter(|ladder| ladder.accel == self.ladders[0].accel)
     }
@@ -106,7 +106,7 @@ impl Study {
         groups
     }
 
-    /// The pictures of equal time of that accelerator.
+    /// The equal-time pictures of the first accelerator.
     pub(crate) fn races_of_first(&self) -> impl Iterator<Item = &Race> {
         self.races.iter().filter(|race| race.accel == self.ladders[0].accel)
     }

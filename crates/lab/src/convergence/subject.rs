@@ -1,4 +1,4 @@
-//! What is rendered.
+//! The rendered scenes: built-in ones and files.
 
 use super::corner;
 use super::errors::Truth;
@@ -13,7 +13,7 @@ use globillum_testkit::cornell;
 use globillum_testkit::scenes::{self, stare};
 use std::path::Path;
 
-/// A scene and a view of it.
+/// A scene with a camera.
 pub(crate) struct Subject {
     pub(crate) name: String,
     pub(crate) model: Model,
@@ -22,18 +22,18 @@ pub(crate) struct Subject {
     known: Known,
 }
 
-/// What is known of a scene beforehand.
+/// The closed form of a scene's picture.
 enum Known {
-    /// Nothing: it is compared with runs of its own.
+    /// There is none: pictures are compared with long runs.
     Nothing,
-    /// That all pixels show this radiance.
+    /// All pixels have this radiance.
     Radiance(f64),
-    /// The picture, given the pixels along its side.
+    /// The picture, as a function of the number of pixels along its side.
     Picture(fn(u32) -> Truth),
 }
 
 impl Subject {
-    /// A scene that needs no file; `None` if there is none of that name.
+    /// The built-in scene of this name; `None` if there is none.
     pub(crate) fn built_in(name: &str) -> Result<Option<Self>> {
         let p = DVec3::new;
         let (model, camera, known) = match name {
@@ -73,12 +73,13 @@ impl Subject {
         let camera = match camera.or(loaded.cameras.first().copied()) {
             Some(camera) => camera,
             None => view::of_all(&loaded.model.bounds(), view::Up::Y, 1.0)
-                .with_context(|| format!("{}: cannot be seen whole", path.display()))?,
+                .with_context(|| format!("{}: no camera shows the whole scene", path.display()))?,
         };
-        let shines = loaded.model.materials().iter().any(|material| !material.emission.is_none());
+        let has_light = !loaded.model.delta_lights().is_empty()
+            || loaded.model.materials().iter().any(|material| !material.emission.is_none());
         ensure!(
-            shines || !environment.is_black(),
-            "{}: nothing shines; --environment lights it",
+            has_light || !environment.is_black(),
+            "{}: the scene has no light; add one with --environment",
             path.display()
         );
         let matters = |kind: &WarningKind| !matches!(kind, WarningKind::NoLight);
@@ -89,18 +90,18 @@ impl Subject {
         Ok(Self { name, model: loaded.model, camera, environment, known: Known::Nothing })
     }
 
-    /// Ready to be rendered.
+    /// The scene, built with `accel`.
     pub(crate) fn scene(&self, accel: AccelKind) -> Result<Scene<Box<dyn Accel>>> {
         Ok(self.without_environment(accel)?.with_environment(self.environment)?)
     }
 
-    /// The scene as it is lit by its own lights alone.
+    /// The scene without its environment, built with `accel`.
     pub(crate) fn without_environment(&self, accel: AccelKind) -> Result<Scene<Box<dyn Accel>>> {
         let build = |triangles: &_| -> Result<Box<dyn Accel>, GeomError> { accel.build(triangles) };
         Ok(Scene::build(self.model.clone(), build)?)
     }
 
-    /// The closed form of a square picture, if there is one.
+    /// The closed form of a picture with `side` pixels along each side, if there is one.
     pub(crate) fn closed_form(&self, side: u32) -> Option<Truth> {
         match self.known {
             Known::Nothing => None,

@@ -1,32 +1,32 @@
-//! What is concluded from the errors of a way to render.
+//! The tests for bias.
 
 use super::errors::{Errors, Slope};
 use globillum::integrator::Sampler;
 use globillum_testkit::stats::Z_LIMIT;
 use std::fmt;
 
-/// Whether a way to render is right on average.
+/// The result of the tests for bias of a combination.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Nothing speaks against it.
+    /// No test finds a bias.
     Unbiased,
     /// The mean is wrong.
     BiasedMean,
-    /// The error falls too slowly: some of it stays.
-    ErrorStays,
+    /// The error falls too slowly: a part of it does not vanish.
+    ResidualError,
     /// The error of independent samples falls too fast: they are not independent.
     TooSteep,
-    /// A few pixels make up most of the error, and nothing can be concluded.
+    /// One pixel has too large a share of the squared errors for a conclusion.
     HeavyTail,
-    /// The reference is no better than what it is to judge.
-    ReferenceTooPoor,
+    /// The error of the reference is too large for a slope.
+    ReferenceTooNoisy,
 }
 
 impl Verdict {
-    /// A pixel with a larger share of all squared errors makes both tests worthless.
+    /// If one pixel has a larger share of all squared errors, neither test is reliable.
     const HEAVY: f64 = 0.05;
 
-    /// By the errors of the level of most samples, and the slope over all levels.
+    /// The verdict by `errors`, those of the level with most samples, and `slope`, that over all levels.
     pub(crate) fn of(sampler: Sampler, slope: Option<Slope>, errors: &Errors) -> Self {
         if errors.z.abs() > Z_LIMIT {
             return Self::BiasedMean;
@@ -34,10 +34,10 @@ impl Verdict {
         if errors.largest_share > Self::HEAVY {
             return Self::HeavyTail;
         }
-        let Some(Slope { value, std_err }) = slope else { return Self::ReferenceTooPoor };
+        let Some(Slope { value, std_err }) = slope else { return Self::ReferenceTooNoisy };
         let margin = Z_LIMIT * std_err;
         if value + 0.5 > margin {
-            Self::ErrorStays
+            Self::ResidualError
         } else if sampler == Sampler::Independent && value + 0.5 < -margin {
             Self::TooSteep
         } else {
@@ -51,10 +51,10 @@ impl fmt::Display for Verdict {
         f.write_str(match self {
             Self::Unbiased => "no bias found",
             Self::BiasedMean => "**biased**: the mean",
-            Self::ErrorStays => "**biased**: error that stays",
+            Self::ResidualError => "**biased**: residual error",
             Self::TooSteep => "**not independent**",
-            Self::HeavyTail => "heavy tail: none",
-            Self::ReferenceTooPoor => "reference too poor: none",
+            Self::HeavyTail => "none: heavy tail",
+            Self::ReferenceTooNoisy => "none: reference too noisy",
         })
     }
 }
@@ -73,10 +73,10 @@ mod tests {
             (Sampler::Independent, slope(-0.52), fine, Verdict::Unbiased),
             (Sampler::Sobol, slope(-1.2), fine, Verdict::Unbiased),
             (Sampler::Independent, slope(-0.6), fine, Verdict::TooSteep),
-            (Sampler::Sobol, slope(-0.4), fine, Verdict::ErrorStays),
+            (Sampler::Sobol, slope(-0.4), fine, Verdict::ResidualError),
             (Sampler::Sobol, slope(-1.2), errors(-6.0, 0.001), Verdict::BiasedMean),
             (Sampler::Sobol, slope(-1.2), errors(0.0, 0.3), Verdict::HeavyTail),
-            (Sampler::Sobol, None, fine, Verdict::ReferenceTooPoor),
+            (Sampler::Sobol, None, fine, Verdict::ReferenceTooNoisy),
         ] {
             assert_eq!(Verdict::of(sampler, slope, &errors), verdict, "{sampler:?} {slope:?} {errors:?}");
         }

@@ -1,4 +1,4 @@
-//! A bitmap of a chart, with letters where the font puts them.
+//! A bitmap backend that spaces letters by the font's metrics.
 
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use anyhow::Result;
@@ -9,8 +9,8 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
-/// [`BitMapBackend`], but for letters: that one leaves out the space that a font has on the left of a letter, and
-/// rounds every place to a pixel.
+/// [`BitMapBackend`] with its own text: the original ignores the left side bearing of letters and rounds every
+/// position to a pixel.
 pub(super) struct Bitmap<'p> {
     pixels: BitMapBackend<'p>,
     font: FontRef<'static>,
@@ -19,7 +19,7 @@ pub(super) struct Bitmap<'p> {
 type Failure = DrawingErrorKind<<BitMapBackend<'static> as DrawingBackend>::ErrorType>;
 
 impl<'p> Bitmap<'p> {
-    /// Over three bytes for each pixel, row by row from the top.
+    /// A bitmap over `pixels`, three bytes each, row by row from the top.
     pub(super) fn new(pixels: &'p mut [u8], size: (u32, u32)) -> Result<Self> {
         let font = FontRef::try_from_slice(UBUNTU_LIGHT)?;
         Ok(Self { pixels: BitMapBackend::with_buffer(pixels, size), font })
@@ -91,7 +91,7 @@ impl DrawingBackend for Bitmap<'_> {
     }
 }
 
-/// Each letter and its place along the line, and the line's length.
+/// Each letter with its position along the line, and the line's length.
 fn places(font: &FontRef<'_>, scale: PxScale, text: &str) -> (Vec<(ab_glyph::GlyphId, f32)>, f32) {
     let font = font.as_scaled(scale);
     let (mut places, mut x) = (Vec::new(), 0.0);
@@ -103,14 +103,14 @@ fn places(font: &FontRef<'_>, scale: PxScale, text: &str) -> (Vec<(ab_glyph::Gly
     (places, x)
 }
 
-/// Where a line of that width starts, and its baseline, from its anchor: as plotters' SVG has them.
+/// The start of a line of this width and its baseline, relative to its anchor, as in plotters' SVG.
 fn start(anchor: Pos, width: f32, size: f32) -> (f32, f32) {
     let left = match anchor.h_pos {
         HPos::Left => 0.0,
         HPos::Center => -width / 2.0,
         HPos::Right => -width,
     };
-    // Plotters' size is 1.24 times what SVG calls font size.
+    // Plotters' size is 1.24 times the font size of SVG.
     let em = size / 1.24;
     let baseline = match anchor.v_pos {
         VPos::Top => 0.76 * em,
@@ -135,7 +135,7 @@ mod tests {
         (0..width).map(|x| (0..height).any(|y| pixels[3 * (y * width + x)] < 128)).collect()
     }
 
-    /// Words stay apart, also behind an apostrophe, and letters do not run into each other.
+    /// Words are separated, also after an apostrophe, and letters do not overlap.
     #[test]
     fn letters_keep_their_distance() {
         let gaps = |text: &str| {
@@ -143,11 +143,11 @@ mod tests {
             let ink: Vec<usize> = (0..columns.len()).filter(|&x| columns[x]).collect();
             ink.windows(2).map(|pair| pair[1] - pair[0] - 1).filter(|&gap| gap > 0).collect::<Vec<_>>()
         };
-        // Three letters, two gaps between them: the second holds the space.
+        // Three letters have two gaps; the second contains the space.
         let of_words = gaps("'s m");
         assert!(of_words.len() >= 2 && of_words.iter().any(|&gap| gap >= 5), "{of_words:?}");
-        // Alike, but for a pixel's share.
-        let alike = gaps("lll");
-        assert!(alike.len() == 2 && alike[0].abs_diff(alike[1]) <= 1, "{alike:?}");
+        // Equal to within a pixel.
+        let equal = gaps("lll");
+        assert!(equal.len() == 2 && equal[0].abs_diff(equal[1]) <= 1, "{equal:?}");
     }
 }

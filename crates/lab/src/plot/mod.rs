@@ -1,4 +1,4 @@
-//! Charts, drawn once and written as SVG and PNG.
+//! Charts, written as SVG and PNG from one description.
 
 mod bitmap;
 mod scale;
@@ -18,9 +18,9 @@ use plotters::style::{FontStyle, register_font};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// Something to be drawn in any format.
+/// A drawing, independent of the format.
 pub(crate) trait Drawing {
-    /// In pixels.
+    /// Width and height in pixels.
     fn size(&self) -> (u32, u32);
 
     /// Draws it on a white area of that size.
@@ -52,7 +52,7 @@ pub(crate) fn write_png(path: &Path, drawing: &impl Drawing) -> Result<()> {
 }
 
 fn draw_on<B: DrawingBackend>(backend: B, drawing: &impl Drawing) -> Result<()> {
-    // Letters of our own: the same on every machine, whatever fonts it has.
+    // An embedded font gives the same letters on every machine.
     for style in [FontStyle::Normal, FontStyle::Bold] {
         register_font("sans-serif", style, UBUNTU_LIGHT).map_err(|_| anyhow!("the font is damaged"))?;
     }
@@ -62,7 +62,7 @@ fn draw_on<B: DrawingBackend>(backend: B, drawing: &impl Drawing) -> Result<()> 
     area.present().map_err(failed)
 }
 
-/// What plotters says, as an error that can be passed on.
+/// An error of plotters as `anyhow::Error`.
 pub(crate) fn failed(error: impl std::fmt::Display) -> anyhow::Error {
     anyhow!("a chart cannot be drawn: {error}")
 }

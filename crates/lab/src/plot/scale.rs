@@ -1,4 +1,4 @@
-//! Colours for numbers, and the scale that says which is which.
+//! A logarithmic colour scale.
 
 use super::{failed, ticks};
 use anyhow::Result;
@@ -8,7 +8,7 @@ use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
 
-/// Colours from dark to bright, evenly by logarithm.
+/// Colours from dark to bright, linear in the logarithm of the number.
 pub(crate) struct Scale {
     range: Range<f64>,
 }
@@ -16,10 +16,11 @@ pub(crate) struct Scale {
 impl Scale {
     /// Pixels from the scale's top to the bottom of its numbers.
     pub(crate) const HEIGHT: i32 = 32;
-    /// Of the bar alone.
+    /// Height of the bar alone.
     const BAR: i32 = 12;
 
-    /// For numbers from the start of `range`, positive, to its end; what lies beyond looks like the nearer end.
+    /// A scale for the numbers in `range`, whose start is positive. Numbers outside have the colour of the
+    /// nearer end.
     pub(crate) fn new(range: Range<f64>) -> Self {
         Self { range }
     }
@@ -30,7 +31,7 @@ impl Scale {
         ViridisRGB.get_color(((x.clamp(start, end) / start).ln() / (end / start).ln()) as f32)
     }
 
-    /// Draws the scale, `width` pixels wide, its numbers below it.
+    /// Draws the scale, `width` pixels wide, with numbers below it.
     pub(crate) fn draw<B: DrawingBackend>(
         &self,
         area: &DrawingArea<B, Shift>,

@@ -5,7 +5,7 @@ use std::ops::Range;
 /// The largest number of ticks.
 const MOST: usize = 10;
 
-/// 1, 2 and 5 times powers of ten within `range`, or fewer of each decade where it is wide.
+/// 1, 2 and 5 times powers of ten within `range`, or fewer per decade if the range is wide.
 pub(crate) fn ticks(range: &Range<f64>) -> Vec<f64> {
     let decades = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
     let of = |steps: &[f64], every: i32| -> Vec<f64> {
@@ -18,7 +18,7 @@ pub(crate) fn ticks(range: &Range<f64>) -> Vec<f64> {
     all.into_iter().find(|ticks| ticks.len() <= MOST).unwrap_or_default()
 }
 
-/// A number with as few digits as will do.
+/// A number without trailing zeros, rounded to integers from 1 on and to six decimals below.
 pub(crate) fn short(x: f64) -> String {
     if x >= 0.999 { format!("{x:.0}") } else { format!("{x:.6}").trim_end_matches('0').to_owned() }
 }
