@@ -1,6 +1,6 @@
 //! Any hit of shadow rays and of bounce rays: `cargo bench --bench any`.
 
-#[allow(dead_code, reason = "this bench needs only a part")]
+#[allow(dead_code, reason = "each bench uses a part of it")]
 mod common;
 
 use criterion::{Criterion, criterion_group, criterion_main};

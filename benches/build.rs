@@ -1,8 +1,8 @@
-//! Build time of every accelerator and splitting rule: `cargo bench --bench build`.
+//! Build time of every accelerator and split rule: `cargo bench --bench build`.
 //!
-//! What is timed has been found to answer like the rest.
+//! All accelerators must give the same answers before they are timed.
 
-#[allow(dead_code, reason = "this bench needs only a part")]
+#[allow(dead_code, reason = "each bench uses a part of it")]
 mod common;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -16,7 +16,7 @@ fn build(criterion: &mut Criterion) {
         for (name, build) in common::contenders() {
             let build = || build(&subject.triangles).expect("the mesh is good");
             let hash = Query::ClosestBounce.answer(&build(), &rays, &mut Buffers::default());
-            assert_eq!(*expected.get_or_insert(hash), hash, "{name} answers differently");
+            assert_eq!(*expected.get_or_insert(hash), hash, "{name} gives different answers");
             group.bench_function(name, |b| b.iter_with_large_drop(build));
         }
     }

@@ -1,6 +1,6 @@
 //! The closest hit of camera rays and of bounce rays: `cargo bench --bench closest`.
 
-#[allow(dead_code, reason = "this bench needs only a part")]
+#[allow(dead_code, reason = "each bench uses a part of it")]
 mod common;
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -1,8 +1,8 @@
 //! Whole pictures: `cargo bench --bench render`.
 //!
-//! Before anything is timed, the picture's bits are checked; beside the time, the picture's mean
-//! squared error times that of one more run is printed: the inverse of the efficiency.
-#![allow(clippy::print_stdout, reason = "benches talk to people")]
+//! Checks the picture's bits before timing. Also prints the relative mean squared error that the film
+//! estimates, times the seconds of one run: the inverse of the efficiency.
+#![allow(clippy::print_stdout, reason = "a bench prints its results")]
 
 use Estimator::{Light, Mis};
 use PathReuse::{Fours, Off};
@@ -18,10 +18,10 @@ use std::time::Instant;
 const SIDE: u32 = 64;
 const SAMPLES: u32 = 32;
 
-/// The hash of each picture of the Cornell box with two blocks, whatever renders it. A change that
-/// is meant to change pictures changes these too.
+/// The hash of each picture of the Cornell box with two blocks, the same for all accelerators. Changes that
+/// intentionally change pictures update these hashes.
 const PICTURES: [(&str, Estimator, Sampler, PathReuse, u64); 4] = [
-    ("Mis, Sobol', shared", Mis, Sobol, Fours, 0xcbcd_b8c7_7993_ca18),
+    ("Mis, Sobol', path reuse", Mis, Sobol, Fours, 0xcbcd_b8c7_7993_ca18),
     ("Mis, Sobol'", Mis, Sobol, Off, 0x1ddb_4585_94b1_503a),
     ("Mis, independent", Mis, Independent, Off, 0x585c_4e0a_3292_9915),
     ("Light, Sobol'", Light, Sobol, Off, 0x521a_a4e2_3e78_2d7b),
@@ -39,16 +39,16 @@ fn pictures(criterion: &mut Criterion) {
         (settings.estimator, settings.sampler, settings.path_reuse) = (estimator, sampler, path_reuse);
         let mut group = criterion.benchmark_group(format!("render/{name}"));
         group.sample_size(10).throughput(Throughput::Elements(u64::from(SIDE * SIDE * SAMPLES)));
-        // Brute force comes first among them, and is slow.
+        // The first accelerator is brute force, which is slow.
         for (accel, build) in &ACCELERATORS[1..] {
             let scene = scene(&model, *build);
             let start = Instant::now();
             let first = film(&scene, &camera, &settings);
             let seconds = start.elapsed().as_secs_f64();
             let found = hash::of_film(&first);
-            assert_eq!(found, expected, "{name} in the {accel}: {found:#018x} is another picture");
+            assert_eq!(found, expected, "{name}, {accel}: the picture's hash is {found:#018x}");
             let error = first.error().relative_rmse;
-            println!("{name} in the {accel}: MSE x seconds {:.2e}", error * error * seconds);
+            println!("{name}, {accel}: MSE x seconds {:.2e}", error * error * seconds);
             group.bench_function(*accel, |b| b.iter(|| film(&scene, &camera, &settings)));
         }
     }

@@ -1,4 +1,4 @@
-//! The meshes that the benches run on, and the check before anything is timed.
+//! The meshes of the benches, and the check of answers before timing.
 
 use criterion::{Criterion, Throughput};
 use globillum::io::load_obj;
@@ -7,16 +7,16 @@ use globillum_testkit::meshes::{Subject, procedural};
 use globillum_testkit::query::{Buffers, Query};
 use globillum_testkit::rays::Rays;
 
-/// Camera rays are those of a picture with so many pixels on each side.
+/// Pixels along each side of the picture, with one camera ray each.
 const SIDE: u32 = 96;
 
-/// A mesh with its rays, and the hash that all answers to a query must have.
+/// A mesh with its rays.
 pub(crate) struct Case {
     pub(crate) subject: Subject,
     pub(crate) rays: Rays,
 }
 
-/// The procedural meshes, and the one that `GLOBILLUM_MESH` names if there is one.
+/// The procedural meshes, and the OBJ file in `GLOBILLUM_MESH` if that is set.
 pub(crate) fn cases() -> Vec<Case> {
     let mut subjects = procedural().expect("the meshes are good");
     if let Ok(path) = std::env::var("GLOBILLUM_MESH") {
@@ -28,12 +28,13 @@ pub(crate) fn cases() -> Vec<Case> {
     subjects.into_iter().map(with_rays).collect()
 }
 
-/// Every accelerator but brute force, and every splitting rule.
+/// Every accelerator except brute force, and every split rule.
 pub(crate) fn contenders() -> impl Iterator<Item = (&'static str, Builder)> {
     accelerators::all().skip(1)
 }
 
-/// Times a query on every mesh and accelerator, after each has been found to answer like the rest.
+/// Times queries on every mesh and accelerator. All accelerators must give the same answers before they are
+/// timed.
 pub(crate) fn bench_queries(criterion: &mut Criterion, queries: [Query; 2]) {
     for Case { subject, rays } in cases() {
         for query in queries {
@@ -45,7 +46,7 @@ pub(crate) fn bench_queries(criterion: &mut Criterion, queries: [Query; 2]) {
                 let accel = build(&subject.triangles).expect("the mesh is good");
                 let mut buffers = Buffers::default();
                 let hash = query.answer(&accel, &rays, &mut buffers);
-                assert_eq!(*expected.get_or_insert(hash), hash, "{name} answers differently");
+                assert_eq!(*expected.get_or_insert(hash), hash, "{name} gives different answers");
                 group.bench_function(name, |b| b.iter(|| query.run(&accel, &rays, &mut buffers)));
             }
         }

@@ -1,4 +1,4 @@
-//! bvh: a binary hierarchy, walked by the crate's own iterator.
+//! bvh: a binary hierarchy, traversed by the crate's own iterator.
 
 use crate::measure::timed;
 use crate::obvhs::{layout_ray, layout_triangle};
@@ -29,8 +29,7 @@ struct Tree {
     shapes: Vec<Shape>,
 }
 
-/// The crate leaves triangles to its user, but for a test that sees front faces only; obvhs's sees
-/// both.
+/// A triangle. The crate's own triangle test hits front faces only; obvhs's test hits both.
 struct Shape {
     triangle: RtTriangle,
     bounds: Aabb<f32, 3>,
@@ -63,7 +62,7 @@ impl BHShape<f32, 3> for Shape {
     }
 }
 
-/// A ray in the layout of the boxes' test and in that of the triangles'.
+/// A ray in the layouts of the box test and of the triangle test.
 struct BothRays {
     boxes: bvh::ray::Ray<f32, 3>,
     triangles: obvhs::ray::Ray,
@@ -73,7 +72,7 @@ impl BothRays {
     fn new(ray: &Ray) -> Self {
         let triangles = layout_ray(ray);
         let direction = triangles.direction.to_array().into();
-        // The crate's constructor would normalise the direction, and so change what t counts.
+        // The crate's constructor would normalise the direction and so change the unit of t.
         let boxes = bvh::ray::Ray {
             origin: triangles.origin.to_array().into(),
             direction,
@@ -83,8 +82,7 @@ impl BothRays {
     }
 }
 
-/// Meets what a ray meets before the closest hit so far: the crate's iterator has no other way to
-/// learn of it.
+/// A ray whose box test ends at the closest hit so far. The crate's iterator has no other way to shorten a ray.
 struct Shrinking<'a> {
     ray: &'a bvh::ray::Ray<f32, 3>,
     t_max: Cell<f32>,

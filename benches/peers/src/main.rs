@@ -1,4 +1,4 @@
-//! The same rays through this library's structures and those of its peers; README.md says more.
+//! Traces the same rays with this library's accelerators and with other libraries. See README.md.
 
 mod bvh;
 mod embree;
@@ -26,7 +26,7 @@ use scenes::{Indexed, Scene};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Sends the same rays through this library's structures and those of its peers.
+/// Traces the same rays with this library's accelerators and with other libraries.
 #[derive(Parser)]
 #[command(version, about)]
 struct Options {
@@ -36,7 +36,7 @@ struct Options {
     /// Camera rays, rounded up to a square of whole tiles
     #[arg(long, default_value_t = 512 * 512, value_parser = clap::value_parser!(u32).range(1..=1 << 26))]
     rays: u32,
-    /// Timed rounds, of which the best counts
+    /// Timed rounds; the best is reported
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..))]
     repeats: u32,
     /// Also write all figures to this file
@@ -79,7 +79,7 @@ fn measure_mesh(
     let rays = rays::generate(&scene, &tree, options.rays);
     ensure!(
         rays.iter().all(|rays| !rays.is_empty()),
-        "mesh {name}: the camera or the light sees nothing of it"
+        "mesh {name}: no ray of some kind; the camera or the light does not see the mesh"
     );
     progress.inc_length(3 * u64::from(options.repeats) * entries.len() as u64);
     let outcomes = [0, 1, 2].map(|i| {
@@ -119,23 +119,23 @@ fn machine(embree: Option<&Embree>) -> Machine {
     let separator = if options.is_empty() { "" } else { " -- " };
     Machine {
         cpu: cpu_model().unwrap_or_else(|| "unknown processor".to_owned()),
-        rustc: said_by("rustc", "--version"),
+        rustc: output_of("rustc", "--version"),
         rustflags: std::env::var("RUSTFLAGS").unwrap_or_default(),
         embree: embree.map_or_else(|| "absent".to_owned(), |embree| embree.version.clone()),
-        date: said_by("date", "+%F"),
+        date: output_of("date", "+%F"),
         command: format!("cargo run --release -p globillum-peers{separator}{}", options.join(" ")),
     }
 }
 
-/// What the machine calls its processor, where that is known.
+/// The processor's model name; `None` where it is unknown.
 fn cpu_model() -> Option<String> {
     let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = info.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// What a program prints, or that it is unknown.
-fn said_by(program: &str, argument: &str) -> String {
+/// The output of a program, or `unknown`.
+fn output_of(program: &str, argument: &str) -> String {
     let output = Command::new(program).arg(argument).output().ok();
     let text = output.and_then(|output| String::from_utf8(output.stdout).ok());
     text.map_or_else(|| format!("{program} unknown"), |text| text.trim().to_owned())
@@ -146,11 +146,11 @@ mod tests {
     use super::*;
     use measure::Differences;
 
-    /// Embree too, if `EMBREE_LIB` names one.
+    /// Includes Embree if `EMBREE_LIB` is set.
     #[test]
-    fn all_peers_agree_but_for_rays_through_edges() {
+    fn all_peers_agree_except_for_rays_through_edges() {
         let scene = Scene::load("room").expect("it is procedural");
-        let embree = Embree::from_env().expect("EMBREE_LIB names Embree, or nothing");
+        let embree = Embree::from_env().expect("EMBREE_LIB names Embree or is unset");
         let entries = build(&scene, embree.as_ref()).expect("the mesh is good");
         let tree = KdTree::build(&scene.triangles, &KdOptions::default()).expect("the mesh is good");
         let rays = rays::generate(&scene, &tree, 4096);

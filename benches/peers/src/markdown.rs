@@ -6,7 +6,7 @@ use std::io::{Result, Write};
 
 const ABSENT: &str = "absent";
 
-/// Writes all tables, and below them where and how they came about.
+/// Writes all tables, and the machine and command below them.
 pub(crate) fn write(out: &mut impl Write, report: &Report) -> Result<()> {
     let meshes = &report.meshes;
     let heads = |what: &str| [vec![what.to_owned()], meshes.iter().map(head).collect()].concat();
@@ -19,10 +19,10 @@ pub(crate) fn write(out: &mut impl Write, report: &Report) -> Result<()> {
     };
     let means = [heads("ratios"), vec!["geometric means".to_owned()]].concat();
     writeln!(out, "Each cell: {}.\n", kinds())?;
-    write_table(out, &heads("million rays a second"), by_line(lines(meshes), speeds))?;
+    write_table(out, &heads("million rays per second"), by_line(lines(meshes), speeds))?;
     write_table(out, &means, report.ratios.iter().map(ratios).collect())?;
     write_table(out, &heads("missed + invented + elsewhere"), by_line(structures(meshes), differences))?;
-    write_table(out, &heads("build: seconds, bytes a triangle"), by_line(structures(meshes), build))?;
+    write_table(out, &heads("build: seconds, bytes per triangle"), by_line(structures(meshes), build))?;
     write_machine(out, &report.machine)
 }
 
@@ -40,7 +40,7 @@ fn ratios(ratio: &Ratio) -> Vec<String> {
     [vec![format!("{} : {}", ratio.ours, ratio.peer)], cells].concat()
 }
 
-/// The most of any of the structure's modes.
+/// The largest numbers of differences of the structure's modes.
 fn differences(line: &Line, mesh: &MeshReport) -> Option<String> {
     let all = line.rows(mesh).map(|row| row.outcomes.map(|outcome| outcome.differences));
     let most = all.reduce(|a, b| {

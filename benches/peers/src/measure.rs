@@ -1,4 +1,4 @@
-//! Checks what peers answer, and times them.
+//! Checks the answers of peers, and times them.
 
 use crate::peer::{Answer, Entry, Trial};
 use crate::rays::Kind;
@@ -6,28 +6,28 @@ use globillum::geom::Ray;
 use serde::Serialize;
 use std::time::Instant;
 
-/// What one entry did with one kind of rays.
+/// Speed and differences of one entry for one kind of rays.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Outcome {
-    /// Million rays a second in the best round.
+    /// Million rays per second in the best round.
     pub(crate) best: f64,
-    /// Million rays a second in the median round.
+    /// Million rays per second in the median round.
     pub(crate) median: f64,
     pub(crate) differences: Differences,
 }
 
-/// Rays that a peer answers otherwise than this library.
+/// The numbers of rays whose answers differ from this library's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub(crate) struct Differences {
-    /// It misses what is there.
+    /// The peer misses a hit.
     pub(crate) missed: usize,
-    /// It hits what is not there.
+    /// The peer reports a hit where there is none.
     pub(crate) invented: usize,
-    /// It hits another triangle, at another place.
+    /// The peer hits another triangle, at a different `t`.
     pub(crate) elsewhere: usize,
 }
 
-/// How far, relatively, the `t` of equal hits may be apart.
+/// Largest relative difference in `t` of hits that count as equal.
 const TOLERANCE: f64 = 1e-4;
 
 impl Differences {
@@ -50,8 +50,8 @@ impl Differences {
     }
 }
 
-/// Lets every entry trace `rays`: once for their answers, then `rounds` times in turn for the
-/// clock, so that what slows the machine for a while slows them all.
+/// Traces `rays` with every entry: once for the answers, then `rounds` timed rounds. The entries take turns,
+/// so that other load on the machine affects all equally.
 ///
 /// # Panics
 /// If two of this library's structures differ by a bit.
@@ -86,7 +86,7 @@ fn prepare<'a>(entry: &'a Entry, kind: Kind, rays: &[Ray]) -> Box<dyn Trial + 'a
     }
 }
 
-/// How each entry's answers differ from the first one's.
+/// The differences of each entry's answers from the first entry's.
 fn check(entries: &[Entry], trials: &mut [Box<dyn Trial + '_>], kind: Kind) -> Vec<Differences> {
     let mut expected = None;
     let compare = |(entry, trial): (&Entry, &mut Box<dyn Trial + '_>)| {
@@ -94,13 +94,17 @@ fn check(entries: &[Entry], trials: &mut [Box<dyn Trial + '_>], kind: Kind) -> V
         let answers = trial.answers();
         let expected = expected.get_or_insert_with(|| answers.clone());
         let equal = !entry.family.is_ours() || *expected == answers;
-        assert!(equal, "{}, {}: other {kind:?} answers than the first", entry.structure, entry.mode);
+        assert!(
+            equal,
+            "{}, {}: the {kind:?} answers differ from the first structure's",
+            entry.structure, entry.mode
+        );
         Differences::between(expected, &answers)
     };
     entries.iter().zip(trials).map(compare).collect()
 }
 
-/// What `work` gives, and the seconds it took.
+/// The result of `work`, and its duration in seconds.
 pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = work();
@@ -112,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn differences_are_counted_by_kind_and_ties_are_none() {
+    fn differences_are_counted_by_kind_and_ties_are_not_counted() {
         let at = |triangle, t| Answer::At { t, triangle };
         let expected = [Answer::Miss, at(1, 2.0), at(1, 2.0), at(1, 2.0), at(1, 2.0), Answer::Miss];
         let answers = [Answer::Miss, at(2, 2.0001), at(1, 2.1), at(2, 2.1), Answer::Miss, at(1, 1.0)];

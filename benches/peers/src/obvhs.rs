@@ -1,5 +1,4 @@
-//! obvhs: a compressed eight-wide hierarchy and a binary one, each with the preset that traces
-//! fastest.
+//! obvhs: a compressed eight-wide hierarchy and a binary one, both built with the preset that traces fastest.
 
 use crate::measure::timed;
 use crate::peer::{Build, Entry, Family, Found, Peer, Trial, one_by_one};
@@ -27,7 +26,7 @@ fn entry<B: Hierarchy + 'static>(structure: &'static str, (tree, seconds): (Tree
     Entry { family: Family::RustCrate, structure, mode: String::new(), build, peer: Box::new(tree) }
 }
 
-/// The crate's two hierarchies answer alike, but share no trait.
+/// The common interface of the crate's two hierarchies, which share no trait.
 trait Hierarchy {
     fn indices(&self) -> &[u32];
     fn bytes(&self) -> usize;
@@ -59,7 +58,7 @@ impl_hierarchy!(Bvh2);
 
 struct Tree<B> {
     bvh: B,
-    /// In the order of the hierarchy's leaves, which spares a look-up.
+    /// In the order of the hierarchy's leaves, which saves an indirection.
     leaves: Vec<RtTriangle>,
 }
 

@@ -9,8 +9,8 @@ use globillum::geom::{
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 
-/// Each structure twice, asked ray by ray and in batches. The first entry is what all others are
-/// compared with.
+/// Two entries for each structure: queried ray by ray, and in batches. All other entries are compared with the
+/// first.
 pub(crate) fn build(triangles: &Triangles) -> Result<Vec<Entry>> {
     let structures = [
         both("k-d tree", || KdTree::build(triangles, &KdOptions::default()))?,

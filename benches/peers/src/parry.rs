@@ -32,7 +32,7 @@ impl Mesh {
         CompositeShapeRef(&self.0).cast_local_ray(ray, *t_max, false)
     }
 
-    /// A hit is passed on as if at 0, which leaves nothing nearer to look for.
+    /// Reports any hit at `t = 0`, so that the query ends: no hit can be closer.
     fn blocked(&self, (ray, t_max): &(ParryRay, f32)) -> bool {
         let meets = |i, _| self.0.triangle(i).cast_local_ray(ray, *t_max, false).map(|_| 0.0);
         self.0.bvh().cast_ray(ray, *t_max, meets).is_some_and(|(_, t)| t == 0.0)
@@ -49,7 +49,7 @@ impl Peer for Mesh {
     }
 }
 
-/// An endless ray ends at the largest finite number, as the crate asks for.
+/// Converts a ray. The crate requires a finite end, so an infinite `t_max` becomes the largest finite number.
 fn layout_ray(ray: &Ray) -> (ParryRay, f32) {
     let [origin, direction] = [ray.origin, ray.direction].map(|v| Vector::from_array(v.as_vec3().to_array()));
     (ParryRay::new(origin, direction), (ray.t_max as f32).min(f32::MAX))

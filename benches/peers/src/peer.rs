@@ -1,9 +1,9 @@
-//! What a structure must offer to be measured.
+//! The interface of measured structures.
 
 use globillum::geom::{Hit, Ray};
 use serde::Serialize;
 
-/// Which rows are compared with which.
+/// A group of rows for ratios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Family {
@@ -24,49 +24,49 @@ impl Family {
     }
 }
 
-/// A structure over a mesh, with one way to ask it.
+/// A structure over a mesh, with one mode of queries.
 pub(crate) struct Entry {
     pub(crate) family: Family,
     pub(crate) structure: &'static str,
-    /// How it is asked, where there are several ways; else empty.
+    /// The mode of queries; empty if there is only one.
     pub(crate) mode: String,
     pub(crate) build: Build,
     pub(crate) peer: Box<dyn Peer>,
 }
 
-/// What a structure costs before the first ray.
+/// Build time and memory of a structure.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Build {
     /// On one thread.
     pub(crate) seconds: f64,
-    /// Held afterwards, the triangles included; `None` if the peer does not tell.
+    /// Memory of the built structure, including the triangles; `None` if the peer does not report it.
     pub(crate) bytes: Option<usize>,
 }
 
-/// Answers rays. Both queries take the rays into the peer's own layout at once, so that this is
-/// not timed.
+/// A structure that answers queries. Both methods convert the rays to the peer's own layout, which is not
+/// timed.
 pub(crate) trait Peer {
-    /// Prepares the search for the closest hit.
+    /// Prepares closest-hit queries.
     fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a>;
 
-    /// Prepares the search for any hit.
+    /// Prepares any-hit queries.
     fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a>;
 }
 
 /// Rays in a peer's own layout.
 pub(crate) trait Trial {
-    /// Traces all of them: what is timed.
+    /// Traces all rays. This is timed.
     fn trace(&mut self);
 
-    /// What the last [`Trial::trace`] found, a ray each.
+    /// The answers of the last [`Trial::trace`], one per ray.
     fn answers(&self) -> Vec<Answer>;
 }
 
-/// What a peer says of a ray.
+/// The answer to a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Answer {
     Miss,
-    /// Something is in the way.
+    /// There is a hit.
     Blocked,
     /// The closest hit.
     At {
@@ -99,7 +99,7 @@ impl From<Found> for Answer {
 /// Answers packets of `N` rays, one after the other.
 pub(crate) struct Packets<P, A, F, const N: usize> {
     packets: Vec<P>,
-    /// How many rays there are; the rest of the last packet is padding.
+    /// The number of rays; the rest of the last packet is padding.
     count: usize,
     query: F,
     answers: Vec<A>,
@@ -123,7 +123,7 @@ impl<P, A: Copy + Into<Answer>, F: Fn(&P) -> [A; N], const N: usize> Trial for P
     }
 }
 
-/// Answers rays one by one, each taken into the peer's layout by `layout`.
+/// Answers rays one by one, each converted by `layout`.
 pub(crate) fn one_by_one<'a, R: 'a, A: Copy + Into<Answer> + 'a>(
     rays: &[Ray],
     layout: impl Fn(&Ray) -> R,

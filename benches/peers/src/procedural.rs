@@ -7,8 +7,8 @@ use globillum::glam::DVec3;
 use globillum::integrator::Stream;
 use globillum_testkit::shapes::{self, Mesh, cuboid, inside_out};
 
-/// A closed room of 6 x 3 x 5 with statues, shelves and a table: few large triangles beside many
-/// small ones, and no ray leaves it.
+/// A closed room of 6 x 3 x 5 with statues, shelves and a table: a few large triangles and many small ones.
+/// No ray leaves it.
 pub(crate) fn room() -> Result<Scene> {
     let p = DVec3::new;
     let mut triangles = inside_out(cuboid(p(3.0, 1.5, 2.5), p(3.0, 1.5, 2.5), 0.0));
@@ -28,7 +28,7 @@ pub(crate) fn room() -> Result<Scene> {
     })
 }
 
-/// A table whose top's middle is `top`.
+/// A table; `top` is the middle of its top.
 fn table(top: DVec3) -> Vec<Triangle> {
     let board = cuboid(top, DVec3::new(0.9, 0.03, 0.6), 0.0);
     let legs = [(-0.8, -0.5), (-0.8, 0.5), (0.8, -0.5), (0.8, 0.5)].into_iter().flat_map(|(x, z)| {
@@ -87,7 +87,7 @@ fn height(x: f64, z: f64) -> f64 {
         .sum()
 }
 
-/// Random numbers at integer points, joined smoothly.
+/// Random numbers at integer points, interpolated smoothly.
 fn noise(octave: u32, x: f64, z: f64) -> f64 {
     let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
     let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
@@ -103,7 +103,7 @@ mod tests {
     use crate::scenes::PROCEDURAL;
 
     #[test]
-    fn the_procedural_scenes_have_the_size_they_promise() {
+    fn the_procedural_scenes_have_their_stated_sizes() {
         for (name, count) in PROCEDURAL.into_iter().zip([57_000_usize, 1_000_000, 70_000]) {
             let triangles = Scene::load(name).expect("it is procedural").triangles;
             assert!(triangles.len().abs_diff(count) < count / 50, "{name}: {}", triangles.len());

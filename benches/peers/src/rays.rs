@@ -1,7 +1,7 @@
-//! Rays as a renderer makes them.
+//! Rays as a renderer generates them.
 //!
-//! Every number in them is rounded to `f32` when they are made, so that peers in `f32` trace the
-//! very rays that this library traces in `f64`.
+//! Every number of a ray is rounded to `f32`, so that peers in `f32` trace the same rays as this library in
+//! `f64`.
 
 use crate::scenes::{Light, Scene, View};
 use globillum::geom::{Accel, Frame, Hit, Ray};
@@ -10,15 +10,15 @@ use globillum::integrator::Stream;
 use globillum::material::warp::CosineHemisphere;
 use serde::Serialize;
 
-/// What a ray is for.
+/// The kinds of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Kind {
-    /// Neighbours take nearly the same way.
+    /// Coherent rays from the camera.
     Camera,
-    /// No two take the same way.
+    /// Incoherent rays from the hit points of camera rays.
     Bounce,
-    /// From the same points toward one light; any hit will do.
+    /// Rays from the same points toward one light, for any-hit queries.
     Shadow,
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn generate(scene: &Scene, accel: &dyn Accel, count: u32) -> [Vec<Ray
 
 const SEED: u64 = 5;
 
-/// Which random numbers are for what.
+/// The dimensions of the random numbers.
 const PIXEL: u32 = 0;
 const DIRECTION: u32 = 2;
 const LIGHT: u32 = 4;
@@ -45,7 +45,7 @@ const LIGHT: u32 = 4;
 /// A tile's side, in pixels.
 const TILE: u32 = 8;
 
-/// One ray a pixel through a square picture of about `count` pixels, tile by tile.
+/// One ray per pixel of a square picture of about `count` pixels, tile by tile.
 fn camera_rays(view: &View, count: u32) -> Vec<Ray> {
     let tiles = (f64::from(count).sqrt() / f64::from(TILE)).ceil() as u32;
     let forward = view.target - view.eye;
@@ -62,16 +62,16 @@ fn camera_rays(view: &View, count: u32) -> Vec<Ray> {
     pixels.map(|(x, y)| through(x, y)).collect()
 }
 
-/// A point on a surface that a camera ray hit, from which rays leave.
+/// The hit point of a camera ray, the origin of bounce and shadow rays.
 struct Start {
     position: DVec3,
-    /// Toward the viewer's side.
+    /// On the viewer's side.
     normal: DVec3,
     stream: Stream,
 }
 
-/// How far rays start off the surface, in multiples of the scene's reach: rounding them to `f32`
-/// moves them at most `2^-24`, so no peer may meet the triangle they start on.
+/// Distance of ray origins from the surface, in multiples of the scene's reach. Rounding to `f32` moves an
+/// origin by at most `2^-24`, so no peer may hit the triangle that a ray starts on.
 const CLEARANCE: f64 = 1.0 / (1 << 17) as f64;
 
 fn starts(scene: &Scene, accel: &dyn Accel, rays: &[Ray]) -> Vec<Start> {
@@ -87,13 +87,13 @@ fn starts(scene: &Scene, accel: &dyn Accel, rays: &[Ray]) -> Vec<Start> {
 }
 
 impl Start {
-    /// Distributed as the cosine with the normal.
+    /// A ray distributed as the cosine with the normal.
     fn bounce(&self) -> Ray {
         let local = CosineHemisphere::sample(self.stream.uniform_pair(DIRECTION));
         rounded(Ray::new(self.position, Frame::around(self.normal).to_world(local)))
     }
 
-    /// To a point of the light, chosen uniformly; `None` if the surface is turned away from it.
+    /// A ray to a uniformly chosen point of the light; `None` if the surface faces away from it.
     fn shadow(&self, light: &Light) -> Option<Ray> {
         let [a, b] = self.stream.uniform_pair(LIGHT).map(|u| (u - 0.5) * light.side);
         let target = light.center + DVec3::new(a, 0.0, b);
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn tiles_fill_the_picture() {
+    fn tiles_cover_the_picture() {
         let (scene, tree) = room();
         let [camera, bounce, shadow] = generate(&scene, &tree, 1000);
         assert_eq!(camera.len(), 1024, "32 x 32 is the next square of whole tiles");
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn bounces_leave_their_triangle_by_the_cosine() {
+    fn bounce_rays_leave_their_triangle_cosine_distributed() {
         let (scene, tree) = room();
         let camera = camera_rays(&scene.view, 4096);
         let starts = starts(&scene, &tree, &camera);
@@ -159,7 +159,7 @@ mod tests {
             assert!(tree.intersect(&bounce).is_none_or(|hit| hit.triangle != origin));
             cosines += bounce.direction.normalize().dot(start.normal);
         }
-        // Mean 2/3, variance 1/18; five standard deviations of the mean of 4096.
+        // Mean 2/3, variance 1/18; the bound is five standard deviations of the mean of 4096.
         let mean = cosines / starts.len() as f64;
         assert!((mean - 2.0 / 3.0).abs() < 5.0 * (1.0 / 18.0_f64 / starts.len() as f64).sqrt(), "{mean}");
     }

@@ -1,4 +1,4 @@
-//! The figures of a run, and what they come to.
+//! The figures of a run, and their ratios.
 
 use crate::measure::Outcome;
 use crate::peer::{Build, Entry, Family};
@@ -9,19 +9,19 @@ use serde::Serialize;
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
     pub(crate) machine: Machine,
-    /// What the three figures of every list are for.
+    /// The kinds of rays, in the order of the figures.
     pub(crate) kinds: [Kind; 3],
     pub(crate) meshes: Vec<MeshReport>,
     pub(crate) ratios: Vec<Ratio>,
 }
 
-/// Where and how a run was made.
+/// Machine, versions and command of a run.
 #[derive(Debug, Serialize)]
 pub(crate) struct Machine {
     pub(crate) cpu: String,
     pub(crate) rustc: String,
     pub(crate) rustflags: String,
-    /// Its version, or "absent".
+    /// Embree's version, or "absent".
     pub(crate) embree: String,
     pub(crate) date: String,
     pub(crate) command: String,
@@ -32,7 +32,7 @@ pub(crate) struct Machine {
 pub(crate) struct MeshReport {
     pub(crate) mesh: String,
     pub(crate) triangles: usize,
-    /// How many rays of each kind.
+    /// The number of rays of each kind.
     pub(crate) rays: [usize; 3],
     pub(crate) rows: Vec<Row>,
 }
@@ -55,7 +55,7 @@ impl Row {
     }
 }
 
-/// A line of a table: some rows, the best of which counts for each mesh and kind of rays.
+/// A line of a table: the best of some rows for each mesh and kind of rays.
 pub(crate) struct Line {
     pub(crate) name: String,
     covers: Box<dyn Fn(&Row) -> bool>,
@@ -76,7 +76,7 @@ impl Line {
         mesh.rows.iter().filter(|row| (self.covers)(row))
     }
 
-    /// Million rays a second, kind by kind; `None` if no row is covered.
+    /// Million rays per second, kind by kind; `None` if no row is covered.
     pub(crate) fn speeds(&self, mesh: &MeshReport) -> Option<[f64; 3]> {
         let speeds = self.rows(mesh).map(|row| row.outcomes.map(|outcome| outcome.best));
         speeds.reduce(|a, b| std::array::from_fn(|kind| a[kind].max(b[kind])))
@@ -87,7 +87,8 @@ impl Line {
     }
 }
 
-/// The lines of the table of speeds: this library's and the crates' ways one by one, Embree's best.
+/// The lines of the table of speeds: every mode of this library and of the crates, and the best modes of
+/// Embree.
 pub(crate) fn lines(meshes: &[MeshReport]) -> Vec<Line> {
     let rows = meshes.first().into_iter().flat_map(|mesh| &mesh.rows);
     let mut lines: Vec<_> = rows.filter(|row| !row.family.is_embree()).map(Line::of).collect();
@@ -102,7 +103,7 @@ fn embree_lines() -> [Line; 2] {
     ]
 }
 
-/// A line for each structure, whatever the way it is asked.
+/// A line for each structure, over all its modes.
 pub(crate) fn structures(meshes: &[MeshReport]) -> Vec<Line> {
     let rows = meshes.first().into_iter().flat_map(|mesh| &mesh.rows);
     let mut names: Vec<_> = rows.map(|row| row.structure).collect();
@@ -110,7 +111,7 @@ pub(crate) fn structures(meshes: &[MeshReport]) -> Vec<Line> {
     names.into_iter().map(|name| Line::new(name, move |row| row.structure == name)).collect()
 }
 
-/// How many times as fast one line is as another.
+/// The speed of one line divided by that of another.
 #[derive(Debug, Serialize)]
 pub(crate) struct Ratio {
     pub(crate) ours: String,
@@ -121,16 +122,16 @@ pub(crate) struct Ratio {
     pub(crate) means: Option<[f64; 3]>,
 }
 
-/// This library's best structure, in batches and ray by ray, over Embree and the fastest crate.
+/// The ratios of this library's best structure, in batches and ray by ray, to Embree and to the fastest crate.
 pub(crate) fn ratios(meshes: &[MeshReport]) -> Vec<Ratio> {
     let crates = Line::new("fastest Rust crate", |row| row.family == Family::RustCrate);
     let peers: Vec<_> = embree_lines().into_iter().chain([crates]).collect();
-    let ours = [Family::OursBatch, Family::OursSingle].into_iter().filter_map(|way| best(way, meshes));
+    let ours = [Family::OursBatch, Family::OursSingle].into_iter().filter_map(|family| best(family, meshes));
     let over = |ours| peers.iter().map(move |peer| ratio(&ours, peer, meshes));
     ours.flat_map(over).collect()
 }
 
-/// The line of that family that is fastest over all meshes and kinds of rays.
+/// The line of `family` that is fastest over all meshes and kinds of rays.
 fn best(family: Family, meshes: &[MeshReport]) -> Option<Line> {
     let rows = meshes.first()?.rows.iter().filter(|row| row.family == family);
     rows.map(Line::of).max_by(|a, b| a.mean_speed(meshes).total_cmp(&b.mean_speed(meshes)))
@@ -148,13 +149,13 @@ fn ratio(ours: &Line, peer: &Line, meshes: &[MeshReport]) -> Ratio {
     Ratio { ours: ours.name.clone(), peer: peer.name.clone(), by_mesh, means }
 }
 
-/// `None` of no numbers.
+/// The geometric mean; `None` if there are no numbers.
 fn geometric_mean(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) = numbers.fold((0.0, 0), |(sum, count), x| (sum + x.ln(), count + 1));
     (count > 0).then(|| (sum / f64::from(count)).exp())
 }
 
-/// The kinds' names, as a cell of three figures lists them.
+/// The names of the kinds, in the order of the figures of a cell.
 pub(crate) fn kinds() -> String {
     Kind::ALL.map(|kind| format!("{kind:?}").to_lowercase()).join(" / ")
 }
@@ -175,14 +176,14 @@ mod tests {
     }
 
     #[test]
-    fn the_geometric_mean_is_that() {
+    fn the_geometric_mean_is_correct() {
         assert_eq!(geometric_mean([].into_iter()), None);
         let mean = geometric_mean([0.5, 2.0, 8.0].into_iter()).expect("three numbers have a mean");
         assert!((mean - 2.0).abs() < 1e-15);
     }
 
     #[test]
-    fn ratios_take_the_best_of_the_peer_and_its_absence() {
+    fn ratios_use_the_best_rows_and_allow_absent_peers() {
         let rows = |scale: f64| {
             vec![
                 row(Family::OursBatch, "slow", [scale, 1.0, 1.0]),
@@ -192,7 +193,7 @@ mod tests {
             ]
         };
         let ratios = ratios(&[mesh(rows(1.0)), mesh(rows(4.0))]);
-        assert_eq!(ratios.len(), 3, "nothing is asked ray by ray");
+        assert_eq!(ratios.len(), 3, "there are no single-ray entries");
         assert!(ratios.iter().all(|ratio| ratio.ours == "quick"));
         assert_eq!(ratios[0].means, None, "Embree is absent");
         assert_eq!(ratios[2].by_mesh, [Some([1.0, 1.5, 4.0]), Some([4.0, 1.5, 4.0])]);

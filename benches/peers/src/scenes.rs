@@ -1,4 +1,4 @@
-//! What the rays are traced through, and from where.
+//! The meshes with their cameras and lights.
 
 use crate::procedural;
 use anyhow::{Result, ensure};
@@ -9,7 +9,7 @@ use globillum_testkit::shapes;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A mesh with a camera and a light; the light is a place for shadow rays to go, not part of the mesh.
+/// A mesh with a camera and a light. The light is the target of shadow rays and not part of the mesh.
 pub(crate) struct Scene {
     pub(crate) name: String,
     pub(crate) triangles: Triangles,
@@ -20,7 +20,7 @@ pub(crate) struct Scene {
 /// A pinhole camera.
 pub(crate) struct View {
     pub(crate) eye: DVec3,
-    /// What is in the middle of the picture.
+    /// The point in the middle of the picture.
     pub(crate) target: DVec3,
     /// The side of the square around the target that the picture shows.
     pub(crate) width: f64,
@@ -35,10 +35,10 @@ pub(crate) struct Light {
 /// The procedural scenes, by name.
 pub(crate) const PROCEDURAL: [&str; 3] = ["room", "terrain", "statue"];
 
-/// Where the scanned meshes lie that are traced by default if they are there.
+/// The folder of scanned meshes, which are traced by default if they exist.
 const SHARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/meshes");
 
-/// What is measured when nothing is named: the procedural scenes, and scanned ones that are there.
+/// The default meshes: the procedural scenes, and the scanned meshes that exist.
 pub(crate) fn defaults() -> Vec<String> {
     let scanned = ["bunny.obj", "dragon.obj"].map(|file| format!("{SHARED}/{file}"));
     let scanned = scanned.into_iter().filter(|file| Path::new(file).exists());
@@ -84,14 +84,14 @@ fn around(name: &str, triangles: Vec<Triangle>) -> Result<Scene> {
     })
 }
 
-/// A mesh with shared vertices, for peers that take it so.
+/// A mesh with shared vertices, for peers that require it.
 pub(crate) struct Indexed {
     pub(crate) vertices: Vec<[f32; 3]>,
     pub(crate) faces: Vec<[u32; 3]>,
 }
 
 impl Indexed {
-    /// The same triangles in the same order; vertices are shared where their bits are equal.
+    /// The same triangles in the same order. Vertices with equal bits are shared.
     pub(crate) fn new(triangles: &Triangles) -> Self {
         let mut vertices = Vec::new();
         let mut indices = HashMap::new();

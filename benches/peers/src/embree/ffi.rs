@@ -1,10 +1,9 @@
-//! The functions of Embree 4 that are needed, loaded at run time.
+//! The used functions of Embree 4, loaded at run time.
 //!
-//! The `unsafe` of calling them stays behind [`Device`] and [`Scene`]. It rests on this: signatures
-//! and layouts are those of Embree 4's public headers; the library is never unloaded; a handle is
-//! released once, by what holds it; a query reads and writes nothing of ours but the packet that it
-//! is passed.
-#![allow(unsafe_code, reason = "a C library is called")]
+//! [`Device`] and [`Scene`] are a safe interface to them. It relies on the following: signatures and layouts
+//! are those of Embree 4's public headers; the library is never unloaded; the owner of a handle releases it
+//! once; a query reads and writes no memory of this program except the packet it is given.
+#![allow(unsafe_code, reason = "calls a C library")]
 
 use super::layout::{Aligned, Arguments, Coherence, Hits, INVALID, RayHits, Rays};
 use anyhow::{Result, ensure};
@@ -17,7 +16,7 @@ use std::sync::atomic::{AtomicIsize, Ordering};
 
 type Handle = *mut c_void;
 
-/// Declares the functions and how they are found.
+/// Declares the functions and loads them by name.
 macro_rules! functions {
     ($($name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// The functions of a loaded library.
@@ -27,10 +26,10 @@ macro_rules! functions {
         }
 
         impl Api {
-            /// Loads the library at `path`, for good: its threads may outlive every device.
+            /// Loads the library at `path`. It is never unloaded, because its threads may outlive every device.
             fn load(path: &Path) -> Result<Self> {
-                // SAFETY: Embree's initialisers ask nothing of their caller, and the signatures
-                // are those of its headers.
+                // SAFETY: Embree's initialisers have no preconditions, and the signatures are those of its
+                // headers.
                 unsafe {
                     let library = ManuallyDrop::new(Library::new(path)?);
                     Ok(Self {
@@ -72,7 +71,7 @@ type MemoryMonitor = unsafe extern "C" fn(*mut c_void, isize, bool) -> bool;
 
 /// Adds to the counter that `bytes_held` points to.
 unsafe extern "C" fn count_bytes(bytes_held: *mut c_void, bytes: isize, _post: bool) -> bool {
-    // SAFETY: it was registered with a device's counter, which outlives the device.
+    // SAFETY: the pointer is a device's counter, which outlives the device.
     let bytes_held = unsafe { &*bytes_held.cast::<AtomicIsize>() };
     bytes_held.fetch_add(bytes, Ordering::Relaxed);
     true
@@ -122,7 +121,7 @@ impl Device {
     /// Gives `geometry` a buffer that holds `items`.
     fn fill<T: Copy>(&self, geometry: Handle, buffer: c_int, format: c_int, items: &[T]) -> Result<()> {
         let set = self.api.rtcSetNewGeometryBuffer;
-        // SAFETY: the buffer holds as many items of that size, and is nobody else's yet.
+        // SAFETY: the new buffer has room for these items, and nothing else refers to it yet.
         unsafe {
             let start = set(geometry, buffer, 0, format, size_of::<T>(), items.len());
             ensure!(!start.is_null(), "Embree has no memory for {} items", items.len());
@@ -131,7 +130,7 @@ impl Device {
         Ok(())
     }
 
-    /// Bytes that all its scenes hold.
+    /// Memory of all scenes of the device, in bytes.
     fn bytes_held(&self) -> isize {
         self.bytes_held.load(Ordering::Relaxed)
     }
@@ -139,16 +138,16 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: it is held once, and not used again.
+        // SAFETY: this is the only owner of the handle, which is not used again.
         unsafe { (self.api.rtcReleaseDevice)(self.handle) }
     }
 }
 
-/// A mesh in the highest build quality.
+/// A mesh, built with the highest quality.
 pub(crate) struct Scene {
     device: Rc<Device>,
     handle: Handle,
-    /// Held for it, buffers included.
+    /// Memory in bytes, including buffers.
     pub(crate) bytes: usize,
 }
 
@@ -159,10 +158,13 @@ impl Scene {
         faces: &[[u32; 3]],
         robust: bool,
     ) -> Result<Self> {
-        ensure!(faces.iter().flatten().all(|&i| (i as usize) < vertices.len()), "a face without its vertex");
+        ensure!(
+            faces.iter().flatten().all(|&i| (i as usize) < vertices.len()),
+            "a face refers to a missing vertex"
+        );
         let api = &device.api;
         let bytes_before = device.bytes_held();
-        // SAFETY: every handle is used while it is held.
+        // SAFETY: every handle is valid while it is used.
         unsafe {
             let handle = (api.rtcNewScene)(device.handle);
             let mut built = Self { device: device.clone(), handle, bytes: 0 };
@@ -230,7 +232,7 @@ impl Scene {
 
 impl Drop for Scene {
     fn drop(&mut self) {
-        // SAFETY: it is held once, and not used again; its device goes after it.
+        // SAFETY: this is the only owner of the handle, which is not used again. The device is released later.
         unsafe { (self.device.api.rtcReleaseScene)(self.handle) }
     }
 }

@@ -1,7 +1,7 @@
-//! Denormal numbers as zero, as Embree recommends.
-#![allow(unsafe_code, reason = "the register is only reached by assembly")]
+//! Flushes denormal numbers to zero, as Embree recommends.
+#![allow(unsafe_code, reason = "the register is only accessible by assembly")]
 
-/// Denormal numbers count as zero while this lives; then the thread's mode is restored.
+/// Flushes denormal numbers to zero on this thread until dropped, which restores the previous mode.
 pub(crate) struct FlushToZero(u32);
 
 impl FlushToZero {
@@ -27,14 +27,14 @@ mod control {
 
     pub(super) fn get() -> u32 {
         let mut value = 0_u32;
-        // SAFETY: it stores the register and nothing else.
+        // SAFETY: this stores the register and nothing else.
         unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut value, options(nostack)) };
         value
     }
 
     pub(super) fn set(value: u32) {
-        // SAFETY: only modes of rounding to zero are changed, and until they are restored this
-        // thread copies and compares numbers but computes none outside Embree.
+        // SAFETY: only the two flush-to-zero modes change. Until they are restored, this thread copies and
+        // compares numbers but computes none outside Embree.
         unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const value, options(nostack, readonly)) };
     }
 }

@@ -1,13 +1,13 @@
-//! How Embree 4's public headers lay out what its queries take, for a library built with one
-//! instance level, its default.
+//! The layout of query arguments in Embree 4's public headers, for a library built with one instance level, the
+//! default.
 //!
-//! A single ray is a packet of one. The headers align packets to at most 64 bytes, and in none of
-//! them does that leave a gap between the rays and the hits.
+//! A single ray is a packet of one. The headers align packets to at most 64 bytes, which never leaves a gap
+//! between the rays and the hits.
 
 use std::ffi::{c_int, c_void};
 use std::ptr::null_mut;
 
-/// One type for `RTCIntersectArguments` and `RTCOccludedArguments`, which are laid out alike.
+/// `RTCIntersectArguments` and `RTCOccludedArguments`, which have the same layout.
 #[repr(C)]
 pub(crate) struct Arguments {
     flags: c_int,
@@ -15,11 +15,11 @@ pub(crate) struct Arguments {
     context: *mut c_void,
     filter: *mut c_void,
     callback: *mut c_void,
-    /// Read only by a library built with minimal curve widths.
+    /// Used only by a library built with minimal curve widths.
     min_width_distance_factor: f32,
 }
 
-/// How rays of one call relate.
+/// The coherence flag of the rays of one call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub(crate) enum Coherence {
@@ -41,7 +41,7 @@ impl Arguments {
     }
 }
 
-/// What a packet of any width must be aligned to.
+/// The alignment of packets of any width.
 #[repr(C, align(64))]
 pub(crate) struct Aligned<T>(pub(crate) T);
 
@@ -53,7 +53,7 @@ pub(crate) struct Rays<const N: usize> {
     pub(crate) t_near: [f32; N],
     pub(crate) direction: [[f32; N]; 3],
     pub(crate) time: [f32; N],
-    /// Set to the closest hit's `t`; to minus infinity where any hit was asked for and found.
+    /// Set to the `t` of the closest hit. Any-hit queries set it to minus infinity if there is a hit.
     pub(crate) t_far: [f32; N],
     pub(crate) mask: [u32; N],
     pub(crate) id: [u32; N],
@@ -61,7 +61,7 @@ pub(crate) struct Rays<const N: usize> {
 }
 
 impl<const N: usize> Rays<N> {
-    /// Rays with nothing to search: their range is empty.
+    /// Rays with an empty range.
     pub(crate) const INACTIVE: Self = Self {
         origin: [[0.0; N]; 3],
         t_near: [0.0; N],
@@ -74,7 +74,7 @@ impl<const N: usize> Rays<N> {
     };
 }
 
-/// What `N` rays hit.
+/// The hits of `N` rays.
 #[repr(C)]
 pub(crate) struct Hits<const N: usize> {
     normal: [[f32; N]; 3],

@@ -1,4 +1,4 @@
-//! Embree 4, in every way that it can be asked for single rays or packets of them.
+//! Embree 4 in all modes: single rays and packets of 4, 8 and 16.
 
 mod ffi;
 mod flush;
@@ -15,26 +15,27 @@ use layout::{Coherence, Rays};
 use std::path::Path;
 use std::rc::Rc;
 
-/// The library, loaded.
+/// The loaded library.
 pub(crate) struct Embree {
     device: Rc<Device>,
     pub(crate) version: String,
 }
 
 impl Embree {
-    /// Loads what `EMBREE_LIB` names; `None` if it names nothing.
+    /// Loads the library in `EMBREE_LIB`; `None` if that is unset or empty.
     pub(crate) fn from_env() -> Result<Option<Self>> {
         let Some(path) = std::env::var_os("EMBREE_LIB").filter(|path| !path.is_empty()) else {
             return Ok(None);
         };
-        let device = Device::load(Path::new(&path)).context("EMBREE_LIB names no library of Embree 4")?;
+        let device =
+            Device::load(Path::new(&path)).context("EMBREE_LIB does not name a library of Embree 4")?;
         let version = device.version();
-        // Other versions have functions of the same names that take other arguments.
+        // Functions of the same names take different arguments in other versions.
         ensure!(version.starts_with("4."), "EMBREE_LIB names Embree {version}, not 4");
         Ok(Some(Self { device: Rc::new(device), version }))
     }
 
-    /// All modes over a mesh that is built twice, robust and not.
+    /// All modes over a mesh, built with the robust flag and without.
     pub(crate) fn build(&self, mesh: &Indexed) -> Result<Vec<Entry>> {
         let mut entries = Vec::new();
         for (family, structure, robust) in
@@ -50,7 +51,7 @@ impl Embree {
     }
 }
 
-/// Every mode's name and peer. Single rays know no coherence.
+/// The name and peer of every mode. Single rays have no coherence flag.
 fn modes(scene: &Rc<Scene>) -> [(String, Box<dyn Peer>); 7] {
     use Coherence::{Coherent, Incoherent};
     [
@@ -87,7 +88,7 @@ impl<const N: usize> Peer for Mode<N> {
     }
 }
 
-/// Traces with denormal numbers as zero.
+/// Traces with denormal numbers flushed to zero.
 struct Flushed<T>(T);
 
 impl<T: Trial> Trial for Flushed<T> {
@@ -101,7 +102,7 @@ impl<T: Trial> Trial for Flushed<T> {
     }
 }
 
-/// Packets of `rays`, the last one filled up with rays whose range is empty.
+/// Packets of `rays`. The last one is padded with rays whose range is empty.
 fn layout<const N: usize>(rays: &[Ray]) -> Vec<Rays<N>> {
     rays.chunks(N).map(layout_packet).collect()
 }
