@@ -1,11 +1,11 @@
-//! What the public types promise to other programs.
+//! Traits of the public types.
 
 use globillum::{geom, integrator, io, material};
 
 fn shared_between_threads<T: Send + Sync + std::fmt::Debug>() {}
 
 #[test]
-fn every_type_can_be_shared_between_threads_and_shown() {
+fn every_type_is_send_sync_and_debug() {
     shared_between_threads::<geom::Aabb>();
     shared_between_threads::<geom::BruteForce>();
     shared_between_threads::<geom::Frame>();

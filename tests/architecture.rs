@@ -1,9 +1,9 @@
-//! No file of a crate imports its importer.
+//! The files of a crate have no circular dependencies.
 //!
-//! An arrow runs from a file to each file whose items it names by a path, in `use` declarations and in
-//! expressions. Paths are resolved through modules, imports and re-exports to the file that defines the
-//! item. Declarations `mod x;`, re-exports that the file itself does not use, and items under
-//! `#[cfg(test)]` are no arrows. Methods called without naming their file are not seen.
+//! A file depends on each file whose items it names by a path, in `use` declarations and in expressions.
+//! Paths are resolved through modules, imports and re-exports to the file that defines the item. Declarations
+//! `mod x;`, re-exports that the file itself does not use, and items under `#[cfg(test)]` are ignored. Method
+//! calls, which do not name a file, are not detected.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -45,7 +45,7 @@ struct Import {
 /// The modules of a crate; the first is its root.
 struct Sources<'a> {
     modules: Vec<Module>,
-    /// The content of a file, named by its path from the folder of `lib.rs`; `None` if there is none.
+    /// Returns the content of a file, given its path from the folder of `lib.rs`; `None` if there is none.
     text: &'a dyn Fn(&str) -> Option<String>,
 }
 
@@ -125,7 +125,7 @@ impl<'a> Sources<'a> {
         }
     }
 
-    /// The module that defines what `path` names in `module`; `None` if that is another crate's.
+    /// The module that defines the item `path` as named in `module`; `None` if it belongs to another crate.
     fn resolve(&self, module: usize, path: &[String], through_imports: bool) -> Option<usize> {
         let first = path.first()?;
         match first.as_str() {
@@ -147,7 +147,7 @@ impl<'a> Sources<'a> {
         }
     }
 
-    /// The module that defines what `path` names, beginning with a name of `module`.
+    /// The module that defines the item `path`, whose first name belongs to `module`.
     fn descend(&self, module: usize, path: &[String]) -> Option<usize> {
         let Some((first, rest)) = path.split_first() else { return Some(module) };
         let Module { children, imports, .. } = &self.modules[module];
@@ -160,9 +160,9 @@ impl<'a> Sources<'a> {
         }
     }
 
-    /// For each file the files that it names items of.
-    fn arrows(&self) -> BTreeMap<&str, BTreeSet<&str>> {
-        let mut arrows: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    /// The files that each file depends on.
+    fn dependencies(&self) -> BTreeMap<&str, BTreeSet<&str>> {
+        let mut dependencies: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
         for (index, module) in self.modules.iter().enumerate() {
             let used = |import: &&Import| !import.is_public || module.names.contains(&import.name);
             let imported = module
@@ -172,19 +172,19 @@ impl<'a> Sources<'a> {
                 .filter_map(|import| self.resolve(index, &import.path, false));
             let named = module.paths.iter().filter_map(|path| self.resolve(index, path, true));
             let files = imported.chain(named).map(|target| self.modules[target].file.as_str());
-            arrows.entry(&module.file).or_default().extend(files.filter(|file| *file != module.file));
+            dependencies.entry(&module.file).or_default().extend(files.filter(|file| *file != module.file));
         }
-        arrows
+        dependencies
     }
 
-    /// A shortest circle for each file that is in one, each circle told once.
+    /// A shortest circle for each file that is part of one, without duplicates.
     fn circles(&self) -> Vec<String> {
-        let arrows = self.arrows();
-        let mut told = BTreeSet::new();
+        let dependencies = self.dependencies();
+        let mut reported = BTreeSet::new();
         let mut circles = Vec::new();
-        for &file in arrows.keys() {
-            let Some(circle) = shortest_circle(file, &arrows) else { continue };
-            if told.insert(circle.iter().copied().collect::<BTreeSet<_>>()) {
+        for &file in dependencies.keys() {
+            let Some(circle) = shortest_circle(file, &dependencies) else { continue };
+            if reported.insert(circle.iter().copied().collect::<BTreeSet<_>>()) {
                 circles.push([circle.join(" -> "), file.to_owned()].join(" -> "));
             }
         }
@@ -192,27 +192,27 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// The files from `start` along arrows until one leads back to it.
+/// The files of a shortest circle from `start`; `None` if there is none.
 fn shortest_circle<'a>(
     start: &'a str,
-    arrows: &BTreeMap<&'a str, BTreeSet<&'a str>>,
+    dependencies: &BTreeMap<&'a str, BTreeSet<&'a str>>,
 ) -> Option<Vec<&'a str>> {
-    let mut ways = VecDeque::from([vec![start]]);
+    let mut paths = VecDeque::from([vec![start]]);
     let mut seen = BTreeSet::new();
-    while let Some(way) = ways.pop_front() {
-        for &next in arrows.get(way.last()?).into_iter().flatten() {
+    while let Some(path) = paths.pop_front() {
+        for &next in dependencies.get(path.last()?).into_iter().flatten() {
             if next == start {
-                return Some(way);
+                return Some(path);
             }
             if seen.insert(next) {
-                ways.push_back([&way[..], &[next]].concat());
+                paths.push_back([&path[..], &[next]].concat());
             }
         }
     }
     None
 }
 
-/// How many tokens the first item takes: up to its semicolon or its braces.
+/// The number of tokens of the first item, up to its semicolon or its braces.
 fn item_length(tokens: &[TokenTree]) -> usize {
     let is_semicolon = |token: &TokenTree| matches!(token, TokenTree::Punct(mark) if mark.as_char() == ';');
     let is_body = |token: &TokenTree| is_group(token, Delimiter::Brace);

@@ -1,4 +1,4 @@
-//! Stopping a render, and settings that would never stop.
+//! Cancelling a render, and invalid settings.
 
 use globillum::geom::Triangle;
 use globillum::glam::{DVec3, Vec3};
@@ -8,16 +8,16 @@ use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::{cornell, scenes, shapes};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Cancels at a given question.
+/// Cancels after a given number of calls of [`Monitor::cancelled`].
 struct CancelAt {
-    question: u64,
-    asked: AtomicU64,
+    limit: u64,
+    calls: AtomicU64,
     tiles: AtomicU64,
 }
 
 impl CancelAt {
-    fn question(question: u64) -> Self {
-        Self { question, asked: AtomicU64::new(0), tiles: AtomicU64::new(0) }
+    fn call(limit: u64) -> Self {
+        Self { limit, calls: AtomicU64::new(0), tiles: AtomicU64::new(0) }
     }
 }
 
@@ -27,18 +27,17 @@ impl Monitor for CancelAt {
     }
 
     fn cancelled(&self) -> bool {
-        self.asked.fetch_add(1, Ordering::Relaxed) >= self.question
+        self.calls.fetch_add(1, Ordering::Relaxed) >= self.limit
     }
 }
 
 #[test]
-fn a_cancelled_render_is_the_picture_of_its_whole_passes() {
+fn a_cancelled_render_returns_the_picture_of_its_whole_passes() {
     let scene = scenes::scene(&cornell::with_blocks(false).expect("the box is good"), STRUCTURES[0].1);
     let camera = cornell::camera().expect("the camera is good");
     let mut samples_seen = Vec::new();
-    for question in [0, 40, 1600] {
-        let picture =
-            render(&scene, &camera, &Settings::new(40, 40, 64), &CancelAt::question(question)).unwrap();
+    for limit in [0, 40, 1600] {
+        let picture = render(&scene, &camera, &Settings::new(40, 40, 64), &CancelAt::call(limit)).unwrap();
         assert!(picture.samples < 64);
         if picture.samples > 0 {
             let whole = render(&scene, &camera, &Settings::new(40, 40, picture.samples), &()).unwrap();
@@ -50,7 +49,7 @@ fn a_cancelled_render_is_the_picture_of_its_whole_passes() {
     assert!(samples_seen[2] > 0, "{samples_seen:?}");
 }
 
-/// Between perfect mirrors a path goes on until it is stopped.
+/// A path between perfect mirrors does not end by itself.
 #[test]
 fn cancelling_stops_within_a_tile() {
     let mut model = Model::default();
@@ -60,7 +59,7 @@ fn cancelling_stops_within_a_tile() {
     let camera = scenes::stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.3, 0.5, 1.0));
     let mut settings = Settings::new(4, 4, 1);
     settings.roulette.start = Settings::MAX_BOUNCES;
-    let monitor = CancelAt::question(1000);
+    let monitor = CancelAt::call(1000);
     assert_eq!(render(&scene, &camera, &settings, &monitor).unwrap().samples, 0);
     assert_eq!(monitor.tiles.load(Ordering::Relaxed), 0, "no tile can have ended");
     settings.max_bounces = Some(10_000);
@@ -69,7 +68,7 @@ fn cancelling_stops_within_a_tile() {
 }
 
 #[test]
-fn senseless_settings_are_refused() {
+fn invalid_settings_are_refused() {
     let mut model = Model::default();
     model.add(Material::light(Rgb::WHITE).expect("a light"), [Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)]);
     let scene = scenes::scene(&model, STRUCTURES[0].1);
@@ -109,12 +108,12 @@ fn senseless_settings_are_refused() {
     }
 }
 
-/// Rows 86 to 88 of bad input.
+/// Rows 86 to 88 of the table of bad input.
 #[test]
-fn cameras_that_see_nothing_are_refused() {
+fn cameras_without_a_view_are_refused() {
     let (eye, up) = (DVec3::new(1.0, 2.0, 3.0), DVec3::Y);
     for fov in [0.0, -1.0, std::f64::consts::PI, f64::NAN, f64::INFINITY] {
-        let error = Camera::look_at(eye, DVec3::ZERO, up, fov).expect_err("it sees nothing, or all");
+        let error = Camera::look_at(eye, DVec3::ZERO, up, fov).expect_err("the field of view is invalid");
         assert!(matches!(error, RenderError::Param { name: "fov_y", .. }), "{error}");
     }
     for (target, up) in [
@@ -125,7 +124,7 @@ fn cameras_that_see_nothing_are_refused() {
         (DVec3::ZERO, DVec3::ZERO),
         (DVec3::ZERO, DVec3::splat(f64::NAN)),
     ] {
-        let error = Camera::look_at(eye, target, up, 0.7).expect_err("there is no such view");
+        let error = Camera::look_at(eye, target, up, 0.7).expect_err("the camera is degenerate");
         assert!(matches!(error, RenderError::Camera(_)), "{error}");
     }
 }

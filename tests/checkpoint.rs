@@ -1,4 +1,4 @@
-//! Pictures in parts: saved, continued, merged.
+//! Checkpoints: saving, resuming and merging parts of a picture.
 
 use glam::{DVec3, Vec3};
 use globillum::geom::Accel;
@@ -19,14 +19,14 @@ fn the_box() -> (Scene<Box<dyn Accel>>, Camera) {
     (scenes::scene(&model, STRUCTURES[0].1), cornell::camera().expect("the camera is good"))
 }
 
-/// 64 passes, of which the last is cut short.
+/// 64 passes; the last one is incomplete.
 fn settings(sampler: Sampler) -> Settings {
     let mut settings = Settings::new(24, 20, 127);
     (settings.pass_samples, settings.sampler, settings.seed) = (2, sampler, 5);
     settings
 }
 
-fn but(mut settings: Settings, change: impl FnOnce(&mut Settings)) -> Settings {
+fn changed(mut settings: Settings, change: impl FnOnce(&mut Settings)) -> Settings {
     change(&mut settings);
     settings
 }
@@ -97,14 +97,14 @@ fn every_accelerator_makes_the_same_checkpoint() {
 }
 
 #[test]
-fn a_render_may_go_on_with_more_samples() {
+fn a_render_can_be_resumed_with_more_samples() {
     let (scene, camera) = the_box();
-    let with = |samples| but(settings(Sampler::Sobol), |s| s.samples = samples);
+    let with = |samples| changed(settings(Sampler::Sobol), |s| s.samples = samples);
     let whole = render(&scene, &camera, &with(40), &()).expect("the scene is good");
     let part = render(&scene, &camera, &with(24), &()).expect("likewise");
     let more = Render::new(&scene, &camera, &with(40)).resume(part.clone()).run(&()).expect("likewise");
     assert_eq!(more.to_bytes(), whole.to_bytes());
-    // Of a pass cut short, what is missing cannot be added; nor can samples be taken back.
+    // An incomplete pass cannot be completed, and samples cannot be removed.
     let short = render(&scene, &camera, &with(23), &()).expect("likewise");
     for (samples, picture) in [(40, short), (20, part)] {
         let result = Render::new(&scene, &camera, &with(samples)).resume(picture).run(&());
@@ -163,24 +163,24 @@ fn passes_count_once() {
     let mut picture = passes(3..7, &base);
     let before = picture.to_bytes();
     assert_eq!(picture.merge(passes(6..9, &base)), Err(CheckpointError::Overlap { pass: 6 }));
-    let other = but(base, |s| s.seed = 9);
+    let other = changed(base, |s| s.seed = 9);
     assert!(matches!(picture.merge(passes(9..10, &other)), Err(CheckpointError::Mismatch(_))));
     assert_eq!(picture.to_bytes(), before);
-    // A pass cut short in the middle: no run would have made it.
-    let cut = passes(0..2, &but(base, |s| s.samples = 3));
+    // An incomplete pass in the middle: no run produces it.
+    let cut = passes(0..2, &changed(base, |s| s.samples = 3));
     for (mut a, b) in [(cut.clone(), passes(2..3, &base)), (passes(2..3, &base), cut)] {
         assert_eq!(a.merge(b), Err(CheckpointError::Mismatch("number of samples")));
     }
-    for senseless in [5..5, 0..65] {
+    for invalid in [5..5, 0..65] {
         let (scene, camera) = the_box();
-        let result = Render::new(&scene, &camera, &base).passes(senseless).run(&());
+        let result = Render::new(&scene, &camera, &base).passes(invalid).run(&());
         assert!(matches!(result, Err(RenderError::Param { name: "passes", .. })));
     }
 }
 
 #[test]
-fn what_is_not_a_whole_checkpoint_is_refused() {
-    let small = but(settings(Sampler::Sobol), |s| (s.width, s.height) = (3, 2));
+fn damaged_and_incomplete_checkpoints_are_refused() {
+    let small = changed(settings(Sampler::Sobol), |s| (s.width, s.height) = (3, 2));
     let bytes = passes(0..3, &small).to_bytes();
     assert!(Picture::from_bytes(&bytes).is_ok());
     for length in 0..bytes.len() {

@@ -1,5 +1,4 @@
-//! Scenes whose radiance is known exactly, by every estimator that can render them, in every
-//! accelerator.
+//! Scenes of known radiance, rendered by every applicable estimator in every accelerator.
 
 use approx::assert_relative_eq;
 use glam::DVec3;
@@ -21,7 +20,7 @@ fn settings(samples: u32) -> Settings {
     settings
 }
 
-/// Of the first component.
+/// The estimate of the green component.
 fn estimate(model: &Model, camera: &Camera, settings: &Settings) -> Estimate {
     Estimate::of_film(&film_in_every_structure(model, camera, settings), |c| c.g)
 }
@@ -43,7 +42,7 @@ fn a_furnace_after_any_number_of_bounces() {
                 Some(n) => (1.0 - f64::powi(rho, n as i32 + 1)) / (1.0 - rho),
                 None => 1.0 / (1.0 - rho),
             };
-            // Choosing points on lights has infinite variance where walls that shine meet.
+            // Light sampling has infinite variance where emitting walls meet.
             for estimator in [Estimator::Bsdf, Estimator::Mis] {
                 let samples = if limit.is_some() { 32 } else { 64 };
                 let mut s = settings(samples);
@@ -71,19 +70,19 @@ fn roulette_from_the_first_bounce_has_the_known_variance() {
     }
 }
 
-/// Variance and kurtosis of one sample of a furnace of unit emission, roulette from the first bounce on: what
-/// a path has gathered follows from the number of its bounces. The variance is `rho / (1 - rho)^2` at a
-/// threshold of 1.
+/// Variance and kurtosis of one sample of a furnace of unit emission, with Russian roulette from the first
+/// bounce on. The number of bounces determines the radiance of a path. At a threshold of 1 the variance is
+/// `rho / (1 - rho)^2`.
 fn furnace_moments(rho: f64, threshold: f64) -> (f64, f64) {
-    let (mut throughput, mut gathered, mut reach_prob, mut moments) = (1.0, 1.0, 1.0, [0.0; 2]);
+    let (mut throughput, mut radiance, mut reach_prob, mut moments) = (1.0, 1.0, 1.0, [0.0; 2]);
     let mean = 1.0 / (1.0 - rho);
     for _ in 0..1000 {
         let survive_prob = f64::min(throughput * rho / threshold, 0.95);
         let end_prob = reach_prob * (1.0 - survive_prob);
-        let deviation: f64 = gathered - mean;
+        let deviation: f64 = radiance - mean;
         moments = [moments[0] + end_prob * deviation.powi(2), moments[1] + end_prob * deviation.powi(4)];
         throughput *= rho / survive_prob;
-        gathered += throughput;
+        radiance += throughput;
         reach_prob *= survive_prob;
     }
     (moments[0], moments[1] / moments[0].powi(2))
@@ -100,7 +99,7 @@ fn a_square_light_above_a_floor() {
     }
 }
 
-/// The light is so near that points on it are chosen by solid angle unless they must not be.
+/// The light is near enough for solid angle sampling, the default.
 #[test]
 fn a_square_light_sampled_by_area() {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
@@ -113,7 +112,7 @@ fn a_square_light_sampled_by_area() {
     }
 }
 
-/// A light of 1e-12 sr, and one less far away: from there a light is all but a point.
+/// A light of 1e-12 sr, and one less far away, which are nearly points.
 #[test]
 fn a_small_light_far_away() {
     for (side, height) in [(1.0, 100.0), (1e-3, 1e3)] {
@@ -128,7 +127,7 @@ fn a_small_light_far_away() {
             s.estimator = estimator;
             let estimate = estimate(&model, &camera, &s);
             let error = (estimate.mean / truth - 1.0).abs();
-            // The share that scattering has is too small to have been met in so few samples.
+            // The contribution of BSDF sampling is too small to occur in this number of samples.
             assert!(error < 1e-4, "{side}, {height}, {estimator:?}: {estimate:?} is not {truth}");
         }
     }
@@ -140,13 +139,13 @@ fn a_kaleidoscope_of_mirrors() {
     let targets = [(DVec3::new(0.3, 1.0, 0.6), 1.0 / 0.6), (DVec3::new(0.3, 0.0, 0.6), 0.5 / 0.6)];
     for (target, truth) in targets {
         for estimator in ALL {
-            // By `Light` one of four mirrors is chosen for a light as large as a wall.
+            // `Light` chooses one of four mirrors for a light as large as a wall.
             let mut s = settings(match estimator {
                 Estimator::Bsdf => 20,
                 Estimator::Light => 64,
                 _ => 48,
             });
-            // Earlier roulette would end many paths between the mirrors, at a high variance.
+            // Earlier Russian roulette would end many paths between the mirrors and raise the variance.
             (s.estimator, s.roulette.start) = (estimator, 24);
             let camera = stare(DVec3::new(0.4, 0.45, 0.4), target);
             estimate(&model, &camera, &s).assert_is(truth, &format!("{estimator:?}"));

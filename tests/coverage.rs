@@ -1,5 +1,5 @@
-//! How often intervals of 95 % hold the truth, where samples are skewed and pixels differ. Random numbers are
-//! fixed; what a share may differ by is 5.85 of its standard deviations (docs/testing.md).
+//! Coverage of 95 % confidence intervals where samples are skewed and pixels differ. Seeds are fixed. A share
+//! may deviate by 5.85 of its standard deviations (docs/testing.md).
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
@@ -18,7 +18,7 @@ fn lambert(albedo: f64) -> Material {
     Material::lambert(Rgb::splat(albedo)).expect("an albedo")
 }
 
-fn shining(radiance: f64) -> Material {
+fn light(radiance: f64) -> Material {
     Material::light(Rgb::splat(radiance)).expect("finite")
 }
 
@@ -26,7 +26,7 @@ fn look(eye: DVec3, target: DVec3, fov: f64) -> Camera {
     Camera::look_at(eye, target, DVec3::Y, fov).expect("they are apart")
 }
 
-/// A floor of dark and bright squares, seen aslant.
+/// A floor of dark and bright squares, seen at an angle.
 fn checkered_floor() -> (Model, Camera) {
     let (mut model, p) = (Model::default(), DVec3::new);
     for (i, k) in (-20..20).flat_map(|i| (-40..4).map(move |k| (i, k))) {
@@ -35,11 +35,11 @@ fn checkered_floor() -> (Model, Camera) {
         model.add(lambert(albedo), quad(p(x0, 0.0, z1), p(x1, 0.0, z1), p(x1, 0.0, z0), p(x0, 0.0, z0)));
     }
     let above = quad(p(-1.0, 2.0, -4.0), p(1.0, 2.0, -4.0), p(1.0, 2.0, -2.0), p(-1.0, 2.0, -2.0));
-    model.add(shining(5.0), above);
+    model.add(light(5.0), above);
     (model, look(p(0.1, 0.6, 1.5), p(0.0, 0.2, -2.0), 0.7))
 }
 
-/// A corner with five small balls that are mirrors: their light is found by luck alone.
+/// A corner with five small mirror balls. Only BSDF sampling finds the light through them, which is rare.
 fn small_mirrors() -> (Model, Camera) {
     let (mut model, p) = (Model::default(), DVec3::new);
     model.add(lambert(0.6), quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0)));
@@ -58,30 +58,31 @@ fn small_mirrors() -> (Model, Camera) {
         model.add(mirror, icosphere(2).placed(radius, center).triangles());
     }
     let above = quad(p(-0.4, 2.0, -0.2), p(0.4, 2.0, -0.2), p(0.4, 2.0, 0.5), p(-0.4, 2.0, 0.5));
-    model.add(shining(20.0), above);
+    model.add(light(20.0), above);
     (model, look(p(0.0, 0.9, 2.5), p(0.0, 0.5, -0.3), 0.8))
 }
 
-/// Bands of four pixels' width with a sliver in each pixel, which covers this part of it, and dark ones between.
+/// Bands of four pixels' width. Each pixel of every second band contains an emitting sliver that covers the
+/// fraction `covered` of it; the other bands are dark.
 fn slivers(covered: f64) -> (Model, Camera) {
     let (mut model, p) = (Model::default(), DVec3::new);
     let pixel = 2.0 / f64::from(SIDE);
     for column in (0..SIDE).filter(|column| column / 4 % 2 == 0) {
         let x0 = pixel * (f64::from(column) + 0.37) - 1.0;
         let x1 = x0 + pixel * covered;
-        model.add(shining(1.0), quad(p(x0, -1.0, 0.0), p(x1, -1.0, 0.0), p(x1, 1.0, 0.0), p(x0, 1.0, 0.0)));
+        model.add(light(1.0), quad(p(x0, -1.0, 0.0), p(x1, -1.0, 0.0), p(x1, 1.0, 0.0), p(x0, 1.0, 0.0)));
     }
     (model, look(p(0.0, 0.0, 1.0), DVec3::ZERO, 2.0 * 1.0_f64.atan()))
 }
 
-/// Pictures of equally many passes, no pass in two of them.
+/// `count` pictures of `passes` passes each, without common passes.
 fn pictures((model, camera): &(Model, Camera), settings: &Settings, passes: u32, count: u32) -> Vec<Picture> {
     let scene = scenes::scene(model, STRUCTURES[0].1);
     let of = |i| Render::new(&scene, camera, settings).passes(i * passes..(i + 1) * passes).run(&());
     (0..count).map(|i| of(i).expect("the scene is good")).collect()
 }
 
-/// Mean and skewness of what each pixel has in the pictures, of its green component.
+/// Mean and skewness of each pixel's green component over the pictures.
 fn pixels_of(films: &[Film]) -> Vec<(f64, f64)> {
     let count = films.len() as f64;
     let values: Vec<Vec<f64>> = films.iter().map(|film| film.means().map(|mean| mean.g).collect()).collect();
@@ -93,8 +94,8 @@ fn pixels_of(films: &[Film]) -> Vec<(f64, f64)> {
     (0..values[0].len()).map(moments).collect()
 }
 
-/// The share of intervals that hold the truth, in each fifth of the pixels by their skewness. Each film's part
-/// of what is taken for the truth is allowed for.
+/// The share of intervals that contain the truth, for each fifth of the pixels in order of skewness. The mean
+/// of all films serves as the truth; the margins are reduced by each film's own part in it.
 fn coverage_by_fifths(films: &[Film], pixels: &[(f64, f64)]) -> [f64; 5] {
     let mut order: Vec<usize> = (0..pixels.len()).filter(|&i| pixels[i].1.is_finite()).collect();
     order.sort_by(|&i, &j| pixels[i].1.total_cmp(&pixels[j].1));
@@ -115,10 +116,10 @@ fn coverage_by_fifths(films: &[Film], pixels: &[(f64, f64)]) -> [f64; 5] {
     })
 }
 
-/// Asserts that `share` is from 93 to 97 %, but for what chance does to it of `count` independent intervals.
+/// Asserts that `share` is from 93 to 97 %, within the statistical tolerance for `count` independent intervals.
 fn assert_near_95(share: f64, count: usize, what: &str) {
     let tolerance = Z_LIMIT * (0.95 * 0.05 / count as f64).sqrt();
-    println!("{what}: {:.1} %, chance {:.1} %", 100.0 * share, 100.0 * tolerance);
+    println!("{what}: {:.1} %, tolerance {:.1} %", 100.0 * share, 100.0 * tolerance);
     assert!((0.93 - tolerance..=0.97 + tolerance).contains(&share), "{what}: {share} +- {tolerance}");
 }
 
@@ -147,18 +148,18 @@ fn assert_coverage(what: &str, scene: &(Model, Camera), sampler: Sampler) {
 }
 
 #[test]
-fn on_a_checkered_floor_intervals_hold_the_truth_in_every_fifth_by_skewness() {
+fn intervals_on_a_checkered_floor_contain_the_truth_in_every_fifth_by_skewness() {
     assert_coverage("checkered floor", &checkered_floor(), Sampler::Sobol);
 }
 
 #[test]
-fn among_small_mirrors_intervals_hold_the_truth_in_every_fifth_by_skewness() {
+fn intervals_among_small_mirrors_contain_the_truth_in_every_fifth_by_skewness() {
     assert_coverage("small mirrors", &small_mirrors(), Sampler::Independent);
 }
 
-/// Most pixels of these have seen nothing, and none of those is exact.
+/// Most pixels have no sample on a sliver. Their margins are not zero.
 #[test]
-fn slivers_of_light_that_were_missed_are_within_the_margin() {
+fn margins_include_lights_that_all_samples_missed() {
     for (covered, sampler) in
         [1e-3, 1.0 / 300.0].into_iter().flat_map(|c| [Sampler::Sobol, Sampler::Independent].map(|s| (c, s)))
     {
@@ -174,19 +175,19 @@ fn slivers_of_light_that_were_missed_are_within_the_margin() {
                     unseen += usize::from(mean.g == 0.0);
                     held += usize::from((mean.g - covered).abs() <= margin.g);
                 }
-                assert!(margin.g > 0.0, "a pixel that never varied is taken for exact");
+                assert!(margin.g > 0.0, "a pixel without variance has a zero margin");
             }
         }
         let (share, unseen) = (held as f64 / count as f64, unseen as f64 / count as f64);
-        println!("{covered}, {sampler:?}: {share:.4}, {unseen:.3} of them saw nothing");
-        assert!(unseen > 0.75 && share > 0.95, "{covered}, {sampler:?}: {share}, {unseen} unseen");
+        println!("{covered}, {sampler:?}: {share:.4}, {unseen:.3} of them without a hit");
+        assert!(unseen > 0.75 && share > 0.95, "{covered}, {sampler:?}: {share}, {unseen} without a hit");
     }
 }
 
-/// Of pictures of a room by few samples, past its light. An interval that followed from the true spread of
-/// what pictures tell would be as wide as 3.92 of its standard deviations.
+/// Pictures of a room with few samples, which do not show its light. An ideal interval, known from the spread
+/// of the estimates, would be 3.92 standard deviations wide.
 #[test]
-fn the_interval_of_a_pictures_error_holds_it_and_is_narrow() {
+fn the_interval_of_a_pictures_error_contains_it_and_is_narrow() {
     const PICTURES: u32 = 400;
     let model = cornell::with_blocks(false).expect("the box is good");
     let scene = scenes::scene(&model, STRUCTURES[0].1);
@@ -194,26 +195,27 @@ fn the_interval_of_a_pictures_error_holds_it_and_is_narrow() {
     for path_reuse in [PathReuse::Off, PathReuse::Fours] {
         let mut settings = Settings::new(16, 16, 16);
         (settings.pass_samples, settings.path_reuse) = (2, path_reuse);
-        let told = (0..PICTURES).map(|seed| {
+        let estimates = (0..PICTURES).map(|seed| {
             settings.seed = seed.into();
             let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
             let (error, mean) = (film.error(), film.image_mean().mean());
-            // In radiance: the picture's mean is another matter.
+            // In radiance, independent of the error of the picture's mean.
             (error.relative_rmse * mean, error.interval_95.map(|end| end * mean))
         });
-        let told: Vec<(f64, [f64; 2])> = told.collect();
+        let estimates: Vec<(f64, [f64; 2])> = estimates.collect();
         let count = f64::from(PICTURES);
-        let truth = (told.iter().map(|(error, _)| error * error).sum::<f64>() / count).sqrt();
+        let truth = (estimates.iter().map(|(error, _)| error * error).sum::<f64>() / count).sqrt();
         let log_of = |(error, _): &(f64, _)| (error / truth).ln();
-        let mean = told.iter().map(log_of).sum::<f64>() / count;
-        let spread = (told.iter().map(|t| (log_of(t) - mean).powi(2)).sum::<f64>() / count).sqrt();
-        let mut widths: Vec<f64> = told.iter().map(|(_, [low, high])| (high / low).ln()).collect();
+        let mean = estimates.iter().map(log_of).sum::<f64>() / count;
+        let spread = (estimates.iter().map(|e| (log_of(e) - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let mut widths: Vec<f64> = estimates.iter().map(|(_, [low, high])| (high / low).ln()).collect();
         widths.sort_by(f64::total_cmp);
         let width = widths[widths.len() / 2] / (3.92 * spread);
-        let share =
-            told.iter().filter(|(_, [low, high])| (*low..=*high).contains(&truth)).count() as f64 / count;
+        let share = estimates.iter().filter(|(_, [low, high])| (*low..=*high).contains(&truth)).count()
+            as f64
+            / count;
         println!("{path_reuse:?}: median width {width:.2}");
-        assert_near_95(share, told.len(), &format!("{path_reuse:?}"));
+        assert_near_95(share, estimates.len(), &format!("{path_reuse:?}"));
         assert!((0.8..1.3).contains(&width), "{path_reuse:?}: {width}");
     }
 }

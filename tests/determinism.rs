@@ -1,5 +1,5 @@
-//! A picture's bits depend on scene, camera and settings, and on nothing else.
-#![allow(clippy::print_stderr, reason = "a skipped test says so")]
+//! A picture's bits depend only on scene, camera and settings.
+#![allow(clippy::print_stderr, reason = "reports skipped tests")]
 
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
@@ -18,7 +18,7 @@ fn film(scene: &Scene<Box<dyn Accel>>, settings: &Settings) -> Film {
     render(scene, &camera, settings, &()).expect("the scene is good").film
 }
 
-/// The same film, to the bit, in every accelerator and for several numbers of threads.
+/// Asserts the same film, to the bit, in every accelerator and for several numbers of threads.
 fn assert_one_picture(model: &Model, with_brute_force: bool) {
     let mut first = None;
     for (name, build) in ACCELERATORS.into_iter().skip(usize::from(!with_brute_force)) {
@@ -33,20 +33,20 @@ fn assert_one_picture(model: &Model, with_brute_force: bool) {
 }
 
 #[test]
-fn every_accelerator_and_thread_count_makes_the_same_box() {
+fn every_accelerator_and_thread_count_renders_the_same_box() {
     for specular in [false, true] {
         assert_one_picture(&cornell::with_blocks(specular).expect("the box is good"), true);
     }
 }
 
 #[test]
-fn every_accelerator_and_thread_count_makes_the_same_statue() {
+fn every_accelerator_and_thread_count_renders_the_same_statue() {
     let statue = shapes::statue(20_000).triangles();
     assert_one_picture(&cornell::with_mesh(&statue, false).expect("the box is good"), false);
 }
 
 #[test]
-fn every_accelerator_and_thread_count_makes_the_same_scanned_mesh() {
+fn every_accelerator_and_thread_count_renders_the_same_scanned_mesh() {
     for (_, mesh) in crate::scans::scans() {
         for specular in [false, true] {
             let model = cornell::with_mesh(&mesh, specular).expect("the box is good");

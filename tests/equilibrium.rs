@@ -1,10 +1,11 @@
-//! Equilibria: where every surface emits what it does not reflect, and the environment shines like them, the
-//! radiance is the same at every point and in every direction, whatever stands where. So geometry,
-//! materials, estimators and samplers are tested together, without a closed form for any scene.
+//! Scenes in radiative equilibrium. Every surface emits the complement of what it reflects, and the
+//! environment has the same radiance. The radiance is then the same at every point and in every direction,
+//! for any geometry. This tests geometry, materials, estimators and samplers together, without a closed form
+//! for each scene.
 //!
-//! Two kinds of stages. By scattering alone and without roulette every single sample is exact, but for
-//! rounding: what a path is still to gather is always its throughput. All others are exact on average, and
-//! are judged by the suite's limit of 5.85 standard errors, which are at most 1 % of the truth.
+//! There are two kinds of stages. With BSDF sampling and without Russian roulette each sample is exact up to
+//! rounding: the radiance still missing from a path is always its throughput times that radiance. All others
+//! are exact on average; the limit is 5.85 standard errors, which must be at most 1 % of the truth.
 #![allow(clippy::print_stdout, reason = "figures of each stage, with --nocapture")]
 
 use glam::DVec3;
@@ -19,13 +20,13 @@ use globillum_testkit::scenes;
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad, statue, torus};
 use globillum_testkit::stats::{Estimate, Z_LIMIT};
 
-/// The largest margin, relative to the truth: what a mean may be off by.
+/// The largest allowed margin of a mean, relative to the truth.
 const PRECISION: f64 = 0.01;
 
-/// The radiance of all stages, a component each of its own.
+/// The radiance of all stages, different for each component.
 const RADIANCE: Rgb = Rgb::new(2.5, 1.0, 0.375);
 
-/// `material` of that reflectance, emitting what it does not reflect.
+/// `material`, of reflectance `reflectance`, with the emission that makes its radiance [`RADIANCE`].
 fn balanced(material: Material, reflectance: Rgb, sides: Sides) -> Material {
     let emitted = reflectance.map(|x| 1.0 - x) * RADIANCE;
     material.emitting(Emission::new(emitted, sides).expect("a finite radiance"))
@@ -50,7 +51,8 @@ fn walls() -> Vec<Triangle> {
     inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0))
 }
 
-/// A closed room that emits inward alone: a path that left it, or came behind a wall, would lack something.
+/// A closed room that emits inward only. A path that leaves it or hits a wall from behind has too little
+/// radiance.
 fn room() -> (Model, Camera) {
     let albedos = [[0.7, 0.2, 0.1], [0.3, 0.6, 0.5], [0.5; 3], [0.0, 0.9, 0.4], [0.8, 0.7, 0.6], [0.4; 3]];
     let mut model = Model::default();
@@ -60,7 +62,7 @@ fn room() -> (Model, Camera) {
     (model, look([0.6, -0.2, 0.8], [-0.2, 0.1, -0.4]))
 }
 
-/// A room with closed bodies in it, which emit outward alone and hide much from each other.
+/// A room with closed bodies, which emit outward only and occlude each other.
 fn crowd() -> (Model, Camera) {
     let (mut model, camera) = room();
     let ball = icosphere(2).placed(0.3, DVec3::new(-0.5, 0.4, -0.3)).triangles();
@@ -71,7 +73,7 @@ fn crowd() -> (Model, Camera) {
     (model, camera)
 }
 
-/// Sheets that cross each other, alike on both sides, with nothing around them but the environment.
+/// Two-sided sheets that intersect each other, surrounded by the environment only.
 fn sheets() -> (Model, Camera) {
     let p = DVec3::new;
     let mut model = Model::default();
@@ -91,7 +93,7 @@ fn sheets() -> (Model, Camera) {
     (model, look([0.7, 0.5, 1.2], [0.0, -0.1, 0.0]))
 }
 
-/// The crowd's room with a perfect mirror and one of reflectance 0.9 for walls, and a block of mirrors.
+/// A room with a perfect mirror and one of reflectance 0.9 as walls, and a block of mirrors.
 fn mirrors() -> (Model, Camera) {
     let (_, camera) = room();
     let mut model = Model::default();
@@ -112,7 +114,7 @@ fn mirrors() -> (Model, Camera) {
     (model, camera)
 }
 
-/// A room with a ball and a ring that are mirrors.
+/// A room with a mirror ball and a mirror ring.
 fn curved_mirrors() -> (Model, Camera) {
     let (mut model, camera) = room();
     let ball = icosphere(2).placed(0.4, DVec3::new(-0.4, 0.3, -0.3)).triangles();
@@ -132,8 +134,8 @@ fn statue_in_the_open() -> (Model, Camera) {
     (model, look([1.5, 0.8, 2.2], [0.0, -0.2, 0.0]))
 }
 
-/// A white floor, which emits nothing, under black sheets, which reflect nothing, and a mirror: no
-/// surface that is shaded touches a light, so the variance of `Light` is finite.
+/// A white floor, which does not emit, under black sheets, which do not reflect, and a mirror. No reflecting
+/// surface touches a light, so the variance of `Light` is finite.
 fn white_floor() -> (Model, Camera) {
     let (mut model, p) = (Model::default(), DVec3::new);
     let floor = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
@@ -162,7 +164,7 @@ fn slivers() -> (Model, Camera) {
     (model, camera)
 }
 
-/// The crowd, `size` times as large and around `center`.
+/// [`crowd`], scaled by `size` and centred at `center`.
 fn crowd_at(size: f64, center: DVec3) -> (Model, Camera) {
     let (crowd, _) = crowd();
     let mut model = Model::default();
@@ -174,11 +176,11 @@ fn crowd_at(size: f64, center: DVec3) -> (Model, Camera) {
     (model, Camera::look_at(eye, target, DVec3::Y, 1.3).expect("they are apart"))
 }
 
-/// Reflectance of all surfaces of [`grey`].
+/// The reflectance of all surfaces of [`grey`].
 const GREY: f64 = 0.6;
 
-/// A room of one reflectance, of diffuse surfaces and mirrors: after `n` bounces the radiance lacks
-/// `GREY^(n + 1)` of its own.
+/// A room of diffuse surfaces and mirrors of one reflectance. With a limit of `n` bounces the radiance is too
+/// low by the fraction `GREY^(n + 1)`.
 fn grey() -> (Model, Camera) {
     let (_, camera) = room();
     let mut model = Model::default();
@@ -192,7 +194,7 @@ fn grey() -> (Model, Camera) {
     (model, camera)
 }
 
-/// A stage, and how it is rendered.
+/// A scene in equilibrium with its settings.
 struct Stage {
     what: &'static str,
     scene: fn() -> (Model, Camera),
@@ -206,7 +208,7 @@ const fn stage(what: &'static str, scene: fn() -> (Model, Camera), change: fn(&m
     Stage { what, scene, change, is_exact: false }
 }
 
-/// By scattering alone, and no path is ended at random.
+/// A stage with BSDF sampling and without Russian roulette.
 const fn exact(what: &'static str, scene: fn() -> (Model, Camera), change: fn(&mut Settings)) -> Stage {
     Stage { what, scene, change, is_exact: true }
 }
@@ -216,25 +218,25 @@ fn size(s: &mut Settings, width: u32, height: u32, samples: u32) {
 }
 
 const STAGES: [Stage; 28] = [
-    stage("a room, by scattering, roulette from the first bounce", room, |s| {
+    stage("a room, BSDF sampling, roulette from the first bounce", room, |s| {
         size(s, 33, 31, 40);
         (s.estimator, s.sampler, s.roulette.start) = (Estimator::Bsdf, Sampler::Independent, 0);
     }),
-    stage("a room, by all defaults, the last pass cut", room, |s| size(s, 17, 33, 70)),
-    stage("a room, points on lights by area", room, |s| {
+    stage("a room, defaults, the last pass incomplete", room, |s| size(s, 17, 33, 70)),
+    stage("a room, area sampling of lights", room, |s| {
         size(s, 50, 3, 100);
         (s.light_sampling, s.path_reuse) = (LightSampling::Area, PathReuse::Off);
     }),
-    stage("a room, of a single pixel", room, |s| size(s, 1, 1, 1 << 16)),
+    stage("a room, a single pixel", room, |s| size(s, 1, 1, 1 << 16)),
     stage("a crowd, roulette from the first bounce", crowd, |s| {
         size(s, 31, 37, 70);
         (s.roulette.start, s.roulette.threshold) = (0, 1.0);
     }),
-    stage("a crowd, early roulette, paths reused", crowd, |s| {
+    stage("a crowd, early roulette, path reuse", crowd, |s| {
         size(s, 30, 33, 120);
         (s.roulette.start, s.roulette.threshold) = (1, 1.0);
     }),
-    stage("a crowd, by scattering", crowd, |s| {
+    stage("a crowd, BSDF sampling", crowd, |s| {
         size(s, 32, 32, 40);
         s.estimator = Estimator::Bsdf;
     }),
@@ -246,18 +248,18 @@ const STAGES: [Stage; 28] = [
         size(s, 23, 29, 130);
         s.pass_samples = 1;
     }),
-    exact("sheets, by scattering", sheets, |s| size(s, 97, 51, 1)),
-    stage("sheets, by all defaults", sheets, |s| size(s, 33, 31, 40)),
-    stage("sheets, points on lights by area", sheets, |s| {
+    exact("sheets, BSDF sampling", sheets, |s| size(s, 97, 51, 1)),
+    stage("sheets, defaults", sheets, |s| size(s, 33, 31, 40)),
+    stage("sheets, area sampling of lights", sheets, |s| {
         size(s, 33, 31, 40);
         (s.light_sampling, s.path_reuse) = (LightSampling::Area, PathReuse::Off);
     }),
-    stage("mirrors, by scattering", mirrors, |s| {
+    stage("mirrors, BSDF sampling", mirrors, |s| {
         size(s, 31, 29, 140);
         s.estimator = Estimator::Bsdf;
     }),
-    stage("mirrors, by all defaults", mirrors, |s| size(s, 31, 29, 140)),
-    stage("mirrors, not sampled", mirrors, |s| {
+    stage("mirrors, defaults", mirrors, |s| size(s, 31, 29, 140)),
+    stage("mirrors, no sampling through mirrors", mirrors, |s| {
         size(s, 31, 29, 40);
         (s.mirror_sampling, s.path_reuse) = (MirrorSampling::Off, PathReuse::Off);
     }),
@@ -273,23 +275,23 @@ const STAGES: [Stage; 28] = [
         size(s, 29, 31, 40);
         (s.max_bounces, s.roulette.start) = (Some(5), 1);
     }),
-    exact("a grey room, five bounces, by scattering", grey, |s| {
+    exact("a grey room, five bounces, BSDF sampling", grey, |s| {
         size(s, 71, 43, 1);
         s.max_bounces = Some(5);
     }),
     stage("curved mirrors", curved_mirrors, |s| size(s, 37, 23, 70)),
-    exact("a statue, by scattering", statue_in_the_open, |s| size(s, 63, 65, 1)),
-    stage("a statue, by all defaults", statue_in_the_open, |s| size(s, 31, 33, 40)),
-    stage("a white floor, by points on lights", white_floor, |s| {
+    exact("a statue, BSDF sampling", statue_in_the_open, |s| size(s, 63, 65, 1)),
+    stage("a statue, defaults", statue_in_the_open, |s| size(s, 31, 33, 40)),
+    stage("a white floor, light sampling", white_floor, |s| {
         size(s, 33, 31, 40);
         s.estimator = Estimator::Light;
     }),
-    stage("a white floor, by points on lights by area", white_floor, |s| {
+    stage("a white floor, light sampling by area", white_floor, |s| {
         size(s, 31, 35, 24);
         (s.estimator, s.light_sampling) = (Estimator::Light, LightSampling::Area);
         (s.sampler, s.path_reuse) = (Sampler::Independent, PathReuse::Off);
     }),
-    stage("a white floor, by all defaults", white_floor, |s| size(s, 5, 201, 40)),
+    stage("a white floor, defaults", white_floor, |s| size(s, 5, 201, 40)),
     stage("slivers", slivers, |s| size(s, 29, 31, 40)),
     stage("a tiny crowd", || crowd_at(1e-12, DVec3::ZERO), |s| size(s, 31, 33, 50)),
     stage("a crowd far away", || crowd_at(1.0, DVec3::new(9000.0, -4000.0, 7000.0)), |s| size(s, 31, 33, 50)),
@@ -306,7 +308,7 @@ impl Stage {
         settings
     }
 
-    /// The stage's picture, in one accelerator or another.
+    /// The stage's picture, in the accelerator that `number` selects.
     fn film(&self, settings: &Settings, number: usize) -> Film {
         let (model, camera) = (self.scene)();
         let (_, build) = ACCELERATORS[1 + number % (ACCELERATORS.len() - 1)];
@@ -314,7 +316,7 @@ impl Stage {
         render(&scene, &camera, settings, &()).expect("the scene is good").film
     }
 
-    /// What is wrong with it, if anything is.
+    /// A description of the failure, if the stage fails.
     fn fault(&self, number: usize) -> Option<String> {
         let settings = self.settings();
         let film = self.film(&settings, number);

@@ -1,5 +1,5 @@
-//! What a picture says of its own error, beside its true error: the scene is a square light above a
-//! floor, whose radiance is known. Random numbers are fixed, limits those of docs/testing.md.
+//! A picture's estimate of its error against its true error. The scene is a square light above a floor, whose
+//! radiance is known. Seeds are fixed; docs/testing.md derives the limits.
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
@@ -14,10 +14,10 @@ use globillum_testkit::stats::{Estimate, independent_pixels};
 
 const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
 
-/// Pixels along each side, all of the same point.
+/// Pixels along each side; all show the same point.
 const SIDE: u32 = 64;
 
-/// 5.85 standard deviations of a root mean square over that many normal variates, `1 / sqrt(2 * 4096)`.
+/// 5.85 standard deviations of a root mean square over 4096 normal variates; one is `1 / sqrt(2 * 4096)`.
 const RMS_LIMIT: f64 = 0.0646;
 
 /// Half of the form factor of four unit squares with a common corner at height 1.
@@ -84,8 +84,8 @@ fn one_sample_has_the_known_variance() {
     }
 }
 
-/// Where area sampling all but fails, a hundredth of a light's half side below its middle: variances of
-/// one sample, by quadrature, are 1060.8 and 0.0804.
+/// The point lies below the middle of a light, at a hundredth of its half side. The variances of one sample, by
+/// quadrature, are 1060.8 for area sampling and 0.0804 for solid angle sampling.
 #[test]
 fn solid_angle_sampling_bounds_the_variance_near_a_light() {
     let model = scenes::rectangle_over_floor([-1.0, 1.0], [-1.0, 1.0], 0.01);
@@ -102,7 +102,7 @@ fn solid_angle_sampling_bounds_the_variance_near_a_light() {
 }
 
 #[test]
-fn independent_samples_converge_as_their_square_root() {
+fn the_error_of_independent_samples_falls_with_their_square_root() {
     let errors = [4, 16, 64, 256, 1024].map(|samples| {
         let mut settings = settings(samples, Sampler::Independent, Estimator::Light);
         (settings.seed, settings.light_sampling) = (samples.into(), LightSampling::Area);
@@ -116,8 +116,8 @@ fn independent_samples_converge_as_their_square_root() {
     assert!((-0.5126..=-0.4874).contains(&slope), "{slope}");
 }
 
-/// A pixel without edges, and one decision that matters: what stratification can do. The slopes are
-/// measured ones; a square root's is -0.5.
+/// A smooth integrand of two dimensions, a best case of stratification. The ranges of slopes are from
+/// measurements; independent samples have -0.5.
 #[test]
 fn sobol_points_converge_faster() {
     for (sampling, slopes) in SAMPLINGS.into_iter().zip([-1.3..=-1.15, -1.42..=-1.26]) {
@@ -134,48 +134,48 @@ fn sobol_points_converge_faster() {
 }
 
 #[test]
-fn a_picture_knows_its_error() {
+fn a_pictures_estimate_of_its_error_is_correct() {
     for (sampler, estimator) in
         SAMPLERS.into_iter().flat_map(|s| [(s, Estimator::Light), (s, Estimator::Mis)])
     {
         let film = film(&settings(128, sampler, estimator));
-        let (told, truly) = (film.error(), rmse(&film) / truth());
-        let what = format!("{sampler:?}, {estimator:?}: {told:?}, truly {truly}");
-        assert!((told.relative_rmse / truly - 1.0).abs() < RMS_LIMIT, "{what}");
-        let [low, high] = told.interval_95;
-        assert!(low < told.relative_rmse && told.relative_rmse < high && high < 1.05 * low, "{what}");
+        let (estimate, rmse) = (film.error(), rmse(&film) / truth());
+        let what = format!("{sampler:?}, {estimator:?}: {estimate:?}, true error {rmse}");
+        assert!((estimate.relative_rmse / rmse - 1.0).abs() < RMS_LIMIT, "{what}");
+        let [low, high] = estimate.interval_95;
+        assert!(low < estimate.relative_rmse && estimate.relative_rmse < high && high < 1.05 * low, "{what}");
     }
 }
 
-/// A pass cut short is stratified less than its share, so its mean spreads more than its weight
-/// allows for: the error told is then too large, by as much as the variances of both kinds of pass
-/// make it, and never too small.
+/// An incomplete pass is less stratified, so the variance of its mean is larger than its weight assumes. The
+/// estimated error is then too large, by an amount that follows from the variances of both kinds of pass, and
+/// never too small.
 #[test]
-fn a_last_pass_cut_short_makes_the_error_no_smaller() {
+fn an_incomplete_last_pass_does_not_lower_the_estimated_error() {
     let render = |samples| film(&settings(samples, Sampler::Sobol, Estimator::Light));
     let film = render(6 * 16 + 5);
     assert_eq!((film.samples(), film.observations()), (101, 7));
     Estimate::of_film(&film, |c| c.g).assert_is(truth(), "101 samples");
-    // Variances of the means of a whole pass and of the short one.
+    // The variances of the means of a whole pass and of the incomplete one.
     let (whole, short) = (rmse(&render(16)).powi(2), rmse(&render(5)).powi(2));
-    let truly = (6.0 * 256.0 * whole + 25.0 * short) / (101.0 * 101.0);
-    // The expectation of the weighted spread about the mean.
-    let told = (6.0 * 16.0 * whole + 5.0 * short - 101.0 * truly) / (6.0 * 101.0);
-    assert!(told > truly, "{told} {truly}");
-    let (error, expected) = (film.error().relative_rmse, told.sqrt() / truth());
+    let variance = (6.0 * 256.0 * whole + 25.0 * short) / (101.0 * 101.0);
+    // The expectation of the weighted sample variance of the mean.
+    let estimated = (6.0 * 16.0 * whole + 5.0 * short - 101.0 * variance) / (6.0 * 101.0);
+    assert!(estimated > variance, "{estimated} {variance}");
+    let (error, expected) = (film.error().relative_rmse, estimated.sqrt() / truth());
     assert!((error / expected - 1.0).abs() < RMS_LIMIT, "{error}, not {expected}");
 }
 
-/// The share of pixels that are at most so far from the truth.
+/// The share of pixels whose error is at most their margin.
 fn coverage(film: &Film, margins: impl Iterator<Item = f64>) -> f64 {
     let holds = |(mean, margin): &(Rgb, f64)| (mean.g - truth()).abs() <= *margin;
     film.means().zip(margins).filter(holds).count() as f64 / f64::from(SIDE * SIDE)
 }
 
-/// Of 4096 pixels an interval of 95 % misses a twentieth, give or take 0.34 %; 5.85 times that is
-/// accepted.
+/// The share of 4096 pixels whose 95 % interval contains the truth has a standard deviation of 0.34 %. The
+/// tolerance is 5.85 of them.
 #[test]
-fn the_interval_of_95_percent_holds_the_truth_that_often() {
+fn the_95_percent_interval_contains_the_truth_with_that_frequency() {
     for (samples, estimator) in [(64, Estimator::Light), (128, Estimator::Mis), (512, Estimator::Mis)] {
         let film = film(&settings(samples, Sampler::Independent, estimator));
         let share = coverage(&film, film.margins_95().map(|margin| margin.g));
@@ -186,8 +186,8 @@ fn the_interval_of_95_percent_holds_the_truth_that_often() {
 
 const DRAWS: u64 = 200_000;
 
-/// The share of intervals, `quantile` standard errors to each side, that hold the mean of `pass_means`,
-/// where each is made of so many `passes` drawn from these, independently.
+/// The share of intervals of `quantile` standard errors to each side that contain the mean of `pass_means`.
+/// Each interval follows from `passes` independent draws from `pass_means`.
 fn coverage_of_draws(pass_means: &[f64], passes: u32, quantile: f64) -> f64 {
     let truth = pass_means.iter().sum::<f64>() / pass_means.len() as f64;
     let n = f64::from(passes);
@@ -200,11 +200,11 @@ fn coverage_of_draws(pass_means: &[f64], passes: u32, quantile: f64) -> f64 {
     (0..DRAWS).filter(holds).count() as f64 / DRAWS as f64
 }
 
-/// Means of passes are not normal: by `Mis` they lie in lumps, one for each number of a pass's 16
-/// scattered rays that meet the light. Of a few such means Student's interval holds the truth in a share
-/// near 95 % (Brown, Cai and DasGupta 2001), which independent draws of the same means tell.
+/// The means of passes are not normally distributed. For `Mis` they cluster by the number of the pass's 16
+/// BSDF samples that hit the light. Student's interval of few such means contains the truth with a frequency
+/// near 95 % (Brown, Cai and DasGupta 2001). Independent draws of the same means give the exact frequency.
 #[test]
-fn of_sobol_passes_the_interval_holds_the_truth_as_of_independent_draws() {
+fn intervals_of_sobol_passes_have_the_coverage_of_independent_draws() {
     let (scene, camera) = scene();
     for (passes, quantile, estimator) in
         [(4, 3.182_446, Estimator::Light), (8, 2.364_624, Estimator::Mis), (32, 2.039_513, Estimator::Mis)]
@@ -220,9 +220,10 @@ fn of_sobol_passes_the_interval_holds_the_truth_as_of_independent_draws() {
         let students = whole.film.variances_of_mean().map(|variance| quantile * variance.g.sqrt());
         let share = coverage(&whole.film, students);
         let expected = coverage_of_draws(&pass_means, passes, quantile);
-        let what = format!("{passes} passes, {estimator:?}: {share}, of independent draws {expected}");
+        let what = format!("{passes} passes, {estimator:?}: {share}, independent draws {expected}");
         println!("{what}");
-        // Of 4096 pixels 0.38 %, and of the draws 0.05 %: 5.85 times both is accepted.
+        // Standard deviations are 0.38 % for 4096 pixels and 0.05 % for the draws; the tolerance is 5.85 of
+        // both.
         assert!((share - expected).abs() < 0.0225, "{what}");
         assert!((expected - 0.95).abs() < 0.02, "{what}");
     }

@@ -1,4 +1,5 @@
-//! Lights of any radiance and size that are accepted: what is dim or small is neither lost nor taken for exact.
+//! Lights of extreme radiance and size: every accepted light is rendered correctly, with correct error
+//! estimates.
 
 use glam::DVec3;
 use globillum::geom::{Accel, Triangle};
@@ -13,10 +14,10 @@ use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
-/// Radiance of the floor under the square light, at its middle, for a light of radiance 1.
+/// The radiance at the middle of the floor under a square light of radiance 1.
 const TRUTH: f64 = 0.277_063_212;
 
-/// `model` with lengths times `size` and what it emits times `radiance`; an error if that is refused.
+/// `model` with lengths multiplied by `size` and emission by `radiance`; an error if the emission is refused.
 fn scaled(model: &Model, size: f32, radiance: f64) -> Result<Model, RenderError> {
     let mut scaled = Model::default();
     for (index, triangle) in model.triangles().iter().enumerate() {
@@ -32,30 +33,31 @@ fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
     scenes::scene(model, STRUCTURES[0].1)
 }
 
-/// What `stare` sees of the floor under the square light, `size` times as large.
+/// The camera at the floor under the square light, for a scene scaled by `size`.
 fn camera(size: f64) -> Camera {
     stare(size * DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO)
 }
 
-/// Asserts that a picture of the square light over a floor has the mean that it should within 2 %, and knows how uncertain that is.
+/// Asserts that a picture of the floor under the square light has the true mean within 2 %, and estimates its
+/// error correctly.
 fn assert_is_square_light(film: &Film, radiance: f64, what: &str) {
     let estimate = Estimate::of_film(film, |c| c.g);
     let margin = Z_LIMIT * estimate.std_err / (TRUTH * radiance);
-    let apart = (estimate.mean / (TRUTH * radiance) - 1.0).abs();
-    assert!(apart <= margin && 0.0 < margin && margin < 0.02, "{what}: {apart}, margin {margin}");
+    let difference = (estimate.mean / (TRUTH * radiance) - 1.0).abs();
+    assert!(difference <= margin && 0.0 < margin && margin < 0.02, "{what}: {difference}, margin {margin}");
     let error = film.error();
     let [low, high] = error.interval_95;
     assert!(0.0 < low && low < error.relative_rmse && error.relative_rmse < high, "{what}: {error:?}");
     assert!(high < 0.5, "{what}: {error:?}");
-    // All pixels show the same: their scatter tells the error without a film's help.
+    // All pixels show the same point, so their scatter is an independent estimate of the error.
     let squares: f64 = film.means().map(|mean| (mean.g / (TRUTH * radiance) - 1.0).powi(2)).sum();
     let scatter = (squares / f64::from(film.width() * film.height())).sqrt();
     assert!((scatter / error.relative_rmse - 1.0).abs() < 0.2, "{what}: {scatter}, not {error:?}");
 }
 
-/// Whatever `Emission` accepts is rendered right by all estimators, and the rest is refused.
+/// All estimators render correctly what `Emission` accepts; it refuses the rest.
 #[test]
-fn what_is_accepted_is_rendered_right() {
+fn accepted_lights_are_rendered_correctly() {
     let (lengths, radiances) = ([1e-15, 1.0, 1e15], [1e-300, 1e-100, 1e-50, 1.0, 1e50, 1e100, 1e300]);
     let mut accepted = Vec::new();
     for radiance in radiances {
@@ -76,8 +78,8 @@ fn what_is_accepted_is_rendered_right() {
     assert_eq!(accepted, [1e-50, 1.0, 1e50]);
 }
 
-/// A power of two more or less of radiance, and of size, changes an exponent and no more: in each mean, in
-/// each error, by all estimators.
+/// Scaling radiance or size by a power of two changes only exponents, in each mean and each error estimate,
+/// for all estimators.
 #[test]
 fn powers_of_two_change_no_bit() {
     let mirrors = scenes::light_beside_mirror();
@@ -107,7 +109,7 @@ fn powers_of_two_change_no_bit() {
     }
 }
 
-/// A light has its share also beside one that has 1e112 times its power but is not to be seen.
+/// A light is sampled even beside one of 1e112 times its power that is not visible.
 #[test]
 fn a_dim_light_is_found_beside_a_strong_one() {
     let (dim, strong) = (1e-50, 1e50);

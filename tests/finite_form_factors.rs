@@ -1,5 +1,5 @@
-//! Light between surfaces in closed form: polygons that stand for discs and spheres, whole squares and
-//! discs, closed boxes, spheres. Names are those of docs/testing.md.
+//! Form factors between finite surfaces in closed form: polygonal discs and spheres, squares and discs,
+//! closed boxes, an integrating sphere.
 
 use glam::DVec3;
 use globillum::geom::Triangle;
@@ -13,7 +13,7 @@ use globillum_testkit::stats::{Estimate, independent_pixels};
 
 use Estimator::{Bsdf, Light, Mis};
 
-/// The radiance of the whole picture after one bounce, by Sobol' points.
+/// The mean radiance of the picture with one bounce, by Sobol' points.
 fn estimate(model: &Model, camera: &Camera, estimator: Estimator, samples: u32) -> Estimate {
     let scene = scenes::scene(model, STRUCTURES[0].1);
     let mut settings = independent_pixels(64, 64, samples);
@@ -22,7 +22,7 @@ fn estimate(model: &Model, camera: &Camera, estimator: Estimator, samples: u32) 
     Estimate::of_film(&film, |c| c.g)
 }
 
-/// Polygons are compared with their own form factors, which converge to those of discs and spheres.
+/// The truth is the form factor of the polygons themselves, which is near that of discs and spheres.
 #[test]
 fn polygonal_discs_and_spheres() {
     let moved = |triangles: Vec<Triangle>, by: DVec3| -> Vec<Triangle> {
@@ -45,11 +45,11 @@ fn polygonal_discs_and_spheres() {
         assert!((truth / limit - 1.0).abs() < 0.01, "{what}: {truth}");
         let model = scenes::light_above_floor(light, 0.5);
         for estimator in [Bsdf, Light, Mis] {
-            // Such small light is met too seldom by scattering alone.
+            // BSDF sampling hits small lights too rarely.
             if estimator == Bsdf && truth < 0.2 {
                 continue;
             }
-            // Half of a sphere's triangles, as often chosen, face away.
+            // Half of a sphere's triangles face away; they are sampled equally often.
             let samples = if what == "a sphere" { 512 } else { 128 };
             let found = estimate(&model, &camera, estimator, samples);
             found.assert_is(0.5 * truth, &format!("{what}, {estimator:?}"));
@@ -57,8 +57,8 @@ fn polygonal_discs_and_spheres() {
     }
 }
 
-/// A camera above the square of half side `half` around the origin of the floor, which fills the
-/// picture: every pixel is as large a part of the square.
+/// A camera above the square of half side `half` around the origin of the floor. The square fills the
+/// picture, and all pixels cover equal parts of it.
 fn above_square(half: f64, height: f64) -> Camera {
     let fov = 2.0 * (half / height).atan();
     Camera::look_at(DVec3::new(0.0, height, 0.0), DVec3::ZERO, DVec3::Z, fov).expect("it looks down")
@@ -89,8 +89,8 @@ fn form_factors_of_whole_squares_and_discs() {
             estimate(&model, &camera, estimator, 128).assert_is(0.5 * truth, &what);
         }
     }
-    // A white disc on a black floor fills pi / 4 of the picture; polygons of so many sides are smaller
-    // than circles by a ten-thousandth each.
+    // A white disc on a black floor fills pi / 4 of the picture. Each polygon of 256 sides is smaller than
+    // its circle by a ten-thousandth.
     let mut model = scenes::light_above_floor(disc(1.0, 256, true), 0.0);
     model.add(Material::lambert(Rgb::WHITE).expect("an albedo"), disc(0.0, 256, false));
     let truth = std::f64::consts::FRAC_PI_4 * 0.381_966_011;
@@ -104,7 +104,8 @@ fn form_factors_of_whole_squares_and_discs() {
     }
 }
 
-/// What a face of a closed box receives from all others is everything, so its radiance is its albedo.
+/// The form factors from a face of a closed box to all other faces have the sum 1, so its radiance is its
+/// albedo.
 #[test]
 fn the_form_factors_of_a_box_add_up_to_one() {
     let glow = Emission::new(Rgb::WHITE, Sides::Front).expect("a finite radiance");
@@ -114,21 +115,21 @@ fn the_form_factors_of_a_box_add_up_to_one() {
         let light = Material::lambert(Rgb::BLACK).expect("an albedo").emitting(glow);
         model.add(if wall.normal().y > 0.5 { floor } else { light }, [wall]);
     }
-    // A little less than all of the floor: the walls begin at its edge.
+    // A little less than the whole floor, without the walls at its edge.
     let camera = above_square(0.499_999, 0.5);
     for estimator in [Bsdf, Light, Mis] {
         let found = estimate(&model, &camera, estimator, 256);
         found.assert_is(0.5, &format!("{estimator:?}"));
-        assert!(estimator != Bsdf || found.std_err < 1e-12, "every direction leads to a light: {found:?}");
+        assert!(estimator != Bsdf || found.std_err < 1e-12, "every direction hits a light: {found:?}");
     }
 }
 
-/// Every point of a sphere receives the same irradiance, wherever it comes from; an icosphere of 5120
-/// triangles comes within half a percent of that.
+/// Every point of a sphere receives the same irradiance from any light on it. For an icosphere of 5120
+/// triangles this holds within half a percent.
 #[test]
 fn an_integrating_sphere() {
     let model = scenes::integrating_sphere(4);
-    // The middle of a wall that is no light.
+    // The middle of a triangle that is not a light.
     let middle = model.triangles()[0].vertices.map(|v| v.as_dvec3()).iter().sum::<DVec3>() / 3.0;
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let mut settings = independent_pixels(64, 64, 64);

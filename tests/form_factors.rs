@@ -1,5 +1,5 @@
-//! More light that is known in closed form, by Sobol' points: form factors, mirrors, shadows, and
-//! scenes in which every sample is exact.
+//! Illumination in closed form, by Sobol' points: form factors, mirrors, shadows, and scenes in which every
+//! sample is exact.
 
 use glam::DVec3;
 use globillum::integrator::{Estimator, LightSampling, Model, Settings, render};
@@ -15,15 +15,14 @@ use LightSampling::{Area, SolidAngle};
 
 const ALL: [Estimator; 3] = [Bsdf, Light, Mis];
 
-/// 64 x 64 pixels of the same point, two long passes each.
+/// 64 x 64 pixels of the same point, with two passes of 64 samples.
 fn settings(estimator: Estimator, bounces: u32) -> Settings {
     let mut settings = independent_pixels(64, 64, 128);
     (settings.estimator, settings.max_bounces, settings.pass_samples) = (estimator, Some(bounces), 64);
     settings
 }
 
-/// Asserts the radiance of the floor at `target`, light of at most `bounces` bounces, and that the
-/// estimators agree with each other.
+/// Asserts the radiance of the floor at `target` after at most `bounces` bounces, by all of `estimators`.
 fn assert_floor(
     model: &Model,
     target: DVec3,
@@ -51,7 +50,7 @@ fn rectangular_lights_above_a_floor() {
         ([0.0, 1.0], 1.0, corner(1.0, 1.0), &ALL[..]),
         ([-0.5, 0.5], 1.0, centred(0.5, 1.0), &ALL),
         ([-1.0, 1.0], 0.01, centred(1.0, 0.01), &ALL),
-        // A direction scattered meets a light so small almost never.
+        // BSDF sampling almost never hits so small a light.
         ([-1.0, 1.0], 100.0, centred(1.0, 100.0), &[Light, Mis]),
     ];
     for (span, height, factor, estimators) in cases {
@@ -67,7 +66,7 @@ fn rectangular_lights_above_a_floor() {
 
 #[test]
 fn a_light_and_its_image_in_a_mirror() {
-    // Floor, mirror, light: light of more bounces comes from the floor itself.
+    // Two bounces: floor, mirror, light. More bounces would add illumination by the floor itself.
     assert_floor(
         &scenes::light_beside_mirror(),
         DVec3::ZERO,
@@ -83,13 +82,12 @@ fn a_half_hidden_light() {
     assert_floor(&scenes::light_half_hidden(), DVec3::ZERO, 1, &ALL, 0.138_531_606, "a half-hidden light");
 }
 
-/// Near a light that stands on the floor, points chosen by area have a variance without bound; by
-/// solid angle they do not.
+/// Near a light that stands on the floor, area sampling has unbounded variance; solid angle sampling does not.
 #[test]
 fn a_light_standing_on_the_floor() {
     let model = scenes::light_on_floor();
     let cases = [
-        // A direction scattered meets it too seldom.
+        // BSDF sampling hits it too rarely.
         (1.0, 0.071_093_439, &[Light, Mis][..]),
         (0.1, 0.422_544_860, &ALL),
         (0.01, 0.492_158_952, &ALL),
@@ -99,7 +97,7 @@ fn a_light_standing_on_the_floor() {
         let target = DVec3::new(x, 0.0, 0.0);
         assert_floor(&model, target, 1, estimators, 0.5 * factor, &format!("{x} before the light"));
     }
-    // What is not tested against the truth must still be a number: NaN would be an error.
+    // These points are not compared with the truth, but NaN would be an error.
     for x in [0.0, 1e-12, 1e-6, 0.01] {
         for (estimator, sampling) in ALL.into_iter().flat_map(|e| [Area, SolidAngle].map(|s| (e, s))) {
             let camera = stare(DVec3::new(x + 0.1, 0.5, 0.2), DVec3::new(x, 0.0, 0.0));
@@ -110,7 +108,7 @@ fn a_light_standing_on_the_floor() {
     }
 }
 
-/// Every path from a convex body leaves it for the sky.
+/// Every path scattered by a convex body leaves the scene.
 #[test]
 fn a_convex_body_under_a_white_sky_shows_its_albedo() {
     let camera = stare(DVec3::new(3.0, 2.5, 2.0), DVec3::new(1.0, 0.3, 0.2));
@@ -131,7 +129,7 @@ fn lambert(albedo: f64) -> Material {
 }
 
 #[test]
-fn a_light_that_cannot_be_seen_gives_nothing() {
+fn invisible_lights_contribute_nothing() {
     let p = DVec3::new;
     let floor = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
     let below = quad(p(-1.0, -1.0, -1.0), p(1.0, -1.0, -1.0), p(1.0, -1.0, 1.0), p(-1.0, -1.0, 1.0));
@@ -150,29 +148,29 @@ fn a_light_that_cannot_be_seen_gives_nothing() {
     }
 }
 
-/// Samples that are exact whatever the random numbers; pictures one pixel wide or high.
+/// Samples that are exact for any random numbers, and pictures one pixel wide or high.
 #[test]
 fn scenes_in_which_every_sample_is_exact() {
-    let shine = globillum::material::Emission::new(Rgb::WHITE, globillum::material::Sides::Front);
-    let shine = shine.expect("a finite radiance");
+    let emission = globillum::material::Emission::new(Rgb::WHITE, globillum::material::Sides::Front);
+    let emission = emission.expect("a finite radiance");
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
     for (width, height) in [(1, 1), (1, 40), (40, 1), (16, 16)] {
         for estimator in ALL {
             let mut model = Model::default();
-            model.add(lambert(0.0).emitting(shine), walls.clone());
+            model.add(lambert(0.0).emitting(emission), walls.clone());
             let mut settings = independent_pixels(width, height, 16);
             settings.estimator = estimator;
             assert!(film(&model, &camera, &settings).means().all(|mean| mean == Rgb::WHITE), "{estimator:?}");
         }
         let mut model = Model::default();
-        model.add(lambert(1.0).emitting(shine), walls.clone());
+        model.add(lambert(1.0).emitting(emission), walls.clone());
         let mut settings = independent_pixels(width, height, 16);
         (settings.estimator, settings.max_bounces, settings.roulette.start) = (Bsdf, Some(30), 30);
         let film_of_31 = film(&model, &camera, &settings);
         assert!(film_of_31.means().all(|mean| mean == Rgb::splat(31.0)));
         assert!(film_of_31.error().relative_rmse.is_infinite() && film_of_31.observations() == 1);
-        // Without a limit roulette ends every path all the same.
+        // Without a limit Russian roulette ends every path.
         settings.max_bounces = None;
         settings.roulette.start = 0;
         film(&model, &camera, &settings);
@@ -188,7 +186,7 @@ fn ten_thousand_bounces_between_perfect_mirrors_lose_nothing() {
     assert_eq!(film.mean(0, 0), Rgb::WHITE);
 }
 
-/// Roulette changes the variance and not the mean.
+/// Russian roulette changes the variance and not the mean.
 #[test]
 fn roulette_does_not_change_the_mean() {
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);

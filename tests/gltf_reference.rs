@@ -1,7 +1,7 @@
-//! The reference scenes as they lie on disk, loaded and rendered, beside pictures by an
-//! independent renderer (Mitsuba 3.9.1).
+//! Loads and renders the reference scenes from glTF files, and compares them with pictures by an independent
+//! renderer (Mitsuba 3.9.1).
 
-#![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
+#![allow(clippy::print_stderr, reason = "reports skipped tests")]
 
 use globillum::geom::WideKdTree;
 use globillum::integrator::{Scene, Settings, render};
@@ -10,26 +10,26 @@ use globillum_testkit::cornell;
 use globillum_testkit::reference::Reference;
 use std::path::{Path, PathBuf};
 
-/// Largest distance of a block in standard errors: six pictures of 256 blocks and three channels
-/// may raise a false alarm with probability 3e-5 together.
+/// Largest deviation of a block in standard errors. Six pictures of 256 blocks and three channels together
+/// have a false-alarm probability of 3e-5.
 const Z_LIMIT: f64 = 5.85;
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference").join(name)
 }
 
-/// The scene and its reference, if they are there.
+/// The scene and its reference, if the files exist.
 fn reference(name: &str) -> Option<(Loaded, Reference)> {
     let (scene, blocks) = (file(&format!("{name}.glb")), file(&format!("{name}.json")));
     if !scene.exists() || !blocks.exists() {
-        eprintln!("SKIPPED: {name}.glb is not there, so nothing was compared");
+        eprintln!("SKIPPED: {name}.glb does not exist, so nothing was compared");
         return None;
     }
     let blocks = std::fs::read_to_string(blocks).expect("the reference can be read");
     Some((load(&scene).expect("the scene is good"), Reference::parse(&blocks)))
 }
 
-/// Renders with `samples` a pixel for all light, and as many for direct light.
+/// Compares the picture with all bounces and that with direct illumination only, with `samples` per pixel.
 fn check(name: &str, samples: [u32; 2]) {
     let Some((loaded, reference)) = reference(name) else { return };
     assert_eq!(loaded.report.warnings, []);
@@ -60,7 +60,7 @@ fn the_box_with_a_scanned_mesh() {
 }
 
 #[test]
-fn the_files_hold_the_scenes_that_are_written_in_code() {
+fn the_files_contain_the_scenes_that_the_code_builds() {
     for (name, specular) in [("box", false), ("box_mirror", true)] {
         let Some((loaded, _)) = reference(name) else { continue };
         let model = cornell::with_blocks(specular).expect("the box is good");

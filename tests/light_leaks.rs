@@ -1,9 +1,7 @@
-//! Light goes where it can and nowhere else: no path escapes a closed room, and nothing shines
-//! through a wall.
+//! No path escapes from a closed room, and no light passes a wall.
 //!
-//! What is said to be exact is compared to the bit.
-//! `GLOBILLUM_EFFORT` multiplies the number of paths; 20 makes it 20 480 a furnace and ten million
-//! rays in the black box.
+//! Exact results are compared to the bit. The environment variable `GLOBILLUM_EFFORT` multiplies the number
+//! of paths; 20 gives 20 480 paths per furnace and ten million rays in the black box.
 
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
@@ -28,7 +26,7 @@ fn lambert(albedo: f64) -> Material {
     Material::lambert(Rgb::splat(albedo)).expect("an albedo below one")
 }
 
-fn shining(radiance: f64) -> Emission {
+fn emission(radiance: f64) -> Emission {
     Emission::new(Rgb::splat(radiance), Sides::Front).expect("a finite radiance")
 }
 
@@ -36,21 +34,20 @@ fn light() -> Material {
     Material::light(Rgb::WHITE).expect("a finite radiance")
 }
 
-/// A camera that sees nearly half of everything.
+/// A camera with a field of view of 2.5 radians.
 fn wide(eye: DVec3, target: DVec3) -> Camera {
     let up = (target - eye).normalize().any_orthogonal_vector();
     Camera::look_at(eye, target, up, 2.5).expect("eye and target are apart")
 }
 
-/// One scene in every accelerator. Testing every triangle for every ray takes too long for more
-/// than a few.
+/// The scene in every accelerator. Brute force is left out above 50 triangles, where it takes too long.
 fn scenes_of(model: &Model) -> Vec<(&'static str, Scene<Box<dyn Accel>>)> {
     let few = model.triangles().len() <= 50;
     let builders = ACCELERATORS.into_iter().filter(|&(name, _)| few || name != "brute force");
     builders.map(|(name, build)| (name, scenes::scene(model, build))).collect()
 }
 
-/// The film of a scene, which must be the same in every accelerator.
+/// The film of a scene. Asserts that it is the same in every accelerator.
 fn one_film(
     scenes: &[(&str, Scene<Box<dyn Accel>>)],
     camera: &Camera,
@@ -62,27 +59,27 @@ fn one_film(
         .map(|(name, scene)| (name, render(scene, camera, settings, &()).expect("the scene is good").film));
     let (_, first) = films.next().expect("there are accelerators");
     for (name, film) in films {
-        assert_eq!(film, first, "{what}: another picture in the {name}");
+        assert_eq!(film, first, "{what}: a different picture in the {name}");
     }
     first
 }
 
 fn assert_black(film: &Film, what: &str) {
     let lit = film.means().filter(|&mean| mean != Rgb::BLACK).count();
-    assert_eq!(lit, 0, "{what}: pixels with light; the mean is {}", film.image_mean());
+    assert_eq!(lit, 0, "{what}: pixels are not black; the mean is {}", film.image_mean());
 }
 
-/// A furnace of any closed triangles that face outward.
+/// A furnace of a closed mesh that faces outward.
 fn furnace(walls: Vec<Triangle>) -> Model {
     let mut model = Model::default();
-    model.add(lambert(RHO).emitting(shining(1.0)), inside_out(walls));
+    model.add(lambert(RHO).emitting(emission(1.0)), inside_out(walls));
     model
 }
 
-/// Asserts that every path in a furnace goes through all its bounces: one that left, or met a wall
-/// from behind, would have gathered less.
+/// Asserts that every path in a furnace has all its bounces. A path that leaves the room, or hits a wall from
+/// behind, has too little radiance.
 fn assert_no_escape(model: &Model, camera: &Camera, what: &str) {
-    // One sample a pixel: the sum of several equal ones would be rounded.
+    // One sample per pixel: a sum of several equal samples would be rounded.
     let mut settings = independent_pixels(32, 32, 1);
     (settings.estimator, settings.max_bounces) = (Estimator::Bsdf, Some(64));
     settings.roulette.start = u32::MAX;
@@ -142,7 +139,7 @@ fn no_path_escapes_a_furnace_far_from_the_origin() {
     assert_mesh_is_closed(shapes::icosphere(3), 2.0, far, "icosphere");
 }
 
-/// A cube of half side 1 whose faces are cut into `n` times `n` quadrilaterals.
+/// A cube of half side 1 whose faces are divided into `n` times `n` quadrilaterals.
 fn cut_cube(n: usize) -> Vec<Triangle> {
     let at = |i: usize| 2.0 * i as f64 / n as f64 - 1.0;
     let mut walls = Vec::new();
@@ -160,7 +157,7 @@ fn cut_cube(n: usize) -> Vec<Triangle> {
     walls
 }
 
-/// The closed box under a bright sky, in every accelerator.
+/// The closed box in a white environment, in every accelerator.
 fn under_the_sky(albedo: f64) -> Vec<(&'static str, Scene<Box<dyn Accel>>)> {
     let mut model = Model::default();
     model.add(lambert(albedo), cut_cube(8));
@@ -195,7 +192,7 @@ fn no_light_enters_a_closed_box_at_its_seams() {
         let [a, b, _] = triangle.vertices.map(|v| v.as_dvec3());
         for target in [a, a.lerp(b, 0.37)] {
             let up = (target - eye).any_orthogonal_vector();
-            // All rays go to the point itself, but for a few roundings.
+            // All rays aim at the point, up to a few roundings.
             let camera = Camera::look_at(eye, target, up, 2e-15).expect("eye and target are apart");
             let what = format!("toward {target}");
             assert_black(&one_film(&scenes, &camera, &settings, &what), &what);
@@ -210,7 +207,7 @@ fn square(half: f64, y: f64, down: bool) -> Vec<Triangle> {
     if down { faces_down.to_vec() } else { inside_out(faces_down) }
 }
 
-/// The coordinates of every vertex moved on by `axes`, so that what was vertical no longer is.
+/// The triangles with the coordinates of every vertex rotated cyclically by `axes`.
 fn turned(triangles: Vec<Triangle>, axes: usize) -> Vec<Triangle> {
     let turn = |v: Vec3| Vec3::from([0, 1, 2].map(|i| v[(i + axes) % 3]));
     triangles.into_iter().map(|t| Triangle { vertices: t.vertices.map(turn) }).collect()
@@ -230,8 +227,8 @@ fn a_cover_sheet_blocks_all_light() {
 
 const GAPS: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
-/// A light over a floor, without a sheet and with one, `spread` times as wide as the light, that
-/// lies `gap` before it. The light is at height 0, where `f32` resolves any gap.
+/// A light over a floor, without and with a sheet at distance `gap` before the light, `spread` times as wide
+/// as it. The light is at height 0, where `f32` resolves any gap.
 fn cover(size: f64, gap: f64, spread: f64, axes: usize) -> (Model, Model) {
     let mut lit = Model::default();
     lit.add(lambert(0.5), turned(square(size, -size, false), axes));
@@ -248,20 +245,19 @@ fn assert_covered(lit: &Model, covered: &Model, size: f64, axes: usize, what: &s
     for estimator in ALL {
         settings.estimator = estimator;
         let what = format!("{what}, {estimator:?}");
-        assert!(one_film(&scenes_of(lit), &floor, &settings, &what).image_mean().g > 0.1, "{what}: no light");
+        assert!(one_film(&scenes_of(lit), &floor, &settings, &what).image_mean().g > 0.1, "{what}: too dark");
         assert_black(&one_film(&scenes_of(covered), &floor, &settings, &what), &what);
     }
 }
 
-/// The view factor of a parallel rectangle of sides `a` and `b`, at height 1, with a corner above
-/// the point. Odd in both sides, so that corners elsewhere add up.
+/// The form factor of a parallel rectangle of sides `a` and `b` at height 1 with a corner above the point. It
+/// is odd in each side, so that any rectangle is a sum of four.
 fn corner_factor(a: f64, b: f64) -> f64 {
     let part = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
     (part(a, b) + part(b, a)) / std::f64::consts::TAU
 }
 
-/// What a floor of albedo 0.5 reflects at `x`, `z` under a light of half side 1 and radiance 1 at
-/// height 1.
+/// The radiance at `x`, `z` of a floor of albedo 0.5 under a light of half side 1 and radiance 1 at height 1.
 fn under_a_square_light(x: f64, z: f64) -> f64 {
     let sides = |x: f64| [1.0 - x, 1.0 + x];
     let corners = sides(x).into_iter().flat_map(|a| sides(z).map(|b| corner_factor(a, b)));
@@ -269,13 +265,12 @@ fn under_a_square_light(x: f64, z: f64) -> f64 {
 }
 
 #[test]
-fn the_view_factor_is_that_of_the_table() {
+fn the_form_factor_has_the_tabulated_value() {
     assert!((under_a_square_light(0.0, 0.0) - 0.277_063_212).abs() < 1e-9);
 }
 
-/// A light of half side 1, `drop` below a black ceiling of half side `half` at height 0, and a
-/// floor 1 below; and the same without the ceiling. The floor makes both equally wide, so that
-/// nothing depends on the scene's size.
+/// A light of half side 1 above a floor, without and with a black ceiling of half side `half` at height 0.
+/// The light is `drop` below the ceiling, the floor 1 below. The floor gives both scenes the same extent.
 fn light_in_ceiling(drop: f64, half: f64, ceiling_first: bool) -> (Model, Model) {
     let mut open = Model::default();
     open.add(lambert(0.5), square(half.max(4.0), -1.0, false));
@@ -287,7 +282,7 @@ fn light_in_ceiling(drop: f64, half: f64, ceiling_first: bool) -> (Model, Model)
     (open, closed)
 }
 
-/// Points of the floor: amid the light's shadow, and where its light comes aslant.
+/// Points of the floor: below the light, and at an oblique angle to it.
 const PLACES: [(f64, f64); 2] = [(0.0, 0.0), (2.5, 0.7)];
 
 fn toward_floor((x, z): (f64, f64)) -> Camera {
@@ -295,8 +290,8 @@ fn toward_floor((x, z): (f64, f64)) -> Camera {
     stare(target + DVec3::new(0.1, 0.5, 0.2), target)
 }
 
-/// Asserts that the floor is as bright as without a ceiling, to the bit.
-fn assert_takes_nothing(models: &(Model, Model), estimator: Estimator, what: &str) {
+/// Asserts that the floor has the same radiance with and without the ceiling, to the bit.
+fn assert_hides_nothing(models: &(Model, Model), estimator: Estimator, what: &str) {
     for place in PLACES {
         let mut settings = Settings::new(64, 64, 4 * effort() as u32);
         settings.estimator = estimator;
@@ -304,7 +299,7 @@ fn assert_takes_nothing(models: &(Model, Model), estimator: Estimator, what: &st
         let [open, closed] = [&models.0, &models.1]
             .map(|model| one_film(&scenes_of(model), &toward_floor(place), &settings, &what));
         let (light, rest) = (open.image_mean().g, closed.image_mean().g);
-        assert!(open == closed, "{what}: the ceiling takes {} of {light}", light - rest);
+        assert!(open == closed, "{what}: the ceiling hides {} of {light}", light - rest);
     }
 }
 
@@ -314,7 +309,7 @@ fn a_ceiling_hides_nothing_of_the_light_in_its_plane() {
         for ceiling_first in [false, true] {
             let models = light_in_ceiling(0.0, half, ceiling_first);
             let what = format!("ceiling {half}, first {ceiling_first}");
-            assert_takes_nothing(&models, Estimator::Light, &what);
+            assert_hides_nothing(&models, Estimator::Light, &what);
         }
     }
 }
@@ -324,22 +319,22 @@ fn a_ceiling_hides_nothing_of_the_light_just_below_it() {
     for (drop, half) in [(1e-9, 1.0), (1e-9, 3.0), (1e-12, 3.0), (1e-9, 1e3)] {
         let models = light_in_ceiling(drop, half, true);
         for estimator in ALL {
-            assert_takes_nothing(&models, estimator, &format!("drop {drop}, ceiling {half}"));
+            assert_hides_nothing(&models, estimator, &format!("drop {drop}, ceiling {half}"));
         }
     }
 }
 
 #[test]
 fn a_light_in_a_ceiling_gives_the_known_radiance() {
-    let (center, aslant) = (PLACES[0], PLACES[1]);
+    let (center, oblique) = (PLACES[0], PLACES[1]);
     let cases = [
         (0.0, Estimator::Light, center, 100),
-        (0.0, Estimator::Light, aslant, 260),
+        (0.0, Estimator::Light, oblique, 260),
         (1e-9, Estimator::Light, center, 100),
-        (1e-9, Estimator::Light, aslant, 260),
+        (1e-9, Estimator::Light, oblique, 260),
         (1e-9, Estimator::Mis, center, 80),
-        (1e-9, Estimator::Mis, aslant, 260),
-        // From aslant, scattering finds the light too seldom.
+        (1e-9, Estimator::Mis, oblique, 260),
+        // At the oblique point, BSDF sampling hits the light too rarely.
         (1e-9, Estimator::Bsdf, center, 320),
     ];
     for (drop, estimator, (x, z), samples) in cases {
@@ -347,14 +342,14 @@ fn a_light_in_a_ceiling_gives_the_known_radiance() {
         settings.estimator = estimator;
         let what = format!("{estimator:?}, drop {drop}, at {x}, {z}");
         let (_, model) = light_in_ceiling(drop, 3.0, true);
-        // That all accelerators give one film is shown above, with fewer samples.
+        // The test above shows with fewer samples that all accelerators give the same film.
         let film = one_film(&scenes_of(&model)[..1], &toward_floor((x, z)), &settings, &what);
         Estimate::of_film(&film, |c| c.g).assert_is(under_a_square_light(x, z), &what);
     }
 }
 
-/// A grey box, and one beside it that shines inside and touches its face at `x = 1`; placed by
-/// `at`, which must be exact in `f32`.
+/// A grey box, and a box beside it that emits inside and touches its face at `x = 1`. `at` places them and
+/// must be exact in `f32`.
 fn two_boxes(half: f64, dark_first: bool, at: impl Fn(DVec3) -> DVec3) -> Model {
     let place = |walls: Vec<Triangle>| {
         let place = |t: Triangle| Triangle { vertices: t.vertices.map(|v| at(v.as_dvec3()).as_vec3()) };
@@ -362,8 +357,8 @@ fn two_boxes(half: f64, dark_first: bool, at: impl Fn(DVec3) -> DVec3) -> Model 
     };
     let dark = place(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
     let bright = place(cuboid(DVec3::X * (1.0 + half), DVec3::splat(half), 0.0));
-    let shine = lambert(RHO).emitting(shining(1.0));
-    let mut boxes = [(lambert(RHO), dark), (shine, bright)];
+    let emitting = lambert(RHO).emitting(emission(1.0));
+    let mut boxes = [(lambert(RHO), dark), (emitting, bright)];
     if !dark_first {
         boxes.reverse();
     }
@@ -376,7 +371,7 @@ fn two_boxes(half: f64, dark_first: bool, at: impl Fn(DVec3) -> DVec3) -> Model 
 
 #[test]
 fn no_light_crosses_between_boxes_that_touch() {
-    // Upright; far away; turned by the angle whose tangent is 4/3, which needs no rounding.
+    // Upright; far away; rotated by the angle whose tangent is 4/3, which is exact.
     type Place = fn(DVec3) -> DVec3;
     let places: [(&str, Place); 4] = [
         ("upright", |p| p),
@@ -400,6 +395,6 @@ fn assert_boxes_are_apart(model: &Model, at: impl Fn(DVec3) -> DVec3, estimator:
     settings.estimator = estimator;
     let scenes = scenes_of(model);
     let within = |x: f64| wide(at(DVec3::new(x, 0.2, 0.3)), at(DVec3::new(x + 0.5, 0.1, 0.2)));
-    assert!(one_film(&scenes, &within(1.5), &settings, what).image_mean().g > 1.0, "{what}: no light");
+    assert!(one_film(&scenes, &within(1.5), &settings, what).image_mean().g > 1.0, "{what}: too dark");
     assert_black(&one_film(&scenes, &within(0.1), &settings, what), what);
 }

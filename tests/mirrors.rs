@@ -1,6 +1,6 @@
-//! Light that plane mirrors throw on a diffuse floor: a point sees in a mirror what its image sees
-//! through the mirror as through a window, so form factors tell it. The lights themselves are hidden, so
-//! that all of what is seen was mirrored.
+//! Illumination of a diffuse floor by plane mirrors. A mirror shows a point what the point's mirror image
+//! sees through it as through a window, so form factors give the radiance. The lights themselves are hidden
+//! from the point, so that all illumination is mirrored.
 
 use glam::{DVec3, Vec3};
 use globillum::geom::Triangle;
@@ -19,10 +19,10 @@ use MirrorSampling::{Off, Planes};
 const ALBEDO: f64 = 0.5;
 const REFLECTANCE: f64 = 0.9;
 
-/// Where the floor is looked at.
+/// The point of the floor in the picture.
 const TARGET: DVec3 = DVec3::new(0.1, 0.0, -0.2);
 
-/// A rectangle at `x`, which faces the floor's middle; it spans `y` and `z`.
+/// A vertical rectangle at `x` that faces the floor's middle and spans the given ranges of `y` and `z`.
 fn upright(x: f64, [y0, y1]: [f64; 2], [z0, z1]: [f64; 2]) -> [Triangle; 2] {
     let p = DVec3::new;
     let [a, b] = quad(p(x, y0, z1), p(x, y1, z1), p(x, y1, z0), p(x, y0, z0));
@@ -35,7 +35,7 @@ fn level(y: f64, [x0, x1]: [f64; 2], [z0, z1]: [f64; 2]) -> [Triangle; 2] {
     quad(p(x0, z0), p(x1, z0), p(x1, z1), p(x0, z1))
 }
 
-/// One at height 1, from -2 to 2 along z.
+/// A light at height 1, from -2 to 2 along z.
 fn light(across: [f64; 2]) -> [Triangle; 2] {
     level(1.0, across, [-2.0, 2.0])
 }
@@ -44,17 +44,17 @@ fn whole_light() -> [Triangle; 2] {
     light([-1.5, 0.25])
 }
 
-/// What the target sees of it in a mirror at [`WALL`] in directions steeper than (1, 1).
+/// The part of [`whole_light`] that the target sees in a mirror at [`WALL`] in directions steeper than (1, 1).
 fn nearer_part() -> [Triangle; 2] {
     light([-0.5, 0.25])
 }
 
-/// Hides [`whole_light`] from the target, and nothing of its image in a mirror at [`WALL`].
+/// A sheet that hides [`whole_light`] from the target, but nothing of its image in a mirror at [`WALL`].
 fn shade() -> [Triangle; 2] {
     level(0.05, [-0.2, 0.11], [-0.5, 0.2])
 }
 
-/// Where most mirrors stand: the target sees [`whole_light`] in them in directions from (0.25, 1) to (2, 1).
+/// The `x` of most mirrors. The target sees [`whole_light`] in them in directions from (0.25, 1) to (2, 1).
 const WALL: f64 = 0.3;
 
 fn wall() -> [Triangle; 2] {
@@ -79,19 +79,19 @@ fn model(lights: &[Triangle], mirrors: &[Triangle], sheets: &[Triangle]) -> Mode
     model
 }
 
-/// What the target receives from these, each with a factor, as its radiance.
+/// The radiance of the target under these lights, each with a factor.
 fn radiance(parts: &[(f64, &[Triangle])]) -> f64 {
     let factor =
         |&(factor, triangles): &(f64, &[Triangle])| factor * form_factor(TARGET, DVec3::Y, triangles);
     ALBEDO * parts.iter().map(factor).sum::<f64>()
 }
 
-/// Looks from below the shade.
+/// A camera below the shade.
 fn camera() -> Camera {
     stare(TARGET + DVec3::new(0.02, 0.04, 0.01), TARGET)
 }
 
-/// 32 x 32 pixels of the target, two long passes each, light of one bounce off a mirror.
+/// 32 x 32 pixels of the target, with two passes and paths of at most one reflection by a mirror.
 fn settings(estimator: Estimator, mirror_sampling: MirrorSampling, samples: u32) -> Settings {
     let mut settings = independent_pixels(32, 32, samples);
     (settings.estimator, settings.mirror_sampling) = (estimator, mirror_sampling);
@@ -103,13 +103,13 @@ fn film(model: &Model, build: Builder, settings: &Settings) -> Film {
     render(&scenes::scene(model, build), &camera(), settings, &()).expect("the scene is good").film
 }
 
-/// The target's radiance in the accelerator that is number `turn`.
+/// The target's radiance in accelerator number `turn`.
 fn estimate(model: &Model, turn: usize, settings: &Settings) -> Estimate {
     let (_, build) = ACCELERATORS[turn];
     Estimate::of_film(&film(model, build, settings), |c| c.g)
 }
 
-/// Asserts the radiance of the target by these estimators with so many samples, in another accelerator each.
+/// Asserts the radiance of the target by these estimators and numbers of samples, each in another accelerator.
 fn assert_radiance(what: &str, model: &Model, truth: f64, estimators: &[(Estimator, u32)]) {
     for (turn, &(estimator, samples)) in estimators.iter().enumerate() {
         let found = estimate(model, turn + 1, &settings(estimator, Planes, samples));
@@ -129,19 +129,19 @@ fn a_light_and_its_whole_image() {
         truth,
         &[(Light, 128), (Mis, 128)],
     );
-    let left_to_scattering = estimate(&facing, 1, &settings(Mis, Off, 512));
-    left_to_scattering.assert_is(truth, "mirrors left to scattering");
+    let without_sampling = estimate(&facing, 1, &settings(Mis, Off, 512));
+    without_sampling.assert_is(truth, "no sampling through mirrors");
 }
 
 #[test]
-fn accelerators_agree_on_what_mirrors_show() {
+fn pictures_with_mirrors_are_the_same_in_all_accelerators() {
     let model = model(&whole_light(), &wall(), &shade());
     let [first, others @ ..] = ACCELERATORS.map(|(_, build)| film(&model, build, &settings(Mis, Planes, 16)));
     assert!(others.iter().all(|other| *other == first));
 }
 
-/// The chance of either mirror is a half, and the two show the light differently. They are low enough to let
-/// in what the other one shows.
+/// Each mirror is chosen with probability one half, and the two show the light differently. They are low
+/// enough not to block the light to each other.
 #[test]
 fn an_image_in_each_of_two_mirrors() {
     let (light, places) = (light([-0.3, 0.45]), [0.6, -0.4]);
@@ -159,7 +159,7 @@ fn an_image_in_each_of_two_mirrors() {
 
 #[test]
 fn a_mirrors_edge_cuts_the_image() {
-    // All of the mirror shows the light, so it is as bright as that.
+    // The whole mirror shows the light, so it has the light's radiance.
     let small = upright(WALL, [0.15, 0.6], [-0.4, 0.0]);
     let truth = radiance(&[(REFLECTANCE, &small)]);
     assert_radiance(
@@ -168,7 +168,7 @@ fn a_mirrors_edge_cuts_the_image() {
         truth,
         &[(Bsdf, 512), (Light, 512), (Mis, 512)],
     );
-    // Over the edge the target looks in the direction (1, 1).
+    // In x and y, the direction from the target to the mirror's lower edge is (1, 1).
     let high = upright(WALL, [0.2, 3.0], [-3.0, 3.0]);
     let truth = radiance(&[(REFLECTANCE, &mirrored(&nearer_part(), WALL))]);
     assert_radiance(
@@ -179,12 +179,12 @@ fn a_mirrors_edge_cuts_the_image() {
     );
 }
 
-/// A triangle aslant, beside what scattering finds in it.
+/// A tilted triangle has no closed form; the reference is BSDF sampling.
 #[test]
-fn a_mirror_aslant_shows_what_scattering_finds() {
+fn a_tilted_mirror_agrees_with_bsdf_sampling() {
     let p = Vec3::new;
-    let aslant = [Triangle::new(p(0.3, 0.1, 0.3), p(0.25, 0.6, -0.1), p(0.35, 0.1, -0.7))];
-    let model = model(&whole_light(), &aslant, &shade());
+    let tilted = [Triangle::new(p(0.3, 0.1, 0.3), p(0.25, 0.6, -0.1), p(0.35, 0.1, -0.7))];
+    let model = model(&whole_light(), &tilted, &shade());
     let scattered = estimate(&model, 1, &settings(Bsdf, Off, 1024));
     for (turn, estimator) in [(2, Light), (3, Mis)] {
         let mut settings = settings(estimator, Planes, 256);
@@ -197,11 +197,11 @@ fn a_mirror_aslant_shows_what_scattering_finds() {
     }
 }
 
-/// One light on each side of a wall of mirror: nothing of the one behind is to be seen, in the mirror or
-/// through it, though the wall is met in the directions in which the target's image sees that one, above
-/// it, and is free there.
+/// One light on each side of a mirror wall. The light behind is visible neither in the mirror nor through it,
+/// although rays from the target's image through that light reach the wall above it, where nothing blocks
+/// them.
 #[test]
-fn a_light_behind_a_mirror_is_not_in_it() {
+fn a_light_behind_a_mirror_is_not_visible_in_it() {
     let (front, behind) = (light([-1.5, -0.3]), light([0.32, 0.42]));
     let shade = level(0.05, [-0.2, 0.085], [-0.5, 0.2]);
     let truth = radiance(&[(REFLECTANCE, &mirrored(&front, WALL))]);
@@ -213,10 +213,10 @@ fn a_light_behind_a_mirror_is_not_in_it() {
     );
 }
 
-/// A black sheet stands between the floor and the mirror, or between the mirror and the light, or another
-/// mirror before it, and hides what the target sees in directions flatter than (1, 1).
+/// A black sheet between the floor and the mirror, one between the mirror and the light, or another mirror
+/// hides what the target sees in directions flatter than (1, 1).
 #[test]
-fn either_way_can_be_barred() {
+fn either_segment_of_a_mirrored_path_can_be_blocked() {
     let light_and_wall = |sheets: &[Triangle]| model(&whole_light(), &wall(), sheets);
     let truth = radiance(&[(REFLECTANCE, &mirrored(&nearer_part(), WALL))]);
     for (what, x, heights) in [("floor to mirror", 0.2, [0.04, 0.1]), ("mirror to light", 0.0, [0.2, 0.5])] {
@@ -233,7 +233,7 @@ fn either_way_can_be_barred() {
     let mirrors = [level_mirror, wall()].concat();
     let hidden = model(&whole_light(), &mirrors, &shade());
     assert_radiance("a mirror to another", &hidden, truth, &[(Light, 128), (Mis, 256)]);
-    // Where two triangles coincide, rays meet the one that comes first.
+    // Of two coincident triangles, rays hit the one with the smaller index.
     let direct = radiance(&[(1.0, &whole_light())]);
     assert_radiance("a mirror under a sheet", &light_and_wall(&wall()), direct, &[(Light, 128), (Mis, 128)]);
 }

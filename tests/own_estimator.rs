@@ -1,4 +1,5 @@
-//! An estimator of direct light made from what the library shows of its lights, beside the library's own.
+//! An estimator of direct illumination built on the library's public interface to lights, compared with the
+//! library's own.
 
 use glam::DVec3;
 use globillum::geom::{Accel, Frame, Ray};
@@ -12,8 +13,8 @@ use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
-/// The square light over a floor with a second light, which is far away, emits on both sides and reflects, a third that emits away
-/// from the floor, and a point light. A sheet hides half of the first.
+/// A square light over a floor, half of it hidden by a sheet. A second light is far away, emits on both sides
+/// and reflects. A third emits away from the floor. The fourth is a point light.
 fn model() -> Model {
     let p = DVec3::new;
     let mut model = scenes::light_half_hidden();
@@ -36,7 +37,7 @@ fn camera() -> Camera {
     stare(DVec3::new(-0.5, 0.4, 0.3), TARGET)
 }
 
-/// What a point on a light brings to `at`, by the balance heuristic.
+/// Light sampling at `at`, weighted by the balance heuristic.
 fn by_light<A: Accel>(
     scene: &Scene<A>,
     at: &Interaction<'_>,
@@ -54,8 +55,8 @@ fn by_light<A: Accel>(
     at.material.bsdf.eval(wo, wi) * light.irradiance() * (wi.z.abs() * light.balance(scattered))
 }
 
-/// What scattering at `at` finds, by the balance heuristic.
-fn by_scattering<A: Accel>(
+/// BSDF sampling at `at`, weighted by the balance heuristic.
+fn by_bsdf<A: Accel>(
     scene: &Scene<A>,
     at: &Interaction<'_>,
     lights: &LightSampler<'_>,
@@ -65,14 +66,14 @@ fn by_scattering<A: Accel>(
     let Some(sample) = at.material.bsdf.sample(frame.to_local(at.wo), numbers.uniform_pair(3)) else {
         return Rgb::BLACK;
     };
-    let Density::SolidAngle(scattered) = sample.density else { panic!("the floor is no mirror") };
+    let Density::SolidAngle(scattered) = sample.density else { panic!("the floor is not a mirror") };
     let ray = at.point.spawn(frame.to_world(sample.wi));
     let Some(hit) = scene.accel().intersect(&ray) else { return scene.environment() };
     let met = scene.interaction(&ray, &hit);
     sample.weight * met.emitted() * scattered.balance(lights.pdf(&hit, &met))
 }
 
-/// Mean and standard error of each component of direct light at [`TARGET`], by an estimator of one's own.
+/// Mean and standard error of each component of direct illumination at [`TARGET`], by this file's estimator.
 fn own(scene: &Scene<Box<dyn Accel>>, sampling: LightSampling) -> [Estimate; 3] {
     let ray: Ray = camera().ray(0.0, 0.0, 1.0);
     let hit = scene.accel().intersect(&ray).expect("the floor");
@@ -82,7 +83,7 @@ fn own(scene: &Scene<Box<dyn Accel>>, sampling: LightSampling) -> [Estimate; 3] 
     let (mut sums, mut squares) = (Rgb::BLACK, Rgb::BLACK);
     for i in 0..count {
         let numbers = Stream::new(9, 0, i);
-        let value = by_light(scene, &at, &lights, numbers) + by_scattering(scene, &at, &lights, numbers);
+        let value = by_light(scene, &at, &lights, numbers) + by_bsdf(scene, &at, &lights, numbers);
         sums += value;
         squares += value * value;
     }
@@ -94,27 +95,27 @@ fn own(scene: &Scene<Box<dyn Accel>>, sampling: LightSampling) -> [Estimate; 3] 
     })
 }
 
-fn librarys(scene: &Scene<Box<dyn Accel>>, estimator: Estimator) -> Film {
+fn reference(scene: &Scene<Box<dyn Accel>>, estimator: Estimator) -> Film {
     let mut settings = independent_pixels(64, 64, 64);
     (settings.estimator, settings.max_bounces) = (estimator, Some(1));
     render(scene, &camera(), &settings, &()).expect("the scene is good").film
 }
 
 #[test]
-fn an_estimator_of_ones_own_agrees_with_the_librarys() {
+fn an_estimator_on_the_public_interface_agrees_with_the_library() {
     let scene = scenes::scene(&model(), STRUCTURES[0].1);
     assert_eq!(scene.lights().len(), 7);
     assert!(scene.lights().triangles().eq([2, 3, 6, 7, 8, 9]));
     for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
         let own = own(&scene, sampling);
         for (estimator, precision) in [(Estimator::Light, 0.04), (Estimator::Mis, 0.02)] {
-            let film = librarys(&scene, estimator);
+            let film = reference(&scene, estimator);
             let components: [fn(Rgb) -> f64; 3] = [|c| c.r, |c| c.g, |c| c.b];
             for (own, component) in own.iter().zip(components) {
                 let other = Estimate::of_film(&film, component);
                 let margin = Z_LIMIT * own.std_err.hypot(other.std_err);
-                let apart = (own.mean - other.mean).abs();
-                assert!(apart < margin, "{sampling:?}, {estimator:?}: {own:?}, {other:?}");
+                let difference = (own.mean - other.mean).abs();
+                assert!(difference < margin, "{sampling:?}, {estimator:?}: {own:?}, {other:?}");
                 assert!(margin < precision * other.mean, "{sampling:?}, {estimator:?}: {own:?}, {other:?}");
             }
         }

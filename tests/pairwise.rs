@@ -1,5 +1,4 @@
-//! The estimators beside each other, without a reference: light is the same however it is found, in
-//! any structure.
+//! The estimators agree with each other, each in another accelerator.
 
 use glam::DVec3;
 use globillum::integrator::{Camera, Estimator, Model, Settings, render};
@@ -9,7 +8,7 @@ use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels}
 
 const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
-/// Every estimator with random numbers of its own and in a structure of its own, which `turn` changes.
+/// Compares all pairs of estimators. Each has its own seed and its own accelerator, which depends on `turn`.
 fn assert_agreement(what: &str, turn: usize, model: &Model, camera: &Camera, settings: &Settings) {
     let structures = &ACCELERATORS[1..];
     assert_eq!(structures.len(), 3);
@@ -26,7 +25,7 @@ fn assert_agreement(what: &str, turn: usize, model: &Model, camera: &Camera, set
         for (other_name, b) in &found[..i] {
             let margin = Z_LIMIT * a.std_err.hypot(b.std_err);
             let pair = format!("{what}, {name} and {other_name}: {a:?}, {b:?}");
-            // As if each were as precise as a test of a mean must be.
+            // The bound for two means of the required precision.
             assert!(margin <= 2.0_f64.sqrt() * PRECISION * a.mean, "too wide: {pair}");
             assert!((a.mean - b.mean).abs() <= margin + 1e-12 * a.mean, "{pair}");
         }

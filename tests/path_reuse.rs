@@ -1,5 +1,4 @@
-//! Paths that are shared by the pixels of a group: the mean is that of each pixel's own paths, the variance a
-//! fraction of theirs.
+//! Path reuse keeps the mean of every pixel and lowers the variance.
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
@@ -13,11 +12,13 @@ use globillum_testkit::stats::Estimate;
 
 use Estimator::{Bsdf, Light, Mis};
 
-/// Pixels along each side of most pictures: so few that those of a group see different things.
+/// Pixels along each side of most pictures. They are few, so that the pixels of a group show different
+/// surfaces.
 const SIDE: u32 = 16;
 
-/// Standard errors beyond which a pixel is wrong: of all components of all pixels, by 256 passes of each of two
-/// pictures, one is so with a probability of 5e-9 (Student's distribution, as many degrees of freedom).
+/// Largest deviation of a component of a pixel, in standard errors. With 256 passes of each of two pictures,
+/// any of all components of all pixels exceeds it with a probability of 5e-9 (Student's distribution, as many
+/// degrees of freedom).
 const PIXEL_LIMIT: f64 = 7.2;
 
 const PASSES: u32 = 256;
@@ -27,14 +28,14 @@ fn film(model: &Model, camera: &Camera, settings: &Settings) -> Film {
     render(&scene, camera, settings, &()).expect("the scene is good").film
 }
 
-/// Largest distance of a component of a pixel, in standard errors.
+/// Largest difference of a component of a pixel, in standard errors.
 fn largest_z(a: &Film, b: &Film) -> f64 {
     let pixels = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
     let z = |(x, y): (u32, u32)| {
-        let apart = a.mean(x, y) + b.mean(x, y) * -1.0;
+        let difference = a.mean(x, y) + b.mean(x, y) * -1.0;
         let variance = a.variance_of_mean(x, y) + b.variance_of_mean(x, y);
         let component = |(d, v): (f64, f64)| if d == 0.0 { 0.0 } else { d.abs() / v.sqrt() };
-        apart.to_array().into_iter().zip(variance.to_array()).map(component).fold(0.0, f64::max)
+        difference.to_array().into_iter().zip(variance.to_array()).map(component).fold(0.0, f64::max)
     };
     pixels.map(z).fold(0.0, f64::max)
 }
@@ -50,33 +51,33 @@ fn picture(model: &Model, camera: &Camera, path_reuse: PathReuse, change: impl F
 
 /// Asserts that each pixel has the same mean with and without path reuse, and that path reuse changes the errors.
 fn assert_same_mean(what: &str, model: &Model, camera: &Camera, change: impl Fn(&mut Settings)) {
-    let alone = picture(model, camera, PathReuse::Off, &change);
-    assert_same_mean_as(&alone, what, model, camera, change);
+    let without = picture(model, camera, PathReuse::Off, &change);
+    assert_same_mean_as(&without, what, model, camera, change);
 }
 
 /// [`assert_same_mean`] beside a picture without path reuse that has the same expectation.
 fn assert_same_mean_as(
-    alone: &Film,
+    without: &Film,
     what: &str,
     model: &Model,
     camera: &Camera,
     change: impl Fn(&mut Settings),
 ) {
-    let shared = picture(model, camera, PathReuse::Fours, change);
-    let z = largest_z(alone, &shared);
-    let [before, after] = [alone, &shared].map(|film| film.error().relative_rmse);
-    let mean = shared.image_mean().mean() / alone.image_mean().mean() - 1.0;
+    let with = picture(model, camera, PathReuse::Fours, change);
+    let z = largest_z(without, &with);
+    let [before, after] = [without, &with].map(|film| film.error().relative_rmse);
+    let mean = with.image_mean().mean() / without.image_mean().mean() - 1.0;
     println!("{what}: z {z:.2}, error {before:.4} becomes {after:.4}, mean {:+.4} %", 100.0 * mean);
     assert!(z < PIXEL_LIMIT, "{what}: {z}");
     // The errors of the mean, which of four pixels may be correlated.
     let margin = 5.85 * before.hypot(2.0 * after) / f64::from(SIDE);
     assert!(mean.abs() < margin && margin < 0.015, "{what}: {mean}, margin {margin}");
-    assert_ne!(before, after, "{what}: paths were not shared");
+    assert_ne!(before, after, "{what}: no path was reused");
 }
 
 #[test]
 fn pixels_of_a_box_have_the_mean_of_their_own_paths() {
-    // Past the light, whose edge would be most of the error.
+    // The light is not visible: its edge would dominate the error.
     let (eye, target) = (DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0));
     let camera = Camera::look_at(eye, target, DVec3::Y, 0.6).expect("they are apart");
     for (what, specular, estimator) in [("diffuse", false, Mis), ("a mirror", true, Light)] {
@@ -85,7 +86,7 @@ fn pixels_of_a_box_have_the_mean_of_their_own_paths() {
     }
 }
 
-/// Roulette might have refused what ends behind the mirror.
+/// Russian roulette may end paths behind the mirror, which path reuse must account for.
 #[test]
 fn pixels_under_early_roulette_have_the_mean_of_their_own_paths() {
     let model = cornell::with_blocks(true).expect("the box is good");
@@ -97,19 +98,19 @@ fn pixels_under_early_roulette_have_the_mean_of_their_own_paths() {
     });
 }
 
-/// A room that shines, of another albedo on each side, with thin sheets that cross each other before the camera
-/// and a mirror behind them: stems end on both sides of a sheet, before and behind it, and at different
-/// bounces.
+/// A room with a different albedo on each wall, one of which emits. Thin sheets intersect each other before
+/// the camera, with a mirror behind them. Path prefixes end on both sides of a sheet, before and behind it,
+/// and at different bounces.
 fn sheets() -> (Model, Camera) {
     let p = DVec3::new;
     let mut model = Model::default();
-    let shine = Emission::new(Rgb::new(1.0, 0.7, 0.4), Sides::Front).expect("finite");
+    let emission = Emission::new(Rgb::new(1.0, 0.7, 0.4), Sides::Front).expect("finite");
     let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
     for (i, wall) in walls.chunks(2).enumerate() {
         let wall = wall.iter().copied();
         let albedo = 0.3 + 0.1 * i as f64;
         let material = Material::lambert(Rgb::new(albedo, 0.9, 1.0 - albedo)).expect("an albedo");
-        model.add(if i == 0 { material.emitting(shine) } else { material }, wall);
+        model.add(if i == 0 { material.emitting(emission) } else { material }, wall);
     }
     let sheet = Material::lambert(Rgb::new(0.9, 0.2, 0.6)).expect("an albedo");
     model.add(sheet, quad(p(-0.6, -0.6, 0.1), p(0.5, -0.5, -0.2), p(0.6, 0.6, 0.0), p(-0.5, 0.4, -0.1)));
@@ -123,25 +124,25 @@ fn sheets() -> (Model, Camera) {
 #[test]
 fn pixels_of_crossing_sheets_have_the_mean_of_their_own_paths() {
     let (model, camera) = sheets();
-    let alone = picture(&model, &camera, PathReuse::Off, |s| s.estimator = Mis);
+    let without = picture(&model, &camera, PathReuse::Off, |s| s.estimator = Mis);
     for estimator in [Bsdf, Mis] {
         let what = format!("{estimator:?}");
-        assert_same_mean_as(&alone, &what, &model, &camera, |s| s.estimator = estimator);
+        assert_same_mean_as(&without, &what, &model, &camera, |s| s.estimator = estimator);
     }
     let independent = |s: &mut Settings| s.sampler = Sampler::Independent;
-    assert_same_mean_as(&alone, "independent samples", &model, &camera, independent);
+    assert_same_mean_as(&without, "independent samples", &model, &camera, independent);
     assert_same_mean("at most 2 bounces", &model, &camera, |s| s.max_bounces = Some(2));
 }
 
-/// A dark pixel's tail is worth as much to a bright one of its group as its own: roulette must not
-/// make it rare and strong.
+/// A bright pixel uses the path suffixes of dark pixels of its group like its own. Russian roulette must not
+/// make them rare and bright because of the low throughput of the dark pixels.
 #[test]
-fn dark_neighbours_make_no_noise() {
+fn dark_neighbours_do_not_raise_the_variance() {
     let (mut model, p) = (Model::default(), DVec3::new);
-    let shine = Emission::new(Rgb::WHITE, Sides::Front).expect("finite");
+    let emission = Emission::new(Rgb::WHITE, Sides::Front).expect("finite");
     let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
     let wall = Material::lambert(Rgb::splat(0.8)).expect("an albedo");
-    model.add(wall.emitting(shine), walls[..2].iter().copied());
+    model.add(wall.emitting(emission), walls[..2].iter().copied());
     model.add(wall, walls[2..].iter().copied());
     let [dark, bright] = [0.01, 0.9].map(|albedo| Material::lambert(Rgb::splat(albedo)).expect("an albedo"));
     let cells = SIDE as i32 / 2;
@@ -150,10 +151,10 @@ fn dark_neighbours_make_no_noise() {
         let material = if i % 2 == 0 && k % 2 == 0 { bright } else { dark };
         model.add(material, quad(p(x0, -0.9, z1), p(x1, -0.9, z1), p(x1, -0.9, z0), p(x0, -0.9, z0)));
     }
-    // A pixel a cell.
+    // One pixel per square of the floor.
     let fov = 2.0 * (0.4_f64 / 1.5).atan();
     let camera = Camera::look_at(p(0.0, 0.6, 0.0), p(0.0, -0.9, 0.0), DVec3::Z, fov).expect("they are apart");
-    let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
+    let [without, with] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
         let mut settings = Settings::new(SIDE, SIDE, 1024);
         (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
         let film = film(&model, &camera, &settings);
@@ -162,12 +163,13 @@ fn dark_neighbours_make_no_noise() {
         assert_eq!(count, SIDE * SIDE / 4, "{path_reuse:?}");
         sum
     });
-    println!("variance of bright pixels: {:.3} of what it is alone", shared / alone);
-    assert!(shared < 0.5 * alone, "{shared} {alone}");
+    println!("variance of bright pixels: {:.3} of that without path reuse", with / without);
+    assert!(with < 0.5 * without, "{with} {without}");
 }
 
-/// A furnace: the mean of all pixels, and the share of their intervals of 95 % that hold it. Of 4096 pixels whose errors
-/// are alike by fours that varies by up to 0.68 %; 5.85 times that is accepted.
+/// A furnace: the mean over all pixels, and the share of their 95 % intervals that contain it. For 4096
+/// pixels whose errors may be equal in groups of four, its standard deviation is at most 0.68 %. The
+/// tolerance is 5.85 of them.
 #[test]
 fn a_furnace_with_path_reuse() {
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
@@ -182,30 +184,30 @@ fn a_furnace_with_path_reuse() {
             let pixels = (0..64).flat_map(|y| (0..64).map(move |x| (x, y)));
             let holds = |&(x, y): &(u32, u32)| (film.mean(x, y).g - truth).abs() <= film.margin_95(x, y).g;
             let share = pixels.filter(holds).count() as f64 / 4096.0;
-            println!("{what}: {share:.4} of the intervals hold it");
+            println!("{what}: {share:.4} of the intervals contain the truth");
             assert!((share - 0.95).abs() < 0.04, "{what}: {share}");
         }
     }
 }
 
-/// Nothing to share: what light comes comes at once, or not at all.
+/// There is nothing to reuse: all illumination is direct.
 #[test]
-fn without_second_surfaces_nothing_changes() {
+fn path_reuse_does_not_change_direct_illumination() {
     let (sheets, inside) = sheets();
     let above = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     for (model, camera, limit) in [(&scenes::light_over_floor(), above, None), (&sheets, inside, Some(1))] {
-        let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
+        let [without, with] = [PathReuse::Off, PathReuse::Fours].map(|path_reuse| {
             let mut settings = Settings::new(SIDE, SIDE, 32);
             (settings.path_reuse, settings.max_bounces) = (path_reuse, limit);
             film(model, &camera, &settings)
         });
-        assert!(alone.means().eq(shared.means()) && !shared.image_mean().is_black());
+        assert!(without.means().eq(with.means()) && !with.image_mean().is_black());
     }
 }
 
-/// The variance of the picture's mean over what it would be if pixels were independent, by 256 passes.
-fn likeness(path_reuse: PathReuse) -> f64 {
-    // The ceiling, where all light was scattered before: by tails that all pixels of a group could have found.
+/// The variance of the picture's mean, by 256 passes, divided by its value for independent pixels.
+fn variance_ratio(path_reuse: PathReuse) -> f64 {
+    // The ceiling has indirect illumination only, by path suffixes that all pixels of a group can reuse.
     let model = cornell::with_blocks(false).expect("the box is good");
     let camera = stare(DVec3::new(0.2, 0.1, 0.9), DVec3::new(0.5, 1.0, 0.5));
     let scene = scenes::scene(&model, STRUCTURES[0].1);
@@ -224,11 +226,11 @@ fn likeness(path_reuse: PathReuse) -> f64 {
     variance / (whole.variances_of_mean().map(|v| v.g).sum::<f64>() / (pixels * pixels))
 }
 
-/// A variance by 256 observations has a relative standard deviation of 8.9 %: 5.85 of them are accepted.
+/// A variance by 256 observations has a relative standard deviation of 8.9 %. The tolerance is 5.85 of them.
 #[test]
-fn the_errors_of_four_pixels_are_alike() {
-    let [alone, shared] = [PathReuse::Off, PathReuse::Fours].map(likeness);
-    println!("alone {alone:.2}, shared {shared:.2}");
-    assert!((alone - 1.0).abs() < 0.52, "{alone}");
-    assert!((shared / 4.0 - 1.0).abs() < 0.52, "{shared}");
+fn the_errors_of_four_pixels_are_equal() {
+    let [without, with] = [PathReuse::Off, PathReuse::Fours].map(variance_ratio);
+    println!("without path reuse {without:.2}, with {with:.2}");
+    assert!((without - 1.0).abs() < 0.52, "{without}");
+    assert!((with / 4.0 - 1.0).abs() < 0.52, "{with}");
 }

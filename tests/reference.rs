@@ -1,4 +1,4 @@
-//! The Cornell box beside pictures by an independent renderer (Mitsuba 3.9.1).
+//! Compares the Cornell box with pictures by an independent renderer (Mitsuba 3.9.1).
 
 use globillum::geom::WideKdTree;
 use globillum::integrator::{Estimator, PathReuse, Scene, Settings, render};
@@ -8,14 +8,14 @@ use globillum_testkit::reference::{Deviation, Reference};
 use Estimator::{Bsdf, Light, Mis};
 use PathReuse::{Fours, Off};
 
-/// Largest distance of a block in standard errors: eight pictures of 256 blocks and three channels
-/// may raise a false alarm with probability 3.0e-5 together.
+/// Largest deviation of a block in standard errors. Eight pictures of 256 blocks and three channels together
+/// have a false-alarm probability of 3.0e-5.
 const Z_LIMIT: f64 = 5.85;
 
 /// Largest relative error of the image mean.
 const MEAN_LIMIT: f64 = 0.003;
 
-/// How far the box is from `reference`; asserts that its mean is not.
+/// The deviation of the box from `reference`. Asserts that its mean is within [`MEAN_LIMIT`].
 fn deviation(
     reference: &str,
     specular: bool,
@@ -36,7 +36,7 @@ fn deviation(
     deviation
 }
 
-/// Asserts it by the error that the film tells, which knows of all light where lights are sampled.
+/// Asserts the deviation in terms of the film's own error estimate, which is reliable where lights are sampled.
 fn check(
     reference: &str,
     specular: bool,
@@ -52,28 +52,29 @@ const BOX: &str = include_str!("reference/box.json");
 const BOX_MIRROR: &str = include_str!("reference/box_mirror.json");
 
 #[test]
-fn the_box_in_full_light() {
+fn the_box_in_global_illumination() {
     for path_reuse in [Off, Fours] {
         check(BOX, false, (Mis, path_reuse), None, 1024);
     }
 }
 
 #[test]
-fn the_box_in_direct_light() {
+fn the_box_in_direct_illumination() {
     check(BOX, false, (Mis, Off), Some(1), 1024);
 }
 
 #[test]
-fn the_box_with_a_mirror_in_full_light() {
+fn the_box_with_a_mirror_in_global_illumination() {
     for how in [(Light, Off), (Mis, Off), (Mis, Fours)] {
         check(BOX_MIRROR, true, how, None, 512);
     }
-    // The light is met rarely, by way of a mirror most of all: fewer samples would not be nearly normal.
+    // BSDF sampling hits the light rarely, especially by way of a mirror. Means of fewer samples would not be
+    // nearly normal.
     let scattered = deviation(BOX_MIRROR, true, (Bsdf, Off), None, 4096);
     assert!(scattered.largest_z < Z_LIMIT, "{scattered:?}");
 }
 
 #[test]
-fn the_box_with_a_mirror_in_direct_light() {
+fn the_box_with_a_mirror_in_direct_illumination() {
     check(BOX_MIRROR, true, (Mis, Off), Some(1), 1024);
 }

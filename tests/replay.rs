@@ -1,4 +1,4 @@
-//! Any sample can be traced again, and is then the one that the picture holds.
+//! A replayed sample has the bits of the sample in the picture.
 
 use globillum::geom::Accel;
 use globillum::integrator::{
@@ -14,7 +14,7 @@ fn the_box() -> Scene<Box<dyn Accel>> {
 
 fn replayed(scene: &Scene<Box<dyn Accel>>, settings: &Settings, pixel: (u32, u32), sample: u32) -> Replay {
     let camera = cornell::camera().expect("the camera is good");
-    replay(scene, &camera, settings, pixel, sample).expect("the picture has it")
+    replay(scene, &camera, settings, pixel, sample).expect("the sample exists")
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn the_samples_of_a_pixel_add_up_to_it() {
             (Estimator::Bsdf, PixelFilter::Tent),
             (Estimator::Light, PixelFilter::Box),
         ] {
-            // The last pass is cut short.
+            // The last pass is incomplete.
             let mut settings = Settings::new(20, 18, 11);
             (settings.sampler, settings.estimator, settings.filter) = (sampler, estimator, filter);
             (settings.pass_samples, settings.seed) = (8, 3);
@@ -47,7 +47,7 @@ fn the_samples_of_a_pixel_add_up_to_it() {
 }
 
 #[test]
-fn a_replay_tells_what_the_path_met() {
+fn a_replay_lists_the_vertices_of_the_path() {
     let (scene, settings) = (the_box(), Settings::new(64, 64, 64));
     let (mut seen_mirror, mut seen_direct, mut seen_mirrored, mut seen_shared) = (false, false, false, false);
     for sample in 0..64 {
@@ -68,18 +68,19 @@ fn a_replay_tells_what_the_path_met() {
 }
 
 #[test]
-fn what_the_picture_does_not_have_is_refused() {
+fn samples_outside_the_picture_are_refused() {
     let (scene, camera) = (the_box(), cornell::camera().expect("the camera is good"));
     let settings = Settings::new(4, 3, 2);
     for (pixel, sample, name) in [((4, 0), 0, "x"), ((0, 3), 0, "y"), ((3, 2), 2, "sample")] {
-        let error = replay(&scene, &camera, &settings, pixel, sample).expect_err("it has not");
+        let error = replay(&scene, &camera, &settings, pixel, sample).expect_err("there is no such sample");
         assert!(error.to_string().starts_with(name), "{error}");
     }
 }
 
-/// What a mirror shows depends on where it is seen from.
+/// Paths whose second vertex is on a mirror are not reused, because the mirror's radiance depends on the
+/// direction.
 #[test]
-fn what_a_mirror_shows_is_kept() {
+fn path_reuse_keeps_the_radiance_of_mirrors() {
     let scene = the_box();
     let mut settings = Settings::new(64, 64, 64);
     settings.sampler = Sampler::Independent;
@@ -97,7 +98,7 @@ fn what_a_mirror_shows_is_kept() {
 }
 
 #[test]
-fn a_path_that_is_not_shared_brings_all_there_is() {
+fn without_path_reuse_a_path_has_the_whole_radiance_of_its_sample() {
     let scene = the_box();
     let mut settings = Settings::new(64, 64, 64);
     settings.path_reuse = PathReuse::Off;

@@ -1,5 +1,5 @@
-//! The splitting rules beside each other: what the surface area heuristic promises.
-#![allow(clippy::print_stderr, reason = "a skipped test says so")]
+//! Compares the split rules: the surface area heuristic gives the lowest expected cost.
+#![allow(clippy::print_stderr, reason = "reports skipped tests")]
 
 use globillum::geom::{KdOptions, KdStats, KdTree, SplitRule, Triangle, Triangles};
 use globillum_testkit::accelerators::rule_options;
@@ -9,18 +9,18 @@ fn stats(triangles: &Triangles, options: &KdOptions) -> KdStats {
     KdTree::build(triangles, options).expect("options in range").stats()
 }
 
-/// On scanned and curved meshes the surface area heuristic needs the fewest visits and the fewest
-/// tests of all rules, and with its usual options the least cost of all trees.
+/// Asserts that the surface area heuristic has the fewest expected visits and the fewest expected tests of
+/// all rules, and with the default options the lowest expected cost of all trees.
 fn assert_surface_area_is_best(name: &str, mesh: &[Triangle]) {
     let triangles = Triangles::new(mesh.to_vec()).expect("the mesh is good");
     let best = stats(&triangles, &rule_options(SplitRule::SurfaceArea));
-    let usual = KdOptions::default();
-    let usual_cost = stats(&triangles, &usual).expected_cost(usual.traversal_cost);
+    let default = KdOptions::default();
+    let default_cost = stats(&triangles, &default).expected_cost(default.traversal_cost);
     for rule in SplitRule::ALL.into_iter().filter(|&rule| rule != SplitRule::SurfaceArea) {
         let other = stats(&triangles, &rule_options(rule));
         assert!(best.expected_visits < other.expected_visits, "{name}, {rule:?}: {best:?}, {other:?}");
         assert!(best.expected_tests < other.expected_tests, "{name}, {rule:?}: {best:?}, {other:?}");
-        assert!(usual_cost < other.expected_cost(usual.traversal_cost), "{name}, {rule:?}");
+        assert!(default_cost < other.expected_cost(default.traversal_cost), "{name}, {rule:?}");
     }
 }
 

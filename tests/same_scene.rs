@@ -1,4 +1,4 @@
-//! One scene, written by hand in two formats, is one scene.
+//! A scene written by hand in two formats gives the same triangles, materials and pictures.
 
 use globillum::geom::{KdOptions, KdTree};
 use globillum::glam::DVec3;
@@ -86,7 +86,7 @@ const INDICES: [u8; 14] = [0, 1, 2, 0, 2, 3, 3, 2, 5, 4, 6, 7, 8, 9];
 fn picture(model: &Model) -> Film {
     let scene = Scene::build(model.clone(), |t| KdTree::build(t, &KdOptions::default())).expect("it is good");
     let camera =
-        Camera::look_at(DVec3::new(0.3, 1.0, 4.0), DVec3::Y * 0.6, DVec3::Y, 0.7).expect("so is this");
+        Camera::look_at(DVec3::new(0.3, 1.0, 4.0), DVec3::Y * 0.6, DVec3::Y, 0.7).expect("it is good");
     render(&scene, &camera, &Settings::new(24, 24, 16), &()).expect("it is good").film
 }
 
@@ -101,7 +101,7 @@ fn both_formats_give_the_same_triangles_materials_and_image_bits() {
         ("scene.gltf", GLTF.as_bytes()),
         ("scene.bin", &binary),
     ] {
-        std::fs::write(folder.path().join(name), content).expect("an empty folder can be filled");
+        std::fs::write(folder.path().join(name), content).expect("the folder is writable");
     }
     let [obj, gltf] =
         ["scene.obj", "scene.gltf"].map(|name| load(&folder.path().join(name)).expect("it is good"));

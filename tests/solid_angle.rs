@@ -1,5 +1,5 @@
-//! Points on triangles chosen by solid angle: their density, how they meet closed forms, and where
-//! they are left to sampling by area.
+//! Solid angle sampling of triangles: density, closed forms, inversion, and the cases that are left to area
+//! sampling.
 
 use glam::{DVec3, Vec3};
 use globillum::geom::{SphericalTriangle, Triangle};
@@ -7,7 +7,7 @@ use globillum::integrator::Stream;
 use globillum_testkit::chi_square::ChiSquare;
 use globillum_testkit::stats::Estimate;
 
-/// Enough for a ripple of 2 % to be found with a probability of 99.9 %.
+/// Enough draws to detect a ripple of 2 % with a probability of 99.9 %.
 const DRAWS: u32 = 600_000;
 
 fn draws(count: u32) -> impl Iterator<Item = [f64; 2]> {
@@ -17,7 +17,7 @@ fn draws(count: u32) -> impl Iterator<Item = [f64; 2]> {
 const PLAIN: Triangle =
     Triangle::new(Vec3::new(-1.0, 2.0, 0.3), Vec3::new(1.5, 2.5, -0.2), Vec3::new(0.2, 1.5, 1.4));
 
-/// A needle, whose longest side is 200 times as long as its height.
+/// A needle whose longest side is 200 times its height.
 const NEEDLE: Triangle =
     Triangle::new(Vec3::new(-1.0, 1.0, 0.0), Vec3::new(0.3, 1.0, 0.01), Vec3::new(1.0, 1.0, 0.0));
 
@@ -27,8 +27,8 @@ fn above(triangle: &Triangle, (u, v): (f64, f64), height: f64) -> DVec3 {
     triangle.vertices[0].as_dvec3() + u * e1 + v * e2 + height * triangle.normal()
 }
 
-/// Triangles and points that see them from afar, from beside an edge and a corner, from all but
-/// within, aslant, and from behind.
+/// Triangles and points: far away, beside an edge and a vertex, very close to the interior, at a grazing
+/// angle, and behind.
 fn views() -> [(Triangle, DVec3); 8] {
     [
         (PLAIN, DVec3::ZERO),
@@ -49,8 +49,8 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     2.0 * a.dot(b.cross(c)).abs().atan2(below)
 }
 
-/// One of 64 parts of equal solid angle in which the point `(u, v)` lies: eight parts cut off by arcs
-/// from vertex `apex`, and eight steps along these arcs.
+/// The index of the part that contains the point `(u, v)`, of 64 parts of equal solid angle: eight sectors
+/// bounded by arcs from vertex `apex`, with eight steps along these arcs.
 fn cell(corners: [DVec3; 3], apex: usize, (u, v): (f64, f64)) -> usize {
     let weights = [1.0 - u - v, u, v];
     let [a, b, c] = [0, 1, 2].map(|i| corners[(apex + i) % 3]);
@@ -64,7 +64,7 @@ fn cell(corners: [DVec3; 3], apex: usize, (u, v): (f64, f64)) -> usize {
 }
 
 #[test]
-fn directions_are_even_whichever_vertex_they_are_counted_from() {
+fn directions_are_uniform_in_cells_around_each_vertex() {
     for (i, (triangle, origin)) in views().into_iter().enumerate() {
         let corners = triangle.vertices.map(|v| v.as_dvec3() - origin);
         let spherical = SphericalTriangle::new(&triangle, origin).expect("it is large enough");
@@ -83,9 +83,9 @@ fn directions_are_even_whichever_vertex_they_are_counted_from() {
     }
 }
 
-/// The integral of the cosine over a polygon that lies above the horizon: half the sum over its sides
-/// of the angle that each subtends, by the cosine of the angle between its plane's normal and the
-/// receiver's (Lambert 1760).
+/// The integral of the cosine over a polygon above the horizon: half the sum over its sides of the subtended
+/// angle times the cosine of the angle between the normals of the side's plane and of the receiver (Lambert
+/// 1760).
 fn projected(corners: [DVec3; 3], normal: DVec3) -> f64 {
     let side = |i: usize| {
         let (a, b) = (corners[i], corners[(i + 1) % 3]);
@@ -95,10 +95,11 @@ fn projected(corners: [DVec3; 3], normal: DVec3) -> f64 {
 }
 
 #[test]
-fn their_cosines_have_the_mean_that_lambert_gives() {
+fn their_cosines_have_the_mean_of_lamberts_formula() {
     for (i, (triangle, origin)) in views().into_iter().enumerate() {
         let corners = triangle.vertices.map(|v| v.as_dvec3() - origin);
-        // Toward the nearest of the triangle's points, from whose plane all others are in front.
+        // The triangle's normal on the side away from the point, so that the whole triangle is above the
+        // horizon.
         let normal = triangle.normal() * triangle.normal().dot(corners[0]).signum();
         let spherical = SphericalTriangle::new(&triangle, origin).expect("it is large enough");
         let samples = draws(DRAWS).map(|u| {
@@ -124,16 +125,17 @@ fn samples_and_random_numbers_are_one_to_one() {
             let (b1, b2) = spherical.sample(u);
             assert!(b1 >= 0.0 && b2 >= 0.0 && b1 + b2 <= 1.0 + 2.0 * f64::EPSILON, "view {i}: {u:?}");
             let [x, y] = spherical.invert(b1, b2);
-            // At the vertex from which arcs lead, they are all one.
+            // At the vertex where all arcs begin, the first number is undetermined.
             let at_vertex = u[1] < 1e-12;
             assert!((y - u[1]).abs() < 1e-8 && (at_vertex || (x - u[0]).abs() < 1e-8), "view {i}: {u:?}");
         }
     }
 }
 
-/// What is beyond reach is `None`, and what is within it mostly is not: needles and round ones, of any size.
+/// The result is `None` beyond the reach of a triangle, and not always within: needles and round triangles of
+/// any size.
 #[test]
-fn beyond_its_reach_no_triangle_is_large() {
+fn triangles_beyond_their_reach_are_refused() {
     let (mut beyond, mut within, mut large) = (0, 0, 0);
     for i in 0..200_000 {
         let numbers = Stream::new(13, 0, i);
@@ -142,13 +144,13 @@ fn beyond_its_reach_no_triangle_is_large() {
         let scale = 10.0_f64.powf(8.0 * signed(20));
         let thin = 10.0_f64.powf(-5.0 * numbers.uniform(21));
         let [a, b] = [vector(0), vector(3)];
-        // The third is along the first side, or beside its end.
+        // The third vertex is near the first side, or near its end.
         let along = [numbers.uniform(22), 1.0][i as usize / 2 % 2];
         let vertices = [a, b, a + along * (b - a) + thin * vector(6)];
         let triangle = Triangle { vertices: vertices.map(|v| (scale * v).as_vec3()) };
         let middle = triangle.vertices.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / 3.0;
         let reach = SphericalTriangle::reach(&triangle);
-        // Half of them are all but on the triangle near its first vertex, which may be a needle's tip.
+        // Half of the points are very close to the triangle near its first vertex, which may be a needle's tip.
         let at_tip = 10.0_f64.powf(-3.0 * numbers.uniform(24));
         let height = at_tip * thin * scale * 10.0_f64.powf(-3.0 * numbers.uniform(25));
         let near = above(&triangle, (0.5 * at_tip, 0.5 * at_tip), height);
@@ -167,9 +169,9 @@ fn beyond_its_reach_no_triangle_is_large() {
     assert!(beyond > 30_000 && within > 50_000 && large > within / 20, "{beyond} {within} {large}");
 }
 
-/// Distant lights, points beside a light, and whatever else is too ill-conditioned for solid angles.
+/// Distant lights, points in a light's plane or on it, and other cases too ill-conditioned for solid angles.
 #[test]
-fn what_is_ill_conditioned_is_left_to_area() {
+fn ill_conditioned_cases_are_left_to_area_sampling() {
     let at = |u: f64, v: f64, height: f64| above(&PLAIN, (u, v), height);
     let [a, b, c] = PLAIN.vertices.map(|v| v.as_dvec3());
     let cases = [
@@ -180,8 +182,8 @@ fn what_is_ill_conditioned_is_left_to_area() {
         ("a vertex", b),
         ("on an edge", a + 0.5 * (b - a)),
         ("on it", a + 0.25 * (b - a) + 0.25 * (c - a)),
-        ("all but on it", at(0.25, 0.25, 1e-12)),
-        ("all but on an edge", at(0.5, 0.0, 1e-12)),
+        ("very close to it", at(0.25, 0.25, 1e-12)),
+        ("very close to an edge", at(0.5, 0.0, 1e-12)),
         ("not a number", DVec3::NAN),
         ("infinitely far", DVec3::INFINITY),
     ];
@@ -192,11 +194,11 @@ fn what_is_ill_conditioned_is_left_to_area() {
     assert_eq!(SphericalTriangle::new(&flat, DVec3::Y), None);
 }
 
-/// Whatever is not refused is sound: random triangles of any shape, seen from points that are drawn to
-/// their vertices, edges and planes.
+/// Every accepted case gives valid samples that can be inverted: random triangles of any shape, seen from
+/// points concentrated near their vertices, edges and planes.
 #[test]
-fn what_is_not_refused_is_sound() {
-    let mut taken = 0;
+fn accepted_cases_give_valid_samples() {
+    let mut accepted = 0;
     for i in 0..100_000_u32 {
         let random = Stream::new(13, 0, i);
         let small = |dimension: u32| 10.0_f64.powf(-14.0 * random.uniform(dimension));
@@ -210,7 +212,7 @@ fn what_is_not_refused_is_sound() {
         let barycentrics = (signed(11) * small(12), signed(13).powi(3));
         let origin = above(&triangle, barycentrics, signed(14) * small(15));
         let Some(spherical) = SphericalTriangle::new(&triangle, origin) else { continue };
-        taken += 1;
+        accepted += 1;
         for u in (0..8).map(|j| random.uniform_pair(20 + 2 * j)) {
             let (b1, b2) = spherical.sample(u);
             assert!(b1 >= 0.0 && b2 >= 0.0 && b1 + b2 <= 1.0 + 2.0 * f64::EPSILON, "{triangle:?} {origin}");
@@ -219,5 +221,5 @@ fn what_is_not_refused_is_sound() {
             assert!(error < 1e-6, "{triangle:?} {origin}: {u:?}, {back:?}");
         }
     }
-    assert!(taken > 5000, "{taken}");
+    assert!(accepted > 5000, "{accepted}");
 }

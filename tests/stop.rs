@@ -1,4 +1,4 @@
-//! What ends a render: limits, goals, cancelling, and things that go wrong.
+//! The ends of a render: limits, goals, cancelling, and failures.
 
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray};
@@ -37,7 +37,7 @@ fn run(settings: &Settings, stop: Stop, monitor: &impl Monitor) -> Picture {
 }
 
 #[test]
-fn a_goal_ends_the_render_once_it_is_met() {
+fn a_render_ends_when_its_goal_is_met() {
     let settings = Settings::new(32, 32, 1 << 14);
     for goal in [0.01, 0.005] {
         let picture = run(&settings, stop(|s| s.relative_rmse = Some(goal)), &());
@@ -45,7 +45,7 @@ fn a_goal_ends_the_render_once_it_is_met() {
         let error = picture.film.error();
         assert!(error.interval_95[1] <= goal && error.relative_rmse > 0.8 * goal, "{goal}: {error:?}");
         let squares: f64 = picture.film.means().map(|mean| (mean.g / TRUTH - 1.0).powi(2)).sum();
-        // 1024 pixels: a standard deviation of 2.2 %.
+        // The root mean square over 1024 pixels has a standard deviation of 2.2 %.
         assert!((squares / 1024.0).sqrt() < goal * 1.11, "{goal}");
     }
 }
@@ -62,7 +62,7 @@ fn a_share_of_the_pixels_can_be_the_goal() {
 }
 
 #[test]
-fn the_first_limit_and_the_last_goal_count() {
+fn a_render_ends_at_the_first_limit_or_when_all_goals_are_met() {
     let settings = Settings::new(32, 32, 64);
     let both = stop(|s| {
         s.relative_rmse = Some(0.05);
@@ -72,11 +72,11 @@ fn the_first_limit_and_the_last_goal_count() {
     assert_eq!((picture.ending, picture.samples), (Ending::Samples, 64));
     let quick = stop(|s| (s.relative_rmse, s.seconds) = (Some(1e-9), Some(1e-9)));
     let picture = run(&settings, quick, &());
-    assert_eq!((picture.ending, picture.samples), (Ending::Seconds, 16), "there is a first pass");
+    assert_eq!((picture.ending, picture.samples), (Ending::Seconds, 16), "the first pass is completed");
 }
 
 #[test]
-fn time_ends_a_render_in_whole_passes() {
+fn a_time_limit_leaves_whole_passes() {
     let settings = Settings::new(64, 64, u32::MAX);
     let picture = run(&settings, stop(|s| s.seconds = Some(0.5)), &());
     assert_eq!((picture.ending, picture.samples % 16), (Ending::Seconds, 0));
@@ -84,10 +84,9 @@ fn time_ends_a_render_in_whole_passes() {
     assert_eq!(run(&whole, Stop::default(), &()).film, picture.film);
 }
 
-/// The first pass that a run adds is finished however little time there is, also where the picture that it
-/// goes on from holds others.
+/// A run completes its first pass even if its time is over, also if the resumed picture already has passes.
 #[test]
-fn a_resumed_run_adds_a_pass_however_short_its_time() {
+fn a_resumed_run_completes_at_least_one_pass() {
     let (scene, camera) = light_over_floor();
     let settings = Settings::new(32, 32, 64);
     let passes = |range| Render::new(&scene, &camera, &settings).passes(range).run(&()).expect("it is good");
@@ -102,15 +101,15 @@ fn a_resumed_run_adds_a_pass_however_short_its_time() {
     let whole = resume(passes(0..3), at_once);
     assert_eq!((whole.ending, &whole.film), (Ending::Samples, &passes(0..4).film));
     assert_eq!(resume(whole.clone(), at_once), whole, "there is no pass to add");
-    // The pilot takes all the time.
+    // The pilot uses up the time.
     let pilot = stop(|s| (s.seconds, s.relative_rmse, s.pilot) = (Some(1e-9), Some(1e-9), Some(2)));
     let picture = resume(passes(0..1), pilot);
     assert_eq!(picture.film.passes(), [0..1, 2..3]);
 }
 
-/// A pilot's passes are not part of the picture, and their error alone decides on its length.
+/// The pilot's passes are not part of the picture; only their error determines its number of passes.
 #[test]
-fn two_stages_render_what_the_pilot_asks_for() {
+fn the_pilot_determines_the_number_of_passes() {
     let settings = Settings::new(32, 32, 1 << 14);
     let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(0.01), Some(4)));
     let picture = run(&settings, plan, &());
@@ -122,14 +121,14 @@ fn two_stages_render_what_the_pilot_asks_for() {
     let passes = picture.film.passes()[0].clone();
     let same = Render::new(&scene, &camera, &settings).passes(passes).run(&()).expect("the scene is good");
     assert_eq!(same.film, picture.film);
-    // A goal out of reach takes all there is.
+    // An unreachable goal uses all samples.
     let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(1e-6), Some(2)));
     let picture = run(&with_samples(settings, 64), plan, &());
     assert_eq!((picture.ending, picture.samples), (Ending::Samples, 32));
 }
 
-/// The mean radiance over many seeds of a picture of one pixel that stops at an error, and its
-/// standard error.
+/// The mean radiance over many seeds of a picture of one pixel that stops at an error goal, and its standard
+/// error.
 fn mean_of_stopped(pilot: Option<u32>, seeds: u64) -> (f64, f64) {
     let (scene, camera) = light_over_floor();
     let mut settings = Settings::new(1, 1, 1 << 12);
@@ -146,18 +145,21 @@ fn mean_of_stopped(pilot: Option<u32>, seeds: u64) -> (f64, f64) {
     (mean, (means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt())
 }
 
-/// A single pixel that looks at its error after each pass is biased plainly; one with a pilot is not.
+/// A single pixel that checks its error after each pass is clearly biased; one with a pilot is not.
 #[test]
-fn two_stages_have_no_stopping_bias() {
+fn a_pilot_avoids_stopping_bias() {
     let (mean, std_err) = mean_of_stopped(None, 5_000);
-    assert!((mean - TRUTH).abs() > 20.0 * std_err, "{mean} +- {std_err} is not biased: why two stages?");
+    assert!(
+        (mean - TRUTH).abs() > 20.0 * std_err,
+        "{mean} +- {std_err} is not biased: a pilot is not needed"
+    );
     let (mean, std_err) = mean_of_stopped(Some(8), 20_000);
     assert!((mean - TRUTH).abs() < 5.85 * std_err, "{mean} +- {std_err}");
     assert!(5.85 * std_err < 0.01 * TRUTH, "{mean} +- {std_err}");
 }
 
 #[test]
-fn senseless_conditions_are_refused() {
+fn invalid_conditions_are_refused() {
     let (scene, camera) = light_over_floor();
     let settings = Settings::new(2, 2, 1);
     let goal = |error, share| Some(PixelGoal { error, share });
@@ -170,15 +172,15 @@ fn senseless_conditions_are_refused() {
         (stop(|s| s.pilot = Some(1)), "pilot passes"),
     ] {
         match Render::new(&scene, &camera, &settings).until(bad).run(&()) {
-            Err(RenderError::Param { name: said, .. }) => assert_eq!(said, name),
+            Err(RenderError::Param { name: found, .. }) => assert_eq!(found, name),
             other => panic!("{name}: {other:?}"),
         }
     }
 }
 
-/// Remembers what it is told, and cancels at a moment.
+/// Records progress and passes, and cancels after a time.
 #[derive(Default)]
-struct Witness {
+struct Recorder {
     last: Mutex<Option<Progress>>,
     passes: AtomicU32,
     cancel_after: Option<Duration>,
@@ -186,12 +188,12 @@ struct Witness {
     tiles_after_cancelling: AtomicU32,
 }
 
-impl Monitor for Witness {
+impl Monitor for Recorder {
     fn progress(&self, progress: Progress) {
         if self.cancelled() {
             self.tiles_after_cancelling.fetch_add(1, Ordering::Relaxed);
         }
-        *self.last.lock().expect("no one panics with it") = Some(progress);
+        *self.last.lock().expect("no thread panics while it holds the lock") = Some(progress);
     }
 
     fn cancelled(&self) -> bool {
@@ -204,39 +206,39 @@ impl Monitor for Witness {
 }
 
 #[test]
-fn progress_tells_rays_error_and_time_left() {
-    let witness = Witness::default();
+fn progress_reports_rays_error_and_time_left() {
+    let recorder = Recorder::default();
     let mut settings = Settings::new(32, 32, 64);
     settings.threads = 1;
-    let picture = run(&settings, Stop::default(), &witness);
-    let last = witness.last.lock().unwrap().expect("there were tiles");
+    let picture = run(&settings, Stop::default(), &recorder);
+    let last = recorder.last.lock().unwrap().expect("there were tiles");
     assert_eq!((last.samples_done, last.samples_total), (64 * 1024, 64 * 1024));
     assert_eq!((last.rays, last.seconds_left), (picture.counters.rays(), 0.0));
-    // As of the pass before the last.
+    // The error is that of the first three passes.
     let three = run(&with_samples(settings, 48), Stop::default(), &());
     assert_eq!(last.relative_rmse, three.film.error().relative_rmse);
-    assert_eq!(witness.passes.load(Ordering::Relaxed), 4);
+    assert_eq!(recorder.passes.load(Ordering::Relaxed), 4);
 }
 
-/// What is under way when a render is cancelled is at most a step of a tile for each thread: no
-/// tile is finished any more. A wavefront's bounce takes milliseconds, so that is soon.
+/// After a render is cancelled, each thread ends at the next bounce of its wavefront, within milliseconds,
+/// and completes no further tile.
 #[test]
 fn cancelling_finishes_no_further_tile() {
-    // So many pixels that one pass would take minutes.
+    // One pass of this picture would take minutes.
     let mut settings = Settings::new(4096, 4096, 1 << 20);
     settings.threads = 2;
-    let witness = Witness {
+    let recorder = Recorder {
         cancel_after: Some(Duration::from_millis(150)),
         start: Some(Instant::now()),
-        ..Witness::default()
+        ..Recorder::default()
     };
-    let picture = run(&settings, Stop::default(), &witness);
+    let picture = run(&settings, Stop::default(), &recorder);
     assert_eq!((picture.ending, picture.samples), (Ending::Cancelled, 0));
-    let late = witness.tiles_after_cancelling.load(Ordering::Relaxed);
+    let late = recorder.tiles_after_cancelling.load(Ordering::Relaxed);
     assert!(late <= settings.threads as u32, "{late} tiles were finished");
 }
 
-/// An accelerator that answers some rays, and then fails.
+/// An accelerator that fails once, after a number of rays.
 #[derive(Debug)]
 struct Failing {
     inner: Box<dyn Accel>,
@@ -253,12 +255,12 @@ enum Failure {
 impl Accel for Failing {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let hit = self.inner.intersect(ray);
-        // Counted down in one step, so that exactly one ray is the one that fails.
+        // An atomic update, so that exactly one ray fails.
         let one_less = |left: u32| Some(left.saturating_sub(1));
         let left = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_less).unwrap_or(0);
         match self.how {
             _ if left != 1 => hit,
-            Failure::Panic => panic!("ray of doom"),
+            Failure::Panic => panic!("intersection failed"),
             Failure::NotANumber => hit.map(|hit| Hit { u: f64::NAN, ..hit }),
         }
     }
@@ -294,16 +296,16 @@ fn a_panic_is_an_error_and_the_next_render_works() {
     let mut settings = Settings::new(64, 64, 64);
     for threads in [1, 2, 7] {
         settings.threads = threads;
-        // The first pass has 2^16 camera rays and more after them.
+        // The first pass has 2^16 camera rays and further rays.
         let (scene, camera) = failing(200_000, Failure::Panic);
-        let witness = Witness::default();
-        let error = render(&scene, &camera, &settings, &witness).expect_err("it panics");
+        let recorder = Recorder::default();
+        let error = render(&scene, &camera, &settings, &recorder).expect_err("it panics");
         assert!(
-            matches!(&error, RenderError::Worker { message, .. } if message == "ray of doom"),
+            matches!(&error, RenderError::Worker { message, .. } if message == "intersection failed"),
             "{error:?}"
         );
         assert!(error.to_string().contains("panic in the tile at pixel ("), "{error}");
-        assert!(witness.passes.load(Ordering::Relaxed) >= 1, "whole passes were handed over");
+        assert!(recorder.passes.load(Ordering::Relaxed) >= 1, "whole passes were reported");
         let again = render(&scene, &camera, &settings, &()).expect("it panics only once");
         assert_eq!(again.film, run(&settings, Stop::default(), &()).film);
     }
@@ -366,12 +368,12 @@ fn a_nan_is_an_error_that_names_its_sample() {
     assert_eq!(error, RenderError::NonFinite { x: 2, y: 1, sample: 2 });
 }
 
-/// Where the sample shares its path with others, it is still the one that is named.
+/// With path reuse the error still names the sample of the failing ray.
 #[test]
 fn path_reuse_does_not_spread_a_nan() {
     let mut settings = Settings::new(64, 64, 64);
     (settings.threads, settings.roulette.start) = (1, 20);
-    // In a furnace no path ends: the third rays of the first tile's 4 x 256 samples come after 2048 others.
+    // No path ends early in a furnace: 2048 rays precede the third rays of the first tile's 4 x 256 samples.
     let scene = failing_in(&scenes::furnace(0.5, 1.0, DVec3::ZERO), 2048 + 4 * 18 + 3, Failure::NotANumber);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");

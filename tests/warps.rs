@@ -1,5 +1,5 @@
-//! What is sampled has the density that is claimed: chi-square over cells of equal probability, and
-//! densities beside each other.
+//! Samples have the stated densities: chi-square tests over cells of equal probability, and comparisons of
+//! densities.
 
 use glam::{DVec3, Vec3};
 use globillum::geom::{Frame, Triangle};
@@ -8,7 +8,7 @@ use globillum::material::warp::CosineHemisphere;
 use globillum::material::{Bsdf, Density, Reflectance, Rgb};
 use globillum_testkit::chi_square::ChiSquare;
 
-/// Enough for a ripple of 1 % to be found with a probability of 99.9 %.
+/// Enough draws to detect a ripple of 1 % with a probability of 99.9 %.
 const DRAWS: u32 = 1_650_000;
 
 fn draws() -> impl Iterator<Item = [f64; 2]> {
@@ -27,7 +27,7 @@ fn eighth(x: f64) -> usize {
 }
 
 #[test]
-fn lambert_scatters_by_the_cosine_on_both_sides() {
+fn lambert_samples_are_cosine_distributed_on_both_sides() {
     let bsdf = Bsdf::Lambert(Reflectance::new(Rgb::splat(0.5)).expect("below one"));
     for wo in [DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, -0.8, -0.6)] {
         let cells = draws().map(|u| {
@@ -41,7 +41,7 @@ fn lambert_scatters_by_the_cosine_on_both_sides() {
 }
 
 #[test]
-fn triangles_are_sampled_evenly() {
+fn triangles_are_sampled_uniformly() {
     let cells = draws().map(|u| {
         let (u, v) = Triangle::sample_uniform(u);
         sub_triangle(u, v, 3)
@@ -49,8 +49,8 @@ fn triangles_are_sampled_evenly() {
     assert_even(cells, "barycentrics");
 }
 
-/// The index of the part of the triangle in which a point lies, after so many cuts into four equal
-/// ones: three at the corners, one in the middle.
+/// The index of the part of the triangle that contains a point. Each of `cuts` subdivisions divides every
+/// part into four equal ones: three at the corners, one in the middle.
 fn sub_triangle(u: f64, v: f64, cuts: u32) -> usize {
     let (mut u, mut v, mut index) = (u, v, 0);
     for _ in 0..cuts {
@@ -91,13 +91,13 @@ fn densities_are_those_of_the_samples() {
     let wo = DVec3::new(0.48, 0.6, 0.64);
     for u in draws().take(10_000) {
         let sample = bsdf.sample(wo, u).expect("it reflects");
-        let Density::SolidAngle(claimed) = sample.density else { panic!("{sample:?} is a delta") };
-        let asked = bsdf.pdf(wo, sample.wi);
-        assert!((asked.0 / claimed.0 - 1.0).abs() < 1e-12, "{sample:?}: {asked:?}");
+        let Density::SolidAngle(sampled) = sample.density else { panic!("{sample:?} is a delta") };
+        let evaluated = bsdf.pdf(wo, sample.wi);
+        assert!((evaluated.0 / sampled.0 - 1.0).abs() < 1e-12, "{sample:?}: {evaluated:?}");
     }
 }
 
-/// Midpoints of a fine grid, in equal areas of the hemisphere.
+/// Quadrature at the midpoints of cells of equal area of the hemisphere.
 #[test]
 fn the_density_of_a_direction_integrates_to_one() {
     let bsdf = Bsdf::Lambert(Reflectance::new(Rgb::splat(0.5)).expect("below one"));
@@ -113,8 +113,8 @@ fn the_density_of_a_direction_integrates_to_one() {
     assert!((integral - 1.0).abs() < 1e-6, "{integral}");
 }
 
-/// Area density, turned into solid angle, integrates to one over what the triangle covers: the mean
-/// of its inverse over samples is the solid angle (Van Oosterom and Strackee 1983).
+/// An area density, converted to solid angle, integrates to one over the directions to the triangle. The mean
+/// of its inverse over samples is therefore the solid angle (Van Oosterom and Strackee 1983).
 #[test]
 fn a_light_sample_s_density_has_the_right_measure() {
     let triangle =

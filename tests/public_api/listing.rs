@@ -5,7 +5,7 @@ use syn::{
     Attribute, Field, Fields, ImplItem, Item, ItemImpl, TraitItem, Type, UseTree, Visibility, parse_quote,
 };
 
-/// A module and all it holds.
+/// A module with its items and child modules.
 struct Module {
     name: String,
     items: Vec<Item>,
@@ -15,7 +15,7 @@ struct Module {
 /// The listing of the crate whose root is `lib`.
 ///
 /// # Panics
-/// If a source file is missing or no Rust.
+/// If a source file is missing or is not valid Rust.
 pub(crate) fn of_crate(lib: &Path) -> String {
     let folder = lib.parent().expect("a crate's root lies in a folder");
     let root = Module::read("crate", lib, folder);
@@ -55,7 +55,7 @@ impl Module {
         Self { name: name.to_owned(), items, children }
     }
 
-    /// Adds everything public in this module, under the name it has from outside.
+    /// Adds all public items of this module under their public paths.
     fn collect(&self, path: &str, root: &Self, found: &mut Vec<(String, Vec<Item>)>) {
         for item in &self.items {
             match item {
@@ -78,7 +78,7 @@ impl Module {
         }
     }
 
-    /// Adds an item that is imported under `name`; one of another crate as the import itself.
+    /// Adds an item that is re-exported as `name`. For an item of another crate, adds the re-export itself.
     fn collect_import(
         &self,
         path: &str,
@@ -108,7 +108,7 @@ impl Module {
         self.children.iter().find(|child| child.name == name)
     }
 
-    /// The public item of that name, here or where it is imported from.
+    /// The public item of this name, defined or re-exported here.
     fn find(&self, name: &str) -> Option<&Item> {
         if let Some(item) = self.items.iter().find(|item| public_name(item).is_some_and(|n| n == name)) {
             return Some(item);
@@ -124,7 +124,7 @@ impl Module {
         if std::ptr::eq(home, self) { None } else { home.find(last) }
     }
 
-    /// The item without bodies and secrets, and all that is implemented for it in this crate.
+    /// The item without bodies and private fields, and its implementations in this crate.
     fn described(&self, item: &Item, name: &str) -> Vec<Item> {
         let mut items = vec![bare(item.clone())];
         self.implementations(name, &mut items);
@@ -159,7 +159,7 @@ fn is_test(attributes: &[Attribute]) -> bool {
         .any(|a| a.path().is_ident("cfg") && a.parse_args::<syn::Ident>().is_ok_and(|i| i == "test"))
 }
 
-/// What an item is called, if it is public.
+/// The name of an item, if it is public.
 fn public_name(item: &Item) -> Option<String> {
     let (visibility, name) = match item {
         Item::Const(item) => (&item.vis, &item.ident),
@@ -174,7 +174,7 @@ fn public_name(item: &Item) -> Option<String> {
     is_public(visibility).then(|| name.to_string())
 }
 
-/// Every path that a `use` names, and under which name.
+/// Every path of a `use` declaration, with the name it is imported as.
 fn imports(tree: &UseTree, before: &[String]) -> Vec<(Vec<String>, String)> {
     let with = |name: &syn::Ident| [before, &[name.to_string()]].concat();
     match tree {
@@ -186,7 +186,7 @@ fn imports(tree: &UseTree, before: &[String]) -> Vec<(Vec<String>, String)> {
     }
 }
 
-/// Whether the type is called that, however it is borrowed.
+/// Whether the type, or the type it refers to, has this name.
 fn is_for(ty: &Type, name: &str) -> bool {
     match ty {
         Type::Path(path) => path.path.segments.last().is_some_and(|segment| segment.ident == name),
@@ -195,8 +195,8 @@ fn is_for(ty: &Type, name: &str) -> bool {
     }
 }
 
-/// Only what a program that uses the item can notice.
-fn telling(attributes: &mut Vec<Attribute>) {
+/// Keeps only the attributes that matter to users of the item.
+fn keep_public_attributes(attributes: &mut Vec<Attribute>) {
     let names = ["derive", "must_use", "non_exhaustive", "repr", "deprecated"];
     attributes.retain(|attribute| names.iter().any(|name| attribute.path().is_ident(name)));
 }
@@ -204,29 +204,29 @@ fn telling(attributes: &mut Vec<Attribute>) {
 fn bare(mut item: Item) -> Item {
     match &mut item {
         Item::Const(item) => {
-            telling(&mut item.attrs);
+            keep_public_attributes(&mut item.attrs);
             *item.expr = parse_quote!(_);
         }
         Item::Enum(item) => {
-            telling(&mut item.attrs);
+            keep_public_attributes(&mut item.attrs);
             for variant in &mut item.variants {
-                telling(&mut variant.attrs);
-                variant.fields.iter_mut().for_each(|field| telling(&mut field.attrs));
+                keep_public_attributes(&mut variant.attrs);
+                variant.fields.iter_mut().for_each(|field| keep_public_attributes(&mut field.attrs));
             }
         }
         Item::Fn(item) => {
-            telling(&mut item.attrs);
+            keep_public_attributes(&mut item.attrs);
             *item.block = parse_quote!({});
         }
         Item::Struct(item) => {
-            telling(&mut item.attrs);
+            keep_public_attributes(&mut item.attrs);
             hide_private(&mut item.fields);
         }
         Item::Trait(item) => {
-            telling(&mut item.attrs);
+            keep_public_attributes(&mut item.attrs);
             item.items.iter_mut().for_each(bare_trait_item);
         }
-        Item::Type(item) => telling(&mut item.attrs),
+        Item::Type(item) => keep_public_attributes(&mut item.attrs),
         _ => {}
     }
     item
@@ -235,19 +235,19 @@ fn bare(mut item: Item) -> Item {
 fn bare_trait_item(item: &mut TraitItem) {
     match item {
         TraitItem::Fn(function) => {
-            telling(&mut function.attrs);
-            // Whether there is a body matters to those who implement the trait; what is in it does not.
+            keep_public_attributes(&mut function.attrs);
+            // Implementers of the trait depend on whether there is a body, but not on its content.
             if let Some(body) = &mut function.default {
                 *body = parse_quote!({});
             }
         }
-        TraitItem::Const(constant) => telling(&mut constant.attrs),
-        TraitItem::Type(ty) => telling(&mut ty.attrs),
+        TraitItem::Const(constant) => keep_public_attributes(&mut constant.attrs),
+        TraitItem::Type(ty) => keep_public_attributes(&mut ty.attrs),
         _ => {}
     }
 }
 
-/// Private fields become one of no type, which says that there are some.
+/// Replaces private fields by one field without a type, which shows that there are some.
 fn hide_private(fields: &mut Fields) {
     let secret = |field: &Field| !is_public(&field.vis);
     match fields {
@@ -263,13 +263,13 @@ fn hide_private(fields: &mut Fields) {
         }
         Fields::Unit => {}
     }
-    fields.iter_mut().for_each(|field| telling(&mut field.attrs));
+    fields.iter_mut().for_each(|field| keep_public_attributes(&mut field.attrs));
 }
 
-/// The public functions and constants of a type, or the line that says which trait it has; `None`
-/// if nothing is public.
+/// The public functions and constants of a type, or the header of a trait implementation; `None` if nothing
+/// is public.
 fn bare_impl(mut block: ItemImpl) -> Option<ItemImpl> {
-    telling(&mut block.attrs);
+    keep_public_attributes(&mut block.attrs);
     if block.trait_.is_some() {
         block.items.retain(|item| matches!(item, ImplItem::Type(_)));
         return Some(block);
@@ -282,11 +282,11 @@ fn bare_impl(mut block: ItemImpl) -> Option<ItemImpl> {
     for item in &mut block.items {
         match item {
             ImplItem::Fn(function) => {
-                telling(&mut function.attrs);
+                keep_public_attributes(&mut function.attrs);
                 function.block = parse_quote!({});
             }
             ImplItem::Const(constant) => {
-                telling(&mut constant.attrs);
+                keep_public_attributes(&mut constant.attrs);
                 constant.expr = parse_quote!(_);
             }
             _ => {}
