@@ -28,7 +28,7 @@ use std::process::Command;
 
 /// Traces the same rays with this library's accelerators and with other libraries.
 #[derive(Parser)]
-#[command(version, about)]
+#[command(version)]
 struct Options {
     /// An OBJ file, or "room", "terrain" or "statue"; may be given several times
     #[arg(long = "mesh", value_name = "MESH")]

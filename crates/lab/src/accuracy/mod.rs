@@ -20,7 +20,7 @@ use std::io::Write;
 
 /// Prints the accuracy and speed of ray-triangle tests.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(version)]
 pub struct Options {
     /// Rays for each count of leaks, and for the errors
     #[arg(long, default_value_t = 200_000, value_parser = clap::value_parser!(u32).range(1..))]

@@ -26,7 +26,7 @@ use structures::Structures;
 
 /// Compares every accelerator and every split rule on a few meshes.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(version)]
 pub struct Options {
     /// Compare on this mesh instead of the procedural ones; may be given several times
     #[arg(long, value_name = "FILE.obj")]

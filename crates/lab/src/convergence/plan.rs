@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// Reports speed against error: every accelerator, estimator and sampler on a few scenes.
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(version)]
 pub struct Options {
     /// furnace, corner, kaleidoscope, cornell, cornell-mirror, cornell-statue, cornell-statues, cornell-million,
     /// cornell-hall, or a file (.obj, .gltf, .glb); corner and cornell by default
