@@ -1,6 +1,6 @@
 use super::counters::Counters;
-use super::job::Job;
-use super::reuse_groups::block_around;
+use super::pixel_groups::block_around;
+use super::render_context::RenderContext;
 use super::wavefront::Wavefront;
 use crate::{Camera, RenderError, Scene, Settings};
 use globillum_geom::{Accel, SurfacePoint};
@@ -66,17 +66,17 @@ pub fn replay<A: Accel>(
     if let Some((name, value, _, range)) = within.into_iter().find(|(_, value, end, _)| value >= end) {
         return Err(RenderError::Param { name, value: value.into(), range });
     }
-    let job = Job::new(scene, camera, settings);
+    let context = RenderContext::new(scene, camera, settings);
     let one = sample..sample + 1;
     let block = block_around(x, y, settings.width, settings.height);
     let place = (y - block.y) * block.width + (x - block.x);
     let mut wavefront = Wavefront::default();
-    wavefront.trace(&job, block, &one, || false);
+    wavefront.trace(&context, block, &one, || false);
     let radiance = wavefront.radiance()[place as usize];
     let mut replay = Replay { vertices: Vec::new(), environment: Rgb::BLACK, alone: Rgb::BLACK, radiance };
-    wavefront.start(&job, block, &one);
+    wavefront.start(&context, block, &one);
     for bounce in 0.. {
-        let Some(step) = wavefront.step(&job, place, bounce) else { break };
+        let Some(step) = wavefront.step(&context, place, bounce) else { break };
         replay.add(step);
     }
     Ok(replay)
@@ -109,21 +109,21 @@ impl Replay {
 
 impl Wavefront {
     /// Advances all paths by one bounce and returns that of `sample`; `None` if its path has ended.
-    fn step<A: Accel>(&mut self, job: &Job<'_, A>, sample: u32, bounce: u32) -> Option<Step> {
+    fn step<A: Accel>(&mut self, context: &RenderContext<'_, A>, sample: u32, bounce: u32) -> Option<Step> {
         let i = self.paths.iter().position(|path| path.target.sample() == sample)?;
         let (path, ray) = (self.paths[i], self.rays[i]);
         // Sums that begin at zero hold the radiance of this bounce alone.
         self.radiance.reset(self.radiance.samples.len(), self.radiance.suffixes.len());
-        self.trace_rays(job);
+        self.trace_rays(context);
         let hit = self.hits[i];
-        self.shade(job, bounce, &mut Counters::default());
+        self.shade(context, bounce, &mut Counters::default());
         let throughput_before = self.prefixes.throughput_before(path.target);
         let emitted = throughput_before * *self.radiance.at(path.target);
         let Some(hit) = hit else { return Some(Step::Left(emitted)) };
         // Contributions by way of mirrors follow the direct ones.
         let direct_count = self.contributions.len();
-        self.trace_mirror_rays(job);
-        self.trace_shadow_rays(job);
+        self.trace_mirror_rays(context);
+        self.trace_shadow_rays(context);
         let sum = |contributions: Range<usize>| {
             let unoccluded = contributions.filter(|&i| !self.occluded[i]).map(|i| &self.contributions[i]);
             let own = unoccluded.filter(|contribution| contribution.target.sample() == sample);
@@ -131,7 +131,7 @@ impl Wavefront {
                 sum + self.prefixes.throughput_before(contribution.target) * contribution.radiance
             })
         };
-        let at = job.scene.interaction(&ray, &hit);
+        let at = context.scene.interaction(&ray, &hit);
         Some(Step::Hit(Vertex {
             point: at.point,
             triangle: hit.triangle,

@@ -1,5 +1,5 @@
-use super::job::Job;
 use super::path_state::Path;
+use super::render_context::RenderContext;
 use super::shading_point::{MisContext, ShadingPoint};
 use crate::Interaction;
 use crate::light::{AreaLightSample, Image, LightSample, LightSampler};
@@ -19,7 +19,7 @@ pub(super) struct MirrorSample {
     pub(super) radiance: Rgb,
 }
 
-impl<A> Job<'_, A> {
+impl<A> RenderContext<'_, A> {
     /// The radiance that the surface emits along the path, times its multiple importance sampling weight.
     #[inline(always)]
     pub(super) fn emitted(&self, path: &Path, hit: &Hit, at: &Interaction<'_>) -> Rgb {
@@ -165,20 +165,20 @@ mod tests {
     }
 
     /// Scatters `path` at what `ray` meets, and returns where it goes on.
-    fn step(job: &Job<'_, KdTree>, path: &mut Path, ray: &Ray, bounce: u32) -> Ray {
-        let hit = job.scene.accel().intersect(ray).unwrap();
+    fn step(context: &RenderContext<'_, KdTree>, path: &mut Path, ray: &Ray, bounce: u32) -> Ray {
+        let hit = context.scene.accel().intersect(ray).unwrap();
         path.scatter(
-            job,
+            context,
             &hit,
-            &ShadingPoint::new(job.scene.interaction(ray, &hit), bounce, BounceNumbers::default()),
+            &ShadingPoint::new(context.scene.interaction(ray, &hit), bounce, BounceNumbers::default()),
         )
         .unwrap()
     }
 
     /// The share of what `ray` meets that is added to the path.
-    fn share_of_emission(job: &Job<'_, KdTree>, path: &Path, ray: &Ray) -> f64 {
-        let hit = job.scene.accel().intersect(ray).unwrap();
-        job.emitted(path, &hit, &job.scene.interaction(ray, &hit)).g / LIGHT.g
+    fn share_of_emission(context: &RenderContext<'_, KdTree>, path: &Path, ray: &Ray) -> f64 {
+        let hit = context.scene.accel().intersect(ray).unwrap();
+        context.emitted(path, &hit, &context.scene.interaction(ray, &hit)).g / LIGHT.g
     }
 
     /// What is sampled in a mirror, and the path that scatters in the same direction, are shares of
@@ -190,21 +190,22 @@ mod tests {
         let at = vertex.at;
         let settings = [Estimator::Bsdf, Estimator::Light, Estimator::Mis]
             .map(|estimator| Settings { estimator, ..Settings::new(1, 1, 1024) });
-        let jobs = settings.each_ref().map(|settings| Job::new(&scene, &camera, settings));
+        let contexts = settings.each_ref().map(|settings| RenderContext::new(&scene, &camera, settings));
         let mut compared = 0;
         for sample in 0..1024 {
             let numbers = settings[0].sampler.numbers(1, 0, sample, &settings[0].pass_of(sample));
             let path = Path::from_camera(0, numbers, down.origin);
-            let [none, light, mis] = jobs.each_ref().map(|job| job.next_event_in_mirror(&path, &vertex));
+            let [none, light, mis] =
+                contexts.each_ref().map(|context| context.next_event_in_mirror(&path, &vertex));
             assert!(none.is_none());
             let (Some((ray, light)), Some((_, mis))) = (light, mis) else { continue };
             let wi = vertex.frame.to_local(ray.direction);
             let density = Density::SolidAngle(at.material.bsdf.pdf(vertex.wo, wi));
-            let shares = jobs.each_ref().map(|job| {
+            let shares = contexts.each_ref().map(|context| {
                 let mut path = path;
                 path.mis = MisContext::new(density, at.point.position);
-                let reflected = step(job, &mut path, &ray, 1);
-                share_of_emission(job, &path, &reflected)
+                let reflected = step(context, &mut path, &ray, 1);
+                share_of_emission(context, &path, &reflected)
             });
             assert_eq!(shares[..2], [1.0, 0.0]);
             // By `Light` the sample has all of it.
@@ -213,15 +214,15 @@ mod tests {
             compared += 1;
         }
         assert!(compared > 300, "{compared}");
-        for job in &jobs {
+        for context in &contexts {
             let numbers = settings[0].sampler.numbers(1, 0, 0, &(0..16));
             let mut path = Path::from_camera(0, numbers, down.origin);
             path.mis = MisContext::new(Density::SolidAngle(PdfSolidAngle(0.1)), at.point.position);
             // The middle of the light's image in the first mirror's image in the second.
             let toward = DVec3::new(6.0, 1.0, 0.0) - at.point.position;
-            let once = step(job, &mut path, &at.point.spawn(toward.normalize()), 1);
-            let twice = step(job, &mut path, &once, 2);
-            assert_eq!(share_of_emission(job, &path, &twice), 1.0);
+            let once = step(context, &mut path, &at.point.spawn(toward.normalize()), 1);
+            let twice = step(context, &mut path, &once, 2);
+            assert_eq!(share_of_emission(context, &path, &twice), 1.0);
         }
     }
 
@@ -232,10 +233,10 @@ mod tests {
         let (camera, down, vertex) = looking_down(&scene);
         let found = |max_bounces| {
             let settings = Settings { max_bounces, ..Settings::new(1, 1, 64) };
-            let job = Job::new(&scene, &camera, &settings);
+            let context = RenderContext::new(&scene, &camera, &settings);
             let sampled = (0..64).filter(|&sample| {
                 let numbers = settings.sampler.numbers(1, 0, sample, &settings.pass_of(sample));
-                job.next_event_in_mirror(&Path::from_camera(0, numbers, down.origin), &vertex).is_some()
+                context.next_event_in_mirror(&Path::from_camera(0, numbers, down.origin), &vertex).is_some()
             });
             sampled.count()
         };

@@ -5,9 +5,9 @@
 //! of pixels could have found it. It is shared among these prefixes by the balance heuristic.
 
 use super::counters::Counters;
-use super::job::Job;
 use super::path_state::{Path, RadianceSums, Stage, Target};
-use super::reuse_groups::{PixelGroup, pixel_groups};
+use super::pixel_groups::{PixelGroup, pixel_groups};
+use super::render_context::RenderContext;
 use super::shading_point::ShadingPoint;
 use super::tile_bounds::Tile;
 use glam::DVec3;
@@ -66,14 +66,19 @@ pub(super) struct Prefixes {
 
 impl Prefixes {
     /// Prepares for these samples; returns how many suffixes there may be.
-    pub(super) fn start<A>(&mut self, job: &Job<'_, A>, tile: Tile, samples: &Range<u32>) -> usize {
+    pub(super) fn start<A>(
+        &mut self,
+        context: &RenderContext<'_, A>,
+        tile: Tile,
+        samples: &Range<u32>,
+    ) -> usize {
         self.all.clear();
         self.groups.clear();
-        if job.reuses_paths() {
+        if context.reuses_paths() {
             let count = samples.len() as u32;
             self.all.resize(tile.pixel_count() * samples.len(), None);
             let of_sample = |group: PixelGroup, sample| group.map(|pixel| Some(pixel? * count + sample));
-            let groups = pixel_groups(tile, samples.start / job.settings.pass_samples);
+            let groups = pixel_groups(tile, samples.start / context.settings.pass_samples);
             self.groups.extend(groups.flat_map(|group| (0..count).map(move |i| of_sample(group, i))));
         }
         self.all.len()
@@ -132,20 +137,20 @@ impl Prefixes {
     /// Adds the radiance of all suffixes to that of the samples whose prefixes can be continued by them.
     pub(super) fn share_suffixes<A: Accel>(
         &mut self,
-        job: &Job<'_, A>,
+        context: &RenderContext<'_, A>,
         radiance: &mut RadianceSums,
         counters: &mut Counters,
     ) {
-        if !job.reuses_paths() {
+        if !context.reuses_paths() {
             return;
         }
         self.connections.clear();
         self.rays.clear();
-        job.simd.run(
+        context.simd.run(
             #[inline(always)]
             || self.connect(&radiance.suffixes),
         );
-        job.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
+        context.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
         self.combine(radiance);
     }

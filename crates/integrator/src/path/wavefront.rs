@@ -1,7 +1,7 @@
 use super::counters::Counters;
-use super::job::Job;
 use super::next_event::MirrorSample;
 use super::path_state::{Path, RadianceSums, Stage, Target};
+use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::tile_bounds::Tile;
@@ -51,24 +51,24 @@ impl Wavefront {
     /// Traces `samples` of each pixel of the tile; `None` if `cancelled` before the last bounce.
     pub(crate) fn trace<A: Accel>(
         &mut self,
-        job: &Job<'_, A>,
+        context: &RenderContext<'_, A>,
         tile: Tile,
         samples: &Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Counters> {
         let mut counters = Counters::default();
-        self.start(job, tile, samples);
+        self.start(context, tile, samples);
         counters.camera_rays = self.rays.len() as u64;
         for bounce in 0.. {
             if cancelled() {
                 return None;
             }
-            self.advance(job, bounce, &mut counters);
+            self.advance(context, bounce, &mut counters);
             if self.paths.is_empty() {
                 break;
             }
         }
-        self.prefixes.share_suffixes(job, &mut self.radiance, &mut counters);
+        self.prefixes.share_suffixes(context, &mut self.radiance, &mut counters);
         Some(counters)
     }
 
@@ -78,35 +78,35 @@ impl Wavefront {
     }
 
     /// Advances all paths by one bounce.
-    fn advance<A: Accel>(&mut self, job: &Job<'_, A>, bounce: u32, counters: &mut Counters) {
-        self.trace_rays(job);
-        self.shade(job, bounce, counters);
-        self.trace_mirror_rays(job);
-        self.trace_shadow_rays(job);
+    fn advance<A: Accel>(&mut self, context: &RenderContext<'_, A>, bounce: u32, counters: &mut Counters) {
+        self.trace_rays(context);
+        self.shade(context, bounce, counters);
+        self.trace_mirror_rays(context);
+        self.trace_shadow_rays(context);
         counters.shadow_rays += (self.mirror_rays.len() + self.shadow_rays.len()) as u64;
         counters.bounce_rays += self.rays.len() as u64;
     }
 
-    pub(super) fn trace_rays<A: Accel>(&mut self, job: &Job<'_, A>) {
-        job.scene.accel().intersect_batch(&self.rays, &mut self.hits);
+    pub(super) fn trace_rays<A: Accel>(&mut self, context: &RenderContext<'_, A>) {
+        context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
     }
 
     /// Turns each mirror sample whose ray hits its mirror into a contribution.
-    pub(super) fn trace_mirror_rays<A: Accel>(&mut self, job: &Job<'_, A>) {
+    pub(super) fn trace_mirror_rays<A: Accel>(&mut self, context: &RenderContext<'_, A>) {
         if self.mirror_samples.is_empty() {
             return;
         }
-        job.scene.accel().intersect_batch(&self.mirror_rays, &mut self.mirror_hits);
+        context.scene.accel().intersect_batch(&self.mirror_rays, &mut self.mirror_hits);
         for ((target, sample), &hit) in self.mirror_samples.iter().zip(&self.mirror_hits) {
-            let Some((shadow_ray, radiance)) = job.reflected(sample, hit) else { continue };
+            let Some((shadow_ray, radiance)) = context.reflected(sample, hit) else { continue };
             self.shadow_rays.push(shadow_ray);
             self.contributions.push(Contribution { target: *target, radiance });
         }
     }
 
     /// Adds the contributions that are not occluded.
-    pub(super) fn trace_shadow_rays<A: Accel>(&mut self, job: &Job<'_, A>) {
-        job.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
+    pub(super) fn trace_shadow_rays<A: Accel>(&mut self, context: &RenderContext<'_, A>) {
+        context.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
         for (contribution, &occluded) in self.contributions.iter().zip(&self.occluded) {
             if !occluded {
                 *self.radiance.at(contribution.target) += contribution.radiance;
@@ -115,8 +115,8 @@ impl Wavefront {
     }
 
     /// Starts a path with a camera ray for each of these samples.
-    pub(super) fn start<A>(&mut self, job: &Job<'_, A>, tile: Tile, samples: &Range<u32>) {
-        let Job { camera, settings, .. } = *job;
+    pub(super) fn start<A>(&mut self, context: &RenderContext<'_, A>, tile: Tile, samples: &Range<u32>) {
+        let RenderContext { camera, settings, .. } = *context;
         self.paths.clear();
         self.rays.clear();
         let (width, height) = (f64::from(settings.width), f64::from(settings.height));
@@ -128,7 +128,7 @@ impl Wavefront {
                 self.paths.push(Path::from_camera(self.paths.len() as u32, numbers, camera.eye()));
             }
         }
-        draw_numbers(job.simd, &self.paths, &mut self.film_numbers, Numbers::films);
+        draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
         let of_pixels = self.film_numbers.chunks_exact(samples.len());
         for ((x, y), numbers) in tile.pixels().zip(of_pixels) {
             for &u in numbers {
@@ -138,15 +138,20 @@ impl Wavefront {
                 self.rays.push(camera.ray(film_x, film_y, width / height));
             }
         }
-        let suffixes = self.prefixes.start(job, tile, samples);
+        let suffixes = self.prefixes.start(context, tile, samples);
         self.radiance.reset(self.paths.len(), suffixes);
     }
 
     /// Shades all hits: adds emission, samples lights, and scatters. Keeps the paths that go on, in order.
-    pub(super) fn shade<A: Accel>(&mut self, job: &Job<'_, A>, bounce: u32, counters: &mut Counters) {
-        let roulette = job.settings.roulette;
+    pub(super) fn shade<A: Accel>(
+        &mut self,
+        context: &RenderContext<'_, A>,
+        bounce: u32,
+        counters: &mut Counters,
+    ) {
+        let roulette = context.settings.roulette;
         draw_numbers(
-            job.simd,
+            context.simd,
             &self.paths,
             &mut self.bounce_numbers,
             #[inline(always)]
@@ -156,9 +161,9 @@ impl Wavefront {
         self.shadow_rays.clear();
         self.mirror_samples.clear();
         self.mirror_rays.clear();
-        job.simd.run(
+        context.simd.run(
             #[inline(always)]
-            || self.shade_paths(job, bounce, counters),
+            || self.shade_paths(context, bounce, counters),
         );
         self.prefixes.update_group_throughputs(bounce);
     }
@@ -166,22 +171,27 @@ impl Wavefront {
     /// Functions called here for most paths are inlined, so that they are compiled for the same
     /// instruction set.
     #[inline(always)]
-    fn shade_paths<A: Accel>(&mut self, job: &Job<'_, A>, bounce: u32, counters: &mut Counters) {
+    fn shade_paths<A: Accel>(
+        &mut self,
+        context: &RenderContext<'_, A>,
+        bounce: u32,
+        counters: &mut Counters,
+    ) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
             let Some(hit) = self.hits[i] else {
-                *self.radiance.at(path.target) += path.throughput * job.scene.environment();
+                *self.radiance.at(path.target) += path.throughput * context.scene.environment();
                 continue;
             };
-            let at = job.scene.interaction(&ray, &hit);
+            let at = context.scene.interaction(&ray, &hit);
             if !at.point.position.is_finite() {
                 // No ray can leave it: the sample would come out black instead of being an error.
                 *self.radiance.at(path.target) = Rgb::splat(f64::NAN);
                 continue;
             }
-            *self.radiance.at(path.target) += path.throughput * job.emitted(&path, &hit, &at);
-            if job.settings.max_bounces == Some(bounce) {
+            *self.radiance.at(path.target) += path.throughput * context.emitted(&path, &hit, &at);
+            if context.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
             }
@@ -192,19 +202,20 @@ impl Wavefront {
                     self.prefixes.begin_suffix(&mut path, &vertex);
                 }
             }
-            if let Some((shadow_ray, radiance)) = job.next_event(&path, &vertex) {
+            if let Some((shadow_ray, radiance)) = context.next_event(&path, &vertex) {
                 self.shadow_rays.push(shadow_ray);
                 self.contributions.push(Contribution { target: path.target, radiance });
             }
-            if let Some((mirror_ray, sample)) = job.next_event_in_mirror(&path, &vertex) {
+            if let Some((mirror_ray, sample)) = context.next_event_in_mirror(&path, &vertex) {
                 self.mirror_rays.push(mirror_ray);
                 self.mirror_samples.push((path.target, sample));
             }
-            let Some(next) = path.scatter(job, &hit, &vertex) else { continue };
-            if path.stage == Stage::Prefix && job.may_end_prefix(bounce) && at.material.bsdf.is_diffuse() {
+            let Some(next) = path.scatter(context, &hit, &vertex) else { continue };
+            if path.stage == Stage::Prefix && context.may_end_prefix(bounce) && at.material.bsdf.is_diffuse()
+            {
                 self.prefixes.end(&mut path, &vertex);
             }
-            if numbers.roulette.is_some_and(|u| !path.survives(job.settings.roulette, u)) {
+            if numbers.roulette.is_some_and(|u| !path.survives(context.settings.roulette, u)) {
                 counters.roulette_ends += 1;
                 continue;
             }
@@ -243,7 +254,7 @@ impl Path {
     #[inline(always)]
     pub(super) fn scatter<A>(
         &mut self,
-        job: &Job<'_, A>,
+        context: &RenderContext<'_, A>,
         hit: &Hit,
         vertex: &ShadingPoint<'_>,
     ) -> Option<Ray> {
@@ -252,7 +263,7 @@ impl Path {
         self.throughput *= sample.weight;
         self.mis = match sample.density {
             Density::SolidAngle(_) => MisContext::new(sample.density, at.point.position),
-            Density::Delta => job.mis_after_mirror(self.mis, hit.triangle),
+            Density::Delta => context.mis_after_mirror(self.mis, hit.triangle),
         };
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
@@ -294,9 +305,9 @@ mod tests {
         {
             let settings = Settings { sampler, estimator, ..Settings::new(16, 16, 16) };
             let traced = SimdLevel::ALL.map(|simd| {
-                let job = Job { simd, ..Job::new(&scene, &camera, &settings) };
+                let context = RenderContext { simd, ..RenderContext::new(&scene, &camera, &settings) };
                 let mut wavefront = Wavefront::default();
-                let counters = wavefront.trace(&job, tile, &(0..16), || false);
+                let counters = wavefront.trace(&context, tile, &(0..16), || false);
                 (counters, wavefront.radiance.samples)
             });
             let lit = traced[0].1.iter().filter(|radiance| !radiance.is_black()).count();

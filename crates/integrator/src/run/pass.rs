@@ -2,7 +2,7 @@ use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
 use crate::film::{Block, Moments, Tally};
-use crate::path::{Job, Tile, Wavefront};
+use crate::path::{RenderContext, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_geom::Accel;
 use globillum_material::Rgb;
@@ -14,7 +14,7 @@ const WAVEFRONT_SAMPLES: u32 = 4;
 
 /// Renders single passes.
 pub(crate) struct PassRenderer<'a, A, M> {
-    pub(crate) job: Job<'a, A>,
+    pub(crate) context: RenderContext<'a, A>,
     pub(crate) monitor: &'a M,
     pub(crate) meter: &'a Meter,
 }
@@ -24,7 +24,7 @@ type TileResult = (Tile, Vec<Moments>, Counters);
 impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
     /// Samples in `passes`, all pixels together.
     pub(crate) fn samples_of(&self, passes: Range<u32>) -> u64 {
-        let settings = self.job.settings;
+        let settings = self.context.settings;
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         settings.samples_of(passes).len() as u64 * pixels
     }
@@ -35,7 +35,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         pass: u32,
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Option<(Block, Counters)>, RenderError> {
-        let settings = self.job.settings;
+        let settings = self.context.settings;
         let tiles: Vec<Tile> = Tile::all(settings.width, settings.height).collect();
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
@@ -58,7 +58,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         pass: u32,
         cancelled: &impl Fn() -> bool,
     ) -> Result<Option<TileResult>, RenderError> {
-        let all = self.job.settings.samples_of(pass..pass + 1);
+        let all = self.context.settings.samples_of(pass..pass + 1);
         let mut pixels = vec![Moments::default(); tile.pixel_count()];
         let mut counters = Counters::default();
         for first in all.clone().step_by(WAVEFRONT_SAMPLES as usize) {
@@ -66,7 +66,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
                 return Ok(None);
             }
             let samples = first..all.end.min(first + WAVEFRONT_SAMPLES);
-            let Some(counted) = wavefront.trace(&self.job, tile, &samples, cancelled) else {
+            let Some(counted) = wavefront.trace(&self.context, tile, &samples, cancelled) else {
                 return Ok(None);
             };
             let radiance = wavefront.radiance().chunks_exact(samples.len());
@@ -87,7 +87,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
 
     /// Puts the tiles of a pass together as a block of the film.
     fn block(&self, pass: u32, tiles: Vec<TileResult>) -> (Block, Counters) {
-        let settings = self.job.settings;
+        let settings = self.context.settings;
         let samples = settings.samples_of(pass..pass + 1).len() as u64;
         let width = settings.width as usize;
         let mut pixels = vec![Moments::default(); width * settings.height as usize];

@@ -5,7 +5,7 @@ use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
 use crate::caught::caught;
-use crate::path::Job;
+use crate::path::RenderContext;
 use crate::{Camera, CheckpointError, Film, Picture, RenderError, Scene, Settings};
 use globillum_geom::Accel;
 use std::ops::Range;
@@ -104,9 +104,10 @@ impl<'a, A: Accel> Render<'a, A> {
             .map_err(|error| RenderError::Threads(error.to_string()))?;
         let meter = Meter::new(self.stop.seconds);
         // The accelerator is asked for the mirrors' visibility.
-        let job = caught(|| Job::new(self.scene, self.camera, self.settings))
+        let context = caught(|| RenderContext::new(self.scene, self.camera, self.settings))
             .map_err(|message| RenderError::Worker { x: 0, y: 0, message })?;
-        let pass_loop = PassLoop { renderer: PassRenderer { job, monitor, meter: &meter }, stop: self.stop };
+        let pass_loop =
+            PassLoop { renderer: PassRenderer { context, monitor, meter: &meter }, stop: self.stop };
         threads.install(|| pass_loop.add_passes(picture, passes))
     }
 

@@ -4,7 +4,7 @@ use globillum_geom::{Accel, SimdLevel};
 
 /// What is rendered: a scene as a camera sees it, with settings.
 #[derive(Debug)]
-pub(crate) struct Job<'a, A> {
+pub(crate) struct RenderContext<'a, A> {
     pub(crate) scene: &'a Scene<A>,
     pub(crate) camera: &'a Camera,
     pub(crate) settings: &'a Settings,
@@ -16,7 +16,7 @@ pub(crate) struct Job<'a, A> {
     pub(super) simd: SimdLevel,
 }
 
-impl<'a, A: Accel> Job<'a, A> {
+impl<'a, A: Accel> RenderContext<'a, A> {
     pub(crate) fn new(scene: &'a Scene<A>, camera: &'a Camera, settings: &'a Settings) -> Self {
         let samples_areas = settings.estimator.samples_area_lights();
         let samples_lights = samples_areas || scene.lights().delta_lights().next().is_some();
@@ -26,7 +26,7 @@ impl<'a, A: Accel> Job<'a, A> {
     }
 }
 
-impl<A> Job<'_, A> {
+impl<A> RenderContext<'_, A> {
     /// Whether pixels reuse the paths of their neighbours.
     pub(super) fn reuses_paths(&self) -> bool {
         self.settings.path_reuse_in_effect() == PathReuse::Fours
