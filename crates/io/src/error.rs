@@ -1,6 +1,6 @@
 use crate::Location;
 use crate::plain::plain;
-use globillum_integrator::RenderError;
+use globillum_integrator::{DeltaLightError, RenderError};
 use globillum_material::MaterialError;
 use std::error::Error as StdError;
 use std::io;
@@ -162,6 +162,14 @@ pub enum IoError {
         at: Location,
         /// What is wrong with it.
         source: RenderError,
+    },
+    /// A delta light is invalid.
+    #[error("{at}: {source}")]
+    Light {
+        /// The light.
+        at: Location,
+        /// What is wrong with it.
+        source: DeltaLightError,
     },
     /// The scene has no triangle that a ray can hit.
     #[error("{}: scene has no triangles", plain(path.display()))]

@@ -20,12 +20,17 @@ pub struct Limits {
     pub materials: u64,
     /// Perspective cameras, with one count for each instance; default 65,536.
     pub cameras: u64,
+    /// Delta lights, with one count for each instance; default 65,536.
+    pub delta_lights: u64,
     /// Bytes in a line of OBJ or MTL; default 16 MiB.
     pub line_bytes: u64,
     /// Vertices of a polygon; default 65,536.
     pub polygon_corners: u64,
-    /// Values in the JSON of a glTF file, including objects and arrays; default 2^23. Also the elements of
-    /// an accessor without a buffer view.
+    /// Objects in the JSON of a glTF file; default 2^20. Each may take 1 KiB of memory. Like `json_values`, it
+    /// does not count the content of `extras` and of extensions that are not read.
+    pub json_objects: u64,
+    /// Values in the JSON of a glTF file, including objects and arrays; default 2^23. Each may take 128 bytes
+    /// of memory. Also the elements of an accessor without a buffer view.
     pub json_values: u64,
 }
 
@@ -37,8 +42,10 @@ impl Default for Limits {
             instanced: 1 << 25,
             materials: 65_536,
             cameras: 65_536,
+            delta_lights: 65_536,
             line_bytes: 16 << 20,
             polygon_corners: 65_536,
+            json_objects: 1 << 20,
             json_values: 1 << 23,
         }
     }

@@ -17,7 +17,7 @@ const PAIRS_PER_TRIANGLE: usize = 16;
 pub(crate) fn check_lights(model: &Model) -> Option<WarningKind> {
     let lights = lights(model);
     if lights.is_empty() {
-        return Some(WarningKind::NoLight);
+        return model.delta_lights().is_empty().then_some(WarningKind::NoLight);
     }
     let count = coplanar(model, &lights);
     (count > 0).then_some(WarningKind::CoplanarLights { count })

@@ -24,12 +24,13 @@ use std::path::Path;
 pub struct Loader<'a> {
     limits: Limits,
     monitor: &'a dyn LoadMonitor,
+    luminous_efficacy: f64,
 }
 
 impl<'a> Loader<'a> {
     /// A loader with the default limits and no monitor.
     pub fn new() -> Self {
-        Self { limits: Limits::default(), monitor: &() }
+        Self { limits: Limits::default(), monitor: &(), luminous_efficacy: 683.0 }
     }
 
     /// The same loader with other limits.
@@ -41,7 +42,18 @@ impl<'a> Loader<'a> {
     /// The same loader, observed by `monitor`.
     #[must_use]
     pub fn monitor<'b>(self, monitor: &'b dyn LoadMonitor) -> Loader<'b> {
-        Loader { limits: self.limits, monitor }
+        Loader { limits: self.limits, monitor, luminous_efficacy: self.luminous_efficacy }
+    }
+
+    /// The same loader with a luminous efficacy of `lumens_per_watt` for the delta lights of glTF.
+    ///
+    /// The extension KHR_lights_punctual states intensities in candela and irradiances in lux, which are
+    /// divided by this number. The default, 683, is the efficacy of monochromatic light of 555 nm. Blender's
+    /// exporter multiplies by it, so delta lights have the scale of emissive materials, which are in watts. A
+    /// number that is not positive makes each delta light an error.
+    #[must_use]
+    pub fn luminous_efficacy(self, lumens_per_watt: f64) -> Self {
+        Self { luminous_efficacy: lumens_per_watt, ..self }
     }
 
     /// Loads a scene in the format given by the extension of `path`, in upper or lower case.
@@ -65,7 +77,7 @@ impl<'a> Loader<'a> {
     /// Those of [`load_obj`](crate::load_obj).
     #[cfg(feature = "obj")]
     pub fn load_obj(&self, path: &Path) -> Result<Loaded, IoError> {
-        self.load_by(crate::obj::read, path)
+        self.load_by(path, crate::obj::read)
     }
 
     /// [`load_gltf`](crate::load_gltf) with this loader's limits and monitor.
@@ -74,14 +86,14 @@ impl<'a> Loader<'a> {
     /// Those of [`load_gltf`](crate::load_gltf).
     #[cfg(feature = "gltf")]
     pub fn load_gltf(&self, path: &Path) -> Result<Loaded, IoError> {
-        self.load_by(crate::gltf::read, path)
+        self.load_by(path, |bytes, loading| crate::gltf::read(&bytes, self.luminous_efficacy, loading))
     }
 
     /// Loads the file `path` by `read`, which reads its content.
     fn load_by(
         &self,
-        read: fn(Vec<u8>, &mut Loading<'_>) -> crate::error::Result<()>,
         path: &Path,
+        read: impl FnOnce(Vec<u8>, &mut Loading<'_>) -> crate::error::Result<()>,
     ) -> Result<Loaded, IoError> {
         let mut loading = Loading::new(path, &self.limits, self.monitor);
         let bytes = loading.jail.read(path)?;
@@ -105,7 +117,10 @@ impl Default for Loader<'_> {
 
 impl fmt::Debug for Loader<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Loader").field("limits", &self.limits).finish_non_exhaustive()
+        f.debug_struct("Loader")
+            .field("limits", &self.limits)
+            .field("luminous_efficacy", &self.luminous_efficacy)
+            .finish_non_exhaustive()
     }
 }
 
@@ -149,16 +164,22 @@ pub fn load_obj(path: &Path) -> Result<Loaded, IoError> {
 /// dropped. A transform that mirrors keeps the front of each triangle. Strips and fans become single
 /// triangles.
 ///
-/// A material is an ideal mirror if its `metallicFactor` exceeds its `roughnessFactor`, and Lambertian
-/// otherwise; `baseColorFactor` is the reflectance. A material that is only approximated is reported. It emits
-/// `emissiveFactor` times the strength of `KHR_materials_emissive_strength` from the front, or from both sides
-/// if it is `doubleSided`. Primitives without a material are Lambertian and white. Textures, vertex normals,
-/// skins, morph targets, animations and other extensions are not read.
+/// A material is an ideal mirror if its `metallicFactor` exceeds its `roughnessFactor` and it has no
+/// `metallicRoughnessTexture`, and Lambertian otherwise; `baseColorFactor` is the reflectance. A material that
+/// is only approximated is reported. It emits `emissiveFactor` times the strength of
+/// `KHR_materials_emissive_strength` from the front, or from both sides if it is `doubleSided`. Primitives
+/// without a material are Lambertian and white.
+///
+/// The point, spot and directional lights of `KHR_lights_punctual` become delta lights, with the units of
+/// [`Loader::luminous_efficacy`]. Their `range` is ignored. Equal angles of a spot light make a sharp edge.
+///
+/// Textures, vertex normals, skins, morph targets, animations and other extensions are not read. Numbers in
+/// the JSON are rounded to `f32`.
 ///
 /// # Errors
 /// An [`IoError`] that names the file and the element: for malformed JSON, inconsistent structures or data,
-/// node graphs that are not trees, an unknown required extension, a file outside the scene's folder, a
-/// coordinate that is not finite or exceeds
+/// node graphs that are not trees, an unknown required extension, a file outside the scene's folder, a delta
+/// light with an invalid cone or intensity, a coordinate that is not finite or exceeds
 /// [`MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE), and a material outside the bounds of
 /// [`Material`](globillum_material::Material).
 ///

@@ -5,6 +5,8 @@ use crate::limits::check_count;
 use crate::lint;
 use crate::{IoError, Limits, LoadMonitor, LoadProgress, LoadReport, Location, Place, Warning, WarningKind};
 use globillum_geom::Triangle;
+#[cfg(feature = "gltf")]
+use globillum_integrator::DeltaLight;
 use globillum_integrator::{Camera, MaterialId, Model};
 use globillum_material::Material;
 use std::io;
@@ -14,7 +16,7 @@ use std::path::Path;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Loaded {
-    /// Triangles with materials.
+    /// Triangles with materials, and delta lights.
     pub model: Model,
     /// The file's cameras, if it has any.
     pub cameras: Vec<Camera>,
@@ -87,6 +89,11 @@ impl<'a> Loading<'a> {
 
     pub(crate) fn add_material(&mut self, material: Material) -> MaterialId {
         self.model.add_material(material)
+    }
+
+    #[cfg(feature = "gltf")]
+    pub(crate) fn add_delta_light(&mut self, light: DeltaLight) {
+        self.model.add_delta_light(light);
     }
 
     #[cfg(feature = "obj")]

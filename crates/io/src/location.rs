@@ -32,6 +32,7 @@ pub enum Place {
     BufferView(usize),
     Buffer(usize),
     Camera(usize),
+    Light(usize),
     Image(usize),
 }
 
@@ -60,6 +61,7 @@ impl fmt::Display for Location {
             Place::BufferView(index) => ("bufferViews", index),
             Place::Buffer(index) => ("buffers", index),
             Place::Camera(index) => ("cameras", index),
+            Place::Light(index) => ("extensions.KHR_lights_punctual.lights", index),
             Place::Image(index) => ("images", index),
         };
         write!(f, "{path}: {array}[{index}]")

@@ -56,6 +56,10 @@ pub enum WarningKind {
     NoPositions,
     /// A camera that is not a perspective one.
     CameraIgnored,
+    /// A spot or directional light of a node that has no direction, such as one with a scale of zero.
+    LightIgnored,
+    /// Ranges of delta lights, beyond which a renderer may ignore them: they shine at any distance.
+    RangeIgnored { count: usize },
     /// Skins and morph targets: a mesh stays in its rest pose.
     PoseIgnored,
     /// Animations.
@@ -64,7 +68,7 @@ pub enum WarningKind {
     ExtensionIgnored { name: String },
     /// Triangles with collinear vertices, which are dropped.
     Degenerate { count: usize },
-    /// No triangle emits: without an environment the picture is black.
+    /// No triangle emits, and there are no delta lights: without an environment the picture is black.
     NoLight,
     /// Warnings for which the report has no room.
     LeftOut { count: usize },
@@ -124,6 +128,8 @@ impl fmt::Display for WarningKind {
             }
             Self::NoPositions => write!(f, "primitive without positions is skipped"),
             Self::CameraIgnored => write!(f, "camera is not perspective and is ignored"),
+            Self::LightIgnored => write!(f, "light has no direction and is ignored"),
+            Self::RangeIgnored { count } => write!(f, "ranges of delta lights are ignored: {count}"),
             Self::PoseIgnored => write!(f, "skins and morph targets are ignored"),
             Self::AnimationsIgnored { count } => write!(f, "animations are ignored: {count}"),
             Self::ExtensionIgnored { name } => write!(f, "extension `{name}` is ignored"),

@@ -69,6 +69,11 @@ fn rows_75_to_82_pictures_are_not_read() {
 }
 
 #[test]
+fn rows_97_to_98_delta_lights() {
+    check_rows(97..=98);
+}
+
+#[test]
 fn line_ends_marks_and_comments_change_nothing() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\n";
     let load = |obj: String| Files::new(&[("a.obj", obj.as_bytes())]).load("a.obj").unwrap().model;
@@ -111,7 +116,8 @@ fn every_limit_can_be_lowered() {
     for (limits, expected) in cases {
         assert_limited(&glb, "a.glb", limits, expected);
     }
-    let camera = r#""cameras":[{"type":"perspective","perspective":{"yfov":1}},{"type":"orthographic"}]"#;
+    let camera =
+        r#""cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":1}},{"type":"orthographic"}]"#;
     let seen = gltf(&format!(
         r#"{camera},"nodes":[{{"mesh":0}},{{"camera":0}},{{"camera":1}},{{"camera":0}}],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
@@ -119,6 +125,20 @@ fn every_limit_can_be_lowered() {
         "bufferViews":[{{"buffer":0,"byteLength":36}}]"#
     ));
     assert_limited(&seen, "a.glb", change(|l| l.cameras = 1), "a.glb: too many cameras (limit: 1)");
+    let lit = gltf(
+        r#""extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}},
+        "nodes":[{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+        "bufferViews":[{"buffer":0,"byteLength":36}]"#,
+    );
+    assert_limited(&lit, "a.glb", change(|l| l.delta_lights = 0), "a.glb: too many delta lights (limit: 0)");
+    assert_limited(
+        &lit,
+        "a.glb",
+        change(|l| l.json_objects = 9),
+        "a.glb: too many objects in JSON (limit: 9)",
+    );
     let libraries = format!("mtllib a\nmtllib b\nmtllib a\n{square}");
     let obj = Files::new(&[("a.obj", libraries.as_bytes())]);
     let expected = "a.obj:2: too many material libraries (limit: 1)";
@@ -201,7 +221,7 @@ fn what_many_elements_refer_to_is_read_once() {
         format!(
             r#""nodes":[{nodes}],"meshes":[{{"primitives":[{primitives}]{}}}],"accessors":[{accessors}],
             "bufferViews":[{{"buffer":0,"byteLength":36{}}}],
-            "cameras":[{{"type":"perspective","perspective":{{"yfov":1}}{}}}]"#,
+            "cameras":[{{"type":"perspective","perspective":{{"yfov":1,"znear":1}}{}}}]"#,
             own[0], own[1], own[2]
         )
     };

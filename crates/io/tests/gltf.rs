@@ -8,8 +8,8 @@ mod files;
 use files::{Files, floats};
 use glam::{DVec3, Vec3};
 use globillum_geom::Triangle;
-use globillum_integrator::Camera;
-use globillum_io::{LoadMonitor, LoadProgress, Loaded, Loader, Place, WarningKind};
+use globillum_integrator::{Camera, DeltaLight};
+use globillum_io::{IoError, LoadMonitor, LoadProgress, Loaded, Loader, Place, WarningKind};
 use globillum_material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::bad_input::glb;
 use serde_json::{Value, json};
@@ -213,6 +213,16 @@ fn materials_become_the_nearer_of_two() {
         (base(1.0, 0.9), mirror(0.5), approximated(specular)),
         (base(0.3, 0.4), lambert(0.5), approximated(diffuse)),
         (json!({"name": "m"}), lambert(1.0), approximated(diffuse)),
+        // With a texture, the factor 1 says nothing. Blender writes this for a metallic input with a texture.
+        (
+            json!({"name": "m", "pbrMetallicRoughness":
+                {"metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.5}}),
+            lambert(1.0),
+            vec![
+                WarningKind::TexturesIgnored { name: "m".into() },
+                WarningKind::Approximated { name: "m".into(), by: diffuse },
+            ],
+        ),
         (
             json!({"name": "m", "alphaMode": "BLEND", "emissiveTexture": {"index": 0}, "pbrMetallicRoughness":
                 {"metallicFactor": 0}}),
@@ -264,9 +274,70 @@ fn perspective_cameras_are_placed_by_their_nodes() {
             {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}},
         ],
     })));
-    let expected = Camera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7).unwrap();
+    let expected = Camera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7_f32.into()).unwrap();
     assert_eq!(loaded.cameras, [expected]);
     assert_eq!(warnings(&loaded), [(Place::Camera(1), WarningKind::CameraIgnored)]);
+}
+
+/// The members of a file with these lights, each of them at a node.
+fn lit(lights: &Value, nodes: &[Value]) -> Value {
+    let extend = |(i, node): (usize, &Value)| {
+        let mut node = node.clone();
+        node["extensions"] = json!({"KHR_lights_punctual": {"light": i}});
+        node
+    };
+    let nodes: Vec<_> = nodes.iter().enumerate().map(extend).chain([json!({"mesh": 0})]).collect();
+    json!({"extensions": {"KHR_lights_punctual": {"lights": lights}}, "nodes": nodes,
+        "extensionsRequired": ["KHR_lights_punctual"]})
+}
+
+#[test]
+fn delta_lights_shine_along_their_nodes() {
+    let lights = json!([
+        {"type": "point", "color": [1, 0.5, 0.25], "intensity": 1366},
+        {"type": "spot", "intensity": 683, "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}},
+        {"type": "directional", "intensity": 341.5},
+        {"type": "spot", "spot": {}},
+    ]);
+    // The second is turned by 180 degrees about y and scaled, which does not change its intensity.
+    let nodes = [
+        json!({"translation": [1, 2, 3], "scale": [5, 5, 5]}),
+        json!({"rotation": [0, 1, 0, 0], "scale": [2, 3, 4]}),
+        json!({"matrix": [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1]}),
+        json!({}),
+    ];
+    let loaded = load(square(&lit(&lights, &nodes)));
+    let (grey, down) = (Rgb::splat, Vec3::NEG_Z);
+    let expected = [
+        DeltaLight::point(Vec3::new(1.0, 2.0, 3.0), Rgb::new(2.0, 1.0, 0.5)),
+        DeltaLight::spot(Vec3::ZERO, Vec3::Z, grey(1.0), 0.25, 0.5),
+        DeltaLight::directional(Vec3::Y, grey(0.5)),
+        DeltaLight::spot(Vec3::ZERO, down, grey(1.0 / 683.0), 0.0, std::f32::consts::FRAC_PI_4.into()),
+    ];
+    assert_eq!(loaded.model.delta_lights(), expected.map(Result::unwrap));
+    assert_eq!(loaded.report.warnings, []);
+}
+
+#[test]
+fn the_luminous_efficacy_scales_delta_lights_only() {
+    let (json, binary) = square(&lit(&json!([{"type": "point", "intensity": 100}]), &[json!({})]));
+    let files = Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]);
+    let loaded = Loader::new().luminous_efficacy(50.0).load(&files.path("a.glb")).unwrap();
+    assert_eq!(loaded.model.delta_lights(), [DeltaLight::point(Vec3::ZERO, Rgb::splat(2.0)).unwrap()]);
+    for efficacy in [0.0, -1.0, f64::NAN] {
+        let error = Loader::new().luminous_efficacy(efficacy).load(&files.path("a.glb")).unwrap_err();
+        assert!(matches!(error, IoError::Light { .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_light_without_a_direction_is_ignored() {
+    let lights = json!([{"type": "directional"}, {"type": "point"}, {"type": "spot", "spot": {}}]);
+    let hidden = || json!({"scale": [0, 0, 0]});
+    let loaded = load(square(&lit(&lights, &[hidden(), hidden(), hidden()])));
+    assert_eq!(loaded.model.delta_lights().len(), 1);
+    let ignored = [0, 2].map(|node| (Place::Node(node), WarningKind::LightIgnored));
+    assert_eq!(warnings(&loaded), ignored);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Files that request as much memory as possible for their size. Loading takes at most four times the
-//! size of the files beyond what they declare. The test counts allocations, so it runs in its own process.
-//! A vector that grows counts twice while its content moves.
+//! size of the files beyond what they declare, and in glTF beyond what the objects and values of the JSON take.
+//! The test counts allocations, so it runs in its own process. A vector that grows counts twice while its
+//! content moves.
 //!
 //! `cargo test -p globillum-io --test hostile -- --nocapture` prints the multiples.
 #![cfg(all(feature = "obj", feature = "gltf"))]
@@ -11,9 +12,9 @@ mod files;
 
 use files::{Files, floats};
 use globillum_geom::Triangle;
-use globillum_integrator::Camera;
 use globillum_io::{IoError, Loaded};
 use globillum_testkit::bad_input::glb;
+use serde_json::Value;
 use std::fmt::Write;
 
 /// The bound on the memory for loading as a multiple of the files' size, beyond what they declare.
@@ -35,8 +36,14 @@ const NAMED: u64 = 1280;
 /// Bytes that a light may take in the check for lights that overlap another triangle.
 const LIGHT: u64 = 256;
 
-/// Bytes of a camera that a node places. There are at most 65,536.
-const CAMERA: u64 = size_of::<Camera>() as u64;
+/// Bytes of a camera or a delta light that a node places. There are at most 65,536 of each.
+const CAMERA: u64 = 384;
+
+/// Bytes that a JSON object may take. There are at most 2^20.
+const OBJECT: u64 = 1024;
+
+/// Bytes that any JSON value may take. There are at most 2^23.
+const VALUE: u64 = 128;
 
 /// A scene file, first in `files`, and the files beside it.
 struct Hostile {
@@ -48,7 +55,7 @@ struct Hostile {
     declared: usize,
     /// The number of lights.
     lights: usize,
-    /// The number of cameras that nodes place, and of materials and libraries that the files name.
+    /// The number of cameras and delta lights that nodes place, and of materials and libraries that the files name.
     cameras: usize,
     named: usize,
     /// The bound on the memory for loading as a multiple of the files' size.
@@ -128,6 +135,7 @@ impl Hostile {
         let (triangles, outcome) = outcome(&files, &result.unwrap());
         let beside = (triangles + self.declared) as u64 * TRIANGLE + self.cameras as u64 * CAMERA;
         let taken = allocated.bytes_max.saturating_sub(beside);
+        let (objects, values) = json_counts(&self.files[0].1);
         let mut line = format!(
             "{:46} {:5.2} MB, {:5.2} times, beside {:.2} MB",
             self.name,
@@ -135,8 +143,9 @@ impl Hostile {
             taken as f64 / size as f64,
             beside as f64 / 1e6,
         );
-        for (count, what) in [(self.named, "name"), (self.lights, "light")] {
-            if let Some(each) = taken.saturating_sub(size).checked_div(count as u64) {
+        let counts = [(self.named as u64, "name"), (self.lights as u64, "light"), (objects, "object")];
+        for (count, what) in counts.into_iter().chain([(values, "value")]) {
+            if let Some(each) = taken.saturating_sub(size).checked_div(count) {
                 write!(line, ", {each} bytes a {what}").unwrap();
             }
         }
@@ -149,9 +158,30 @@ impl Hostile {
         if !expected {
             return Some(format!("{}: {outcome:.200?} instead of {:?}", self.name, self.outcome));
         }
-        let allowed = self.most * size + self.named as u64 * NAMED + self.lights as u64 * LIGHT + SMALL;
+        let json = objects * OBJECT + values * VALUE;
+        let allowed =
+            self.most * size + json + self.named as u64 * NAMED + self.lights as u64 * LIGHT + SMALL;
         (taken > allowed).then_some(line)
     }
+}
+
+/// The number of objects and of all values in the JSON of a .glb; zero for other files.
+fn json_counts(bytes: &[u8]) -> (u64, u64) {
+    fn count(value: &Value) -> (u64, u64) {
+        let sum = |(objects, values), inner| {
+            let (o, v) = count(inner);
+            (objects + o, values + v)
+        };
+        match value {
+            Value::Array(elements) => elements.iter().fold((0, 1), sum),
+            Value::Object(members) => members.values().fold((1, 1), sum),
+            _ => (0, 1),
+        }
+    }
+    let length = bytes.get(12..16).filter(|_| bytes.starts_with(b"glTF"));
+    let length = length.map(|length| u32::from_le_bytes(length.try_into().unwrap()) as usize);
+    let json = length.and_then(|length| bytes.get(20..20 + length));
+    json.and_then(|json| serde_json::from_slice(json).ok()).as_ref().map_or((0, 0), count)
 }
 
 /// The number of triangles with degenerate ones, and the number without them or the error.
@@ -216,7 +246,11 @@ fn nodes() {
     let scene = |nodes: &str, roots: &str| format!(r#"{nodes},"scenes":[{{"nodes":{roots}}}]"#);
     let empty = r#","meshes":[{"primitives":[]}]"#;
     check([
-        json("nodes", &same(MILLION, "{}")),
+        json("nodes", &same(MANY, "{}")),
+        json("nodes, too many", &same(MILLION, "{}")).refused("too many objects in JSON (limit: 1048576)"),
+        json("nodes with names", &same(MANY, r#"{"name":"a"}"#)),
+        json("nodes with extras", &same(MANY, r#"{"extras":0}"#)),
+        json("nodes with weights", &same(MANY, r#"{"weights":[0]}"#)),
         json("nodes in a chain", &chain("")),
         json("nodes in a chain, mirrored", &chain(mirrored)),
         json("nodes in a comb", &comb("")),
@@ -234,7 +268,7 @@ fn nodes() {
             .refused("nodes[0]: node has more than one parent"),
         json("nodes with a matrix", &same(MANY, identity)),
         json("nodes with a scale", &same(MANY, r#"{"scale":[-1,1,1]}"#)),
-        json("nodes of a mesh without triangles", &(same(MILLION, r#"{"mesh":0}"#) + empty)),
+        json("nodes of a mesh without triangles", &(same(MANY, r#"{"mesh":0}"#) + empty)),
         json(
             "nodes of a mesh without triangles, mirrored",
             &(same(MANY, r#"{"scale":[-1,1,1],"mesh":0}"#) + empty),
@@ -253,7 +287,7 @@ fn meshes() {
         let nodes = array(MANY, |i| format!(r#"{{"mesh":{i}}}"#));
         format!(r#""nodes":{nodes},"meshes":{},{SHAPE}"#, same(MANY, mesh))
     };
-    let targets = format!(r#"[{{"attributes":{{"POSITION":0}},"targets":{}}}]"#, same(MILLION, "{}"));
+    let targets = format!(r#"[{{"attributes":{{"POSITION":0}},"targets":{}}}]"#, same(MANY, "{}"));
     check([
         Hostile::json(
             "meshes without primitives",
@@ -265,6 +299,7 @@ fn meshes() {
         placed("primitives without positions", &primitives(same(MANY, r#"{"attributes":{}}"#))),
         placed("primitives of points", &primitives(same(MANY, r#"{"attributes":{},"mode":0}"#))),
         placed("primitives of a triangle", &primitives(same(MANY, PRIMITIVE))).loads(MANY),
+        placed("attributes", &primitives(same(MANY, r#"{"attributes":{"COLOR_0":0}}"#))),
         placed("morph targets", &primitives(targets)).loads(1),
     ]);
 }
@@ -284,12 +319,16 @@ fn accessors_and_buffers() {
             same(MANY, accessor)
         )
     };
+    let bounded = |min: &str| format!(r#"[{{"componentType":5126,"count":0,"type":"VEC3","min":{min}}}]"#);
     let views = same(MANY, r#"{"buffer":0,"byteLength":0}"#);
     let shared = same(2000, r#"{"uri":"b.bin","byteLength":1000000}"#);
     let data = format!(r#"[{{"uri":"data:,{}","byteLength":0}}]"#, "a".repeat(4 << 20));
     let escaped = format!(r#"[{{"uri":"data:,\n{}","byteLength":0}}]"#, "a".repeat(4 << 20));
     check([
         json("accessors", "accessors", same(MANY, vertex)),
+        json("bounds of numbers", "accessors", bounded(&same(MILLION, "0"))),
+        json("bounds of lists", "accessors", bounded(&same(MANY, "[0]"))),
+        json("bounds of objects", "accessors", bounded(&same(MANY, r#"{"":0}"#))),
         Hostile::json("accessors that primitives use", &used(vertex)),
         Hostile::json("sparse accessors that primitives use", &used(sparse)),
         json("buffer views", "bufferViews", views),
@@ -309,23 +348,28 @@ fn the_rest_of_gltf() {
     };
     let odd = array(MANY, |_| r#"{"type":""}"#.into());
     let each = format!(r#"{odd},"nodes":{}"#, array(MANY / 2, |i| format!(r#"{{"camera":{i}}}"#)));
-    let seeing = r#"[{"type":"perspective","perspective":{"yfov":1}},{"type":"perspective","perspective":{"yfov":1}}]"#;
+    let seeing = r#"[{"type":"perspective","perspective":{"yfov":1,"znear":1}},{"type":"perspective","perspective":{"yfov":1,"znear":1}}]"#;
+    let light = r#"{"type":"point"}"#;
+    let lights = |list: &str| format!(r#"{{"KHR_lights_punctual":{{"lights":{list}}}}}"#);
+    let lit = |count| {
+        let node = r#"{"extensions":{"KHR_lights_punctual":{"light":0}}}"#;
+        format!(r#","nodes":{}"#, same(count, node))
+    };
     let text = |start: &str| format!(r#"[{{"name":"{start}{}"}}]"#, "a".repeat(4 << 20));
     check([
-        json("materials, too many", "materials", same(MILLION, "{}"))
+        json("materials, too many", "materials", same(MANY, "{}"))
             .refused("a.glb: too many materials (limit: 65536)"),
         json("materials", "materials", same(FEW, "{}")).names(FEW),
         json("a material's name", "materials", text("")),
         json("a material's name, escaped", "materials", text(r"\n")),
         json("cameras", "cameras", same(MANY, r#"{"type":""}"#)),
         json("cameras that are not perspective, placed", "cameras", each),
-        json("cameras, too many", "cameras", placed(seeing, MILLION))
-            .refused("too many cameras (limit: 65536)"),
+        json("cameras, too many", "cameras", placed(seeing, MANY)).refused("too many cameras (limit: 65536)"),
         json("cameras placed", "cameras", placed(seeing, FEW)).sees(FEW),
-        json("images", "images", same(MILLION, r#"{"uri":""}"#)),
-        json("images of nothing", "images", same(MILLION, "{}"))
+        json("images", "images", same(MANY, r#"{"uri":""}"#)),
+        json("images of nothing", "images", same(MANY, "{}"))
             .refused("images[0]: image has neither a URI nor a buffer view"),
-        json("scenes", "scenes", same(MILLION, "{}")),
+        json("scenes", "scenes", same(MANY, "{}")),
         json("extensions used", "extensionsUsed", same(MILLION, r#""""#)),
         json("extensions required", "extensionsRequired", same(MILLION, r#""KHR_texture_transform""#)),
         json("a string for a number", "scene", format!("\"{}\"", "a".repeat(4 << 20)))
@@ -338,20 +382,44 @@ fn the_rest_of_gltf() {
         )
         .refused(NO_NUMBER)
         .at_most(25),
-        json("animations", "animations", same(MILLION, "{}")),
+        json("animations", "animations", same(MANY, "{}")),
+        json("values, too many", "a", same(MILLION << 3, "0"))
+            .refused("too many values in JSON (limit: 8388608)"),
+        json("lights", "extensions", lights(&same(MANY, light))),
+        json("lights placed", "extensions", lights(&format!("[{light}]")) + &lit(FEW)).sees(FEW),
+        json("lights placed, too many", "extensions", lights(&format!("[{light}]")) + &lit(MANY))
+            .refused("too many delta lights (limit: 65536)")
+            .sees(65_536),
         json("brackets", "extras", "[".repeat(MILLION) + &"]".repeat(MILLION)),
         json("members that are not known", "a", format!("0{}", r#","a":0"#.repeat(MILLION))),
     ]);
 }
 
 /// The end of the message for a value that is not a number.
-const NO_NUMBER: &str = ", expected u32";
+const NO_NUMBER: &str = ", expected index into child of root";
 
 const FLAT: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 /// A text of `count` lines.
 fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     (0..count).map(|i| line(i) + "\n").collect()
+}
+
+#[test]
+#[ignore = "takes a gigabyte: as many objects or values as the limits allow"]
+fn the_limits_on_json_bound_the_memory() {
+    let json =
+        |name, member: &str, elements: String| Hostile::json(name, &format!(r#""{member}":{elements}"#));
+    let accessor = |min: &str| format!(r#"[{{"componentType":5126,"count":0,"type":"VEC3","min":{min}}}]"#);
+    let (objects, values) = ((1 << 20) - 16, (1 << 22) - 16);
+    check([
+        json("materials", "materials", same(objects, "{}")).refused("too many materials"),
+        json("nodes", "nodes", same(objects, "{}")),
+        json("bounds of numbers", "accessors", accessor(&same(values + 32, "0"))),
+        json("bounds of lists", "accessors", accessor(&same(values, "[0]"))),
+        json("bounds of objects", "accessors", accessor(&same(objects, r#"{"":0}"#))),
+        json("extensions used", "extensionsUsed", same(values + 32, r#""a""#)),
+    ]);
 }
 
 #[test]

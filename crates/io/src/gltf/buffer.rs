@@ -1,9 +1,9 @@
 use super::document::Document;
-use super::json;
 use super::uri::Target;
 use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place};
+use gltf::json;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -20,7 +20,7 @@ enum Bytes<'a> {
 
 impl<'a> Buffers<'a> {
     pub(super) fn of(
-        document: &Document<'_>,
+        document: &Document,
         binary: Option<&'a [u8]>,
         loading: &mut Loading<'_>,
     ) -> Result<Self> {
@@ -29,13 +29,13 @@ impl<'a> Buffers<'a> {
         for (index, json) in document.buffers.iter().enumerate() {
             all.push(match &json.uri {
                 Some(uri) => {
-                    let bytes = files.follow(&uri.0, index, loading)?;
-                    let length = check_length(&bytes, &json, index, loading)?;
+                    let bytes = files.follow(uri, index, loading)?;
+                    let length = check_length(&bytes, json, index, loading)?;
                     Bytes::Of(bytes, length)
                 }
                 None => {
                     let bytes = binary.filter(|_| index == 0).unwrap_or_default();
-                    Bytes::Chunk(&bytes[..check_length(bytes, &json, index, loading)?])
+                    Bytes::Chunk(&bytes[..check_length(bytes, json, index, loading)?])
                 }
             });
         }
@@ -43,8 +43,8 @@ impl<'a> Buffers<'a> {
     }
 
     /// The bytes of buffer `index`; `None` if the buffer does not exist.
-    pub(super) fn get(&self, index: u32) -> Option<&[u8]> {
-        Some(match self.0.get(index as usize)? {
+    pub(super) fn get(&self, index: usize) -> Option<&[u8]> {
+        Some(match self.0.get(index)? {
             Bytes::Chunk(bytes) => bytes,
             Bytes::Of(bytes, length) => &bytes[..*length],
         })
@@ -78,8 +78,8 @@ impl Files {
 }
 
 /// The declared length of a buffer. Bytes beyond it may be padding.
-fn check_length(bytes: &[u8], json: &json::Buffer<'_>, index: usize, loading: &Loading<'_>) -> Result<usize> {
-    let declared = json.byte_length;
+fn check_length(bytes: &[u8], json: &json::Buffer, index: usize, loading: &Loading<'_>) -> Result<usize> {
+    let declared = json.byte_length.0;
     if declared <= bytes.len() as u64 {
         return Ok(declared as usize);
     }

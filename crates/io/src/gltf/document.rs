@@ -1,34 +1,71 @@
 use super::container::Container;
-use super::json::{Root, Text};
+use super::guard;
 use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
+use gltf::json::extensions::root::Root as Extensions;
+use gltf::json::{Accessor, Asset, Buffer, Camera, Image, Index, Material, Mesh, Node, buffer};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
-/// The supported extensions. The emissive strength is read. The texture transform has no effect, since
-/// textures are ignored.
-const SUPPORTED: [&str; 2] = ["KHR_materials_emissive_strength", "KHR_texture_transform"];
+/// The supported extensions. The texture transform has no effect, since textures are ignored.
+const SUPPORTED: [&str; 3] =
+    ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_texture_transform"];
 
-/// The structure of a glTF file.
-pub(super) type Document<'a> = Root<'a, true>;
+/// The structure of a glTF file, in the types of the crate `gltf`. Other members are ignored.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Document {
+    asset: Asset,
+    pub(super) scene: Option<Index<gltf::json::Scene>>,
+    #[serde(default)]
+    pub(super) scenes: Vec<Scene>,
+    #[serde(default)]
+    pub(super) nodes: Vec<Node>,
+    #[serde(default)]
+    pub(super) meshes: Vec<Mesh>,
+    #[serde(default)]
+    pub(super) accessors: Vec<Accessor>,
+    #[serde(default)]
+    pub(super) buffer_views: Vec<buffer::View>,
+    #[serde(default)]
+    pub(super) buffers: Vec<Buffer>,
+    #[serde(default)]
+    pub(super) materials: Vec<Material>,
+    #[serde(default)]
+    pub(super) cameras: Vec<Camera>,
+    #[serde(default)]
+    images: Vec<Image>,
+    #[serde(default)]
+    animations: Vec<IgnoredAny>,
+    #[serde(default)]
+    extensions_used: Vec<String>,
+    #[serde(default)]
+    extensions_required: Vec<String>,
+    pub(super) extensions: Option<Extensions>,
+}
 
-impl<'a> Document<'a> {
+/// The crate's own type demands `nodes`, which glTF does not.
+#[derive(Deserialize)]
+pub(super) struct Scene {
+    #[serde(default)]
+    pub(super) nodes: Vec<Index<Node>>,
+}
+
+impl Document {
     /// Parses the JSON and checks its version, its required extensions and its images.
-    pub(super) fn parse(container: &Container<'a>, loading: &mut Loading<'_>) -> Result<Self> {
-        // Offsets within the JSON have 32 bits.
-        loading.check_count(container.json.len() as u64, u32::MAX.into(), "bytes of JSON")?;
-        // Counted before memory is allocated for values. Commas within strings also count.
-        let values = container.json.iter().filter(|byte| matches!(byte, b',' | b'{' | b'[')).count();
-        loading.check_count(values as u64, loading.limits.json_values, "values in JSON")?;
-        let refused = |error: serde_json::Error| {
-            parse_error(&error.to_string(), (error.line(), error.column()), container, loading)
-        };
-        serde_json::from_slice::<Root<'a, false>>(container.json).map_err(refused)?;
-        // The first reading does not check the encoding of ignored values.
+    pub(super) fn parse(container: &Container<'_>, loading: &mut Loading<'_>) -> Result<Self> {
         let text = str::from_utf8(container.json).map_err(|error| {
             let (line, column) = line_and_column(&container.json[..error.valid_up_to()]);
             let text = format!("is not UTF-8 at line {line} column {column}");
             parse_error(&text, (line, column), container, loading)
         })?;
+        let refused = |error: serde_json::Error| {
+            parse_error(&error.to_string(), (error.line(), error.column()), container, loading)
+        };
+        let counts = guard::check(text).map_err(refused)?;
+        loading.check_count(counts.objects, loading.limits.json_objects, "objects in JSON")?;
+        loading.check_count(counts.values, loading.limits.json_values, "values in JSON")?;
         let document: Self = serde_json::from_str(text).map_err(refused)?;
         document.check_version(loading)?;
         document.check_extensions(loading)?;
@@ -37,11 +74,9 @@ impl<'a> Document<'a> {
     }
 
     fn check_version(&self, loading: &Loading<'_>) -> Result<()> {
-        let asset = &self.asset;
-        let readable = |version: &str| version.starts_with("2.");
-        let needed = asset.min_version.as_ref().map_or("2.0", |version| version.0.as_ref());
-        let refused = match (needed, asset.version.0.as_ref()) {
-            ("2.0", version) if readable(version) => return Ok(()),
+        let needed = self.asset.min_version.as_deref().unwrap_or("2.0");
+        let refused = match (needed, self.asset.version.as_str()) {
+            ("2.0", version) if version.starts_with("2.") => return Ok(()),
             ("2.0", version) => version,
             (needed, _) => needed,
         };
@@ -49,15 +84,15 @@ impl<'a> Document<'a> {
     }
 
     fn check_extensions(&self, loading: &mut Loading<'_>) -> Result<()> {
-        let unknown = |name: &Text<'_>| !SUPPORTED.contains(&name.0.as_ref());
+        let unknown = |name: &&String| !SUPPORTED.contains(&name.as_str());
         if let Some(extension) = self.extensions_required.iter().find(unknown) {
-            let extension = extension.0.into();
+            let extension = extension.clone();
             return Err(IoError::Unsupported { at: loading.at(Place::File), extension });
         }
         for name in self.extensions_used.iter().filter(unknown) {
-            loading.warn(Place::File, WarningKind::ExtensionIgnored { name: name.0.into() });
+            loading.warn(Place::File, WarningKind::ExtensionIgnored { name: name.clone() });
         }
-        let count = self.animations.count;
+        let count = self.animations.len();
         if count > 0 {
             loading.warn(Place::File, WarningKind::AnimationsIgnored { count });
         }

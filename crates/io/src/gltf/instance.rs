@@ -1,8 +1,7 @@
 use super::accessor::Accessors;
 use super::document::Document;
-use super::json;
 use super::material::Materials;
-use super::primitive::{self, Opened, Primitive, PrimitiveTriangles};
+use super::primitive::{Opened, Primitive};
 use super::tree::{Placed, Tree};
 use crate::error::Result;
 use crate::loading::Loading;
@@ -11,40 +10,41 @@ use crate::range::check_range;
 use crate::{IoError, Place, WarningKind};
 use glam::{DAffine3, DVec3};
 use globillum_geom::Triangle;
-use std::ops::Range;
+use gltf::json::mesh::Semantic;
+use gltf::json::validation::Checked::Valid;
+use gltf::json::{self, Index};
 
 /// Adds the triangles of every placed mesh.
 pub(super) fn add_all<'a>(
-    document: &'a Document<'a>,
+    document: &'a Document,
     accessors: Accessors<'a>,
-    tree: &Tree<'a>,
+    tree: &Tree<'_>,
     materials: &Materials,
     loading: &mut Loading<'_>,
 ) -> Result<()> {
     let mut meshes = Meshes::new(document, accessors);
     let mut total = 0_u64;
-    tree.walk(loading, |placed, loading| {
-        let Some(mesh) = placed.node.mesh else { return Ok(()) };
-        total = total.saturating_add(meshes.open(mesh, placed, loading)?);
+    for placed in tree.placed() {
+        let Some(mesh) = placed.node.mesh else { continue };
+        total = total.saturating_add(meshes.open(mesh, &placed, loading)?);
         // The running total is checked, since many nodes may place one mesh.
-        loading.check_triangles(total)
-    })?;
+        loading.check_triangles(total)?;
+    }
     loading.try_grow(total as usize)?;
     meshes.warn(loading);
     let mut done = 0;
-    tree.walk(loading, |placed, loading| {
-        let Some(mesh) = placed.node.mesh else { return Ok(()) };
-        for (primitive, triangles) in meshes.primitives(mesh) {
-            let material = materials.get(primitive.material, triangles.place, loading)?;
-            for index in 0..triangles.count() {
-                let corners = triangles.get(index, loading)?;
-                loading.add(material, place(corners, &placed.world, placed.index, loading)?);
+    for placed in tree.placed() {
+        for primitive in meshes.placed_by(placed.node) {
+            let material = materials.get(primitive.material, primitive.place, loading)?;
+            for index in 0..primitive.count() {
+                let corners = primitive.get(index, loading)?;
+                loading.add(material, place(corners, placed.world, placed.index, loading)?);
                 done += 1;
                 loading.progress(done, total)?;
             }
         }
-        Ok(())
-    })
+    }
+    Ok(())
 }
 
 /// Transforms a triangle to world space.
@@ -56,20 +56,18 @@ fn place(corners: [DVec3; 3], world: &DAffine3, node: usize, loading: &Loading<'
 }
 
 /// An opened mesh.
-#[derive(Clone)]
-struct Mesh {
-    /// The range of its primitives with triangles in [`Meshes::primitives`].
-    primitives: Range<u32>,
+struct Mesh<'a> {
+    /// The primitives that have triangles.
+    primitives: Vec<Primitive<'a>>,
     /// The number of their triangles.
     triangles: u64,
 }
 
 /// The meshes that nodes place. Each is opened once.
 struct Meshes<'a> {
-    document: &'a Document<'a>,
+    document: &'a Document,
     accessors: Accessors<'a>,
-    opened: Vec<Option<Mesh>>,
-    primitives: Vec<Primitive>,
+    opened: Vec<Option<Mesh<'a>>>,
     not_triangles: Occurrences,
     left_over: Occurrences,
     normals: Occurrences,
@@ -77,67 +75,62 @@ struct Meshes<'a> {
 }
 
 impl<'a> Meshes<'a> {
-    fn new(document: &'a Document<'a>, accessors: Accessors<'a>) -> Self {
-        let opened = vec![None; document.meshes.len()];
+    fn new(document: &'a Document, accessors: Accessors<'a>) -> Self {
+        let opened = document.meshes.iter().map(|_| None).collect();
         let [not_triangles, left_over, normals] = [(); 3].map(|()| Occurrences::default());
-        let (primitives, posed) = (Vec::new(), None);
-        Self { document, accessors, opened, primitives, not_triangles, left_over, normals, posed }
+        Self { document, accessors, opened, not_triangles, left_over, normals, posed: None }
     }
 
     /// Opens mesh `index` of the node `placed` and returns the number of its triangles.
-    fn open(&mut self, index: u32, placed: &Placed<'_>, loading: &mut Loading<'_>) -> Result<u64> {
+    fn open(
+        &mut self,
+        index: Index<json::Mesh>,
+        placed: &Placed<'_>,
+        loading: &mut Loading<'_>,
+    ) -> Result<u64> {
+        let (at, document) = (Place::Node(placed.index), self.document);
         if placed.node.skin.is_some() {
-            self.posed.get_or_insert(Place::Node(placed.index));
+            self.posed.get_or_insert(at);
         }
-        let mesh = index as usize;
-        if let Some(Some(opened)) = self.opened.get(mesh) {
+        let mesh = loading.check_index(at, index.value() as u64, self.opened.len(), "meshes")?;
+        if let Some(opened) = &self.opened[mesh] {
             return Ok(opened.triangles);
         }
-        let at = Place::Node(placed.index);
-        loading.check_index(at, index.into(), self.opened.len(), "meshes")?;
-        let Some(json) = self.document.meshes.get(mesh) else { return Ok(0) };
-        let (first, mut triangles) = (self.primitives.len() as u32, 0_u64);
-        for (number, json) in (0_u32..).zip(json.primitives.iter()) {
-            let place = Place::Primitive { mesh, primitive: number as usize };
-            match primitive::open(&json, number, place, &mut self.accessors, loading)? {
+        let (mut primitives, mut triangles) = (Vec::new(), 0_u64);
+        for (number, json) in document.meshes[mesh].primitives.iter().enumerate() {
+            let place = Place::Primitive { mesh, primitive: number };
+            match Opened::of(json, place, &mut self.accessors, loading)? {
                 Opened::NotTriangles => self.not_triangles.add(place, 1),
                 Opened::NoPositions => loading.warn(place, WarningKind::NoPositions),
                 Opened::Triangles(primitive) => {
-                    triangles = triangles.saturating_add(self.keep(primitive, &json, place));
+                    self.note(&primitive, json);
+                    triangles = triangles.saturating_add(primitive.count());
+                    if primitive.count() > 0 {
+                        primitives.push(primitive);
+                    }
                 }
             }
         }
-        let primitives = first..self.primitives.len() as u32;
         self.opened[mesh] = Some(Mesh { primitives, triangles });
         Ok(triangles)
     }
 
-    /// Keeps a primitive if it has triangles, and returns their number.
-    fn keep(&mut self, primitive: Primitive, json: &json::Primitive, place: Place) -> u64 {
-        let Some(triangles) = primitive.triangles(place, &self.accessors) else { return 0 };
-        self.left_over.add(place, triangles.left_over() as usize);
-        if json.attributes.normal.is_some() {
-            self.normals.add(place, triangles.vertex_count() as usize);
+    /// Notes what is ignored of a primitive.
+    fn note(&mut self, primitive: &Primitive<'_>, json: &json::mesh::Primitive) {
+        let place = primitive.place;
+        self.left_over.add(place, primitive.left_over() as usize);
+        if json.attributes.contains_key(&Valid(Semantic::Normals)) {
+            self.normals.add(place, primitive.vertex_count() as usize);
         }
-        if json.targets.count > 0 {
+        if json.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
             self.posed.get_or_insert(place);
         }
-        if triangles.count() > 0 {
-            self.primitives.push(primitive);
-        }
-        triangles.count()
     }
 
-    /// The primitives of an opened mesh, with their triangles.
-    fn primitives(&self, mesh: u32) -> impl Iterator<Item = (&Primitive, PrimitiveTriangles<'_>)> {
-        let mesh = mesh as usize;
-        let opened = self.opened.get(mesh).into_iter().flatten();
-        let range = opened.map(|mesh| mesh.primitives.start as usize..mesh.primitives.end as usize);
-        let primitives = range.flat_map(|range| &self.primitives[range]);
-        primitives.filter_map(move |primitive| {
-            let place = Place::Primitive { mesh, primitive: primitive.index as usize };
-            Some((primitive, primitive.triangles(place, &self.accessors)?))
-        })
+    /// The primitives with triangles of the mesh of an opened node.
+    fn placed_by(&self, node: &json::Node) -> &[Primitive<'a>] {
+        let opened = node.mesh.and_then(|mesh| self.opened.get(mesh.value())?.as_ref());
+        opened.map_or(&[], |mesh| &mesh.primitives)
     }
 
     fn warn(&self, loading: &mut Loading<'_>) {

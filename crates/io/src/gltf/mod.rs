@@ -1,15 +1,17 @@
 //! glTF 2.0, as text (.gltf) or binary (.glb).
+//!
+//! The crate `gltf` gives the types of the document. Its importer and its readers are not used, since they
+//! panic on malformed files: container, accessors, nodes and URIs are checked here.
 
 mod accessor;
 mod buffer;
 mod camera;
 mod container;
 mod document;
+mod guard;
 mod instance;
-mod json;
-mod list;
+mod light;
 mod material;
-mod pending;
 mod primitive;
 mod transform;
 mod tree;
@@ -22,15 +24,15 @@ use buffer::Buffers;
 use document::Document;
 use tree::Tree;
 
-/// Reads the content of a glTF file, text or binary, into `loading`.
-pub(crate) fn read(bytes: Vec<u8>, loading: &mut Loading<'_>) -> Result<()> {
-    let container = container::open(&bytes, loading.path)?;
+/// Reads the content of a glTF file, text or binary, into `loading`. `luminous_efficacy`, in lumens per watt, converts the units of delta lights.
+pub(crate) fn read(bytes: &[u8], luminous_efficacy: f64, loading: &mut Loading<'_>) -> Result<()> {
+    let container = container::open(bytes, loading.path)?;
     let document = Document::parse(&container, loading)?;
     let buffers = Buffers::of(&document, container.binary, loading)?;
     let tree = Tree::of(&document, loading)?;
     let materials = material::all(&document, loading)?;
     let accessors = Accessors::new(&document, &buffers);
     instance::add_all(&document, accessors, &tree, &materials, loading)?;
-    loading.cameras = camera::all(&document, &tree, loading)?;
-    Ok(())
+    light::add_all(&document, &tree, luminous_efficacy, loading)?;
+    camera::add_all(&document, &tree, loading)
 }

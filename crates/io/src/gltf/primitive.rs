@@ -1,104 +1,74 @@
 use super::accessor::{Accessor, Accessors, Use};
-use super::json;
 use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place};
 use glam::DVec3;
+use gltf::json::mesh::{Mode, Semantic};
+use gltf::json::validation::Checked::{Invalid, Valid};
+use gltf::json::{self, Index};
+use std::rc::Rc;
 
-/// How a list of corners forms triangles.
-#[derive(Clone, Copy)]
-enum Mode {
-    Triangles,
-    Strip,
-    Fan,
-}
-
-/// A primitive of triangles with open accessors. It holds only their indices, since a file may have a
-/// primitive for every 30 bytes of JSON.
-#[derive(Clone, Copy)]
-pub(super) struct Primitive {
-    /// Its index in its mesh.
-    pub(super) index: u32,
-    pub(super) material: Option<u32>,
-    positions: u32,
-    indices: Option<u32>,
+/// A primitive of triangles with open accessors.
+pub(super) struct Primitive<'a> {
+    pub(super) place: Place,
+    pub(super) material: Option<Index<json::Material>>,
+    positions: Rc<Accessor<'a>>,
+    /// With the place of their accessor.
+    indices: Option<(Rc<Accessor<'a>>, Place)>,
     mode: Mode,
 }
 
 /// The result of opening a primitive.
-pub(super) enum Opened {
-    Triangles(Primitive),
+pub(super) enum Opened<'a> {
+    Triangles(Primitive<'a>),
     /// Points or lines.
     NotTriangles,
     NoPositions,
 }
 
-/// Opens the primitive at `place`, with this index in its mesh.
-pub(super) fn open(
-    primitive: &json::Primitive,
-    index: u32,
-    place: Place,
-    accessors: &mut Accessors<'_>,
-    loading: &Loading<'_>,
-) -> Result<Opened> {
-    let mode = match primitive.mode {
-        0..=3 => return Ok(Opened::NotTriangles),
-        4 => Mode::Triangles,
-        5 => Mode::Strip,
-        6 => Mode::Fan,
-        mode => {
-            let message = format!("primitive mode {mode} is not supported");
-            return Err(IoError::Parse { at: loading.at(place), message });
-        }
-    };
-    let Some(positions) = primitive.attributes.position else { return Ok(Opened::NoPositions) };
-    accessors.open(positions, Use::Positions, loading)?;
-    if let Some(indices) = primitive.indices {
-        accessors.open(indices, Use::Indices, loading)?;
-    }
-    let (material, indices) = (primitive.material, primitive.indices);
-    Ok(Opened::Triangles(Primitive { index, material, positions, indices, mode }))
-}
-
-impl Primitive {
-    /// The triangles of this primitive at `place`; `None` if its accessors are not open.
-    pub(super) fn triangles<'a>(
-        &self,
+impl<'a> Opened<'a> {
+    /// Opens the primitive at `place`.
+    pub(super) fn of(
+        primitive: &json::mesh::Primitive,
         place: Place,
-        accessors: &'a Accessors<'_>,
-    ) -> Option<PrimitiveTriangles<'a>> {
-        let positions = accessors.get(self.positions)?;
-        let (indices, indices_at) = match self.indices {
-            Some(index) => (Some(accessors.get(index)?), Place::Accessor(index as usize)),
-            None => (None, place),
+        accessors: &mut Accessors<'a>,
+        loading: &Loading<'_>,
+    ) -> Result<Self> {
+        let mode = match primitive.mode {
+            Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
+            Valid(_) => return Ok(Self::NotTriangles),
+            Invalid => {
+                let message = "primitive mode is not supported".into();
+                return Err(IoError::Parse { at: loading.at(place), message });
+            }
         };
-        Some(PrimitiveTriangles { positions, indices, mode: self.mode, indices_at, place })
+        let Some(positions) = primitive.attributes.get(&Valid(Semantic::Positions)) else {
+            return Ok(Self::NoPositions);
+        };
+        let positions = accessors.open(*positions, Use::Positions, loading)?;
+        let mut open = |index: Index<_>| {
+            Ok((accessors.open(index, Use::Indices, loading)?, Place::Accessor(index.value())))
+        };
+        let indices = primitive.indices.map(&mut open).transpose()?;
+        Ok(Self::Triangles(Primitive { place, material: primitive.material, positions, indices, mode }))
     }
 }
 
-/// The triangles of a primitive.
-pub(super) struct PrimitiveTriangles<'a> {
-    positions: &'a Accessor<'a>,
-    indices: Option<&'a Accessor<'a>>,
-    mode: Mode,
-    indices_at: Place,
-    pub(super) place: Place,
-}
-
-impl PrimitiveTriangles<'_> {
+impl Primitive<'_> {
     pub(super) fn vertex_count(&self) -> u64 {
         self.positions.count()
     }
 
     /// The number of corners in the list.
     fn corner_count(&self) -> u64 {
-        self.indices.unwrap_or(self.positions).count()
+        self.indices.as_ref().map_or(&self.positions, |(indices, _)| indices).count()
     }
 
+    /// The number of triangles.
     pub(super) fn count(&self) -> u64 {
         match self.mode {
             Mode::Triangles => self.corner_count() / 3,
-            Mode::Strip | Mode::Fan => self.corner_count().saturating_sub(2),
+            _ => self.corner_count().saturating_sub(2),
         }
     }
 
@@ -114,19 +84,22 @@ impl PrimitiveTriangles<'_> {
     /// The corners of triangle `index`, counter-clockwise as seen from its front.
     pub(super) fn get(&self, index: u64, loading: &Loading<'_>) -> Result<[DVec3; 3]> {
         let corners = match self.mode {
-            Mode::Triangles => [3 * index, 3 * index + 1, 3 * index + 2],
             // Odd triangles of a strip have the opposite winding.
-            Mode::Strip if index % 2 == 1 => [index, index + 2, index + 1],
-            Mode::Strip => [index, index + 1, index + 2],
-            Mode::Fan => [0, index + 1, index + 2],
+            Mode::TriangleStrip if index % 2 == 1 => [index, index + 2, index + 1],
+            Mode::TriangleStrip => [index, index + 1, index + 2],
+            Mode::TriangleFan => [0, index + 1, index + 2],
+            _ => [3 * index, 3 * index + 1, 3 * index + 2],
         };
         let [a, b, c] = corners.map(|corner| self.position(corner, loading));
         Ok([a?, b?, c?])
     }
 
     fn position(&self, corner: u64, loading: &Loading<'_>) -> Result<DVec3> {
-        let vertex = self.indices.map_or(corner, |indices| indices.index(corner));
-        loading.check_index(self.indices_at, vertex, self.positions.count() as usize, "vertices")?;
+        let vertex = self.indices.as_ref().map_or(corner, |(indices, _)| indices.index(corner));
+        if vertex >= self.positions.count() {
+            let at = self.indices.as_ref().map_or(self.place, |(_, place)| *place);
+            loading.check_index(at, vertex, self.positions.count() as usize, "vertices")?;
+        }
         let position = self.positions.position(vertex);
         if position.is_finite() {
             Ok(position.as_dvec3())

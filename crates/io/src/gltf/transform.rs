@@ -1,10 +1,10 @@
-use super::json::Node;
 use crate::range;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
+use gltf::json::Node;
 
 /// The transform of a node relative to its parent, or a message that says why it is invalid.
-pub(super) fn local(node: &Node<'_, true>) -> Result<DAffine3, String> {
-    let transform = match node.matrix.as_deref() {
+pub(super) fn local(node: &Node) -> Result<DAffine3, String> {
+    let transform = match &node.matrix {
         Some(columns) => of_matrix(columns)?,
         None => of_parts(node)?,
     };
@@ -17,8 +17,8 @@ pub(super) fn check_range(transform: &DAffine3) -> Result<(), String> {
     range::check_range("transform component", transform.to_cols_array())
 }
 
-fn of_matrix(columns: &[f64; 16]) -> Result<DAffine3, String> {
-    let matrix = DMat4::from_cols_array(columns);
+fn of_matrix(columns: &[f32; 16]) -> Result<DAffine3, String> {
+    let matrix = DMat4::from_cols_array(&columns.map(f64::from));
     if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
         return Err("matrix is not affine".into());
     }
@@ -30,15 +30,15 @@ fn of_matrix(columns: &[f64; 16]) -> Result<DAffine3, String> {
 }
 
 /// The scale may be zero, since files hide nodes that way.
-fn of_parts(node: &Node<'_, true>) -> Result<DAffine3, String> {
-    let vector = |parts: &Option<Box<[f64; 3]>>, default| {
-        parts.as_deref().map_or(default, |parts| DVec3::from_array(*parts))
+fn of_parts(node: &Node) -> Result<DAffine3, String> {
+    let vector = |parts: Option<[f32; 3]>, default| {
+        parts.map_or(default, |parts| DVec3::from_array(parts.map(f64::from)))
     };
-    let rotation = match node.rotation.as_deref() {
+    let rotation = match node.rotation {
         // Exact, unlike the normalised quaternion.
         None => DQuat::IDENTITY,
         Some(parts) => {
-            let rotation = DQuat::from_array(*parts);
+            let rotation = DQuat::from_array(parts.0.map(f64::from));
             let length = rotation.length();
             if !(length.is_finite() && length > 0.0) {
                 return Err("rotation is not a unit quaternion".into());
@@ -46,6 +46,6 @@ fn of_parts(node: &Node<'_, true>) -> Result<DAffine3, String> {
             rotation / length
         }
     };
-    let (scale, translation) = (vector(&node.scale, DVec3::ONE), vector(&node.translation, DVec3::ZERO));
+    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
 }

@@ -1,5 +1,7 @@
 //! Uniform resource identifiers (RFC 3986) of the files of a scene.
 
+use data_url::DataUrl;
+use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
 
 /// The resource that a URI refers to.
@@ -16,19 +18,18 @@ pub(super) enum Target<'a> {
 impl<'a> Target<'a> {
     /// The target of a URI, or a message that says why the URI is invalid.
     pub(super) fn of(uri: &'a str) -> Result<Self, &'static str> {
-        if let Some(data) = uri.strip_prefix("data:") {
-            let (kind, content) = data.split_once(',').ok_or("comma after `data:` is missing")?;
-            let bytes = if kind.ends_with(";base64") { base64(content)? } else { percent_decoded(content)? };
-            return Ok(Self::Data(bytes));
+        match scheme(uri) {
+            Some("data") => {
+                let data = DataUrl::process(uri).map_err(|_| "comma after `data:` is missing")?;
+                let (bytes, _) = data.decode_to_vec().map_err(|_| "base64 data is malformed")?;
+                Ok(Self::Data(bytes))
+            }
+            Some(scheme) => Ok(Self::Other(scheme)),
+            None => {
+                let name = percent_decode_str(uri).decode_utf8();
+                Ok(Self::File(name.map_err(|_| "is not UTF-8")?))
+            }
         }
-        if let Some(scheme) = scheme(uri) {
-            return Ok(Self::Other(scheme));
-        }
-        if !uri.contains('%') {
-            return Ok(Self::File(uri.into()));
-        }
-        let name = String::from_utf8(percent_decoded(uri)?).map_err(|_| "is not UTF-8")?;
-        if name.contains('\0') { Err("file name contains a NUL byte") } else { Ok(Self::File(name.into())) }
     }
 }
 
@@ -40,72 +41,22 @@ fn scheme(uri: &str) -> Option<&str> {
     (letter && rest).then_some(scheme)
 }
 
-fn percent_decoded(text: &str) -> Result<Vec<u8>, &'static str> {
-    let mut bytes = text.bytes();
-    let mut decoded = Vec::with_capacity(text.len());
-    while let Some(byte) = bytes.next() {
-        decoded.push(match byte {
-            b'%' => {
-                let mut digit = || bytes.next().and_then(|b| char::from(b).to_digit(16));
-                let (high, low) = (digit(), digit());
-                high.zip(low)
-                    .map(|(high, low)| (16 * high + low) as u8)
-                    .ok_or("`%` without two hexadecimal digits")?
-            }
-            byte => byte,
-        });
-    }
-    Ok(decoded)
-}
-
-/// Decodes base64 (RFC 4648), padded or not.
-fn base64(text: &str) -> Result<Vec<u8>, &'static str> {
-    let digits = text.trim_end_matches('=').as_bytes();
-    if digits.len() % 4 == 1 || text.len() - digits.len() > 2 {
-        return Err("base64 data is truncated");
-    }
-    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
-    for group in digits.chunks(4) {
-        let mut bits = 0;
-        for &digit in group {
-            bits = bits << 6 | six_bits(digit).ok_or("invalid base64 character")?;
-        }
-        bits <<= 6 * (4 - group.len());
-        // Four digits encode three bytes, three encode two, and two encode one.
-        bytes.extend(&bits.to_be_bytes()[1..group.len()]);
-    }
-    Ok(bytes)
-}
-
-fn six_bits(digit: u8) -> Option<u32> {
-    let value = match digit {
-        b'A'..=b'Z' => digit - b'A',
-        b'a'..=b'z' => digit - b'a' + 26,
-        b'0'..=b'9' => digit - b'0' + 52,
-        b'+' => 62,
-        b'/' => 63,
-        _ => return None,
-    };
-    Some(value.into())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn base64_by_the_rfcs_examples() {
-        let known = [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYg==", "foob")];
-        for (text, bytes) in known {
-            assert_eq!(base64(text).unwrap(), bytes.as_bytes());
-            assert_eq!(base64(text.trim_end_matches('=')).unwrap(), bytes.as_bytes());
+    fn uris_lead_to_data_and_files_or_nowhere() {
+        for (uri, bytes) in [
+            ("data:,f%6f", &b"fo"[..]),
+            ("data:application/octet-stream;base64,Zm8=", b"fo"),
+            ("data:application/gltf-buffer;base64,/+8", &[0xff, 0xef]),
+        ] {
+            assert_eq!(Target::of(uri), Ok(Target::Data(bytes.into())), "{uri}");
         }
-        assert_eq!(base64("/+8=").unwrap(), [0xff, 0xef]);
-        for bad in ["Z", "Zm9vY", "Zm9*", "Zg===", "Z g="] {
-            assert!(base64(bad).is_err(), "{bad}");
-        }
-        assert_eq!(Target::of("data:application/octet-stream;base64,Zm8="), Ok(Target::Data(b"fo".into())));
-        for bad in ["%FF.bin", "%", "%1", "%zz", "%00", "data:;base64"] {
+        assert_eq!(Target::of("my%20data/a.bin"), Ok(Target::File("my data/a.bin".into())));
+        assert_eq!(Target::of("https://a/b.bin"), Ok(Target::Other("https")));
+        for bad in ["%FF.bin", "data:;base64", "data:;base64,Z", "data:;base64,Zm9*", "data:;base64,Zg==="] {
             assert!(Target::of(bad).is_err(), "{bad}");
         }
     }

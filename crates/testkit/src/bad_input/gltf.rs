@@ -1,4 +1,4 @@
-//! Rows 42 to 74: glTF.
+//! Rows 42 to 74, 97 and 98: glTF.
 
 use super::{Case, Content, Outcome, loaded, refused};
 use std::fmt::Write;
@@ -137,7 +137,7 @@ fn primitives() -> Vec<Case> {
             "Index",
             &format!("{} (materials: 0)", index("meshes[0].primitives[0]: index 3")),
         ),
-        bad(56, mode, r#""mode":7"#, "Parse", "meshes[0].primitives[0]: primitive mode 7 is not supported"),
+        bad(56, mode, r#""mode":7"#, "Parse", "meshes[0].primitives[0]: primitive mode is not supported"),
         but(56, r#""mode":4}"#, r#""mode":4},{"attributes":{"POSITION":0},"mode":0}"#, loaded(&[points])),
         but(56, mode, r#""mode":5"#, loaded(&[])),
         but(56, mode, r#""mode":6"#, loaded(&[])),
@@ -183,7 +183,7 @@ fn nodes() -> Vec<Case> {
             66,
             &scaled("1e300"),
             "Domain",
-            &format!("nodes[0]: transform component 1e300 exceeds {limit} in magnitude"),
+            &format!("nodes[0]: transform component inf exceeds {limit} in magnitude"),
         ),
         nodes(
             66,
@@ -195,7 +195,7 @@ fn nodes() -> Vec<Case> {
             66,
             r#"[{"scale":[1e18,1,1],"children":[1]},{"mesh":0,"scale":[2,1,1]}]"#,
             "Domain",
-            &format!("nodes[1]: transform component 2e18 exceeds {limit} in magnitude"),
+            &format!("nodes[1]: transform component 1.999999968613499e18 exceeds {limit} in magnitude"),
         ),
     ]
 }
@@ -206,12 +206,54 @@ fn extensions() -> Vec<Case> {
         let message = format!("required extension `{extension}` is not supported");
         bad(row, r#","scene""#, &required, "Unsupported", &message)
     };
-    let used = r#","extensionsUsed":["KHR_lights_punctual"],"scene""#;
+    let used = r#","extensionsUsed":["KHR_materials_ior"],"scene""#;
+    let lights = r#","extensionsRequired":["KHR_lights_punctual"],"scene""#;
     vec![
         required(67, "VENDOR_magic"),
         required(68, "KHR_draco_mesh_compression"),
         required(68, "EXT_meshopt_compression"),
-        but(67, r#","scene""#, used, loaded(&["a.glb: extension `KHR_lights_punctual` is ignored"])),
+        but(67, r#","scene""#, used, loaded(&["a.glb: extension `KHR_materials_ior` is ignored"])),
+        but(67, r#","scene""#, lights, loaded(&[])),
+    ]
+}
+
+/// Rows 97 and 98: delta lights.
+pub(super) fn lights() -> Vec<Case> {
+    let node = |light: u32, scale: u32| {
+        let extension = format!(r#"{{"KHR_lights_punctual":{{"light":{light}}}}}"#);
+        format!(r#""nodes":[{{"mesh":0,"scale":[{scale},1,{scale}],"extensions":{extension}}}]"#)
+    };
+    let json = |light: &str, node: String| {
+        let extensions = format!(r#","extensions":{{"KHR_lights_punctual":{{"lights":[{light}]}}}},{node}"#);
+        TRIANGLE.replacen(r#","nodes":[{"mesh":0}]"#, &extensions, 1)
+    };
+    let case = |row, light: &str, node, outcome| {
+        Case::new(row, "a.glb", glb(&json(light, node), &binary()), outcome)
+    };
+    let bad = |light: &str, kind, message: &str| {
+        let message = format!("a.glb: extensions.KHR_lights_punctual.lights[0]: {message}");
+        case(97, light, node(0, 1), refused(kind, message))
+    };
+    let cone = |angles: &str| format!(r#"{{"type":"spot","spot":{{{angles}}}}}"#);
+    let cone_message = |inner, outer| {
+        format!("the cone of a spot light has the angles {inner} and {outer}, not 0 <= inner < outer <= pi/2")
+    };
+    let index = "a.glb: nodes[0]: index 1 is out of range (lights: 1)";
+    let range = "a.glb: extensions.KHR_lights_punctual.lights[0]: ranges of delta lights are ignored: 1";
+    vec![
+        bad(&cone(r#""innerConeAngle":0.5,"outerConeAngle":0.25"#), "Light", &cone_message("0.5", "0.25")),
+        bad(&cone(r#""outerConeAngle":2"#), "Light", &cone_message("0", "2")),
+        bad(&cone(r#""innerConeAngle":-0.5"#), "Light", &cone_message("-0.5", "0.7853981852531433")),
+        bad(r#"{"type":"spot"}"#, "Parse", "spot light has no `spot`"),
+        bad(r#"{"type":"area"}"#, "Parse", "light type is not supported"),
+        bad(
+            r#"{"type":"point","intensity":-683}"#,
+            "Light",
+            "(-1, -1, -1) of a delta light has a component that is neither 0 nor within [1e-50, 1e50]",
+        ),
+        case(97, r#"{"type":"point"}"#, node(1, 1), refused("Index", index.to_owned())),
+        case(98, r#"{"type":"point","range":2}"#, node(0, 1), loaded(&[range])),
+        case(98, &cone(r#""innerConeAngle":0.5,"outerConeAngle":0.5"#), node(0, 1), loaded(&[])),
     ]
 }
 

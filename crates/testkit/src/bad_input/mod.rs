@@ -110,9 +110,9 @@ fn loaded(warnings: &[&str]) -> Outcome {
     Outcome::Loaded { warnings: warnings.iter().map(|&warning| warning.into()).collect() }
 }
 
-/// All cases of rows 1 to 82.
+/// All cases of rows 1 to 82, 97 and 98.
 pub fn cases() -> Vec<Case> {
-    [text::cases(), gltf::cases(), images::cases()].concat()
+    [text::cases(), gltf::cases(), images::cases(), gltf::lights()].concat()
 }
 
 #[cfg(test)]
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn no_row_is_missing() {
         let cases = super::cases();
-        for row in 1..=82 {
+        for row in (1..=82).chain(97..=98) {
             assert!(cases.iter().any(|case| case.row == row), "row {row}");
         }
     }
