@@ -2,9 +2,10 @@
 
 use crate::flags::RenderFlags;
 use crate::monitor::Traced;
-use crate::view::{CameraBy, format_camera};
+use crate::view::{CameraBy, format_camera, format_vector};
 use anyhow::Result;
 use globillum::geom::{Accel, SimdLevel};
+use globillum::glam::DVec3;
 use globillum::integrator::{Camera, Ending, Film, Picture, Scene, Settings};
 use serde::Serialize;
 use std::fmt::{self, Display};
@@ -123,8 +124,9 @@ impl Display for Summary<'_> {
         let million = |count: u64| count as f64 / 1e6;
         let [triangles, emit, degenerate] = [self.triangles, self.lights, self.degenerate_triangles];
         writeln!(f, "triangles     {triangles} ({emit} emit, {degenerate} degenerate)")?;
-        let [min, max] = self.bounds.map(|corner| corner.map(|x| x.to_string()).join(", "));
-        writeln!(f, "bounds        ({min}) to ({max})")?;
+        let bounds = self.bounds.map(|corner| DVec3::from(corner.map(f64::from)));
+        let [min, max] = bounds.map(|corner| format_vector(corner, bounds[0].distance(bounds[1])));
+        writeln!(f, "bounds        {min} to {max}")?;
         let by = match self.camera_by {
             CameraBy::Flag => "as given",
             CameraBy::Scene => "the scene's",

@@ -35,13 +35,13 @@ pub(crate) fn format_camera(camera: &Camera, near: DVec3) -> String {
     let up = camera.ray(0.0, 1.0, 1.0).direction - ray.direction;
     let distance = near.distance(ray.origin);
     let target = ray.at(distance / ray.direction.length());
-    let [from, to] = [ray.origin, target].map(|point| vector(point, distance));
+    let [from, to] = [ray.origin, target].map(|point| format_vector(point, distance));
     let degrees = 2.0 * up.length().atan().to_degrees();
-    format!("{from}/{to}/{}/{}", vector(up.normalize(), 1.0), short(degrees))
+    format!("{from}/{to}/{}/{}", format_vector(up.normalize(), 1.0), short(degrees))
 }
 
 /// Coordinates to six digits each; 0 for those that are rounding errors in things of this size.
-fn vector(v: DVec3, size: f64) -> String {
+pub(crate) fn format_vector(v: DVec3, size: f64) -> String {
     v.to_array().map(|x| short(if x.abs() < 1e-9 * size { 0.0 } else { x })).join(",")
 }
 

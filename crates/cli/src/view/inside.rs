@@ -94,8 +94,8 @@ fn best_view<A: Accel>(
     best.ok_or(RenderError::Camera("a room must have directions"))
 }
 
-/// The mean over a picture of `d / (d + unit)`, with the distance `d` and the `unit` of a quarter of the scene:
-/// what is close to the eye costs more than what is far away brings. It is 0 for a ray that leaves the scene.
+/// The mean over a picture of `d / (d + unit)`, with the distance `d` and a quarter of the scene's diagonal as
+/// `unit`: what is close to the eye costs more than what is far away brings. A ray that leaves the scene has 0.
 fn depth<A: Accel>(scene: &Scene<A>, camera: &Camera, aspect: f64) -> f64 {
     let middle = |i, count| (2.0 * f64::from(i) + 1.0) / f64::from(count) - 1.0;
     let pixels = (0..8).flat_map(|y| (0..12).map(move |x| (middle(x, 12), middle(y, 8))));

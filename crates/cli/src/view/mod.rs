@@ -6,7 +6,7 @@ mod inside;
 mod outside;
 
 pub use axes::Up;
-pub(crate) use flags::format_camera;
+pub(crate) use flags::{format_camera, format_vector};
 pub use flags::{parse_camera, parse_colour};
 pub use outside::of_all;
 

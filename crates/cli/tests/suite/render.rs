@@ -309,7 +309,13 @@ fn figures_say_where_the_scene_and_the_camera_are() {
     assert_eq!(stats["camera_by"], "outside");
     let camera = stats["camera"].as_str().expect("a text");
     let (_, again) = figures(folder.path(), &["a.obj", "--camera", camera]);
-    assert_eq!((&again["camera"], &again["camera_by"]), (&stats["camera"], &"flag".into()));
+    assert_eq!(again["camera_by"], "flag");
+    // The digits that are not shown may change the last one that is.
+    let numbers =
+        |text: &str| text.split(['/', ',']).map(|x| x.parse().expect("a number")).collect::<Vec<f64>>();
+    let (shown, parsed) = (numbers(camera), numbers(again["camera"].as_str().expect("a text")));
+    assert_eq!((shown.len(), parsed.len()), (10, 10));
+    assert!(shown.iter().zip(&parsed).all(|(a, b)| (a - b).abs() < 1e-4), "{shown:?}, {parsed:?}");
     let (_, up) = figures(folder.path(), &["a.obj", "--up", "z"]);
     assert_ne!(up["camera"], stats["camera"]);
     let (_, up) = figures(folder.path(), &["a.obj", "--up", "z", "--camera", "1,-4,2/1,0,0"]);
