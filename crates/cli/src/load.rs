@@ -2,7 +2,7 @@ use crate::console::warn;
 use crate::interrupt::{Interrupt, NOTHING};
 use anyhow::Result;
 use globillum::geom::Triangle;
-use globillum::io::{IoError, Limits, LoadMonitor, LoadReport, Loaded, Loader, Warning, WarningKind};
+use globillum::io::{IoError, LoadMonitor, LoadReport, Loaded, Loader, Warning, WarningKind};
 use std::mem::discriminant;
 use std::path::Path;
 
@@ -14,10 +14,15 @@ pub(crate) enum Warnings {
     FirstOfEachKind,
 }
 
-/// Loads a scene within `limits` unless a signal comes, and warns of what was left out; the caller says so if
-/// there are no lights.
-pub(crate) fn load(path: &Path, limits: Limits, warnings: Warnings, interrupt: &Interrupt) -> Result<Loaded> {
-    let loaded = match Loader::new().limits(limits).monitor(interrupt as &dyn LoadMonitor).load(path) {
+/// Loads a scene by `loader` unless a signal comes, and warns of what was left out; the caller says so if there
+/// are no lights.
+pub(crate) fn load(
+    path: &Path,
+    loader: Loader<'_>,
+    warnings: Warnings,
+    interrupt: &Interrupt,
+) -> Result<Loaded> {
+    let loaded = match loader.monitor(interrupt as &dyn LoadMonitor).load(path) {
         Err(IoError::Cancelled { .. }) => return Err(interrupt.error(NOTHING).into()),
         loaded => loaded?,
     };

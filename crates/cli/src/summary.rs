@@ -27,6 +27,7 @@ pub(crate) struct Summary<'a> {
     triangles: usize,
     degenerate_triangles: usize,
     lights: usize,
+    delta_lights: usize,
     environment: [f64; 3],
     bounds: [[f32; 3]; 2],
     camera: String,
@@ -83,7 +84,8 @@ impl<'a> Summary<'a> {
             roulette_threshold: settings.roulette.threshold,
             triangles: scene.triangles().len(),
             degenerate_triangles: scene.triangles().degenerate_count(),
-            lights: scene.lights().len(),
+            lights: scene.lights().triangles().count(),
+            delta_lights: scene.lights().delta_lights().count(),
             environment: scene.environment().to_array(),
             bounds: [bounds.min, bounds.max].map(|corner| corner.to_array()),
             camera: format_camera(&camera, middle),
@@ -124,6 +126,9 @@ impl Display for Summary<'_> {
         let million = |count: u64| count as f64 / 1e6;
         let [triangles, emit, degenerate] = [self.triangles, self.lights, self.degenerate_triangles];
         writeln!(f, "triangles     {triangles} ({emit} emit, {degenerate} degenerate)")?;
+        if self.delta_lights > 0 {
+            writeln!(f, "delta lights  {}", self.delta_lights)?;
+        }
         let bounds = self.bounds.map(|corner| DVec3::from(corner.map(f64::from)));
         let [min, max] = bounds.map(|corner| format_vector(corner, bounds[0].distance(bounds[1])));
         writeln!(f, "bounds        {min} to {max}")?;

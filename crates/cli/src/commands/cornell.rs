@@ -6,7 +6,7 @@ use crate::{load, parse};
 use anyhow::{Result, ensure};
 use globillum::geom::Triangle;
 use globillum::integrator::{Camera, Model};
-use globillum::io::Limits;
+use globillum::io::Loader;
 use globillum::material::Rgb;
 use globillum::scenes::cornell;
 use std::path::{Path, PathBuf};
@@ -124,7 +124,7 @@ impl Options {
     }
 
     fn mesh(&self, path: &Path, interrupt: &Interrupt) -> Result<Vec<Triangle>> {
-        let loaded = load::load(path, Limits::default(), self.flags.warnings(), interrupt)?;
+        let loaded = load::load(path, Loader::new(), self.flags.warnings(), interrupt)?;
         let mesh = loaded.model.triangles().to_vec();
         ensure!(cornell::has_extent(&mesh), "{}: all vertices are the same point", path.display());
         Ok(mesh)

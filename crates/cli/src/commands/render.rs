@@ -3,7 +3,7 @@ use crate::job::{Job, Subject};
 use crate::view::{self, CameraBy, Up, View};
 use crate::{console, load, parse};
 use anyhow::{Result, anyhow};
-use globillum::io::{Limits, LoadReport, WarningKind};
+use globillum::io::{Limits, LoadReport, Loader, WarningKind};
 use globillum::material::Rgb;
 use std::path::PathBuf;
 
@@ -63,6 +63,13 @@ pub(crate) struct Options {
     #[arg(long, value_name = "R,G,B", help_heading = "Scene")]
     #[arg(allow_hyphen_values = true, value_parser = view::parse_colour)]
     environment: Option<Rgb>,
+    /// Lumens for a watt: divides intensities and irradiances of the delta lights of a glTF file
+    ///
+    /// glTF states them in candela and lux, emissive materials in watts. Blender's exporter multiplies by 683;
+    /// 1 is right for a file that it wrote with the lighting mode Unitless.
+    #[arg(long, value_name = "N", default_value_t = 683.0, help_heading = "Scene")]
+    #[arg(value_parser = parse::positive, allow_negative_numbers = true)]
+    lumens_per_watt: f64,
     /// Refuse scenes of more triangles, where a mesh counts each time it is placed [default: 2^29]
     ///
     /// By default also more than 2^25 and one for each byte of the scene's files are refused.
@@ -80,7 +87,8 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     if let Some(triangles) = options.max_triangles {
         (limits.triangles, limits.instanced) = (triangles, triangles);
     }
-    let loaded = load::load(&options.scene, limits, options.flags.warnings(), &job.interrupt)?;
+    let loader = Loader::new().limits(limits).luminous_efficacy(options.lumens_per_watt);
+    let loaded = load::load(&options.scene, loader, options.flags.warnings(), &job.interrupt)?;
     let name = options.scene.display().to_string();
     let own = loaded.cameras.first().map(|&camera| View::Fixed(camera, CameraBy::Scene));
     let view = camera.or(own).unwrap_or(View::Automatic(options.up));

@@ -119,7 +119,8 @@ mod tests {
     use crate::AccelKind;
     use crate::view::{CameraBy, View};
     use globillum::geom::Triangle;
-    use globillum::integrator::Model;
+    use globillum::glam::Vec3;
+    use globillum::integrator::{DeltaLight, Model};
     use globillum::material::{Material, Rgb};
     use globillum_testkit::shapes::{cuboid, icosphere, inside_out};
     use globillum_testkit::{cornell, scenes};
@@ -169,10 +170,15 @@ mod tests {
     }
 
     #[test]
+    fn a_point_light_lights_a_room() {
+        let mut room = model([(white(), walls())]);
+        room.add_delta_light(DeltaLight::point(Vec3::Y, Rgb::splat(5.0)).expect("in range"));
+        assert_eq!(view(room, Up::Y, 0.0, AccelKind::Wide).1, CameraBy::Inside);
+    }
+
+    #[test]
     fn up_is_up_in_rooms_too() {
-        let swap = |t: Triangle| Triangle {
-            vertices: t.vertices.map(|v| globillum::glam::Vec3::new(v.x, -v.z, v.y)),
-        };
+        let swap = |t: Triangle| Triangle { vertices: t.vertices.map(|v| Vec3::new(v.x, -v.z, v.y)) };
         let parts = [(white(), walls()), (light(), bulb(DVec3::Y))];
         let room = model(parts.map(|(material, t)| (material, t.into_iter().map(swap).collect())));
         let (camera, by) = view(room, Up::Z, 0.0, AccelKind::Wide);

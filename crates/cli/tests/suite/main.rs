@@ -1,6 +1,7 @@
 //! The program `globillum` as its users meet it.
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 
+mod blender;
 mod checkpoints;
 mod cornell;
 mod example;

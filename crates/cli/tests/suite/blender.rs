@@ -1,0 +1,86 @@
+//! `globillum render` of files that Blender wrote (`crates/io/tests/blender`).
+
+use crate::RENDER;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+/// A picture of a file: its pixels and its figures.
+struct Shot {
+    pixels: image::Rgb32FImage,
+    stats: Value,
+}
+
+impl Shot {
+    fn of(file: &str, flags: &[&str]) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "../io/tests/blender", file].iter().collect();
+        let path = path.to_str().expect("a plain name");
+        let out = ["--out", "a.exr", "--stats", "a.json"];
+        RENDER.succeed(folder.path(), &[&[path], &out[..], flags].concat());
+        let read = |name: &str| std::fs::read(Path::new(folder.path()).join(name)).expect("it was written");
+        let pixels = image::load_from_memory(&read("a.exr")).expect("a picture").into_rgb32f();
+        Self { pixels, stats: serde_json::from_slice(&read("a.json")).expect("it is JSON") }
+    }
+}
+
+#[test]
+fn the_startup_scene_shows_its_lit_cube_through_its_camera() {
+    let shot = Shot::of("startup.glb", &["--width", "96", "--height", "54", "--spp", "16"]);
+    assert_eq!((&shot.stats["lights"], &shot.stats["delta_lights"]), (&json!(0), &json!(1)));
+    assert_eq!(
+        (&shot.stats["camera_by"], &shot.stats["environment"]),
+        (&json!("scene"), &json!([0.0, 0.0, 0.0]))
+    );
+    assert_eq!(shot.stats["bounds"], json!([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]));
+    // Blender's point light of 1000 W is at (4.076, 1.005, 5.904), z up; the albedo is 0.8. The corner of the top
+    // that is nearest to it gets most.
+    let (to, intensity) = ([4.0762453_f64 - 1.0, 1.0054539 - 1.0, 5.903862 - 1.0], 1000.0 / (4.0 * PI));
+    let distance_sq: f64 = to.iter().map(|x| x * x).sum();
+    let expected = 0.8 / PI * intensity * to[2] / distance_sq.powf(1.5);
+    let brightest = shot.pixels.pixels().map(|pixel| f64::from(pixel.0[0])).fold(0.0, f64::max);
+    assert!((0.95..1.0).contains(&(brightest / expected)), "{brightest}, {expected}");
+    assert_eq!(shot.pixels.get_pixel(0, 0).0, [0.0; 3]);
+    let lit = shot.pixels.pixels().filter(|pixel| pixel.0[0] > 0.0).count();
+    assert!((200..2000).contains(&lit), "{lit} pixels show the cube");
+}
+
+#[test]
+fn lumens_per_watt_divide_delta_lights() {
+    let mean = |flags: &[&str]| {
+        let size = ["--width", "32", "--height", "18", "--spp", "4"];
+        Shot::of("startup.glb", &[&size[..], flags].concat()).stats["image_mean"][0]
+            .as_f64()
+            .expect("a number")
+    };
+    assert_eq!(mean(&["--lumens-per-watt", "341.5"]), 2.0 * mean(&[]));
+    RENDER.assert_refused(
+        |_| (),
+        &["a.glb", "--lumens-per-watt", "0"],
+        &["--lumens-per-watt 0: must be a number above 0"],
+    );
+}
+
+#[test]
+fn a_room_is_rendered_as_its_twin_without_textures() {
+    let flags = ["--width", "48", "--height", "36", "--spp", "4"];
+    for (room, plain) in
+        [("room.glb", "room_plain.glb"), ("room.obj", "room_plain.obj"), ("room_pbr.obj", "room_plain.obj")]
+    {
+        let shots = [room, plain].map(|file| Shot::of(file, &flags));
+        assert!(shots[0].pixels == shots[1].pixels, "{room}");
+        assert!(shots[0].stats["image_mean"][0].as_f64().is_some_and(|mean| mean > 0.05), "{room}");
+    }
+}
+
+/// The room has a window, and its OBJ file no camera.
+#[test]
+fn a_room_without_a_camera_is_seen_from_inside() {
+    let shot = Shot::of("room.obj", &["--width", "48", "--height", "36", "--spp", "1"]);
+    assert_eq!(shot.stats["camera_by"], "inside");
+    let shot = Shot::of("bust.obj", &["--width", "48", "--height", "36", "--spp", "1", "--up", "z"]);
+    assert_eq!(
+        (&shot.stats["camera_by"], &shot.stats["environment"]),
+        (&json!("outside"), &json!([1.0, 1.0, 1.0]))
+    );
+}
