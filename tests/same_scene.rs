@@ -29,7 +29,7 @@ const MTL: &str = "
 newmtl floor
 Kd 0.75 0.5 0.25
 newmtl mirror
-Ks 0.875 0.875 0.875
+Ks 0.9 0.9 0.9
 illum 3
 newmtl light
 Kd 0
@@ -54,7 +54,7 @@ const GLTF: &str = r#"{
       "emissiveFactor": [0.75, 0.625, 0.5],
       "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 16}}},
     {"name": "mirror", "pbrMetallicRoughness":
-      {"baseColorFactor": [0.875, 0.875, 0.875, 1], "metallicFactor": 1, "roughnessFactor": 0}}
+      {"baseColorFactor": [0.9, 0.9, 0.9, 1], "metallicFactor": 1, "roughnessFactor": 0}}
   ],
   "accessors": [
     {"bufferView": 0, "componentType": 5126, "count": 10, "type": "VEC3"},
