@@ -128,7 +128,7 @@ impl Wavefront {
                 self.paths.push(Path::from_camera(self.paths.len() as u32, numbers, camera.eye()));
             }
         }
-        draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
+        draw_film_numbers(context.simd, &self.paths, &mut self.film_numbers);
         let of_pixels = self.film_numbers.chunks_exact(samples.len());
         for ((x, y), numbers) in tile.pixels().zip(of_pixels) {
             for &u in numbers {
@@ -149,14 +149,8 @@ impl Wavefront {
         bounce: u32,
         counters: &mut Counters,
     ) {
-        let roulette = context.settings.roulette;
-        draw_numbers(
-            context.simd,
-            &self.paths,
-            &mut self.bounce_numbers,
-            #[inline(always)]
-            |samples| BounceNumbers::draw(samples, bounce, bounce >= roulette.start),
-        );
+        let with_roulette = bounce >= context.settings.roulette.start;
+        draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
         self.contributions.clear();
         self.shadow_rays.clear();
         self.mirror_samples.clear();
@@ -225,6 +219,28 @@ impl Wavefront {
         self.paths.truncate(kept);
         self.rays.truncate(kept);
     }
+}
+
+// These two depend on no type of accelerator, so that they are compiled once, here, and not with each program.
+
+fn draw_film_numbers(simd: SimdLevel, paths: &[Path], drawn: &mut Vec<[f64; 2]>) {
+    draw_numbers(simd, paths, drawn, Numbers::films);
+}
+
+fn draw_bounce_numbers(
+    simd: SimdLevel,
+    paths: &[Path],
+    bounce: u32,
+    with_roulette: bool,
+    drawn: &mut Vec<BounceNumbers>,
+) {
+    draw_numbers(
+        simd,
+        paths,
+        drawn,
+        #[inline(always)]
+        |samples| BounceNumbers::draw(samples, bounce, with_roulette),
+    );
 }
 
 /// Fills `drawn` with what `draw` returns for the random numbers of each path.
