@@ -1,5 +1,6 @@
 //! Scenes of known radiance, rendered by every applicable estimator in every accelerator.
 
+use crate::in_every_structure::film_in_every_structure;
 use approx::assert_relative_eq;
 use glam::DVec3;
 use globillum::geom::Accel;
@@ -8,7 +9,7 @@ use globillum::integrator::{
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
-use globillum_testkit::scenes::{self, film_in_every_structure, stare};
+use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];

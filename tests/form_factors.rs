@@ -1,12 +1,13 @@
 //! Illumination in closed form, by Sobol' points: form factors, mirrors, shadows, and scenes in which every
 //! sample is exact.
 
+use crate::in_every_structure::film_in_every_structure as film;
 use glam::DVec3;
 use globillum::integrator::{Estimator, LightSampling, Model, Settings, render};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::form_factor::corner;
-use globillum_testkit::scenes::{self, film_in_every_structure as film, stare};
+use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{cuboid, inside_out, quad};
 use globillum_testkit::stats::{Estimate, independent_pixels};
 

@@ -3,12 +3,12 @@
 
 #![allow(clippy::print_stderr, reason = "reports skipped tests")]
 
-use globillum::geom::WideKdTree;
-use globillum::integrator::{Scene, Settings, render};
+use globillum::integrator::{Settings, render};
 use globillum::io::{Loaded, load};
 use globillum::material::{Bsdf, Reflectance, Rgb};
-use globillum_testkit::cornell;
+use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::reference::Reference;
+use globillum_testkit::{cornell, scenes};
 use std::path::{Path, PathBuf};
 
 /// Largest deviation of a block in standard errors. Six pictures of 256 blocks and three channels together
@@ -34,7 +34,7 @@ fn reference(name: &str) -> Option<(Loaded, Reference)> {
 fn check(name: &str, samples: [u32; 2]) {
     let Some((loaded, reference)) = reference(name) else { return };
     assert_eq!(loaded.report.warnings, []);
-    let scene = Scene::build(loaded.model, WideKdTree::build).expect("it is good");
+    let scene = scenes::scene(&loaded.model, STRUCTURES[0].1);
     for (max_bounces, samples) in [None, Some(1)].into_iter().zip(samples) {
         let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
         settings.max_bounces = max_bounces;

@@ -278,14 +278,14 @@ impl Accel for Failing {
     }
 }
 
-fn failing(rays: u32, how: Failure) -> (Scene<Failing>, Camera) {
+fn failing(rays: u32, how: Failure) -> (Scene<Box<dyn Accel>>, Camera) {
     (failing_in(&scenes::light_over_floor(), rays, how), light_over_floor().1)
 }
 
-fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Failing> {
-    let build = |triangles: &_| {
+fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Box<dyn Accel>> {
+    let build = |triangles: &_| -> Result<Box<dyn Accel>, _> {
         let inner: Box<dyn Accel> = STRUCTURES[0].1(triangles)?;
-        Ok(Failing { inner, left: AtomicU32::new(rays), how })
+        Ok(Box::new(Failing { inner, left: AtomicU32::new(rays), how }))
     };
     Scene::build(model.clone(), build).expect("the model is good")
 }

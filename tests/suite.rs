@@ -15,6 +15,7 @@ mod extremes;
 mod finite_form_factors;
 mod form_factors;
 mod gltf_reference;
+mod in_every_structure;
 mod light_leaks;
 mod mirrors;
 mod own_estimator;

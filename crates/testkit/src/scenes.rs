@@ -1,10 +1,10 @@
 //! Scenes of known radiance, and cameras that look at one point of them.
 
-use crate::accelerators::{Builder, Measurable, STRUCTURES};
+use crate::accelerators::{Builder, Measurable};
 use crate::shapes::{cuboid, icosphere, inside_out, quad};
 use glam::DVec3;
 use globillum_geom::{Accel, Triangle};
-use globillum_integrator::{Camera, Film, Model, Render, Scene, Settings};
+use globillum_integrator::{Camera, Model, Scene};
 use globillum_material::{Emission, Material, Rgb, Sides};
 
 /// The scene of a valid model.
@@ -14,21 +14,6 @@ use globillum_material::{Emission, Material, Rgb, Sides};
 pub fn scene(model: &Model, build: Builder) -> Scene<Box<dyn Accel>> {
     let upcast = |accel: Box<dyn Measurable>| -> Box<dyn Accel> { accel };
     Scene::build(model.clone(), |triangles| build(triangles).map(upcast)).expect("the model is good")
-}
-
-/// The film of a model, rendered with the first of [`STRUCTURES`].
-///
-/// # Panics
-/// If the model is not valid, or if the first pass has other bits with another structure. A comparison of bits
-/// needs fewer samples than a mean.
-pub fn film_in_every_structure(model: &Model, camera: &Camera, settings: &Settings) -> Film {
-    let [first, others @ ..] = STRUCTURES.map(|(name, build)| (name, scene(model, build)));
-    let render = |scene| Render::new(scene, camera, settings);
-    let first_pass = |scene| render(scene).passes(0..1).run(&()).expect("the scene is good").film;
-    for (name, other) in &others {
-        assert_eq!(first_pass(other), first_pass(&first.1), "the {name} gives another picture");
-    }
-    render(&first.1).run(&()).expect("the scene is good").film
 }
 
 /// A camera at `eye` whose whole picture shows one point, `target`, up to `1e-9` radians.

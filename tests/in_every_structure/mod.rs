@@ -1,0 +1,22 @@
+//! Films of which all structures agree.
+
+use globillum::integrator::{Camera, Film, Model, Settings, render};
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::scenes::scene;
+
+/// The film of a model, rendered with the first of [`STRUCTURES`].
+///
+/// # Panics
+/// If the model is not valid, or if four samples per pixel have other bits with another structure. A comparison
+/// of bits needs fewer samples than a mean.
+pub(crate) fn film_in_every_structure(model: &Model, camera: &Camera, settings: &Settings) -> Film {
+    let [(_, first), others @ ..] = STRUCTURES.map(|(name, build)| (name, scene(model, build)));
+    let film = |scene, settings| render(scene, camera, settings, &()).expect("the scene is good").film;
+    let mut few = *settings;
+    few.samples = few.samples.min(4);
+    let expected = film(&first, &few);
+    for (name, other) in &others {
+        assert_eq!(film(other, &few), expected, "the {name} gives another picture");
+    }
+    film(&first, settings)
+}
