@@ -1,9 +1,10 @@
 //! The accelerators under test. A new accelerator needs one line here.
 
 use globillum_geom::{
-    Accel, BruteForce, Counts, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel, SplitRule,
-    Traverse, Triangles, UniformGrid, WideKdTree,
+    Aabb, Accel, BruteForce, Counts, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel,
+    SplitRule, Traverse, Triangles, UniformGrid, WideKdTree,
 };
+use std::fmt::Debug;
 
 /// An accelerator whose traversal steps can be counted.
 pub trait Measurable: Accel {
@@ -70,6 +71,83 @@ pub const RULES: [(&str, Builder); 7] = [
 /// All accelerators and variants.
 pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
     ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(SMALL_CELLS).chain(RULES)
+}
+
+/// [`all`] of them in one: comparing its answers with an oracle's compares those of each, and asks the oracle
+/// only once.
+///
+/// A query panics and names the accelerator whose answer differs from that of brute force in any bit.
+#[derive(Debug)]
+pub struct Unanimous {
+    triangles: Triangles,
+    accelerators: Vec<(&'static str, Box<dyn Measurable>)>,
+}
+
+impl Unanimous {
+    /// Builds all accelerators.
+    ///
+    /// # Errors
+    /// The first error of building one.
+    pub fn build(triangles: &Triangles) -> Result<Self, GeomError> {
+        let accelerators = all().map(|(name, build)| Ok((name, build(triangles)?)));
+        Ok(Self { accelerators: accelerators.collect::<Result<_, _>>()?, triangles: triangles.clone() })
+    }
+
+    /// The common `answer` to the query `asked`; two answers with the same `bits` are equal.
+    fn answer<T: Debug, B: PartialEq>(
+        &self,
+        asked: &dyn Debug,
+        answer: impl Fn(&dyn Accel) -> T,
+        bits: impl Fn(&T) -> B,
+    ) -> T {
+        let mut answers = self.accelerators.iter().map(|(name, accel)| (name, answer(accel)));
+        let (_, first) = answers.next().expect("there are accelerators");
+        for (name, other) in answers {
+            let agrees = bits(&other) == bits(&first);
+            assert!(agrees, "{name}: {other:?}, not {first:?}; {asked:?}; {:?}", self.triangles.as_slice());
+        }
+        first
+    }
+}
+
+fn bits(hit: &Option<Hit>) -> Option<([u64; 3], u32)> {
+    hit.map(|h| ([h.t, h.u, h.v].map(f64::to_bits), h.triangle))
+}
+
+impl Accel for Unanimous {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.answer(ray, |accel| accel.intersect(ray), bits)
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.answer(ray, |accel| accel.occluded(ray), bool::clone)
+    }
+
+    fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        let batch = |accel: &dyn Accel| {
+            let mut hits = Vec::new();
+            accel.intersect_batch(rays, &mut hits);
+            hits
+        };
+        *hits = self.answer(&rays, batch, |hits| hits.iter().map(bits).collect::<Vec<_>>());
+    }
+
+    fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        let batch = |accel: &dyn Accel| {
+            let mut occluded = Vec::new();
+            accel.occluded_batch(rays, &mut occluded);
+            occluded
+        };
+        *occluded = self.answer(&rays, batch, Vec::clone);
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.triangles.bounds()
+    }
+
+    fn bytes(&self) -> usize {
+        self.accelerators.iter().map(|(_, accel)| accel.bytes()).sum()
+    }
 }
 
 /// The options for comparing split rules: one plane of lookahead. Without it the simple rules stop where one
