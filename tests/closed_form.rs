@@ -36,16 +36,19 @@ fn into_the_furnace() -> Camera {
 
 #[test]
 fn a_furnace_after_any_number_of_bounces() {
-    for (rho, limits) in [(0.5, [Some(1), Some(5), None]), (0.8, [Some(2), Some(8), None])] {
+    let cases = [
+        (0.5, [(Some(1), 12), (Some(5), 12), (None, 20)]),
+        (0.8, [(Some(2), 12), (Some(8), 12), (None, 44)]),
+    ];
+    for (rho, limits) in cases {
         let model = scenes::furnace(rho, 1.0, DVec3::ZERO);
-        for limit in limits {
+        for (limit, samples) in limits {
             let truth = match limit {
                 Some(n) => (1.0 - f64::powi(rho, n as i32 + 1)) / (1.0 - rho),
                 None => 1.0 / (1.0 - rho),
             };
             // Light sampling has infinite variance where emitting walls meet.
             for estimator in [Estimator::Bsdf, Estimator::Mis] {
-                let samples = if limit.is_some() { 32 } else { 64 };
                 let mut s = settings(samples);
                 (s.max_bounces, s.estimator) = (limit, estimator);
                 let what = format!("rho {rho}, limit {limit:?}, {estimator:?}");
@@ -137,15 +140,14 @@ fn a_small_light_far_away() {
 #[test]
 fn a_kaleidoscope_of_mirrors() {
     let model = scenes::kaleidoscope(0.5, 0.8);
-    let targets = [(DVec3::new(0.3, 1.0, 0.6), 1.0 / 0.6), (DVec3::new(0.3, 0.0, 0.6), 0.5 / 0.6)];
-    for (target, truth) in targets {
-        for estimator in ALL {
-            // `Light` chooses one of four mirrors for a light as large as a wall.
-            let mut s = settings(match estimator {
-                Estimator::Bsdf => 20,
-                Estimator::Light => 64,
-                _ => 48,
-            });
+    // `Light` chooses one of four mirrors for a light as large as a wall.
+    let targets = [
+        (DVec3::new(0.3, 1.0, 0.6), 1.0 / 0.6, [6, 13, 10]),
+        (DVec3::new(0.3, 0.0, 0.6), 0.5 / 0.6, [20, 60, 40]),
+    ];
+    for (target, truth, samples) in targets {
+        for (estimator, samples) in ALL.into_iter().zip(samples) {
+            let mut s = settings(samples);
             // Earlier Russian roulette would end many paths between the mirrors and raise the variance.
             (s.estimator, s.roulette.start) = (estimator, 24);
             let camera = stare(DVec3::new(0.4, 0.45, 0.4), target);

@@ -176,7 +176,7 @@ fn a_furnace_with_path_reuse() {
     let model = scenes::furnace(0.5, 1.0, DVec3::ZERO);
     for (limit, truth) in [(Some(2), 1.75), (Some(5), 2.0 - f64::powi(0.5, 5)), (None, 2.0)] {
         for estimator in [Bsdf, Mis] {
-            let mut settings = Settings::new(64, 64, 128);
+            let mut settings = Settings::new(64, 64, 64);
             (settings.max_bounces, settings.estimator) = (limit, estimator);
             let film = film(&model, &camera, &settings);
             let what = format!("limit {limit:?}, {estimator:?}");

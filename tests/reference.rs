@@ -1,9 +1,9 @@
 //! Compares the Cornell box with pictures by an independent renderer (Mitsuba 3.9.1).
 
-use globillum::geom::WideKdTree;
-use globillum::integrator::{Estimator, PathReuse, Scene, Settings, render};
-use globillum_testkit::cornell;
+use globillum::integrator::{Estimator, PathReuse, Settings, render};
+use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::reference::{Deviation, Reference};
+use globillum_testkit::{cornell, scenes};
 
 use Estimator::{Bsdf, Light, Mis};
 use PathReuse::{Fours, Off};
@@ -26,7 +26,7 @@ fn deviation(
     let reference = Reference::parse(reference);
     let blocks = if max_bounces.is_some() { &reference.direct } else { &reference.path };
     let model = cornell::with_blocks(specular).expect("the box is good");
-    let scene = Scene::build(model, WideKdTree::build).expect("the box is good");
+    let scene = scenes::scene(&model, STRUCTURES[0].1);
     let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
     (settings.estimator, settings.path_reuse, settings.max_bounces) = (estimator, path_reuse, max_bounces);
     let camera = cornell::camera().expect("the camera is good");
@@ -54,7 +54,7 @@ const BOX_MIRROR: &str = include_str!("reference/box_mirror.json");
 #[test]
 fn the_box_in_global_illumination() {
     for path_reuse in [Off, Fours] {
-        check(BOX, false, (Mis, path_reuse), None, 1024);
+        check(BOX, false, (Mis, path_reuse), None, 512);
     }
 }
 
@@ -70,7 +70,7 @@ fn the_box_with_a_mirror_in_global_illumination() {
     }
     // BSDF sampling hits the light rarely, especially by way of a mirror. Means of fewer samples would not be
     // nearly normal.
-    let scattered = deviation(BOX_MIRROR, true, (Bsdf, Off), None, 4096);
+    let scattered = deviation(BOX_MIRROR, true, (Bsdf, Off), None, 2048);
     assert!(scattered.largest_z < Z_LIMIT, "{scattered:?}");
 }
 
