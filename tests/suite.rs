@@ -14,6 +14,7 @@ mod error_bars;
 mod extremes;
 mod finite_form_factors;
 mod form_factors;
+mod geometry;
 mod gltf_reference;
 mod in_every_structure;
 mod light_leaks;

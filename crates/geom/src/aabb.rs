@@ -48,18 +48,3 @@ impl Aabb {
         e.x * e.y + e.y * e.z + e.z * e.x
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_empty_box_is_neutral() {
-        let cube = Aabb::around([Vec3::ZERO, Vec3::ONE]);
-        assert!(Aabb::EMPTY.is_empty() && !cube.is_empty());
-        assert_eq!(cube.union(&Aabb::EMPTY), cube);
-        assert_eq!(Aabb::EMPTY.half_area(), 0.0);
-        assert_eq!(cube.half_area(), 3.0);
-        assert!(cube.intersection(&Aabb::around([Vec3::splat(2.0)])).is_empty());
-    }
-}

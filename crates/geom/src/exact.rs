@@ -25,25 +25,3 @@ pub(crate) fn cross(a: DVec3, b: DVec3) -> DVec3 {
         difference_of_products(a.x, b.y, a.y, b.x),
     )
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// For integers of up to 53 bits, `i128` holds the exact difference.
-        #[test]
-        fn a_difference_of_products_is_within_a_rounding_and_a_half(
-            a in -(1i64 << 53)..1i64 << 53, b in -(1i64 << 53)..1i64 << 53,
-            da in -3i64..=3, db in -3i64..=3,
-        ) {
-            let clamp = |x: i64| x.clamp(-(1 << 53), 1 << 53);
-            let (c, d) = (clamp(a + da), clamp(b + db));
-            let exact = i128::from(a) * i128::from(b) - i128::from(c) * i128::from(d);
-            let got = difference_of_products(a as f64, b as f64, c as f64, d as f64);
-            prop_assert_eq!(exact.signum() as f64, if got == 0.0 { 0.0 } else { got.signum() });
-            prop_assert!((got - exact as f64).abs() <= 2.0 * f64::EPSILON * (exact as f64).abs());
-        }
-    }
-}

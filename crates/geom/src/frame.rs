@@ -40,30 +40,3 @@ impl Frame {
         local.x * self.tangent + local.y * self.bitangent + local.z * self.normal
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn frames_are_orthonormal_and_right_handed(z in -1.0..=1.0f64, phi in 0.0..6.3f64) {
-            let r = (1.0 - z * z).max(0.0).sqrt();
-            let normal = DVec3::new(r * phi.cos(), r * phi.sin(), z);
-            let f = Frame::around(normal);
-            prop_assert!((f.tangent.cross(f.bitangent) - normal).length() < 1e-14);
-            prop_assert!((f.tangent.length() - 1.0).abs() < 1e-14);
-            let w = DVec3::new(0.3, -0.5, 0.7);
-            prop_assert!((f.to_world(f.to_local(w)) - w).length() < 1e-14);
-        }
-    }
-
-    #[test]
-    fn the_poles_are_ordinary() {
-        for normal in [DVec3::Z, -DVec3::Z, DVec3::new(0.0, 0.0, -1.0)] {
-            let f = Frame::around(normal);
-            assert_eq!(f.tangent.cross(f.bitangent), normal);
-        }
-    }
-}

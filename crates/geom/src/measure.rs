@@ -41,15 +41,3 @@ impl PdfSolidAngle {
         self.0 / (self.0 + other.0)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn area_density_becomes_solid_angle_density() {
-        let pdf = PdfArea(0.25).chosen_with(0.5);
-        assert_eq!(pdf.to_solid_angle(4.0, -0.5), Some(PdfSolidAngle(1.0)));
-        assert_eq!(pdf.to_solid_angle(4.0, 0.0), None);
-    }
-}

@@ -111,38 +111,3 @@ impl Probe for Watch {
         self.counts.repeats += u64::from(!self.tested.insert(triangle));
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{BruteForce, GridOptions, KdOptions, KdTree, SplitRule, Triangle, Triangles, UniformGrid};
-    use glam::{DVec3, Vec3};
-
-    /// Two small triangles far apart, and a long one that overlaps the cells of both.
-    fn scene() -> Triangles {
-        let small = |x: f32| Triangle::new(Vec3::X * x, Vec3::X * (x + 1.0), Vec3::new(x, 1.0, 0.0));
-        let long = Triangle::new(Vec3::Z, Vec3::new(11.0, 0.0, 1.0), Vec3::new(0.0, 1.0, 1.0));
-        Triangles::new(vec![small(0.0), small(10.0), long]).unwrap()
-    }
-
-    #[test]
-    fn every_structure_counts_alike() {
-        let triangles = scene();
-        // The ray misses all three triangles, so it visits every cell along its way.
-        let ray = Ray::new(DVec3::new(-1.0, 0.9, 0.5), DVec3::X);
-        let brute = Counts::closest(&BruteForce::build(&triangles), &ray);
-        assert_eq!(brute, (None, Counts { rays: 1, tests: 3, ..Counts::default() }));
-
-        let midpoint = KdOptions::by_rule(SplitRule::Midpoint);
-        let halved = KdOptions { traversal_cost: 0.0, max_depth: 1, leaf_size: 0, ..midpoint };
-        let (hit, kd) = Counts::closest(&KdTree::build(&triangles, &halved).unwrap(), &ray);
-        let expected = Counts { rays: 1, hits: 0, visits: 1, opened: 2, tests: 4, repeats: 1 };
-        assert_eq!((hit, kd), (None, expected));
-
-        // Two cells; the mailbox avoids the second test of the long triangle.
-        let two_cells = GridOptions { resolution: Some([2, 1, 1]), ..GridOptions::default() };
-        let (hit, grid) = Counts::closest(&UniformGrid::build(&triangles, &two_cells).unwrap(), &ray);
-        assert_eq!((hit, grid), (None, Counts { visits: 2, tests: 3, repeats: 0, ..expected }));
-        assert_eq!(Counts::any(&UniformGrid::build(&triangles, &two_cells).unwrap(), &ray).1, grid);
-    }
-}

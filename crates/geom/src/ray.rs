@@ -65,36 +65,3 @@ impl Ray {
 const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn powers_of_two_are_exact() {
-        assert_eq!(power_of_two(0), 1.0);
-        assert_eq!(power_of_two(-600), 2.0_f64.powi(-600));
-        assert_eq!(Ray::MAX_ORIGIN, 2.0_f64.powi(300));
-    }
-
-    #[test]
-    fn invalid_rays_are_not_traceable() {
-        let good = Ray::new(DVec3::ZERO, DVec3::X);
-        assert!(good.is_traceable());
-        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            for axis in 0..3 {
-                let mut ray = good;
-                ray.origin[axis] = bad;
-                assert!(!ray.is_traceable(), "{ray:?}");
-                let mut ray = good;
-                ray.direction[axis] = bad;
-                assert!(!ray.is_traceable(), "{ray:?}");
-            }
-        }
-        assert!(!Ray::new(DVec3::ZERO, DVec3::ZERO).is_traceable());
-        assert!(!good.with_range(1.0, 1.0).is_traceable());
-        assert!(!good.with_range(f64::NAN, 1.0).is_traceable());
-        assert!(!good.with_range(0.0, f64::NAN).is_traceable());
-        assert!(!good.with_range(f64::INFINITY, f64::INFINITY).is_traceable());
-    }
-}

@@ -162,36 +162,3 @@ pub fn statue(triangles: usize) -> Mesh {
         0.17 * ripple * (v.cos() * side + v.sin() * normal)
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Asserts that each directed edge occurs once, and so does its opposite.
-    fn assert_closed(mesh: &Mesh) {
-        let mut edges = HashMap::new();
-        for f in &mesh.faces {
-            for i in 0..3 {
-                *edges.entry((f[i], f[(i + 1) % 3])).or_insert(0) += 1;
-            }
-        }
-        assert!(edges.iter().all(|(&(a, b), &n)| n == 1 && edges.get(&(b, a)) == Some(&1)));
-    }
-
-    fn volume(mesh: &Mesh) -> f64 {
-        let corner = |i: usize| mesh.vertices[i];
-        mesh.faces.iter().map(|f| corner(f[0]).dot(corner(f[1]).cross(corner(f[2]))) / 6.0).sum()
-    }
-
-    #[test]
-    fn the_closed_shapes_are_closed_and_face_outward() {
-        let sphere = icosphere(3);
-        assert_eq!(sphere.faces.len(), 1280);
-        for mesh in [sphere, torus(40, 20), statue(5000)] {
-            assert_closed(&mesh);
-            assert!(volume(&mesh) > 0.1, "{}", volume(&mesh));
-        }
-        assert!((volume(&icosphere(5)) - 4.18879).abs() < 0.01);
-        assert!(statue(70_000).faces.len().abs_diff(70_000) < 1000);
-    }
-}

@@ -746,3 +746,16 @@ fn any_number_of_threads_builds_the_same_tree() {
         }
     }
 }
+
+/// Nor by other factors than powers of two, by which coordinates are rounded elsewhere, so that boxes are not
+/// quite the same.
+#[test]
+fn the_unit_of_length_does_not_change_a_wide_tree() {
+    let bytes = |levels, scale| {
+        let mesh = icosphere(levels).placed(scale, DVec3::ZERO);
+        WideKdTree::build(&Triangles::new(mesh.triangles()).unwrap()).unwrap().bytes()
+    };
+    assert_eq!([-80, 0, 50].map(|exponent| bytes(4, 2.0_f64.powi(exponent))), [bytes(4, 1.0); 3]);
+    let bytes = [1.0, 1.1, 1.2, 1.4, 1.7].map(|scale| bytes(5, scale));
+    assert!(bytes.iter().all(|other| other.abs_diff(bytes[0]) < bytes[0] / 100), "{bytes:?}");
+}

@@ -63,20 +63,3 @@ fn edge(p: [f64; 3], q: [f64; 3]) -> f64 {
     let remainder = f64::mul_add(-p[1], q[0], product);
     f64::mul_add(p[0], q[1], -product) + remainder
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::{DVec3, Vec3};
-
-    #[test]
-    fn ties_go_to_the_smallest_index_and_ranges_are_open() {
-        let t = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
-        let far = Triangle::new(-Vec3::Z, Vec3::X - Vec3::Z, Vec3::Y - Vec3::Z);
-        let ray = Ray::new(DVec3::new(0.25, 0.25, 1.0), -DVec3::Z);
-        let all = [far, t, t];
-        assert_eq!(closest(&all, &ray).map(|h| (h.t, h.triangle)), Some((1.0, 1)));
-        assert_eq!(closest(&all, &ray.with_range(1.0, 9.0)).map(|h| (h.t, h.triangle)), Some((2.0, 0)));
-        assert_eq!(closest(&all, &ray.with_range(1.0, 2.0)), None);
-    }
-}

@@ -103,39 +103,3 @@ fn median(values: &mut [f64]) -> f64 {
     let half = values.len() / 2;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(half, f64::total_cmp).1 }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{KdOptions, SplitRule, Triangle, Triangles};
-    use glam::Vec3;
-
-    #[test]
-    fn two_triangles_and_the_space_between() {
-        // Two triangles in the planes x = 0 and x = 4 of a box 4 by 1 by 1.
-        let wall = |x: f32| Triangle::new(Vec3::X * x, Vec3::new(x, 1.0, 0.0), Vec3::new(x, 0.0, 1.0));
-        let triangles = Triangles::new(vec![wall(0.0), wall(4.0)]).unwrap();
-        let options = KdOptions {
-            max_depth: 2,
-            leaf_size: 0,
-            traversal_cost: 0.0,
-            ..KdOptions::by_rule(SplitRule::Midpoint)
-        };
-        let stats = KdTree::build(&triangles, &options).unwrap().stats();
-        // Split at 2, then at 1 and 3: the two inner quarters are empty.
-        assert_eq!((stats.depth, stats.nodes, stats.leaves, stats.empty_leaves), (2, 7, 4, 2));
-        assert_eq!((stats.references, stats.references_per_triangle), (2, 1.0));
-        assert_eq!((stats.empty_volume, stats.aspect), (0.5, 1.0));
-        // Half areas: 9 for the whole, 5 for a half, 3 for a quarter.
-        assert_eq!(stats.expected_visits, 1.0 + 5.0 / 9.0 + 5.0 / 9.0);
-        assert_eq!(stats.expected_tests, stats.expected_opened);
-        assert!((stats.expected_tests - 6.0 / 9.0).abs() < 1e-15);
-        assert!((stats.expected_cost(9.0) - 19.0 - 6.0 / 9.0).abs() < 1e-14);
-    }
-
-    #[test]
-    fn nothing_has_no_shape() {
-        let nothing = KdTree::build(&Triangles::new(Vec::new()).unwrap(), &KdOptions::default()).unwrap();
-        assert_eq!(nothing.stats(), KdStats { nodes: 1, leaves: 1, empty_leaves: 1, ..KdStats::default() });
-    }
-}

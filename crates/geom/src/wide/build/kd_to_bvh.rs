@@ -244,9 +244,8 @@ fn is_empty(tree: &KdTree, cell: u32) -> bool {
 mod tests {
     use super::super::collapse_cost::BLOCK_COST;
     use super::*;
-    use crate::conformance::shapes::icosphere;
-    use crate::{KdOptions, Triangles, WideKdTree};
-    use glam::{DVec3, Vec3};
+    use crate::{KdOptions, Triangles};
+    use glam::Vec3;
 
     fn member(min: Vec3, max: Vec3) -> Member {
         Member { index: 0, bounds: Aabb { min, max } }
@@ -414,28 +413,5 @@ mod tests {
         all.add_members(0, &mut members, MAX_LEVELS);
         // 39 are left then, which become 24 and 15; 24 become 16 and 8, 16 become 8 and 8.
         assert_eq!(levels(&all, 0), MAX_LEVELS / 2 + 3);
-    }
-
-    #[test]
-    fn the_unit_of_length_does_not_matter() {
-        let bytes = [-80, 0, 50].map(|exponent| {
-            let mesh = icosphere(4).placed(2.0_f64.powi(exponent), DVec3::ZERO);
-            WideKdTree::build(&Triangles::new(mesh.triangles()).unwrap()).unwrap().bytes()
-        });
-        assert_eq!(bytes, [bytes[1]; 3]);
-    }
-
-    /// Coordinates are rounded elsewhere then, so that boxes are not quite the same.
-    #[test]
-    fn nor_does_it_by_other_factors_than_powers_of_two() {
-        let counts = [1.0, 1.1, 1.2, 1.4, 1.7].map(|scale| {
-            let mesh = icosphere(5).placed(scale, DVec3::ZERO);
-            let triangles = Triangles::new(mesh.triangles()).unwrap();
-            let options = KdOptions { traversal_cost: 400.0, ..KdOptions::default() };
-            let (tree, mut members) = KdTree::build_with_members(&triangles, &options).unwrap();
-            BinaryTree::new(&tree, &mut members).nodes.len()
-        });
-        let near = |count: &usize| count.abs_diff(counts[0]) < counts[0] / 100;
-        assert!(counts.iter().all(near), "{counts:?}");
     }
 }
