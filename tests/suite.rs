@@ -18,6 +18,7 @@ mod geometry;
 mod gltf_reference;
 mod in_every_structure;
 mod light_leaks;
+mod materials;
 mod mirrors;
 mod own_estimator;
 mod pairwise;

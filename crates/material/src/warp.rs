@@ -32,31 +32,3 @@ impl CosineHemisphere {
         [w.x * w.x + w.y * w.y, if turn < 0.0 { turn + 1.0 } else { turn }]
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn cosine_samples_are_unit_and_invert(a in 0.0..1.0f64, b in 0.0..1.0f64) {
-            let w = CosineHemisphere::sample([a, b]);
-            prop_assert!((w.length() - 1.0).abs() < 1e-15);
-            let back = CosineHemisphere::invert(w);
-            prop_assert!((back[0] - a).abs() < 1e-15);
-            let turn = (back[1] - b).abs();
-            prop_assert!(a < 1e-20 || turn.min(1.0 - turn) < 1e-15);
-        }
-    }
-
-    #[test]
-    fn the_corners_of_the_square_give_usable_directions() {
-        for a in [0.0, 5e-324, 1.0_f64.next_down()] {
-            for b in [0.0, 5e-324, 1.0_f64.next_down()] {
-                let w = CosineHemisphere::sample([a, b]);
-                assert!(w.z > 0.0 && w.is_finite() && CosineHemisphere::pdf(w).0 > 0.0, "{a} {b} {w}");
-            }
-        }
-    }
-}
