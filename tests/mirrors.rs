@@ -237,3 +237,17 @@ fn either_segment_of_a_mirrored_path_can_be_blocked() {
     let direct = radiance(&[(1.0, &whole_light())]);
     assert_radiance("a mirror under a sheet", &light_and_wall(&wall()), direct, &[(Light, 128), (Mis, 128)]);
 }
+
+/// Light by way of a mirror takes two bounces.
+#[test]
+fn a_limit_on_bounces_counts_the_mirror() {
+    let model = model(&whole_light(), &wall(), &shade());
+    for (max_bounces, is_dark) in [(1, true), (2, false)] {
+        for mirror_sampling in [Off, Planes] {
+            let mut settings = settings(Mis, mirror_sampling, 64);
+            settings.max_bounces = Some(max_bounces);
+            let film = film(&model, ACCELERATORS[3].1, &settings);
+            assert_eq!(film.image_mean().is_black(), is_dark, "{max_bounces}, {mirror_sampling:?}");
+        }
+    }
+}

@@ -309,23 +309,6 @@ mod tests {
     }
 
     #[test]
-    fn any_order_of_passes_gives_the_same_bits() {
-        let whole = film(0..37);
-        // 5 and 37 have no common factor: this visits every pass once.
-        assert_eq!(film((0..37).map(|i| 5 * i % 37)), whole);
-        assert_eq!(film((0..37).rev()), whole);
-        let parts = [film(16..29), film(0..5), film(29..37), film(5..16)];
-        let mut merged = Film::new(1, 1, PathReuse::Off);
-        for part in parts {
-            merged.merge(part).unwrap();
-        }
-        assert_eq!(merged, whole);
-        assert_eq!(whole.blocks.len(), 3, "37 is 32 + 4 + 1");
-        assert_eq!(whole.samples(), 37);
-        assert_eq!((whole.passes().len(), whole.passes()[0].clone()), (1, 0..37));
-    }
-
-    #[test]
     fn blocks_hold_what_a_plain_sum_does() {
         let film = film(0..37);
         let values: Vec<f64> = (0..37).map(|i| 1.0 / f64::from(3 + i)).collect();

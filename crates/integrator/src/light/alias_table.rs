@@ -47,29 +47,6 @@ impl AliasTable {
 mod tests {
     use super::*;
 
-    /// Summing each index's share of all columns gives its probability without any sampling.
-    fn shares(table: &AliasTable) -> Vec<f64> {
-        let n = table.columns.len() as f64;
-        let mut shares = vec![0.0; table.columns.len()];
-        for (i, column) in table.columns.iter().enumerate() {
-            let own = column.threshold.clamp(0.0, 1.0);
-            shares[i] += own / n;
-            shares[column.alias as usize] += (1.0 - own) / n;
-        }
-        shares
-    }
-
-    #[test]
-    fn every_index_has_its_share() {
-        let spread: Vec<f64> = (0..1000).map(|i| 10.0_f64.powf(f64::from(i % 13) - 6.0)).collect();
-        for weights in [vec![1.0], vec![1.0, 3.0], vec![2.0; 7], spread] {
-            let total: f64 = weights.iter().sum();
-            for (share, weight) in shares(&AliasTable::new(&weights)).iter().zip(&weights) {
-                assert!((share - weight / total).abs() < 1e-13, "{share} {weight}");
-            }
-        }
-    }
-
     #[test]
     fn the_ends_of_the_interval_are_ordinary() {
         let table = AliasTable::new(&[1.0, 3.0]);

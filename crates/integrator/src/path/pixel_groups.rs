@@ -67,12 +67,4 @@ mod tests {
         }
         assert_eq!(pairs.len(), 16 * 15 / 2);
     }
-
-    #[test]
-    fn a_block_is_where_its_tile_has_it() {
-        let block = block_around(17, 22, 19, 23);
-        assert_eq!(block, Tile { x: 16, y: 20, width: 3, height: 3 });
-        let tile = Tile::all(19, 23).nth(3).unwrap();
-        assert!(block.pixels().all(|pixel| tile.pixels().any(|other| other == pixel)));
-    }
 }

@@ -69,25 +69,6 @@ fn node(x: u64, digits: u32, level: u32) -> u64 {
 mod tests {
     use super::*;
 
-    #[test]
-    fn it_permutes_and_keeps_leading_digits_together() {
-        for digits in [1, 4, 6, 7, 9] {
-            let permutation = NestedPermutations::new([3], 1);
-            let images: Vec<_> = (0..1_u64 << digits).map(|x| permutation.apply([x], digits)[0]).collect();
-            let mut sorted = images.clone();
-            sorted.sort_unstable();
-            assert!((0..).zip(&sorted).all(|(i, &x)| i == x), "{digits}");
-            for shared in 0..=digits {
-                let group = 1 << (digits - shared);
-                assert!(
-                    images
-                        .chunks(group)
-                        .all(|c| c.iter().all(|x| x >> (digits - shared) == c[0] >> (digits - shared)))
-                );
-            }
-        }
-    }
-
     /// All 128 permutations of three digits, equally often: chi-square with 127 degrees of freedom,
     /// whose normal equivalent (Wilson and Hilferty 1931) is accepted up to 5.85.
     #[test]

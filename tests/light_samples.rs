@@ -1,0 +1,334 @@
+//! Samples of lights, one at a time: which light is chosen, with which density, and what it brings.
+
+use glam::{DVec3, Vec3};
+use globillum::geom::{Accel, BruteForce, Ray, SphericalTriangle, Triangle, Triangles};
+use globillum::integrator::{
+    AreaLightSample, Camera, DeltaLight, DeltaLightError, DeltaLightSample, LightSample, LightSampling,
+    Model, Scene, Settings, Stream, render,
+};
+use globillum::material::{Emission, Material, Rgb, Sides};
+use globillum_testkit::chi_square::ChiSquare;
+use std::f32::consts::FRAC_PI_2 as FRAC_PI_2_F32;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+const VALUE: Rgb = Rgb::new(3.0, 2.0, 1.0);
+
+fn emitting(radiance: Rgb, sides: Sides) -> Material {
+    Material::lambert(Rgb::BLACK).unwrap().emitting(Emission::new(radiance, sides).unwrap())
+}
+
+/// Triangles in a row along x, of area 1/2 each, that emit these radiances along z.
+fn row(radiances: impl IntoIterator<Item = f64>) -> Model {
+    let mut model = Model::default();
+    for (i, radiance) in radiances.into_iter().enumerate() {
+        let corner = Vec3::X * i as f32;
+        let triangle = Triangle::new(corner, corner + Vec3::X, corner + Vec3::Y);
+        model.add(Material::light(Rgb::splat(radiance)).unwrap(), [triangle]);
+    }
+    model
+}
+
+/// The scene of a model and these lights.
+fn scene(mut model: Model, lights: &[DeltaLight]) -> Scene<BruteForce> {
+    lights.iter().for_each(|&light| model.add_delta_light(light));
+    Scene::build(model, |triangles| Ok(BruteForce::build(triangles))).unwrap()
+}
+
+/// Beside a triangle that does not emit.
+fn alone(lights: &[DeltaLight]) -> Scene<BruteForce> {
+    scene(row([0.0]), lights)
+}
+
+fn sample(scene: &Scene<BruteForce>, from: DVec3, choice: f64) -> Option<LightSample> {
+    scene.light_sampler(LightSampling::Area, from).sample(choice, [0.25, 0.5])
+}
+
+/// What the only light of a scene, a delta light, brings to `from`.
+fn sample_delta(scene: &Scene<BruteForce>, from: DVec3) -> Option<DeltaLightSample> {
+    match sample(scene, from, 0.5)? {
+        LightSample::Delta(light) => Some(light),
+        LightSample::Area(light) => panic!("{light:?}"),
+    }
+}
+
+/// The probability of choosing the triangle of area 1/2 that `light` lies on, sampled by area.
+fn choice_prob_of(light: &AreaLightSample, from: DVec3) -> f64 {
+    let cos = light.point.normal.dot(light.direction).abs();
+    0.5 * light.pdf.0 * cos / light.point.position.distance_squared(from)
+}
+
+#[test]
+fn a_point_light_falls_off_with_the_square_of_the_distance() {
+    let scene = alone(&[DeltaLight::point(Vec3::new(1.0, 2.0, 3.0), VALUE).unwrap()]);
+    let light = sample_delta(&scene, DVec3::new(1.0, 2.0, 7.0)).unwrap();
+    assert_eq!((light.direction, light.irradiance), (DVec3::NEG_Z, VALUE / 16.0));
+    assert_eq!((light.position, light.choice_prob), (Some(DVec3::new(1.0, 2.0, 3.0)), 1.0));
+    assert_eq!(sample_delta(&scene, DVec3::new(1.0, 2.0, 3.0)), None);
+}
+
+#[test]
+fn a_directional_light_is_the_same_everywhere() {
+    let scene = alone(&[DeltaLight::directional(Vec3::new(0.0, -2.0, 0.0), VALUE).unwrap()]);
+    for from in [DVec3::ZERO, DVec3::splat(1e18)] {
+        let light = sample_delta(&scene, from).unwrap();
+        assert_eq!((light.position, light.direction, light.irradiance), (None, DVec3::Y, VALUE));
+    }
+}
+
+const CONES: [(f64, f64); 5] = [(0.0, 0.3), (0.2, 0.4), (0.3, 0.301), (0.0, 0.01), (0.5, FRAC_PI_2)];
+
+fn spot(inner: f64, outer: f64) -> Result<DeltaLight, DeltaLightError> {
+    DeltaLight::spot(Vec3::new(1.0, 5.0, 2.0), Vec3::NEG_Y, VALUE, inner, outer)
+}
+
+/// The equations of KHR_lights_punctual as the extension prints them.
+fn falloff(cos: f64, inner: f64, outer: f64) -> f64 {
+    let scale = 1.0 / f64::max(0.001, inner.cos() - outer.cos());
+    (cos * scale - outer.cos() * scale).clamp(0.0, 1.0).powi(2)
+}
+
+#[test]
+fn a_spot_light_falls_off_by_the_equations_of_the_extension() {
+    for (inner, outer) in CONES {
+        let scene = alone(&[spot(inner, outer).unwrap()]);
+        for angle in (0..300).map(|i| 0.01 * f64::from(i)) {
+            let from = DVec3::new(1.0 + 2.0 * angle.sin(), 5.0 - 2.0 * angle.cos(), 2.0);
+            let expected = falloff(angle.cos(), inner, outer) / 4.0;
+            let found = sample_delta(&scene, from).map_or(0.0, |light| light.irradiance.r / VALUE.r);
+            let error = (found - expected).abs();
+            assert!(error <= 1e-12 || error <= 1e-9 * expected, "{inner}, {outer}, {angle}: {found}");
+        }
+    }
+}
+
+/// The power of a spot light is the integral of its intensity, here by the midpoint rule. A point light beside
+/// it has the power `4 pi`.
+#[test]
+fn a_spot_light_is_chosen_by_its_power() {
+    for (inner, outer) in CONES {
+        let scene = alone(&[spot(inner, outer).unwrap(), DeltaLight::point(Vec3::ZERO, Rgb::WHITE).unwrap()]);
+        let (height, steps) = (1.0 - outer.cos(), 100_000);
+        let at = |i| falloff(1.0 - height * (f64::from(i) + 0.5) / f64::from(steps), inner, outer);
+        let mean = (0..steps).map(at).sum::<f64>() / f64::from(steps);
+        let power = VALUE.luminance() * 2.0 * PI * height * mean;
+        // The light of the lower number, and below its axis.
+        let Some(LightSample::Delta(light)) = sample(&scene, DVec3::new(1.0, 3.0, 2.0), 0.0) else {
+            panic!()
+        };
+        assert_eq!(light.position, Some(DVec3::new(1.0, 5.0, 2.0)));
+        let expected = power / (power + 4.0 * PI);
+        assert!((light.choice_prob / expected - 1.0).abs() < 1e-8, "{inner}, {outer}: {light:?}, {expected}");
+    }
+}
+
+#[test]
+fn impossible_delta_lights_are_refused() {
+    let limit = Triangles::MAX_COORDINATE;
+    for x in [f32::NAN, f32::INFINITY, -limit * 1.01] {
+        let error = DeltaLight::point(Vec3::new(0.0, x, 0.0), VALUE).unwrap_err();
+        assert!(matches!(error, DeltaLightError::Position(_)), "{error}");
+    }
+    assert!(DeltaLight::point(Vec3::splat(-limit), VALUE).is_ok());
+    for direction in [Vec3::ZERO, Vec3::new(1.0, f32::NAN, 0.0), Vec3::new(0.0, 0.0, f32::INFINITY)] {
+        let error = DeltaLight::directional(direction, VALUE).unwrap_err();
+        assert!(matches!(error, DeltaLightError::Direction(_)), "{error}");
+    }
+    for direction in [Vec3::X * f32::from_bits(1), Vec3::splat(f32::MAX)] {
+        assert!(DeltaLight::directional(direction, VALUE).is_ok());
+    }
+    for value in [-1.0, 1e-51, 1e51, f64::NAN, f64::INFINITY] {
+        let error = DeltaLight::point(Vec3::ZERO, Rgb::new(1.0, value, 1.0)).unwrap_err();
+        assert!(matches!(error, DeltaLightError::Value(_)), "{error}");
+    }
+    assert!(DeltaLight::point(Vec3::ZERO, Rgb::new(0.0, 1e-50, 1e50)).is_ok());
+    let beyond = f64::from(FRAC_PI_2_F32).next_up();
+    let wrong =
+        [(-0.1, 0.2), (0.2, 0.2), (0.3, 0.2), (0.0, beyond), (0.0, 1e-9), (f64::NAN, 1.0), (0.0, f64::NAN)];
+    for (inner, outer) in wrong {
+        let error = spot(inner, outer).unwrap_err();
+        assert!(matches!(error, DeltaLightError::Cone { .. }), "{error}");
+    }
+    assert_eq!(spot(0.0, f64::from(FRAC_PI_2_F32)), spot(0.0, FRAC_PI_2));
+}
+
+#[test]
+fn pictures_under_lights_with_other_numbers_have_other_keys() {
+    let lights = [
+        DeltaLight::point(Vec3::ZERO, VALUE),
+        DeltaLight::point(Vec3::X, VALUE),
+        DeltaLight::point(Vec3::ZERO, Rgb::WHITE),
+        spot(0.1, 0.4),
+        spot(0.2, 0.4),
+        spot(0.2, 0.5),
+        DeltaLight::directional(Vec3::X, VALUE),
+        DeltaLight::directional(Vec3::Y, VALUE),
+        DeltaLight::directional(Vec3::Y, Rgb::WHITE),
+    ];
+    let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 1.0).unwrap();
+    let key = |light: Result<DeltaLight, _>| {
+        render(&alone(&[light.unwrap()]), &camera, &Settings::new(1, 1, 1), &()).unwrap().key
+    };
+    let mut keys = lights.map(key);
+    keys.sort_unstable();
+    assert!(keys.windows(2).all(|pair| pair[0] != pair[1]));
+}
+
+/// Nothing can be hit, so the light has nothing to illuminate.
+#[test]
+fn a_directional_light_without_triangles_is_left_out() {
+    let sun = DeltaLight::directional(Vec3::X, Rgb::WHITE).unwrap();
+    assert!(scene(Model::default(), &[sun]).lights().is_empty());
+    assert!(!alone(&[sun]).lights().is_empty());
+}
+
+/// The least power that a light may have beside the greatest: neither is lost.
+#[test]
+fn the_weakest_light_has_a_chance_beside_the_strongest() {
+    let mut model = Model::default();
+    for (size, material) in [
+        (f32::from_bits(1), emitting(Rgb::new(0.0, 0.0, Emission::MIN_RADIANCE), Sides::Front)),
+        (Triangles::MAX_COORDINATE, emitting(Rgb::splat(Emission::MAX_RADIANCE), Sides::Both)),
+    ] {
+        let corners = [Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::ONE];
+        model.add(material, [Triangle { vertices: corners.map(|v| v * size) }]);
+    }
+    let scene = scene(model, &[]);
+    for (choice, radiance) in [(0.0, Emission::MIN_RADIANCE), (0.75, Emission::MAX_RADIANCE)] {
+        let light = sample(&scene, DVec3::new(-1.0, 0.0, 1.0) * 2.0_f64.powi(55), choice);
+        let Some(LightSample::Area(light)) = light else { panic!("{light:?}") };
+        assert!(light.radiance.b == radiance && light.pdf.0.is_normal(), "{light:?}");
+    }
+}
+
+/// Lights of both kinds share one choice, by power over fifteen orders of magnitude. What does not emit is never
+/// chosen.
+#[test]
+fn delta_lights_are_chosen_among_triangles_by_their_power() {
+    let delta = |i: i32| DeltaLight::point(Vec3::ZERO, Rgb::splat(10.0_f64.powi(i - 7))).unwrap();
+    let sun = DeltaLight::directional(Vec3::X, Rgb::splat(5.0)).unwrap();
+    let black = DeltaLight::point(Vec3::ZERO, Rgb::BLACK).unwrap();
+    let deltas: Vec<DeltaLight> = (0..16).map(delta).chain([black, sun]).collect();
+    let both = scene(row([0.0, 2.0, 0.0, 3.0, 0.0]), &deltas);
+    let lights = both.lights();
+    assert_eq!((lights.len(), lights.is_empty()), (19, false));
+    assert!(lights.triangles().eq([1, 3]));
+    assert!(lights.delta_lights().eq(deltas.iter().filter(|light| **light != black)));
+    // The bounds of the triangles are 5 by 1.
+    let of_sun = 5.0 * PI * (5.0 * 5.0 + 1.0) / 4.0;
+    let of_points: f64 = (0..16).map(|i| 4.0 * PI * 10.0_f64.powi(i - 7)).sum();
+    let total = 0.5 * PI * (2.0 + 3.0) + of_sun + of_points;
+    // Evenly spaced numbers are as many for each light as its probability says.
+    let (from, n) = (DVec3::new(2.5, 0.5, 2.0), 1_000_000);
+    let (mut by_triangle, mut by_sun) = (0, 0);
+    for i in 0..n {
+        let light = sample(&both, from, (f64::from(i) + 0.5) / f64::from(n)).expect("each light reaches it");
+        let (choice_prob, power) = match light {
+            LightSample::Area(light) => (choice_prob_of(&light, from), 0.5 * PI * light.radiance.g),
+            LightSample::Delta(light) => match light.position {
+                None => (light.choice_prob, of_sun),
+                Some(_) => (light.choice_prob, light.irradiance.g * 4.0 * PI * from.length_squared()),
+            },
+        };
+        assert!((choice_prob / (power / total) - 1.0).abs() < 1e-12, "{light:?}, {power}");
+        match light {
+            LightSample::Area(_) => by_triangle += 1,
+            LightSample::Delta(light) => by_sun += i32::from(light.position.is_none()),
+        }
+    }
+    for (count, power) in [(by_triangle, 2.5 * PI), (by_sun, of_sun)] {
+        assert!((f64::from(count) / f64::from(n) - power / total).abs() < 1e-4, "{count}, {power}");
+    }
+}
+
+/// A million lights whose powers differ by a factor of 1e12 are chosen in proportion.
+#[test]
+fn a_million_lights_are_chosen_by_their_power() {
+    let radiances: Vec<f64> = (0..1_000_000).map(|i| 10.0_f64.powi(i % 13 - 6)).collect();
+    let scene = scene(row(radiances.iter().copied()), &[]);
+    let total: f64 = radiances.iter().sum();
+    let from = DVec3::new(5e5, 0.0, 1e6);
+    // One cell for each radiance.
+    let (mut counts, draws) = ([0; 13], 2_000_000);
+    for i in 0..draws {
+        let light = sample(&scene, from, Stream::new(2, 0, i).uniform(0));
+        let Some(LightSample::Area(light)) = light else { panic!("{light:?}") };
+        counts[(light.radiance.g.log10().round() + 6.0) as usize] += 1;
+        let expected = light.radiance.g / total;
+        assert!((choice_prob_of(&light, from) / expected - 1.0).abs() < 1e-9, "{light:?}, {expected}");
+    }
+    let share = |i: usize| radiances.iter().skip(i).step_by(13).sum::<f64>() / total;
+    let cells = (0..).zip(counts).map(|(i, count)| (count, share(i) * f64::from(draws)));
+    ChiSquare::of(cells).assert_fits("a million lights");
+}
+
+/// Lights of several sizes, radiances and sides around the origin, and what does not emit. A delta light has
+/// half of the power.
+fn around_the_origin() -> Scene<BruteForce> {
+    let mut model = Model::default();
+    let mut add = |vertices: [[f32; 3]; 3], radiance: f64, sides: Sides| {
+        model.add(emitting(Rgb::splat(radiance), sides), [Triangle { vertices: vertices.map(Vec3::from) }]);
+    };
+    add([[-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [0.0, 1.0, 1.0]], 10.0, Sides::Front);
+    add([[-2.0, -3.0, 0.0], [-2.0, 3.0, 1.0], [-2.0, 0.0, 4.0]], 0.0, Sides::Both);
+    add([[2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 3.0]], 5.0, Sides::Both);
+    add([[30.0, 0.0, 1.0], [30.0, 1.0, 0.0], [30.0, 0.0, 0.0]], 20.0, Sides::Both);
+    scene(model, &[DeltaLight::point(Vec3::new(0.0, -2.0, 0.0), Rgb::new(8.0, 16.0, 32.0)).unwrap()])
+}
+
+/// The density of a hit point, which multiple importance sampling asks for, is that of the sample: in front of
+/// all lights, beside an edge, behind a light, and far away.
+#[test]
+fn the_density_asked_for_is_that_of_the_sample() {
+    let scene = around_the_origin();
+    let places = [[0.0; 3], [1.999, 0.5, -1e-5], [0.1, 2.0, 0.2], [500.0, -700.0, 300.0]].map(DVec3::from);
+    for (sampling, from) in
+        [LightSampling::Area, LightSampling::SolidAngle].into_iter().flat_map(|s| places.map(|p| (s, p)))
+    {
+        let (lights, mut compared) = (scene.light_sampler(sampling, from), 0);
+        for i in 0..1000 {
+            let numbers = Stream::new(3, 0, i);
+            let light = lights.sample(numbers.uniform(0), numbers.uniform_pair(1));
+            let Some(LightSample::Area(light)) = light else { continue };
+            assert!(light.pdf.0 > 0.0 && (light.direction.length() - 1.0).abs() < 1e-14, "{light:?}");
+            let ray = Ray::new(from, light.direction);
+            let Some(hit) = scene.accel().intersect(&ray) else { continue };
+            let at = scene.interaction(&ray, &hit);
+            // Another triangle may be in between.
+            if at.point.position.distance(light.point.position) < 1e-9 * from.distance(light.point.position) {
+                let asked = lights.pdf(&hit, &at);
+                assert!(
+                    (asked.0 / light.pdf.0 - 1.0).abs() < 1e-6,
+                    "{sampling:?}, {from}: {asked:?}, {light:?}"
+                );
+                compared += 1;
+            }
+        }
+        assert!(compared > 50, "{sampling:?}, {from}: {compared}");
+    }
+}
+
+/// The mean of one over the density is the solid angle of what emits toward the shading point.
+#[test]
+fn densities_cover_what_is_seen_of_the_lights() {
+    let scene = around_the_origin();
+    // The third and the fourth emit on both sides; the first faces the origin.
+    let solid_angle =
+        |i| SphericalTriangle::new(scene.triangles().get(i), DVec3::ZERO).unwrap().solid_angle();
+    // Far away: its area by the cosine over the squared distance, at its centre.
+    let centre = DVec3::new(30.0, 1.0 / 3.0, 1.0 / 3.0);
+    let truth = solid_angle(0) + solid_angle(2) + 0.5 * 30.0 / centre.length().powi(3);
+    for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
+        let lights = scene.light_sampler(sampling, DVec3::ZERO);
+        let (mut sum, mut sum_sq, n) = (0.0, 0.0, 2_000_000);
+        for i in 0..n {
+            let numbers = Stream::new(4, 0, i);
+            let light = lights.sample(numbers.uniform(0), numbers.uniform_pair(1));
+            let Some(LightSample::Area(light)) = light else { continue };
+            (sum, sum_sq) = (sum + 1.0 / light.pdf.0, sum_sq + light.pdf.0.powi(-2));
+        }
+        let n = f64::from(n);
+        let (mean, std_err) = (sum / n, ((sum_sq / n - (sum / n).powi(2)) / n).sqrt());
+        assert!((mean - truth).abs() < 5.85 * std_err, "{sampling:?}: {mean} +- {std_err}, not {truth}");
+        assert!(5.85 * std_err < 0.01 * truth, "{sampling:?}: {std_err}");
+    }
+}
