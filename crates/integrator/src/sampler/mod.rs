@@ -97,9 +97,10 @@ impl BounceNumbers {
     #[inline(never)]
     fn one_by_one<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
         samples.map(|numbers| {
-            let (light, point) = numbers.light(bounce);
-            let roulette = roulette.then(|| numbers.roulette(bounce));
-            Self { light, point, scatter: numbers.scatter(bounce), roulette }
+            let (light, point) = numbers.light(Decision::light(bounce));
+            let scatter = numbers.uniform(Decision::scatter(bounce));
+            let roulette = roulette.then(|| numbers.single(Decision::roulette(bounce)));
+            Self { light, point, scatter, roulette }
         })
     }
 }
@@ -119,25 +120,7 @@ impl Numbers {
     /// For the position in the pixel: uniform in the unit square.
     #[inline(never)]
     fn film(&self) -> [f64; 2] {
-        self.pair(Decision::FILM)
-    }
-
-    /// For the choice of a light, and of a point on it: together uniform in the unit cube.
-    #[inline]
-    fn light(&self, bounce: u32) -> (f64, [f64; 2]) {
-        self.triple(Decision::light(bounce))
-    }
-
-    /// For the scattered direction: uniform in the unit square.
-    #[inline]
-    fn scatter(&self, bounce: u32) -> [f64; 2] {
-        self.pair(Decision::scatter(bounce))
-    }
-
-    /// For Russian roulette: uniform in `[0, 1)`.
-    #[inline]
-    fn roulette(&self, bounce: u32) -> f64 {
-        self.single(Decision::roulette(bounce))
+        self.uniform(Decision::FILM)
     }
 
     /// As Sobol' points; `None` if a sample is independent or passes differ in length.
@@ -162,30 +145,31 @@ impl Numbers {
     /// cube.
     #[inline]
     pub(crate) fn light_in_mirror(&self, bounce: u32) -> (f64, [f64; 2]) {
-        self.triple(Decision::light_in_mirror(bounce))
+        self.light(Decision::light_in_mirror(bounce))
+    }
+
+    /// For the choice of a light, and of a point on it.
+    fn light(&self, decision: Decision) -> (f64, [f64; 2]) {
+        let [x, y, z] = self.uniform(decision);
+        match self {
+            Self::Independent(_) => (x, [y, z]),
+            // The first two coordinates are the best stratified.
+            Self::Sobol(_) => (z, [x, y]),
+        }
     }
 
     fn single(&self, decision: Decision) -> f64 {
-        match self {
-            Self::Independent(stream) => stream.uniform(decision.dimension()),
-            Self::Sobol(point) => point.uniform(decision.0),
-        }
+        let [u] = self.uniform(decision);
+        u
     }
 
-    fn pair(&self, decision: Decision) -> [f64; 2] {
-        match self {
-            Self::Independent(stream) => stream.uniform_pair(decision.dimension()),
-            Self::Sobol(point) => point.uniform_pair(decision.0),
-        }
-    }
-
-    fn triple(&self, decision: Decision) -> (f64, [f64; 2]) {
+    /// The first `D` numbers of a decision.
+    fn uniform<const D: usize>(&self, decision: Decision) -> [f64; D] {
         match self {
             Self::Independent(stream) => {
-                let first = decision.dimension();
-                (stream.uniform(first), stream.uniform_pair(first + 1))
+                std::array::from_fn(|i| stream.uniform(decision.dimension() + i as u32))
             }
-            Self::Sobol(point) => point.uniform_triple(decision.0),
+            Self::Sobol(point) => point.uniform(decision.0),
         }
     }
 }
@@ -231,8 +215,8 @@ mod tests {
                 let over_pixels = (0..draws).map(|i| numbers(sampler, u64::from(i), index));
                 let over_passes = (0..draws).map(|i| numbers(sampler, 9, PASS * i + index));
                 for z in [
-                    evenness(over_pixels.map(|n| n.pair(Decision(decision)))),
-                    evenness(over_passes.map(|n| n.pair(Decision(decision)))),
+                    evenness(over_pixels.map(|n| n.uniform(Decision(decision)))),
+                    evenness(over_passes.map(|n| n.uniform(Decision(decision)))),
                 ] {
                     assert!(z.abs() < 5.85, "{sampler:?}, decision {decision}: z = {z}");
                 }
@@ -268,12 +252,13 @@ mod tests {
         for sampler in BOTH {
             // One sample in each pass: those of one pass are dependent on purpose.
             let numbers = |pixel: u64, i: u32| numbers(sampler, pixel, PASS * i + i % PASS);
+            let roulette = |pixel, i| numbers(pixel, i).single(Decision::roulette(0));
+            let second = |numbers: Numbers, decision| numbers.uniform::<2>(Decision(decision))[1];
             let decisions =
                 (0..draws).map(|i| [numbers(3, i).single(Decision(0)), numbers(3, i).single(Decision(1))]);
-            let coordinates =
-                (0..draws).map(|i| [numbers(3, i).pair(Decision(0))[1], numbers(3, i).pair(Decision(2))[1]]);
-            let pixels = (0..draws).map(|i| [numbers(3, i).roulette(0), numbers(4, i).roulette(0)]);
-            let passes = (0..draws).map(|i| [numbers(3, i).roulette(0), numbers(3, i + 1).roulette(0)]);
+            let coordinates = (0..draws).map(|i| [second(numbers(3, i), 0), second(numbers(3, i), 2)]);
+            let pixels = (0..draws).map(|i| [roulette(3, i), roulette(4, i)]);
+            let passes = (0..draws).map(|i| [roulette(3, i), roulette(3, i + 1)]);
             for z in [evenness(decisions), evenness(coordinates), evenness(pixels), evenness(passes)] {
                 assert!(z.abs() < 5.85, "{sampler:?}: z = {z}");
             }
@@ -292,7 +277,7 @@ mod tests {
             let mut products = [0.0; 4];
             for sample in first..first + PASS {
                 let numbers = numbers(Sampler::Sobol, 9, sample);
-                let ([a, b], [c, d]) = (numbers.film(), numbers.scatter(0));
+                let ([a, b], [c, d]) = (numbers.film(), numbers.uniform(Decision::scatter(0)));
                 for (product, [x, y]) in products.iter_mut().zip([[a, c], [a, d], [b, c], [b, d]]) {
                     *product += (x - 0.5) * (y - 0.5) / n;
                 }
@@ -339,7 +324,7 @@ mod tests {
             for first in [0, u32::MAX - length] {
                 for sample in [first, first + length - 1] {
                     let numbers = sampler.numbers(u64::MAX, u64::MAX, sample, &(first..first + length));
-                    let [x, y] = numbers.scatter(1 << 28);
+                    let [x, y] = numbers.uniform(Decision::scatter(1 << 28));
                     assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y));
                 }
             }

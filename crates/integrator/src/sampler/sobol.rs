@@ -56,22 +56,10 @@ impl SobolPoint {
         Self { key: parts.into_iter().fold(0, fold), index, digits }
     }
 
+    /// The first `D` coordinates, up to three, of the point of `dimension`.
     #[inline]
-    pub(crate) fn uniform(&self, dimension: u32) -> f64 {
-        let [[u]] = SobolPoints::from(&[*self]).uniform(dimension);
-        u
-    }
-
-    #[inline]
-    pub(crate) fn uniform_pair(&self, dimension: u32) -> [f64; 2] {
-        let [[u], [v]] = SobolPoints::from(&[*self]).uniform(dimension);
-        [u, v]
-    }
-
-    #[inline]
-    pub(crate) fn uniform_triple(&self, dimension: u32) -> (f64, [f64; 2]) {
-        let [[u], [v], [w]] = SobolPoints::from(&[*self]).uniform(dimension);
-        (w, [u, v])
+    pub(super) fn uniform<const D: usize>(&self, dimension: u32) -> [f64; D] {
+        SobolPoints::from(&[*self]).uniform(dimension).map(|[u]| u)
     }
 }
 
@@ -203,7 +191,7 @@ mod tests {
             [(0, 0, 1), (1, 3, 0), (4, 0, 7), (6, 1, 2), (8, 2, 600), (11, 0, 3)]
         {
             let points: Vec<_> = (0..1_u32 << digits)
-                .map(|i| SobolPoint::new(5, 77, replicate, i, digits).uniform_pair(dimension))
+                .map(|i| SobolPoint::new(5, 77, replicate, i, digits).uniform::<2>(dimension))
                 .collect();
             for across in 0..=digits {
                 let (columns, rows) = (1_usize << across, 1_usize << (digits - across));
@@ -220,13 +208,12 @@ mod tests {
     #[test]
     fn every_elementary_box_holds_two_points() {
         for digits in [1, 2, 4, 6, 9] {
-            let points: Vec<_> = (0..1_u32 << digits)
-                .map(|i| SobolPoint::new(5, 77, 3, i, digits).uniform_triple(8))
-                .collect();
+            let points: Vec<_> =
+                (0..1_u32 << digits).map(|i| SobolPoint::new(5, 77, 3, i, digits).uniform::<3>(8)).collect();
             for (along, across) in (0..digits).flat_map(|i| (0..digits - i).map(move |j| (i, j))) {
                 let sides = [along, across, digits - 1 - along - across].map(|d| 1_usize << d);
                 let mut counts = vec![0; sides.iter().product()];
-                for &(z, [x, y]) in &points {
+                for &[x, y, z] in &points {
                     let cell = |u: f64, n: usize| (u * n as f64) as usize;
                     counts[(cell(x, sides[0]) * sides[1] + cell(y, sides[1])) * sides[2]
                         + cell(z, sides[2])] += 1;
