@@ -76,41 +76,24 @@ pub fn replay<A: Accel>(
     let mut replay = Replay { vertices: Vec::new(), environment: Rgb::BLACK, alone: Rgb::BLACK, radiance };
     wavefront.start(&context, block, &one);
     for bounce in 0.. {
-        let Some(step) = wavefront.step(&context, place, bounce) else { break };
-        replay.add(step);
+        if !wavefront.step(&context, place, bounce, &mut replay) {
+            break;
+        }
     }
     Ok(replay)
 }
 
-/// The outcome of one bounce.
-enum Step {
-    Hit(Vertex),
-    /// The path left the scene, with the radiance that this adds.
-    Left(Rgb),
-}
-
-impl Replay {
-    /// Adds in the order in which a wavefront does.
-    fn add(&mut self, step: Step) {
-        match step {
-            Step::Hit(vertex) => {
-                self.alone += vertex.emitted;
-                self.alone += vertex.direct;
-                self.alone += vertex.mirrored;
-                self.vertices.push(vertex);
-            }
-            Step::Left(environment) => {
-                self.alone += environment;
-                self.environment = environment;
-            }
-        }
-    }
-}
-
 impl Wavefront {
-    /// Advances all paths by one bounce and returns that of `sample`; `None` if its path has ended.
-    fn step<A: Accel>(&mut self, context: &RenderContext<'_, A>, sample: u32, bounce: u32) -> Option<Step> {
-        let i = self.paths.iter().position(|path| path.target.sample() == sample)?;
+    /// Advances all paths by one bounce and adds that of `sample` to `replay`, in the order in which
+    /// [`Wavefront::trace`] adds; `false` if its path has ended.
+    fn step<A: Accel>(
+        &mut self,
+        context: &RenderContext<'_, A>,
+        sample: u32,
+        bounce: u32,
+        replay: &mut Replay,
+    ) -> bool {
+        let Some(i) = self.paths.iter().position(|path| path.target.sample() == sample) else { return false };
         let (path, ray) = (self.paths[i], self.rays[i]);
         // Sums that begin at zero hold the radiance of this bounce alone.
         self.radiance.reset(self.radiance.samples.len(), self.radiance.suffixes.len());
@@ -119,7 +102,11 @@ impl Wavefront {
         self.shade(context, bounce, &mut Counters::default());
         let throughput_before = self.prefixes.throughput_before(path.target);
         let emitted = throughput_before * *self.radiance.at(path.target);
-        let Some(hit) = hit else { return Some(Step::Left(emitted)) };
+        replay.alone += emitted;
+        let Some(hit) = hit else {
+            replay.environment = emitted;
+            return true;
+        };
         // Contributions by way of mirrors follow the direct ones.
         let direct_count = self.contributions.len();
         self.trace_mirror_rays(context);
@@ -131,16 +118,20 @@ impl Wavefront {
                 sum + self.prefixes.throughput_before(contribution.target) * contribution.radiance
             })
         };
+        let (direct, mirrored) = (sum(0..direct_count), sum(direct_count..self.contributions.len()));
+        replay.alone += direct;
+        replay.alone += mirrored;
         let at = context.scene.interaction(&ray, &hit);
-        Some(Step::Hit(Vertex {
+        replay.vertices.push(Vertex {
             point: at.point,
             triangle: hit.triangle,
             material: *at.material,
             throughput: throughput_before * path.throughput,
             emitted,
-            direct: sum(0..direct_count),
-            mirrored: sum(direct_count..self.contributions.len()),
-        }))
+            direct,
+            mirrored,
+        });
+        true
     }
 }
 
