@@ -7,7 +7,6 @@ use globillum::integrator::{
     Model, Scene, Settings, Stream, render,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
-use globillum_testkit::chi_square::ChiSquare;
 use std::f32::consts::FRAC_PI_2 as FRAC_PI_2_F32;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -192,6 +191,16 @@ fn the_weakest_light_has_a_chance_beside_the_strongest() {
         let corners = [Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::ONE];
         model.add(material, [Triangle { vertices: corners.map(|v| v * size) }]);
     }
+    // In a light tree, too.
+    let mut model_of_ten = Model::default();
+    (0..5).for_each(|_| model_of_ten.append(&model));
+    let scene_of_ten = scene(model_of_ten, &[]);
+    for i in 0..1000 {
+        let from = DVec3::new(-1.0, 0.0, 1.0) * 2.0_f64.powi(55);
+        let light = sample(&scene_of_ten, from, (f64::from(i) + 0.5) / 1000.0);
+        let Some(LightSample::Area(light)) = light else { panic!("{light:?}") };
+        assert!(light.pdf.0.is_normal(), "{light:?}");
+    }
     let scene = scene(model, &[]);
     for (choice, radiance) in [(0.0, Emission::MIN_RADIANCE), (0.75, Emission::MAX_RADIANCE)] {
         let light = sample(&scene, DVec3::new(-1.0, 0.0, 1.0) * 2.0_f64.powi(55), choice);
@@ -200,65 +209,80 @@ fn the_weakest_light_has_a_chance_beside_the_strongest() {
     }
 }
 
-/// Lights of both kinds share one choice, by power over fifteen orders of magnitude. What does not emit is never
-/// chosen.
+/// Few lights of both kinds share one choice, by power over fifteen orders of magnitude. What does not emit is
+/// never chosen.
 #[test]
-fn delta_lights_are_chosen_among_triangles_by_their_power() {
-    let delta = |i: i32| DeltaLight::point(Vec3::ZERO, Rgb::splat(10.0_f64.powi(i - 7))).unwrap();
-    let sun = DeltaLight::directional(Vec3::X, Rgb::splat(5.0)).unwrap();
+fn few_lights_are_chosen_by_their_power() {
+    let delta = |exponent| DeltaLight::point(Vec3::ZERO, Rgb::splat(10.0_f64.powi(exponent))).unwrap();
     let black = DeltaLight::point(Vec3::ZERO, Rgb::BLACK).unwrap();
-    let deltas: Vec<DeltaLight> = (0..16).map(delta).chain([black, sun]).collect();
+    let deltas = [delta(-15), delta(-7), black, delta(-1), delta(0), delta(1)];
     let both = scene(row([0.0, 2.0, 0.0, 3.0, 0.0]), &deltas);
     let lights = both.lights();
-    assert_eq!((lights.len(), lights.is_empty()), (19, false));
+    assert_eq!((lights.len(), lights.is_empty()), (7, false));
     assert!(lights.triangles().eq([1, 3]));
     assert!(lights.delta_lights().eq(deltas.iter().filter(|light| **light != black)));
-    // The bounds of the triangles are 5 by 1.
-    let of_sun = 5.0 * PI * (5.0 * 5.0 + 1.0) / 4.0;
-    let of_points: f64 = (0..16).map(|i| 4.0 * PI * 10.0_f64.powi(i - 7)).sum();
-    let total = 0.5 * PI * (2.0 + 3.0) + of_sun + of_points;
+    let of_points: f64 = [-15, -7, -1, 0, 1].map(|i| 4.0 * PI * 10.0_f64.powi(i)).iter().sum();
+    let total = 0.5 * PI * (2.0 + 3.0) + of_points;
     // Evenly spaced numbers are as many for each light as its probability says.
     let (from, n) = (DVec3::new(2.5, 0.5, 2.0), 1_000_000);
-    let (mut by_triangle, mut by_sun) = (0, 0);
+    let mut by_triangle = 0;
     for i in 0..n {
         let light = sample(&both, from, (f64::from(i) + 0.5) / f64::from(n)).expect("each light reaches it");
         let (choice_prob, power) = match light {
             LightSample::Area(light) => (choice_prob_of(&light, from), 0.5 * PI * light.radiance.g),
-            LightSample::Delta(light) => match light.position {
-                None => (light.choice_prob, of_sun),
-                Some(_) => (light.choice_prob, light.irradiance.g * 4.0 * PI * from.length_squared()),
-            },
+            LightSample::Delta(light) => {
+                (light.choice_prob, light.irradiance.g * 4.0 * PI * from.length_squared())
+            }
         };
         assert!((choice_prob / (power / total) - 1.0).abs() < 1e-12, "{light:?}, {power}");
-        match light {
-            LightSample::Area(_) => by_triangle += 1,
-            LightSample::Delta(light) => by_sun += i32::from(light.position.is_none()),
-        }
+        by_triangle += i32::from(matches!(light, LightSample::Area(_)));
     }
-    for (count, power) in [(by_triangle, 2.5 * PI), (by_sun, of_sun)] {
-        assert!((f64::from(count) / f64::from(n) - power / total).abs() < 1e-4, "{count}, {power}");
+    let share = 2.5 * PI / total;
+    assert!((f64::from(by_triangle) / f64::from(n) - share).abs() < 1e-4, "{by_triangle}, {share}");
+}
+
+/// Many lights, and a directional light beside another, are chosen by what they bring to the shading point. A
+/// directional light is chosen by its irradiance, not by the size of the scene.
+#[test]
+fn many_lights_and_the_sun_are_chosen_by_the_shading_point() {
+    let sun = DeltaLight::directional(Vec3::NEG_Z, Rgb::splat(5.0)).unwrap();
+    // The probability of the light beside `from`, counted by evenly spaced numbers.
+    let share_of_nearest = |scene: &Scene<BruteForce>| {
+        let from = DVec3::new(0.3, 0.3, 1.0);
+        let samples = (0..1000).map(|i| sample(scene, from, (f64::from(i) + 0.5) / 1000.0));
+        let is_nearest = |light: &Option<LightSample>| match light {
+            Some(LightSample::Area(light)) => light.point.position.x < 1.0,
+            _ => false,
+        };
+        samples.filter(is_nearest).count()
+    };
+    let distant = |count| std::iter::once(1.0).chain(vec![0.0; 30]).chain(vec![1.0; count]);
+    assert_eq!(share_of_nearest(&scene(row(distant(6)), &[])), 143); // of 1000 / 7
+    assert!(share_of_nearest(&scene(row(distant(7)), &[])) > 980);
+    // The light's irradiance is about 0.5, that of the sun 5, at any size of the scene.
+    for floor in [30, 3000] {
+        let row = row(std::iter::once(1.0).chain(vec![0.0; floor]));
+        let count = share_of_nearest(&scene(row, &[sun]));
+        assert!((60..120).contains(&count), "{count}");
     }
 }
 
-/// A million lights whose powers differ by a factor of 1e12 are chosen in proportion.
+/// Of a million lights whose powers differ by a factor of 1e12 all can be chosen, but mostly those nearby.
 #[test]
-fn a_million_lights_are_chosen_by_their_power() {
-    let radiances: Vec<f64> = (0..1_000_000).map(|i| 10.0_f64.powi(i % 13 - 6)).collect();
-    let scene = scene(row(radiances.iter().copied()), &[]);
-    let total: f64 = radiances.iter().sum();
-    let from = DVec3::new(5e5, 0.0, 1e6);
-    // One cell for each radiance.
-    let (mut counts, draws) = ([0; 13], 2_000_000);
+fn of_a_million_lights_those_nearby_are_chosen() {
+    let scene = scene(row((0..1_000_000).map(|i| 10.0_f64.powi(i % 13 - 6))), &[]);
+    let (mut nearby, draws) = (0, 20_000);
     for i in 0..draws {
-        let light = sample(&scene, from, Stream::new(2, 0, i).uniform(0));
+        let numbers = Stream::new(2, 0, i);
+        let from = DVec3::new(1e6 * numbers.uniform(1), numbers.uniform(2), 1.0);
+        let light = sample(&scene, from, numbers.uniform(0));
         let Some(LightSample::Area(light)) = light else { panic!("{light:?}") };
-        counts[(light.radiance.g.log10().round() + 6.0) as usize] += 1;
-        let expected = light.radiance.g / total;
-        assert!((choice_prob_of(&light, from) / expected - 1.0).abs() < 1e-9, "{light:?}, {expected}");
+        let choice_prob = choice_prob_of(&light, from);
+        assert!(choice_prob > 1e-12 && choice_prob <= 1.0 + 1e-9, "{light:?}");
+        nearby += i32::from((light.point.position.x - from.x).abs() < 100.0);
     }
-    let share = |i: usize| radiances.iter().skip(i).step_by(13).sum::<f64>() / total;
-    let cells = (0..).zip(counts).map(|(i, count)| (count, share(i) * f64::from(draws)));
-    ChiSquare::of(cells).assert_fits("a million lights");
+    // By power alone there would be four. Beyond shine lights of a million times the power of most nearby.
+    assert!(nearby > 9_000, "{nearby}");
 }
 
 /// Lights of several sizes, radiances and sides around the origin, and what does not emit. A delta light has

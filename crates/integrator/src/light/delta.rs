@@ -1,3 +1,4 @@
+use super::tree::{Cluster, Reach};
 use crate::DeltaLightError;
 use glam::{DAffine3, DVec3, Vec3};
 use globillum_geom::Triangles;
@@ -153,6 +154,20 @@ impl DeltaLight {
             Kind::Point { intensity, .. } => intensity.luminance() * (4.0 * PI),
             Kind::Spot { intensity, cone, .. } => intensity.luminance() * cone.solid_angle(),
             Kind::Directional { irradiance, .. } => irradiance.luminance() * cross_section,
+        }
+    }
+
+    /// What a light tree knows of the light.
+    pub(super) fn reach(&self) -> Reach {
+        match self.0 {
+            Kind::Point { position, intensity } => {
+                Reach::Near(Cluster::of_point(position.as_dvec3(), intensity.luminance()))
+            }
+            Kind::Spot { position, axis, intensity, cone } => {
+                let outer = libm::acos(cone.cos_outer);
+                Reach::Near(Cluster::of_spot(position.as_dvec3(), axis, outer, intensity.luminance()))
+            }
+            Kind::Directional { irradiance, .. } => Reach::Far(irradiance.luminance()),
         }
     }
 

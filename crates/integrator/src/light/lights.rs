@@ -1,13 +1,16 @@
 use super::alias_table::AliasTable;
 use super::delta::DeltaLight;
+use super::tree::{Cluster, LightTree, Reach};
 use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
 use std::f64::consts::FRAC_PI_4;
 
-/// The lights of a scene, its triangles that emit and its delta lights, sampled with probability proportional
-/// to power. That of a directional light is its irradiance times the cross-section of the sphere around the
-/// bounds of all triangles.
+/// The lights of a scene, its triangles that emit and its delta lights.
+///
+/// A light is chosen at each shading point with a probability about proportional to the irradiance that it brings
+/// there if it is visible: in a light tree (Conty Estevez and Kulla 2018). Up to seven lights without a
+/// directional light among several are chosen by power alone, which costs less.
 ///
 /// Each light has a positive probability, a normal number, for any size and radiance. A
 /// [`LightSampler`](crate::LightSampler) samples points on lights.
@@ -15,23 +18,31 @@ use std::f64::consts::FRAC_PI_4;
 pub struct Lights {
     areas: Vec<AreaLight>,
     deltas: Vec<Delta>,
-    /// Over `areas`, then `deltas`.
-    table: AliasTable,
-    total_power: f64,
+    choice: Choice,
 }
 
-/// A light that was chosen.
+/// How a light is chosen, by its index in `areas`, then `deltas`.
+#[derive(Clone, Debug)]
+enum Choice {
+    /// By power, the same everywhere.
+    Power(AliasTable),
+    /// By the shading point.
+    Tree(LightTree),
+}
+
+/// A light that was chosen, with the probability of the choice.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Light<'a> {
-    Area(&'a AreaLight),
-    Delta(&'a Delta),
+    Area(&'a AreaLight, AreaProb),
+    Delta(&'a DeltaLight, f64),
 }
 
-/// A delta light with its probability of being chosen.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Delta {
-    pub(crate) light: DeltaLight,
-    pub(crate) choice_prob: f64,
+/// The probability of choosing a triangle that emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AreaProb {
+    pub(crate) choice: f64,
+    /// The density of a point that is then sampled uniformly by area, the choice included.
+    pub(crate) density: PdfArea,
 }
 
 /// A triangle that emits, with what is precomputed for all shading points.
@@ -40,21 +51,62 @@ pub(crate) struct AreaLight {
     pub(crate) triangle: u32,
     pub(crate) emission: Emission,
     pub(crate) normal: DVec3,
-    pub(crate) choice_prob: f64,
-    pub(crate) area_density: PdfArea,
+    /// If lights are chosen by power.
+    prob: AreaProb,
+    area: f64,
     middle: DVec3,
     reach_sq: f64,
 }
 
+/// A delta light, with its probability if lights are chosen by power.
+#[derive(Clone, Copy, Debug)]
+struct Delta {
+    light: DeltaLight,
+    prob: f64,
+}
+
 impl AreaLight {
+    /// Of triangle `index`; `total_power` is that of all lights.
+    fn new(index: u32, triangle: &Triangle, emission: Emission, total_power: f64) -> Self {
+        let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
+        let share = |power: f64| power / total_power;
+        Self {
+            triangle: index,
+            emission,
+            normal: triangle.normal(),
+            prob: AreaProb {
+                choice: share(power(triangle, &emission)),
+                // The area cancels.
+                density: PdfArea(share(emission.exitance().luminance())),
+            },
+            area: triangle.area(),
+            middle: (a + b + c) / 3.0,
+            reach_sq: SphericalTriangle::reach(triangle).powi(2),
+        }
+    }
+
     /// Whether [`SphericalTriangle::new`] may succeed from `point`.
     #[inline(always)]
     pub(crate) fn may_look_large(&self, point: DVec3) -> bool {
         self.middle.distance_squared(point) <= self.reach_sq
     }
+
+    #[inline(always)]
+    fn chosen_with(&self, choice: f64) -> AreaProb {
+        AreaProb { choice, density: PdfArea(choice / self.area) }
+    }
+
+    fn cluster(&self, triangle: &Triangle) -> Cluster {
+        let both_sides = !self.emission.toward(-1.0).is_black();
+        let intensity = self.emission.toward(1.0).luminance() * self.area;
+        Cluster::of_triangle(triangle.vertices.map(|v| v.as_dvec3()), self.normal, both_sides, intensity)
+    }
 }
 
 impl Lights {
+    /// From this number of lights on, a light tree costs less than it brings.
+    const FIRST_IN_TREE: usize = 8;
+
     /// The triangles whose `emission`, asked by index, is not black, and those of `deltas` that are not.
     pub(crate) fn of(
         triangles: &Triangles,
@@ -71,27 +123,19 @@ impl Lights {
         let deltas = deltas.iter().map(|&light| (light, light.power(cross_section)));
         let deltas: Vec<_> = deltas.filter(|(_, power)| *power > 0.0).collect();
         powers.extend(deltas.iter().map(|(_, power)| power));
-        let total_power = powers.iter().sum();
-        let table = AliasTable::new(&powers);
-        let mut this = Self { areas: Vec::new(), deltas: Vec::new(), table, total_power };
-        let area = |index| this.area_light(index, triangles.get(index), emission(index));
-        let delta = |(light, power)| Delta { light, choice_prob: this.share(power) };
-        (this.areas, this.deltas) =
-            (emitting.into_iter().map(area).collect(), deltas.into_iter().map(delta).collect());
-        this
-    }
-
-    fn area_light(&self, index: u32, triangle: &Triangle, emission: Emission) -> AreaLight {
-        let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
-        AreaLight {
-            triangle: index,
-            emission,
-            normal: triangle.normal(),
-            choice_prob: self.choice_prob(triangle, &emission),
-            area_density: self.area_density(&emission),
-            middle: (a + b + c) / 3.0,
-            reach_sq: SphericalTriangle::reach(triangle).powi(2),
-        }
+        let total_power: f64 = powers.iter().sum();
+        let area = |index| AreaLight::new(index, triangles.get(index), emission(index), total_power);
+        let areas: Vec<_> = emitting.into_iter().map(area).collect();
+        let reaches = areas.iter().map(|light| Reach::Near(light.cluster(triangles.get(light.triangle))));
+        let reaches: Vec<_> = reaches.chain(deltas.iter().map(|(light, _)| light.reach())).collect();
+        let is_far = |reach: &Reach| matches!(reach, Reach::Far(_));
+        let by_tree = powers.len() >= Self::FIRST_IN_TREE || powers.len() > 1 && reaches.iter().any(is_far);
+        let choice = match by_tree {
+            true => Choice::Tree(LightTree::new(&reaches)),
+            false => Choice::Power(AliasTable::new(&powers)),
+        };
+        let delta = |(light, power)| Delta { light, prob: power / total_power };
+        Self { areas, deltas: deltas.into_iter().map(delta).collect(), choice }
     }
 
     /// The number of lights of both kinds, without degenerate triangles and black delta lights.
@@ -115,30 +159,35 @@ impl Lights {
         self.deltas.iter().map(|delta| &delta.light)
     }
 
-    /// Samples a light by `u` in `[0, 1)`; `None` if there is none.
+    /// Samples a light for the shading point `from` by `u` in `[0, 1)`; `None` if there is none.
     #[inline(always)]
-    pub(crate) fn choose(&self, u: f64) -> Option<Light<'_>> {
-        let index = self.table.sample(u)?;
+    pub(crate) fn choose(&self, from: DVec3, u: f64) -> Option<Light<'_>> {
+        let (index, prob) = match &self.choice {
+            Choice::Power(table) => (table.sample(u)?, None),
+            Choice::Tree(tree) => {
+                let (index, prob) = tree.choose(from, u);
+                (index, Some(prob))
+            }
+        };
         Some(match self.areas.get(index) {
-            Some(light) => Light::Area(light),
-            None => Light::Delta(&self.deltas[index - self.areas.len()]),
+            Some(light) => Light::Area(light, prob.map_or(light.prob, |prob| light.chosen_with(prob))),
+            None => {
+                let Delta { light, prob: by_power } = &self.deltas[index - self.areas.len()];
+                Light::Delta(light, prob.unwrap_or(*by_power))
+            }
         })
     }
 
-    /// The probability of choosing `triangle`, which emits `emission`.
-    pub(crate) fn choice_prob(&self, triangle: &Triangle, emission: &Emission) -> f64 {
-        self.share(power(triangle, emission))
-    }
-
-    /// The density per area of a point on a light that emits `emission`, if the point is sampled uniformly
-    /// by area. Includes the probability of choosing the light, so that the area cancels.
-    pub(crate) fn area_density(&self, emission: &Emission) -> PdfArea {
-        PdfArea(self.share(emission.exitance().luminance()))
-    }
-
-    /// `power` as a share of that of all lights.
-    fn share(&self, power: f64) -> f64 {
-        power / self.total_power
+    /// The probability with which [`Lights::choose`] chooses triangle `index` for the shading point `from`, to
+    /// the bit; `None` if it is not a light.
+    #[inline(always)]
+    pub(crate) fn prob(&self, from: DVec3, index: u32) -> Option<AreaProb> {
+        let place = self.areas.binary_search_by_key(&index, |light| light.triangle).ok()?;
+        let light = &self.areas[place];
+        Some(match &self.choice {
+            Choice::Power(_) => light.prob,
+            Choice::Tree(tree) => light.chosen_with(tree.prob(from, place)),
+        })
     }
 }
 

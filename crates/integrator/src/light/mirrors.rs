@@ -170,14 +170,16 @@ fn lit<A: Accel>(group: &CoplanarMirrors, triangles: &Triangles, lights: &Lights
     let mut lit = [false; 2];
     for (i, &member) in (0..128).zip(group.members.iter().cycle()) {
         let numbers = Stream::new(0, group.members[0].into(), i);
-        let Some(Light::Area(light)) = lights.choose(numbers.uniform(0)) else { continue };
-        let AreaLight { triangle, emission, .. } = *light;
         let place = |index: u32, u: [f64; 2]| {
             let (u, v) = Triangle::sample_uniform(u);
             triangles.surface_point(index, u, v)
         };
-        let (mirror, light) =
-            (place(member, numbers.uniform_pair(1)), place(triangle, numbers.uniform_pair(3)));
+        let mirror = place(member, numbers.uniform_pair(1));
+        let Some(Light::Area(light, _)) = lights.choose(mirror.position, numbers.uniform(0)) else {
+            continue;
+        };
+        let AreaLight { triangle, emission, .. } = *light;
+        let light = place(triangle, numbers.uniform_pair(3));
         let side = usize::from(group.plane.height(light.position) > 0.0);
         let shines = !emission.toward(light.normal.dot(mirror.position - light.position)).is_black();
         let is_free = |segment| !accel.occluded(&segment);
@@ -290,7 +292,8 @@ mod tests {
                 mirrors.choose(from, u).unwrap().plane
             });
             assert!(chosen.eq(images().map(|image| image.plane)));
-            let Some(Light::Area(&AreaLight { triangle: light, .. })) = lights.choose(numbers.uniform(4))
+            let Some(Light::Area(&AreaLight { triangle: light, .. }, _)) =
+                lights.choose(from, numbers.uniform(4))
             else {
                 panic!("the only lights are triangles");
             };

@@ -6,6 +6,7 @@ mod lights;
 mod mirror_plane;
 mod mirrors;
 mod sampling;
+mod tree;
 
 pub use delta::{DeltaLight, DeltaLightSample};
 pub use lights::Lights;

@@ -1,9 +1,9 @@
 use super::delta::DeltaLightSample;
-use super::lights::{AreaLight, Light, Lights};
+use super::lights::{AreaLight, AreaProb, Light, Lights};
 use crate::Interaction;
 use glam::DVec3;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SphericalTriangle, SurfacePoint, Triangle, Triangles};
-use globillum_material::{Emission, Rgb};
+use globillum_material::Rgb;
 
 /// The distribution of light samples on a triangle. It changes the variance, not the mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -152,14 +152,14 @@ impl LightSampler<'_> {
     /// contributes 0.
     #[inline(always)]
     pub fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
-        match self.lights.choose(choice)? {
-            Light::Area(light) => self.sample_area(light, u).map(LightSample::Area),
-            Light::Delta(delta) => delta.light.sample(self.from, delta.choice_prob).map(LightSample::Delta),
+        match self.lights.choose(self.from, choice)? {
+            Light::Area(light, prob) => self.sample_area(light, prob, u).map(LightSample::Area),
+            Light::Delta(light, prob) => light.sample(self.from, prob).map(LightSample::Delta),
         }
     }
 
     #[inline(always)]
-    fn sample_area(&self, light: &AreaLight, u: [f64; 2]) -> Option<AreaLightSample> {
+    fn sample_area(&self, light: &AreaLight, prob: AreaProb, u: [f64; 2]) -> Option<AreaLightSample> {
         let triangle = self.triangles.get(light.triangle);
         let spherical = if light.may_look_large(self.from) { self.by_solid_angle(triangle) } else { None };
         let (u, v) = match &spherical {
@@ -173,8 +173,8 @@ impl LightSampler<'_> {
             return None;
         }
         let pdf = match spherical {
-            Some(spherical) => spherical.pdf().chosen_with(light.choice_prob),
-            None => light.area_density.to_solid_angle(distance_sq, cos_light)?,
+            Some(spherical) => spherical.pdf().chosen_with(prob.choice),
+            None => prob.density.to_solid_angle(distance_sq, cos_light)?,
         };
         Some(AreaLightSample { point, direction, radiance, pdf })
     }
@@ -190,18 +190,18 @@ impl LightSampler<'_> {
         if at.emitted().is_black() {
             return PdfSolidAngle(0.0);
         }
-        self.density(hit.triangle, &at.point, &at.material.emission)
+        self.density(hit.triangle, &at.point)
     }
 
-    /// [`LightSampler::pdf`] for `point`, which lies on triangle `index` that emits `emission`.
-    fn density(&self, index: u32, point: &SurfacePoint, emission: &Emission) -> PdfSolidAngle {
-        let triangle = self.triangles.get(index);
-        match self.by_solid_angle(triangle) {
-            Some(spherical) => spherical.pdf().chosen_with(self.lights.choice_prob(triangle, emission)),
+    /// [`LightSampler::pdf`] for `point`, which lies on triangle `index`.
+    fn density(&self, index: u32, point: &SurfacePoint) -> PdfSolidAngle {
+        let none = PdfSolidAngle(0.0);
+        let Some(prob) = self.lights.prob(self.from, index) else { return none };
+        match self.by_solid_angle(self.triangles.get(index)) {
+            Some(spherical) => spherical.pdf().chosen_with(prob.choice),
             None => {
                 let Line { distance_sq, cos_light, .. } = self.line_to(point);
-                let density = self.lights.area_density(emission);
-                density.to_solid_angle(distance_sq, cos_light).unwrap_or(PdfSolidAngle(0.0))
+                prob.density.to_solid_angle(distance_sq, cos_light).unwrap_or(none)
             }
         }
     }

@@ -1,0 +1,143 @@
+use super::cluster::Cluster;
+use super::node::{Child, LANE_BITS, Node, WIDTH};
+use glam::DVec3;
+use std::collections::VecDeque;
+
+/// A light by its index.
+pub(super) type Light = (u32, Cluster);
+
+/// From this level on clusters are halved by the number of their lights, so that a path fits 64 bits: there are
+/// fewer lights than `8^11`.
+const FIRST_HALVED_LEVEL: u32 = 10;
+
+/// The number of intervals whose borders are tried as split planes.
+const BINS: usize = 16;
+
+/// The lights below a node that is not built yet.
+struct Pending<'a> {
+    lights: &'a mut [Light],
+    level: u32,
+    path: u64,
+}
+
+/// The nodes of a tree over `lights`, the root first; none without lights. `place` is told the path to each.
+pub(super) fn nodes(lights: &mut [Light], mut place: impl FnMut(u32, u64)) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    if lights.is_empty() {
+        return nodes;
+    }
+    let mut pending = VecDeque::from([Pending { lights, level: 0, path: 0 }]);
+    // Breadth first: the index of a child is the number of nodes built and pending.
+    while let Some(Pending { lights, level, path }) = pending.pop_front() {
+        let first_child = nodes.len() + 1 + pending.len();
+        let mut children = Vec::with_capacity(WIDTH);
+        let mut inner = 0;
+        for (lane, Group { lights, cluster }) in (0..).zip(groups(lights, level)) {
+            let path = path | lane << (LANE_BITS * level);
+            match lights {
+                [(light, _)] => {
+                    place(*light, path);
+                    children.push((Child::Light(*light), cluster));
+                }
+                lights => {
+                    children.push((Child::Node((first_child + inner) as u32), cluster));
+                    pending.push_back(Pending { lights, level: level + 1, path });
+                    inner += 1;
+                }
+            }
+        }
+        nodes.push(Node::new(&children));
+    }
+    nodes
+}
+
+/// Lights that share a child, with their bounds.
+struct Group<'a> {
+    lights: &'a mut [Light],
+    cluster: Cluster,
+}
+
+/// Splits `lights` into at most `WIDTH` groups, each time the costliest one.
+fn groups(lights: &mut [Light], level: u32) -> Vec<Group<'_>> {
+    let by_cost = level < FIRST_HALVED_LEVEL;
+    let cost = |group: &Group<'_>| match group.lights.len() {
+        1 => f64::NEG_INFINITY,
+        _ if by_cost => group.cluster.cost(),
+        count => count as f64,
+    };
+    let cluster = union(lights);
+    let mut groups = vec![Group { lights, cluster }];
+    while groups.len() < WIDTH {
+        let (index, costliest) =
+            (0..).zip(groups.iter().map(cost)).max_by(|a, b| a.1.total_cmp(&b.1)).expect("a group");
+        if costliest == f64::NEG_INFINITY {
+            break;
+        }
+        let group = groups.swap_remove(index);
+        let halves = if by_cost { best_split(group.lights) } else { halve(group.lights) };
+        groups.extend(halves);
+    }
+    groups
+}
+
+fn halve(lights: &mut [Light]) -> [Group<'_>; 2] {
+    let (left, right) = lights.split_at_mut(lights.len() / 2);
+    [left, right].map(|lights| Group { cluster: union(lights), lights })
+}
+
+/// Splits two or more lights into the two groups of least cost, along the axis on which they extend farthest.
+fn best_split(lights: &mut [Light]) -> [Group<'_>; 2] {
+    let centres = || lights.iter().map(|(_, cluster)| cluster.centre());
+    let min = centres().fold(DVec3::INFINITY, DVec3::min);
+    let max = centres().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let axis = (max - min).max_position();
+    let scale = BINS as f64 / (max[axis] - min[axis]);
+    // The product is not a number where all centres coincide; the cast makes 0 of it.
+    let bin = |(_, cluster): &Light| (((cluster.centre()[axis] - min[axis]) * scale) as usize).min(BINS - 1);
+    let mut bins = [None::<Cluster>; BINS];
+    for light in &*lights {
+        let bounds = &mut bins[bin(light)];
+        *bounds = join(*bounds, Some(light.1));
+    }
+    let Some(Split { border, clusters: [left, right] }) = best_border(&bins) else { return halve(lights) };
+    lights.sort_by_key(|light| bin(light) >= border);
+    let middle = lights.partition_point(|light| bin(light) < border);
+    let (before, after) = lights.split_at_mut(middle);
+    [Group { lights: before, cluster: left }, Group { lights: after, cluster: right }]
+}
+
+/// A split before the bin `border`, with the bounds of both sides.
+struct Split {
+    border: usize,
+    clusters: [Cluster; 2],
+}
+
+/// The split that costs least; `None` if all lights are in one bin.
+fn best_border(bins: &[Option<Cluster>; BINS]) -> Option<Split> {
+    let mut after = [None; BINS];
+    let mut joined = None;
+    for border in (1..BINS).rev() {
+        joined = join(joined, bins[border]);
+        after[border] = joined;
+    }
+    let mut before = None;
+    let splits = (1..BINS).filter_map(|border| {
+        before = join(before, bins[border - 1]);
+        Some(Split { border, clusters: [before?, after[border]?] })
+    });
+    let cost = |split: &Split| split.clusters.iter().map(Cluster::cost).sum::<f64>();
+    splits.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+fn join(a: Option<Cluster>, b: Option<Cluster>) -> Option<Cluster> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.union(&b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Bounds of one or more lights.
+fn union(lights: &[Light]) -> Cluster {
+    let clusters = lights.iter().map(|(_, cluster)| *cluster);
+    clusters.reduce(|a, b| a.union(&b)).expect("a group has a light")
+}

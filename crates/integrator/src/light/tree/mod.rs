@@ -1,0 +1,289 @@
+//! The light tree: a hierarchy of clusters of lights, in which one is chosen by what it may bring to a point
+//! (Conty Estevez and Kulla 2018).
+
+mod build;
+mod cluster;
+mod node;
+
+pub(super) use cluster::Cluster;
+
+use super::alias_table::AliasTable;
+use glam::DVec3;
+use node::{Child, LANE_BITS, Node, WIDTH, sum};
+
+/// A tree over lights, each of which is chosen with a probability above zero at every point.
+///
+/// The probability is about proportional to the irradiance from the light on a plane that faces it, if the light
+/// is visible. It does not depend on the unit of length.
+#[derive(Clone, Debug)]
+pub(super) struct LightTree {
+    /// The first is the root; none if all lights are infinitely far away.
+    nodes: Vec<Node>,
+    /// Over `far`, by irradiance.
+    far_table: AliasTable,
+    /// The indices of the lights that are infinitely far away.
+    far: Vec<u32>,
+    /// The sum of their irradiances.
+    far_irradiance: f64,
+    places: Vec<Place>,
+}
+
+/// What the tree knows of a light.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::light) enum Reach {
+    /// Bounds of a light at a finite distance.
+    Near(Cluster),
+    /// The irradiance from a light infinitely far away, as luminance.
+    Far(f64),
+}
+
+/// Where the tree has a light.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// The lanes from the root to the light, from the lowest bits up.
+    Path(u64),
+    /// The probability among all lights that are infinitely far away.
+    Far(f64),
+}
+
+impl LightTree {
+    /// The least probability of all lights at finite or at infinite distance, where there are both.
+    const LEAST_PROB: f64 = 1.0 / 1024.0;
+
+    /// A tree over `lights`, of which each has an intensity or irradiance above zero.
+    pub(super) fn new(lights: &[Reach]) -> Self {
+        let mut near = Vec::new();
+        let (mut far, mut irradiances) = (Vec::new(), Vec::new());
+        for (index, light) in (0..).zip(lights) {
+            match *light {
+                Reach::Near(cluster) => near.push((index, cluster)),
+                Reach::Far(irradiance) => (far.push(index), irradiances.push(irradiance)).1,
+            }
+        }
+        let far_irradiance: f64 = irradiances.iter().sum();
+        let mut places = vec![Place::Path(0); lights.len()];
+        for (&index, irradiance) in far.iter().zip(&irradiances) {
+            places[index as usize] = Place::Far(irradiance / far_irradiance);
+        }
+        let nodes = build::nodes(&mut near, |index, path| places[index as usize] = Place::Path(path));
+        Self { nodes, far_table: AliasTable::new(&irradiances), far, far_irradiance, places }
+    }
+
+    /// Chooses a light for the point `from` by `u` in `[0, 1)`: its index and the probability of the choice.
+    #[inline(always)]
+    pub(super) fn choose(&self, from: DVec3, u: f64) -> (usize, f64) {
+        let Some(mut node) = self.nodes.first() else { return self.choose_far(u, 1.0) };
+        let mut importance = node.importance(from);
+        let far_prob = self.far_prob(sum(&importance));
+        if u < far_prob {
+            return self.choose_far(u / far_prob, far_prob);
+        }
+        let (mut u, mut prob) = ((u - far_prob) / (1.0 - far_prob), 1.0 - far_prob);
+        loop {
+            let probs = node.probs(&importance);
+            let (lane, rest) = node.choose(&probs, u);
+            prob *= probs[lane];
+            match node.child(lane) {
+                Child::Light(index) => return (index as usize, prob),
+                Child::Node(index) => node = &self.nodes[index as usize],
+            }
+            u = rest;
+            importance = node.importance(from);
+        }
+    }
+
+    /// The probability with which [`LightTree::choose`] chooses the light `index`, to the bit.
+    #[inline(always)]
+    pub(super) fn prob(&self, from: DVec3, index: usize) -> f64 {
+        let Some(mut node) = self.nodes.first() else { return self.far_share(index, 1.0) };
+        let mut importance = node.importance(from);
+        let far_prob = self.far_prob(sum(&importance));
+        let Place::Path(mut path) = self.places[index] else { return self.far_share(index, far_prob) };
+        let mut prob = 1.0 - far_prob;
+        loop {
+            let lane = path as usize % WIDTH;
+            prob *= node.probs(&importance)[lane];
+            let Child::Node(index) = node.child(lane) else { return prob };
+            node = &self.nodes[index as usize];
+            path >>= LANE_BITS;
+            importance = node.importance(from);
+        }
+    }
+
+    /// The probability of the lights that are infinitely far away, beside the importance of all others.
+    #[inline(always)]
+    fn far_prob(&self, near: f64) -> f64 {
+        if self.far.is_empty() {
+            return 0.0;
+        }
+        let share = self.far_irradiance / (self.far_irradiance + near);
+        share.clamp(Self::LEAST_PROB, 1.0 - Self::LEAST_PROB)
+    }
+
+    fn choose_far(&self, u: f64, far_prob: f64) -> (usize, f64) {
+        let place =
+            self.far_table.sample(u.min(1.0_f64.next_down())).expect("only called if there are far lights");
+        let index = self.far[place] as usize;
+        (index, self.far_share(index, far_prob))
+    }
+
+    fn far_share(&self, index: usize, far_prob: f64) -> f64 {
+        match self.places[index] {
+            Place::Far(share) => share * far_prob,
+            Place::Path(_) => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Stream;
+    use std::f64::consts::{FRAC_PI_3, PI};
+
+    /// Uniform in `[-1, 1]^3`.
+    fn vector(numbers: Stream, dimension: u32) -> DVec3 {
+        DVec3::from_array([0, 1, 2].map(|k| 2.0 * numbers.uniform(dimension + k) - 1.0))
+    }
+
+    /// `n` lights of all kinds, of intensities over twelve orders of magnitude, every seventh infinitely far
+    /// away; positions times `unit`.
+    fn lights(n: u32, unit: f64) -> Vec<Reach> {
+        let light = |i: u32| {
+            let numbers = Stream::new(7, n.into(), i);
+            let intensity = 10.0_f64.powf(12.0 * numbers.uniform(0) - 6.0);
+            let (at, axis) = (unit * vector(numbers, 1), vector(numbers, 4).normalize());
+            let beside = |dimension| at + 0.05 * unit * vector(numbers, dimension);
+            match i % 7 {
+                0..=3 => {
+                    let vertices = [at, beside(7), beside(10)];
+                    Reach::Near(Cluster::of_triangle(vertices, axis, i.is_multiple_of(2), intensity))
+                }
+                4 => Reach::Near(Cluster::of_point(at, intensity)),
+                5 => Reach::Near(Cluster::of_spot(at, axis, FRAC_PI_3, intensity)),
+                _ => Reach::Far(intensity),
+            }
+        };
+        (0..n).map(light).collect()
+    }
+
+    /// At the lights, between them, and far away.
+    fn places() -> impl Iterator<Item = DVec3> {
+        (0..6).map(|i| vector(Stream::new(8, 0, i), 0) * [1.0, 0.1, 3.0][i as usize % 3]).chain([
+            DVec3::ZERO,
+            DVec3::splat(1e9),
+            Cluster::centre(&near(&lights(40, 1.0)[4])),
+        ])
+    }
+
+    fn near(reach: &Reach) -> Cluster {
+        match reach {
+            Reach::Near(cluster) => *cluster,
+            Reach::Far(irradiance) => panic!("{irradiance} comes from infinity"),
+        }
+    }
+
+    #[test]
+    fn each_light_has_a_chance_and_all_together_certainty() {
+        for n in [1, 2, 7, 8, 9, 40, 1000] {
+            let tree = LightTree::new(&lights(n, 1.0));
+            for from in places() {
+                let probs = (0..n as usize).map(|index| tree.prob(from, index));
+                let (sum, least) =
+                    probs.fold((0.0, 1.0_f64), |(sum, least), prob| (sum + prob, prob.min(least)));
+                assert!((sum - 1.0).abs() < 1e-12, "{n} lights from {from}: {sum}");
+                assert!(least > 1e-30, "{n} lights from {from}: {least}");
+            }
+        }
+    }
+
+    /// Each light has an interval of `u`, or one in each of two columns of the table for the lights infinitely
+    /// far away: of evenly spaced numbers it gets its share, to within one for each end.
+    #[test]
+    fn lights_are_chosen_with_their_probability() {
+        for n in [1, 5, 40, 300] {
+            let tree = LightTree::new(&lights(n, 1.0));
+            for from in places() {
+                let (draws, mut counts) = (10_000, vec![0.0; n as usize]);
+                for i in 0..draws {
+                    let (index, prob) = tree.choose(from, (f64::from(i) + 0.5) / f64::from(draws));
+                    assert_eq!(prob.to_bits(), tree.prob(from, index).to_bits(), "light {index} from {from}");
+                    counts[index] += 1.0;
+                }
+                for (index, count) in counts.iter().enumerate() {
+                    let expected = f64::from(draws) * tree.prob(from, index);
+                    let ends = if matches!(tree.places[index], Place::Path(_)) { 1.001 } else { n as f64 };
+                    assert!(
+                        f64::abs(count - expected) <= ends,
+                        "light {index} of {n} from {from}: {count}, {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_unit_of_length_does_not_matter() {
+        for unit in [2.0_f64.powi(-40), 2.0_f64.powi(60)] {
+            // Irradiances from infinity have a unit of their own.
+            let lights = |unit| {
+                let near = lights(100, unit).into_iter().filter(|light| matches!(light, Reach::Near(_)));
+                LightTree::new(&near.collect::<Vec<_>>())
+            };
+            let (tree, scaled) = (lights(1.0), lights(unit));
+            for from in places() {
+                for i in 0..100 {
+                    let u = f64::from(i) / 100.0;
+                    assert_eq!(tree.choose(from, u), scaled.choose(unit * from, u), "{unit} {from} {u}");
+                }
+            }
+        }
+    }
+
+    /// Two equal lights at distances 1 and 10, and one that turns its back.
+    #[test]
+    fn near_lights_that_face_the_point_are_preferred() {
+        let light = |x: f64, axis| {
+            let vertices = [DVec3::Y, DVec3::Z, DVec3::NEG_ONE].map(|v| DVec3::new(x, 0.0, 0.0) + 1e-3 * v);
+            Reach::Near(Cluster::of_triangle(vertices, axis, false, 1.0))
+        };
+        let tree = LightTree::new(&[light(1.0, DVec3::NEG_X), light(-10.0, DVec3::X), light(0.5, DVec3::X)]);
+        let [near, distant, averted] = [0, 1, 2].map(|index| tree.prob(DVec3::ZERO, index));
+        assert!((0.985..0.995).contains(&near) && (0.009..0.011).contains(&distant), "{near} {distant}");
+        assert!((0.0003..0.0004).contains(&averted), "{averted}");
+    }
+
+    /// The cosine that a node assumes for a cluster is not below that of any of its lights, so that no light that
+    /// shines on a point seems not to.
+    #[test]
+    fn bounds_contain_what_they_bound() {
+        let lights: Vec<Cluster> =
+            lights(400, 1.0).iter().filter(|light| matches!(light, Reach::Near(_))).map(near).collect();
+        let node = |mut cluster: Cluster| {
+            cluster.intensity = 1.0;
+            Node::new(&[(Child::Light(0), cluster)])
+        };
+        let mut shining = 0;
+        for group in lights.chunks(4) {
+            let union = group.iter().copied().reduce(|a, b| a.union(&b)).unwrap();
+            let union_node = node(union);
+            for i in 0..100 {
+                let from = 2.0 * vector(Stream::new(9, 0, i), 0);
+                let assumed = union_node.importance(from)[0]
+                    * from.distance_squared(union.centre()).max(union.radius().powi(2));
+                for &light in group {
+                    let direction = (from - light.centre()).normalize();
+                    let cos = light.axis.dot(direction);
+                    let cos = if light.both_sides { cos.abs() } else { cos };
+                    // A point light shines the same in all directions.
+                    let cos = if light.tilt == PI { 1.0 } else { cos };
+                    if cos > 1e-6 + libm::cos(light.spread) {
+                        shining += 1;
+                        assert!(assumed >= cos - 1e-5, "{assumed} {cos}");
+                    }
+                }
+            }
+        }
+        assert!(shining > 10_000, "{shining}");
+    }
+}
