@@ -3,8 +3,9 @@
 use glam::{DVec3, Vec3};
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, CheckpointError, DeltaLight, Ending, Estimator, Monitor, PathReuse, Picture, PixelFilter, Render,
-    RenderError, Sampler, Scene, Settings, render,
+    Camera, CheckpointError, CheckpointReader, CheckpointWriter, DeltaLight, Ending, Estimator, ImageError,
+    Merge, MergeError, Monitor, PathReuse, Picture, PixelFilter, Render, RenderError, Sampler, Scene,
+    Settings, render,
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
@@ -132,7 +133,7 @@ fn another_picture_is_refused() {
         |s| (s.width, s.height) = (s.height, s.width),
     ];
     let refused = |result: Result<Picture, RenderError>| {
-        let mismatch = CheckpointError::Mismatch("scene, camera or settings");
+        let mismatch = CheckpointError::Mismatch("scene, camera, settings or build");
         assert_eq!(result.expect_err("it is another picture"), RenderError::Checkpoint(mismatch));
     };
     for change in changes {
@@ -195,5 +196,146 @@ fn damaged_and_incomplete_checkpoints_are_refused() {
     assert_eq!(Picture::from_bytes(b"\x89PNG and so on"), Err(CheckpointError::NoCheckpoint));
     let mut newer = bytes;
     newer[8] += 1;
-    assert_eq!(Picture::from_bytes(&newer), Err(CheckpointError::Version(3)));
+    assert_eq!(Picture::from_bytes(&newer), Err(CheckpointError::Version(4)));
+}
+
+/// Merges checkpoints as streams.
+fn merged(checkpoints: &[&[u8]]) -> Result<(Vec<u8>, ImageError), MergeError> {
+    let readers = checkpoints.iter().map(|&bytes| CheckpointReader::new(bytes).expect("it is a checkpoint"));
+    let merge = Merge::new(readers.collect())?;
+    let mut writer = CheckpointWriter::new(Vec::new(), merge.header()).expect("a vector takes all");
+    let error = merge.run(|rows| writer.write(rows))?;
+    Ok((writer.finish().expect("a vector takes all"), error))
+}
+
+/// The checkpoints of `passes` of `rows`, for each of both.
+fn parts(settings: &Settings, strips: &[Range<u32>], ranges: &[Range<u32>]) -> Vec<Vec<u8>> {
+    let (scene, camera) = the_box();
+    let all = strips.iter().flat_map(|rows| ranges.iter().map(move |passes| (rows.clone(), passes.clone())));
+    let render = |(rows, passes)| Render::new(&scene, &camera, settings).rows(rows).passes(passes).run(&());
+    all.map(|part| render(part).expect("the scene is good").to_bytes()).collect()
+}
+
+fn as_slices(checkpoints: &[Vec<u8>]) -> Vec<&[u8]> {
+    checkpoints.iter().map(Vec::as_slice).collect()
+}
+
+/// Not the settings' height, so that the last row of tiles is cut and strips can differ.
+fn three_tiles(sampler: Sampler) -> Settings {
+    changed(settings(sampler), |s| (s.width, s.height, s.samples) = (19, 41, 31))
+}
+
+/// In any order, and in a tree of any fan-in, passes and strips give the bytes of one run.
+#[test]
+fn streams_merge_to_the_bytes_of_one_run() {
+    for (sampler, path_reuse) in [(Sampler::Sobol, PathReuse::Fours), (Sampler::Independent, PathReuse::Off)]
+    {
+        let settings = changed(three_tiles(sampler), |s| s.path_reuse = path_reuse);
+        let (scene, camera) = the_box();
+        let whole = render(&scene, &camera, &settings, &()).expect("the scene is good");
+        let ranges = [0..1, 1..4, 4..8, 8..13, 13..16];
+        for strips in [&[0..41][..], &[0..16, 16..41], &[0..16, 16..32, 32..41]] {
+            let parts = parts(&settings, strips, &ranges);
+            // None has a factor in common with 5, 10 or 15: each visits every part once.
+            for step in [1, 7, 11, 14] {
+                let order = |i: usize| &parts[(3 + step * i) % parts.len()][..];
+                let shuffled: Vec<&[u8]> = (0..parts.len()).map(order).collect();
+                let flat = merged(&shuffled).expect("they are parts of one picture");
+                assert_eq!(flat, (whole.to_bytes(), whole.film.error()), "{strips:?}, {step}");
+                for fan_in in [2, 3, 5] {
+                    let groups: Vec<Vec<u8>> =
+                        shuffled.chunks(fan_in).map(|group| merged(group).expect("likewise").0).collect();
+                    let tree = merged(&as_slices(&groups)).expect("likewise");
+                    assert_eq!(tree, flat, "{strips:?}, {step}, {fan_in}");
+                }
+            }
+        }
+    }
+}
+
+/// The oracle: the whole pictures in memory, with passes missing too.
+#[test]
+fn streams_merge_as_pictures_do() {
+    let settings = three_tiles(Sampler::Sobol);
+    let parts = parts(&settings, &[0..41], &[1..2, 3..4, 5..7, 9..10, 10..12, 12..16]);
+    for chosen in 1..1 << parts.len() {
+        let parts: Vec<&[u8]> =
+            (0..parts.len()).filter(|i| chosen >> i & 1 == 1).map(|i| &parts[i][..]).collect();
+        let mut pictures = parts.iter().map(|bytes| Picture::from_bytes(bytes).expect("it was just written"));
+        let mut expected = pictures.next().expect("one at least");
+        pictures.for_each(|picture| expected.merge(picture).expect("they are disjoint"));
+        assert_eq!(merged(&parts), Ok((expected.to_bytes(), expected.film.error())), "{chosen:b}");
+    }
+}
+
+/// Rows with different passes are a preview: they merge further, and the error is that of all pixels.
+#[test]
+fn an_incomplete_merge_can_be_completed() {
+    let settings = three_tiles(Sampler::Sobol);
+    let parts = parts(&settings, &[0..16, 16..41], &[0..8, 8..16]);
+    let (incomplete, error) =
+        merged(&[&parts[3], &parts[0], &parts[1]]).expect("they are parts of one picture");
+    assert!(error.relative_rmse.is_finite() && error.interval_95 == [0.0, f64::INFINITY], "{error:?}");
+    assert_eq!(Picture::from_bytes(&incomplete), Err(CheckpointError::Uneven));
+    let reader = CheckpointReader::new(&incomplete[..]).expect("it was just written");
+    let strips: Vec<_> =
+        reader.header().strips.iter().map(|strip| (strip.rows(), strip.passes(), strip.samples())).collect();
+    assert_eq!(strips, [(0..16, vec![0..16], 31), (16..41, vec![8..16], 15)]);
+    assert_eq!(reader.header().file_length(), incomplete.len() as u64);
+    let sums = CheckpointReader::new(std::io::Cursor::new(&incomplete)).expect("likewise").into_sums();
+    assert_eq!(sums.expect("likewise").relative_rmse(), error.relative_rmse);
+    let whole = merged(&as_slices(&parts)).expect("likewise");
+    assert_eq!(merged(&[&incomplete, &parts[2]]), Ok(whole));
+}
+
+#[test]
+fn equal_checkpoints_count_once_and_others_not() {
+    let settings = three_tiles(Sampler::Sobol);
+    let parts = parts(&settings, &[0..16, 16..41], &[0..2, 2..4]);
+    let twice = [as_slices(&parts), as_slices(&parts[1..3])].concat();
+    assert_eq!(merged(&twice), merged(&as_slices(&parts)));
+    // Equal headers, other pixels.
+    let mut other = Picture::from_bytes(&parts[2]).expect("it was just written");
+    let seeded = changed(settings, |s| s.seed = 9);
+    let (scene, camera) = the_box();
+    let render = |settings: &Settings| {
+        let render = Render::new(&scene, &camera, settings).rows(16..41).passes(0..2);
+        render.run(&()).expect("the scene is good")
+    };
+    let foreign = render(&seeded);
+    let mismatch = CheckpointError::Mismatch("scene, camera, settings or build");
+    let result = merged(&[&parts[0], &foreign.to_bytes()]);
+    assert_eq!(result, Err(MergeError::Input { index: 1, error: mismatch }));
+    (other.film, other.counters) = (foreign.film, render(&settings).counters);
+    let result = merged(&[&parts[0], &parts[2], &other.to_bytes()]);
+    assert_eq!(result, Err(MergeError::Overlap { indices: [1, 2], pass: 0, row: 16 }));
+    let overlapping = passes(1..3, &settings).to_bytes();
+    let result = merged(&[&parts[3], &overlapping]);
+    assert_eq!(result, Err(MergeError::Overlap { indices: [0, 1], pass: 2, row: 16 }));
+    assert_eq!(merged(&[]), Err(MergeError::Empty));
+    // A pass cut short, with one after it in another strip.
+    let cut = changed(settings, |s| s.samples = 3);
+    let cut = Render::new(&scene, &camera, &cut).rows(0..16).passes(0..2).run(&()).expect("it is good");
+    let mismatch = CheckpointError::Mismatch("number of samples");
+    let result = merged(&[&parts[3], &cut.to_bytes()]);
+    assert_eq!(result, Err(MergeError::Input { index: 1, error: mismatch }));
+}
+
+#[test]
+fn rows_are_whole_rows_of_tiles() {
+    let settings = three_tiles(Sampler::Sobol);
+    let (scene, camera) = the_box();
+    let run = |rows| Render::new(&scene, &camera, &settings).passes(0..1).rows(rows).run(&());
+    let strip = run(16..41).expect("the scene is good");
+    assert_eq!((strip.film.rows(), strip.film.height(), strip.height), (16..41, 25, 41));
+    let whole = run(0..41).expect("likewise");
+    for (x, y) in [(0, 0), (18, 24), (5, 9)] {
+        assert_eq!(strip.film.mean(x, y), whole.film.mean(x, y + 16));
+    }
+    for rows in [0..0, 16..16, 32..16, 0..8, 8..16, 0..48, 41..48] {
+        assert!(matches!(run(rows), Err(RenderError::Param { name: "rows", .. })));
+    }
+    let mismatch = RenderError::Checkpoint(CheckpointError::Mismatch("range of rows"));
+    let resumed = Render::new(&scene, &camera, &settings).rows(0..16).resume(strip).run(&());
+    assert_eq!(resumed, Err(mismatch));
 }

@@ -1,6 +1,7 @@
 use glam::DVec3;
 use globillum_geom::GeomError;
 use globillum_material::{MaterialError, Rgb};
+use std::io::ErrorKind;
 use thiserror::Error;
 
 /// Why a scene could not be built or a picture not be rendered.
@@ -96,6 +97,9 @@ pub enum DeltaLightError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
+    /// It could not be read.
+    #[error("cannot be read: {0}")]
+    Read(ErrorKind),
     /// The first bytes are not those of a checkpoint.
     #[error("is no checkpoint")]
     NoCheckpoint,
@@ -114,6 +118,9 @@ pub enum CheckpointError {
     /// The checkpoint belongs to a picture that differs in what is named here.
     #[error("belongs to another picture: the {0} differs")]
     Mismatch(&'static str),
+    /// Its rows hold different passes, or it lacks some: it can be merged, but not be continued.
+    #[error("holds different passes in different rows")]
+    Uneven,
     /// Both pictures hold the same pass.
     #[error("pass {pass} is held twice")]
     Overlap {
@@ -122,5 +129,40 @@ pub enum CheckpointError {
     },
 }
 
+impl CheckpointError {
+    /// For keys that differ.
+    pub(crate) const OTHER_PICTURE: Self = Self::Mismatch("scene, camera, settings or build");
+}
+
 /// The version of the checkpoint format that this library writes and reads.
-pub(crate) const CHECKPOINT_VERSION: u32 = 2;
+pub(crate) const CHECKPOINT_VERSION: u32 = 3;
+
+/// Why checkpoints cannot be merged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum MergeError {
+    /// There is nothing to merge.
+    #[error("there is no checkpoint to merge")]
+    Empty,
+    /// A checkpoint cannot be used, or belongs to another picture than the first.
+    #[error("checkpoint {index} {error}")]
+    Input {
+        /// Which one, from 0.
+        index: usize,
+        /// Why.
+        error: CheckpointError,
+    },
+    /// Two checkpoints hold the same pass of a row, and are not the same.
+    #[error("checkpoints {} and {} differ and both hold pass {pass} of row {row}", indices[0], indices[1])]
+    Overlap {
+        /// Which ones, from 0.
+        indices: [usize; 2],
+        /// The first pass that both hold.
+        pass: u32,
+        /// In this row, the first.
+        row: u32,
+    },
+    /// What was done with the rows failed.
+    #[error("{0}")]
+    Write(ErrorKind),
+}

@@ -35,10 +35,13 @@ mod sampler;
 mod scene;
 mod settings;
 
-pub use error::{CheckpointError, DeltaLightError, RenderError};
+pub use error::{CheckpointError, DeltaLightError, MergeError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;
-pub use film::{Ending, Film, ImageError, Picture};
+pub use film::{
+    CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Ending, Film, ImageError, Merge,
+    Picture, PixelSums,
+};
 pub use light::{
     AreaLightSample, DeltaLight, DeltaLightSample, LightSample, LightSampler, LightSampling, Lights,
 };

@@ -1,35 +1,25 @@
-use super::dispersion::{Dispersion, Squares};
+use super::dispersion::{Halves, Squares};
 use super::moments::{Moments, Tally};
 use std::fmt;
 use std::ops::Range;
 
-/// The sums of `2^k` consecutive passes for every pixel.
-///
-/// A block of `n` passes starts at a multiple of `n`, and two halves of a larger block are joined at once.
-/// Blocks are thus nodes of a fixed binary tree over all passes: the sum has the same bits in whatever order
-/// the passes are added, and its rounding error grows with the logarithm of their number.
-#[derive(Clone, PartialEq)]
-pub(crate) struct Block {
+/// Which passes a [`Block`] sums, and what it rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BlockHeader {
     pub(crate) first: u32,
     pub(crate) passes: u32,
     pub(crate) tally: Tally,
-    pub(crate) pixels: Vec<Moments>,
-    /// Between its halves; unknown of a single pass.
-    pub(crate) dispersion: Dispersion,
 }
 
-impl Block {
-    pub(crate) fn of_pass(first: u32, tally: Tally, pixels: Vec<Moments>) -> Self {
-        Self { first, passes: 1, tally, pixels, dispersion: Dispersion::default() }
-    }
-
+impl BlockHeader {
     pub(crate) fn range(&self) -> Range<u64> {
         let first = u64::from(self.first);
         first..first + u64::from(self.passes)
     }
 
     /// Whether a block may have this place.
-    pub(crate) fn is_node(first: u32, passes: u32) -> bool {
+    pub(crate) fn is_node(&self) -> bool {
+        let Self { first, passes, .. } = *self;
         passes.is_power_of_two() && first.is_multiple_of(passes) && first.checked_add(passes).is_some()
     }
 
@@ -40,16 +30,87 @@ impl Block {
             && self.range().start.is_multiple_of(2 * u64::from(self.passes))
     }
 
+    /// The samples that passes of `pass_samples` lack, fewer than a pass; `None` if they cannot be those of a
+    /// render.
+    pub(crate) fn lacks(&self, pass_samples: u32) -> Option<u64> {
+        let full = u64::from(self.passes) * u64::from(pass_samples);
+        full.checked_sub(self.tally.samples).filter(|&lacking| lacking < u64::from(pass_samples))
+    }
+
+    /// Appends the passes to ascending ranges of passes before them.
+    pub(crate) fn append_to(&self, ranges: &mut Vec<Range<u32>>) {
+        let end = self.first + self.passes;
+        match ranges.last_mut() {
+            Some(last) if last.end == self.first => last.end = end,
+            _ => ranges.push(self.first..end),
+        }
+    }
+
+    /// With the other half.
+    pub(crate) fn joined(self, next: Self) -> Self {
+        Self { passes: 2 * self.passes, tally: self.tally.joined(next.tally), ..self }
+    }
+}
+
+/// The sums of `2^k` consecutive passes for every pixel of some rows.
+///
+/// A block of `n` passes starts at a multiple of `n`, and two halves of a larger block are joined at once.
+/// Blocks are thus nodes of a fixed binary tree over all passes: the sum has the same bits in whatever order
+/// the passes are added, and its rounding error grows with the logarithm of their number.
+#[derive(Clone, PartialEq)]
+pub(crate) struct Block {
+    pub(crate) header: BlockHeader,
+    pub(crate) pixels: Vec<Moments>,
+    /// How its halves differ, for each row of tiles.
+    pub(crate) halves: Vec<Halves>,
+}
+
+impl Block {
+    /// A block of one pass, which has no halves, in `tile_rows` rows of tiles.
+    pub(crate) fn of_pass(first: u32, tally: Tally, pixels: Vec<Moments>, tile_rows: usize) -> Self {
+        let halves = vec![Halves::default(); tile_rows];
+        Self { header: BlockHeader { first, passes: 1, tally }, pixels, halves }
+    }
+
     /// Takes in the other half.
-    pub(crate) fn join(&mut self, next: &Self, squares: Squares) {
-        self.dispersion =
-            Dispersion::between([&self.pixels, &next.pixels], [self.tally, next.tally], squares);
-        let (n, m) = (self.tally.samples, next.tally.samples);
+    pub(crate) fn join(&mut self, next: &Self, squares: &Squares) {
+        let tallies = [self.header.tally, next.header.tally];
+        let rows = squares.tile_rows(&self.pixels).zip(squares.tile_rows(&next.pixels));
+        self.halves = rows.map(|(a, b)| Halves::between([a, b], tallies, squares)).collect();
+        let [n, m] = tallies.map(|tally| tally.samples);
         for (own, other) in self.pixels.iter_mut().zip(&next.pixels) {
             *own = own.joined(n, other, m);
         }
-        self.tally = self.tally.joined(next.tally);
-        self.passes *= 2;
+        self.header = self.header.joined(next.header);
+    }
+}
+
+impl AsRef<BlockHeader> for Block {
+    fn as_ref(&self) -> &BlockHeader {
+        &self.header
+    }
+}
+
+impl AsRef<BlockHeader> for BlockHeader {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+/// Adds a block of passes that are not in `blocks` yet, and joins what makes up a larger block.
+pub(crate) fn insert<B: AsRef<BlockHeader>>(blocks: &mut Vec<B>, block: B, mut join: impl FnMut(&mut B, &B)) {
+    let mut at = blocks.partition_point(|other| other.as_ref().first < block.as_ref().first);
+    blocks.insert(at, block);
+    loop {
+        let pairs_with =
+            |i: usize| blocks.get(i + 1).is_some_and(|next| blocks[i].as_ref().is_sibling(next.as_ref()));
+        at = match at {
+            _ if pairs_with(at) => at,
+            1.. if pairs_with(at - 1) => at - 1,
+            _ => break,
+        };
+        let next = blocks.remove(at + 1);
+        join(&mut blocks[at], &next);
     }
 }
 
@@ -57,8 +118,8 @@ impl fmt::Debug for Block {
     /// Without the pixels, of which there may be millions.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Block")
-            .field("passes", &self.range())
-            .field("tally", &self.tally)
+            .field("passes", &self.header.range())
+            .field("tally", &self.header.tally)
             .finish_non_exhaustive()
     }
 }

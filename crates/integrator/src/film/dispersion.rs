@@ -1,14 +1,14 @@
 //! How certain a picture's variance is.
 
 use super::moments::{Moments, Tally};
-use crate::path::Tile;
+use crate::path::{TILE_SIDE, Tile};
 use globillum_material::Rgb;
+use std::slice::Chunks;
 
-/// A picture's size, and the side of the squares of pixels that are independent of each other.
+/// The width of a film, and the side of the squares of pixels that are independent of each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Squares {
     pub(crate) width: u32,
-    pub(crate) height: u32,
     pub(crate) side: u32,
 }
 
@@ -27,45 +27,71 @@ pub(crate) struct Dispersion {
     pub(crate) dof: f64,
 }
 
-impl Dispersion {
-    /// Of two sets of passes; unknown if one of them has no spread, with fewer than two observations.
-    pub(crate) fn between([a, b]: [&[Moments]; 2], tallies: [Tally; 2], squares: Squares) -> Self {
+/// How the halves of a set of passes differ in a row of tiles. All 0 if one half has no spread, with fewer than
+/// two observations, or if nothing varied.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Halves {
+    /// Squared deviations of both halves, all pixels together.
+    pub(crate) spread: f64,
+    /// Squared differences of the squares' variances, relative to the variance of the row.
+    pub(crate) squared: f64,
+    /// Their squares.
+    pub(crate) fourths: f64,
+}
+
+impl Halves {
+    /// Of two sets of passes in one row of tiles.
+    pub(crate) fn between([a, b]: [&[Moments]; 2], tallies: [Tally; 2], squares: &Squares) -> Self {
         if tallies.iter().any(|tally| tally.observations < 2) {
             return Self::default();
         }
         let [m, n] = tallies.map(|tally| (tally.observations - 1) as f64);
-        let whole = a.iter().zip(b).map(|(a, b)| spread(a) + spread(b));
-        let scale = whole.sum::<f64>() / (m + n) * (1.0 / m + 1.0 / n).sqrt();
-        let apart = |i: usize| spread(&a[i]) / m - spread(&b[i]) / n;
-        let (mut sum, mut fourths) = (0.0, 0.0);
-        for square in squares.all() {
-            let apart = square.map(apart).sum::<f64>() / scale;
-            sum += apart * apart;
-            fourths += apart.powi(4);
-        }
-        // Satterthwaite's, where the variance of a squared difference is at most its square.
-        let dof = 2.0 * sum * sum / fourths;
-        if dof.is_finite() { Self { variance: sum, dof } } else { Self::default() }
-    }
-
-    /// Of one set of passes, by the squares' variances themselves: too large, since some squares are truly
-    /// noisier. Unknown of one square.
-    pub(crate) fn among(moments: &[Moments], tally: Tally, squares: Squares) -> Self {
-        let whole = moments.iter().map(spread).sum::<f64>();
-        let count = squares.all().count() as f64;
-        if tally.observations < 2 || count < 2.0 || whole == 0.0 {
+        let whole = a.iter().zip(b).map(|(a, b)| spread(a) + spread(b)).sum::<f64>();
+        if whole == 0.0 {
             return Self::default();
         }
-        let shares = squares.all().map(|square| square.map(|i| spread(&moments[i])).sum::<f64>() / whole);
-        let squared: f64 = shares.map(|share| (share - 1.0 / count).powi(2)).sum();
-        let variance = squared * count / (count - 1.0) * (tally.observations - 1) as f64;
-        Self { variance, dof: count - 1.0 }
+        let scale = whole / (m + n) * (1.0 / m + 1.0 / n).sqrt();
+        let apart = |i: usize| spread(&a[i]) / m - spread(&b[i]) / n;
+        let mut halves = Self { spread: whole, ..Self::default() };
+        for square in squares.all(a.len()) {
+            let apart = square.map(apart).sum::<f64>() / scale;
+            halves.squared += apart * apart;
+            halves.fourths += apart.powi(4);
+        }
+        halves
     }
 
-    /// Whether squares can disperse like this.
-    pub(crate) fn is_possible(&self) -> bool {
-        let known = self.variance > 0.0 && self.dof > 0.0;
-        (known || *self == Self::default()) && self.variance.is_finite() && self.dof.is_finite()
+    /// Whether halves can differ like this.
+    pub(crate) fn are_possible(&self) -> bool {
+        [self.spread, self.squared, self.fourths].iter().all(|x| x.is_finite() && *x >= 0.0)
+    }
+}
+
+impl Dispersion {
+    /// Of all rows of tiles.
+    pub(crate) fn between(rows: &[Halves]) -> Self {
+        let whole = rows.iter().map(|row| row.spread).sum::<f64>();
+        let (mut squared, mut fourths) = (0.0, 0.0);
+        for row in rows {
+            let share = row.spread / whole;
+            squared += row.squared * share.powi(2);
+            fourths += row.fourths * share.powi(4);
+        }
+        // Satterthwaite's, where the variance of a squared difference is at most its square.
+        let dof = 2.0 * squared * squared / fourths;
+        if dof.is_finite() { Self { variance: squared, dof } } else { Self::default() }
+    }
+
+    /// Of one set of passes, by the spreads of the squares themselves: too large, since some squares are truly
+    /// noisier. Unknown of one square.
+    pub(crate) fn among(squares: &[f64], observations: u64) -> Self {
+        let (whole, count) = (squares.iter().sum::<f64>(), squares.len() as f64);
+        if observations < 2 || count < 2.0 || whole == 0.0 {
+            return Self::default();
+        }
+        let squared: f64 = squares.iter().map(|square| (square / whole - 1.0 / count).powi(2)).sum();
+        let variance = squared * count / (count - 1.0) * (observations - 1) as f64;
+        Self { variance, dof: count - 1.0 }
     }
 }
 
@@ -76,10 +102,22 @@ fn spread(moments: &Moments) -> f64 {
 }
 
 impl Squares {
-    /// The pixels of every square, as places in the film.
-    fn all(self) -> impl Iterator<Item = impl Iterator<Item = usize>> {
-        let place = move |(x, y): (u32, u32)| y as usize * self.width as usize + x as usize;
-        Tile::grid(self.width, self.height, self.side).map(move |square| square.pixels().map(place))
+    /// `pixels`, a row of tiles at a time.
+    pub(crate) fn tile_rows<'a, T>(&self, pixels: &'a [T]) -> Chunks<'a, T> {
+        pixels.chunks(self.width as usize * TILE_SIDE as usize)
+    }
+
+    /// The spread of every square.
+    pub(crate) fn spreads(&self, moments: &[Moments]) -> impl Iterator<Item = f64> {
+        self.all(moments.len()).map(|square| square.map(|i| spread(&moments[i])).sum())
+    }
+
+    /// The pixels of every square, as places among `pixels` pixels of whole rows.
+    fn all(self, pixels: usize) -> impl Iterator<Item = impl Iterator<Item = usize>> {
+        let width = self.width as usize;
+        let place = move |(x, y): (u32, u32)| y as usize * width + x as usize;
+        Tile::grid(self.width, (pixels / width) as u32, self.side)
+            .map(move |square| square.pixels().map(place))
     }
 }
 
@@ -88,7 +126,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const ROW: Squares = Squares { width: 4, height: 1, side: 2 };
+    const ROW: Squares = Squares { width: 4, side: 2 };
 
     type Half = (Vec<Moments>, Tally);
 
@@ -99,7 +137,7 @@ mod tests {
     }
 
     fn between(a: &Half, b: &Half) -> Dispersion {
-        Dispersion::between([&a.0, &b.0], [a.1, b.1], ROW)
+        Dispersion::between(&[Halves::between([&a.0, &b.0], [a.1, b.1], &ROW)])
     }
 
     #[test]
@@ -118,16 +156,28 @@ mod tests {
         for (a, b) in [(&once, &good), (&good, &once), (&still, &still)] {
             assert_eq!(between(a, b), Dispersion::default());
         }
-        let one = Squares { side: 4, ..ROW };
-        assert_eq!(Dispersion::among(&good.0, good.1, one), Dispersion::default());
+        assert_eq!(Dispersion::among(&[1.0], 4), Dispersion::default());
     }
 
     #[test]
     fn squares_by_themselves_disperse_by_their_variances() {
         let (pixels, tally) = half(4, [1.0, 2.0, 2.0, 3.0]);
         // Shares of 3/8 and 5/8: a variance of 1/32, and of their sum twice that, for 3 degrees of freedom.
-        let Dispersion { variance, dof } = Dispersion::among(&pixels, tally, ROW);
+        let spreads: Vec<f64> = ROW.spreads(&pixels).collect();
+        let Dispersion { variance, dof } = Dispersion::among(&spreads, tally.observations);
         assert_relative_eq!(variance, 3.0 * 2.0 / 32.0, max_relative = 1e-14);
         assert_relative_eq!(dof, 1.0);
+    }
+
+    /// What rows of tiles say together is what they say as one.
+    #[test]
+    fn rows_of_tiles_add_up() {
+        let (a, b) = (half(3, [1.0, 3.0, 2.0, 2.0]), half(5, [4.0, 8.0, 1.0, 3.0]));
+        let pair = Squares { width: 2, side: 2 };
+        let rows =
+            [0..2, 2..4].map(|part| Halves::between([&a.0[part.clone()], &b.0[part]], [a.1, b.1], &pair));
+        let (whole, parts) = (between(&a, &b), Dispersion::between(&rows));
+        assert_relative_eq!(parts.variance, whole.variance, max_relative = 1e-14);
+        assert_relative_eq!(parts.dof, whole.dof, max_relative = 1e-14);
     }
 }

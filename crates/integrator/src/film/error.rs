@@ -1,5 +1,9 @@
-use super::dispersion::Dispersion;
+use super::block::BlockHeader;
+use super::dispersion::{Dispersion, Halves};
+use super::moments::{Moments, Tally};
 use super::{Film, student};
+use globillum_material::Rgb;
+use std::cmp::Reverse;
 
 /// How far pictures of these samples are from the truth, told by the samples.
 ///
@@ -22,30 +26,114 @@ pub struct ImageError {
 impl Film {
     /// How far the whole picture is from the truth.
     pub fn error(&self) -> ImageError {
-        ImageError::of(self)
+        let mut sums = ErrorSums::default();
+        sums.add(self);
+        sums.error()
     }
 }
 
-impl ImageError {
-    /// What is known before there are two observations: nothing.
-    const UNKNOWN: Self = Self { relative_rmse: f64::INFINITY, interval_95: [0.0, f64::INFINITY] };
+/// Sums over pixels, row by row from the top.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct PixelSums {
+    /// The number of pixels.
+    pub pixels: u64,
+    /// Of [`Film::mean`].
+    pub mean: Rgb,
+    /// Of [`Film::variance_of_mean`]; infinite before there are two observations.
+    pub variance: Rgb,
+}
 
-    fn of(film: &Film) -> Self {
-        if film.observations() < 2 {
-            return Self::UNKNOWN;
+impl PixelSums {
+    /// Adds the pixels of `film`.
+    pub(crate) fn add(&mut self, film: &Film) {
+        film.means().for_each(|mean| self.mean += mean);
+        film.variances_of_mean().for_each(|variance| self.variance += variance);
+        self.pixels += film.pixel_count() as u64;
+    }
+
+    /// Mean squared error of a pixel.
+    fn mse(&self) -> f64 {
+        (self.variance / self.pixels as f64).mean()
+    }
+
+    /// [`ImageError::relative_rmse`].
+    pub fn relative_rmse(&self) -> f64 {
+        let mse = self.mse();
+        match mse.is_finite() {
+            true if mse == 0.0 => 0.0,
+            true => mse.sqrt() / (self.mean / self.pixels as f64).mean(),
+            false => f64::INFINITY,
         }
-        let mse = film.mean_variance().mean();
-        if mse == 0.0 {
-            return Self { relative_rmse: 0.0, interval_95: [0.0; 2] };
+    }
+}
+
+/// What the error of a picture is made of, gathered from strips in the order of their rows.
+#[derive(Debug, Default)]
+pub(crate) struct ErrorSums {
+    pub(crate) pixels: PixelSums,
+    /// The passes of the first strip; `None` if another one has others.
+    passes: Option<Passes>,
+    /// The spreads of all squares, if the halves of blocks say nothing.
+    squares: Vec<f64>,
+}
+
+/// Passes that all strips have.
+#[derive(Debug)]
+struct Passes {
+    tally: Tally,
+    /// Each block with how its halves differ.
+    blocks: Vec<(BlockHeader, Vec<Halves>)>,
+}
+
+impl ErrorSums {
+    /// Adds the rows of `film`, which are below those added before.
+    pub(crate) fn add(&mut self, film: &Film) {
+        let tally = film.tally();
+        let headers = || film.blocks().iter().map(|block| block.header);
+        if self.pixels.pixels == 0 {
+            let blocks = headers().map(|header| (header, Vec::new())).collect();
+            self.passes = Some(Passes { tally, blocks });
         }
-        let relative_rmse = mse.sqrt() / film.image_mean().mean();
-        let Dispersion { variance, dof } = film.dispersion();
+        self.passes = self.passes.take().filter(|own| own.blocks.iter().map(|block| block.0).eq(headers()));
+        let own = self.passes.iter_mut().flat_map(|own| &mut own.blocks);
+        for ((_, halves), block) in own.zip(film.blocks()) {
+            halves.extend(&block.halves);
+        }
+        if film.blocks().iter().flat_map(|block| &block.halves).all(|halves| halves.spread == 0.0) {
+            let moments: Vec<Moments> = film.all_sums().map(|(moments, _)| moments).collect();
+            self.squares.extend(film.squares().spreads(&moments));
+        }
+        self.pixels.add(film);
+    }
+
+    /// The error of all rows added.
+    pub(crate) fn error(&self) -> ImageError {
+        let relative_rmse = self.pixels.relative_rmse();
+        if relative_rmse == 0.0 {
+            return ImageError { relative_rmse, interval_95: [0.0; 2] };
+        }
+        let unknown = ImageError { relative_rmse, interval_95: [0.0, f64::INFINITY] };
+        let Some(passes) = self.passes.as_ref().filter(|_| relative_rmse.is_finite()) else { return unknown };
+        let Dispersion { variance, dof } = passes.dispersion(&self.squares);
         if dof == 0.0 {
-            return Self { relative_rmse, interval_95: [0.0, f64::INFINITY] };
+            return unknown;
         }
         // Of the logarithm, which is less skewed than the variance; half of it for the root.
-        let std_err = (variance / (film.observations() - 1) as f64).sqrt() / 2.0;
+        let std_err = (variance / (passes.tally.observations - 1) as f64).sqrt() / 2.0;
         let factor = (student::quantile_975(dof as u64) * std_err).exp();
-        Self { relative_rmse, interval_95: [relative_rmse / factor, relative_rmse * factor] }
+        ImageError { relative_rmse, interval_95: [relative_rmse / factor, relative_rmse * factor] }
+    }
+}
+
+impl Passes {
+    /// What is known of the picture's variance: by the halves of the largest block, or if it has none that
+    /// vary, by the squares of pixels.
+    fn dispersion(&self, squares: &[f64]) -> Dispersion {
+        let blocks = self.blocks.iter().map(|(header, halves)| (header, Dispersion::between(halves)));
+        let known = blocks.filter(|(_, dispersion)| dispersion.dof > 0.0);
+        let largest = known.max_by_key(|(header, _)| (header.tally.observations, Reverse(header.first)));
+        largest
+            .map_or_else(|| Dispersion::among(squares, self.tally.observations), |(_, dispersion)| dispersion)
     }
 }

@@ -13,21 +13,24 @@ mod pixels;
 mod student;
 
 pub(crate) use block::Block;
-pub(crate) use dispersion::Dispersion;
-pub use error::ImageError;
+pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
+pub use error::{ImageError, PixelSums};
 #[cfg(any(test, feature = "fuzz"))]
 pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally};
 pub use picture::{Ending, Picture};
 
-use crate::path::REUSE_BLOCK_SIDE;
+use crate::path::{REUSE_BLOCK_SIDE, TILE_SIDE};
 use crate::{CheckpointError, PathReuse};
+use block::insert;
 use dispersion::Squares;
 use globillum_material::Rgb;
-use std::cmp::Reverse;
 use std::ops::Range;
 
 /// A picture's pixels, row 0 at the top: mean radiance, and how well it is known.
+///
+/// A film holds the whole picture or a strip of it ([`Film::rows`]), of which it speaks as if it were a picture of
+/// its own: row 0 is the strip's first.
 ///
 /// All pixels hold the same passes. Equal passes give equal bits, wherever and in whatever order
 /// they were rendered and put together.
@@ -51,20 +54,25 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: u32,
-    height: u32,
+    /// The rows of the picture that are held; whole rows of tiles.
+    rows: Range<u32>,
     path_reuse: PathReuse,
     /// In the order of their passes; no two that could be joined.
     blocks: Vec<Block>,
 }
 
 impl Film {
-    pub(crate) fn new(width: u32, height: u32, path_reuse: PathReuse) -> Self {
-        Self { width, height, path_reuse, blocks: Vec::new() }
+    /// Rows of pixels in a row of tiles. A strip begins at a multiple of it, and ends at one or with the picture.
+    pub const TILE_ROWS: u32 = TILE_SIDE;
+
+    /// A film without passes of these rows.
+    pub(crate) fn new(width: u32, rows: Range<u32>, path_reuse: PathReuse) -> Self {
+        Self { width, rows, path_reuse, blocks: Vec::new() }
     }
 
     /// One of the same kind, without passes.
     pub(crate) fn emptied(&self) -> Self {
-        Self::new(self.width, self.height, self.path_reuse)
+        Self::new(self.width, self.rows.clone(), self.path_reuse)
     }
 
     /// Width in pixels.
@@ -72,9 +80,14 @@ impl Film {
         self.width
     }
 
-    /// Height in pixels.
+    /// Height in pixels, of a strip its own.
     pub fn height(&self) -> u32 {
-        self.height
+        self.rows.end - self.rows.start
+    }
+
+    /// The rows of the picture that the film holds.
+    pub fn rows(&self) -> Range<u32> {
+        self.rows.clone()
     }
 
     /// Whether pixels share paths in effect, so that their errors depend on each other: the variance of a sum
@@ -140,11 +153,7 @@ impl Film {
     pub fn passes(&self) -> Vec<Range<u32>> {
         let mut ranges: Vec<Range<u32>> = Vec::new();
         for block in &self.blocks {
-            let end = block.first + block.passes;
-            match ranges.last_mut() {
-                Some(last) if last.end == block.first => last.end = end,
-                _ => ranges.push(block.first..end),
-            }
+            block.header.append_to(&mut ranges);
         }
         ranges
     }
@@ -162,7 +171,7 @@ impl Film {
     /// [`Film::margin_95`] of every pixel, row by row from the top.
     pub fn margins_95(&self) -> impl Iterator<Item = Rgb> + '_ {
         let picture = self.mean_variance();
-        let pixels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
+        let pixels = (0..self.height()).flat_map(|y| (0..self.width).map(move |x| (x, y)));
         pixels.map(move |(x, y)| self.margin_of(x, y, || picture))
     }
 
@@ -179,9 +188,9 @@ impl Film {
     ///
     /// # Errors
     /// [`CheckpointError::Overlap`] for a pass that both hold, [`CheckpointError::Mismatch`] for
-    /// another width or height. Neither film is changed.
+    /// another width or other rows. Neither film is changed.
     pub(crate) fn merge(&mut self, other: Self) -> Result<(), CheckpointError> {
-        if (self.width, self.height) != (other.width, other.height) {
+        if (self.width, &self.rows) != (other.width, &other.rows) {
             return Err(CheckpointError::Mismatch("size"));
         }
         if let Some(shared) = other.passes().iter().find_map(|range| self.held_of(range).next()) {
@@ -195,7 +204,7 @@ impl Film {
 
     /// Whether the film holds this pass.
     pub(crate) fn holds(&self, pass: u32) -> bool {
-        self.blocks.iter().any(|block| block.range().contains(&u64::from(pass)))
+        self.blocks.iter().any(|block| block.header.range().contains(&u64::from(pass)))
     }
 
     /// The parts of `passes` that the film holds, in ascending order.
@@ -208,25 +217,24 @@ impl Film {
     /// Adds a block of passes that are not there yet, and joins what makes up a larger block.
     pub(crate) fn insert(&mut self, block: Block) {
         let squares = self.squares();
-        let mut at = self.blocks.partition_point(|other| other.first < block.first);
-        self.blocks.insert(at, block);
-        loop {
-            let pairs_with =
-                |i: usize| self.blocks.get(i + 1).is_some_and(|next| self.blocks[i].is_sibling(next));
-            at = match at {
-                _ if pairs_with(at) => at,
-                1.. if pairs_with(at - 1) => at - 1,
-                _ => break,
-            };
-            let next = self.blocks.remove(at + 1);
-            self.blocks[at].join(&next, squares);
+        insert(&mut self.blocks, block, |block, next| block.join(next, &squares));
+    }
+
+    /// Appends the rows below, of the same passes.
+    pub(crate) fn append(&mut self, below: Self) {
+        debug_assert_eq!(self.rows.end, below.rows.start);
+        self.rows.end = below.rows.end;
+        for (block, more) in self.blocks.iter_mut().zip(below.blocks) {
+            debug_assert_eq!(block.header, more.header);
+            block.pixels.extend(more.pixels);
+            block.halves.extend(more.halves);
         }
     }
 
     /// [`Film::margin_95`], by the mean variance of the `picture`.
     fn margin_of(&self, x: u32, y: u32, picture: impl FnOnce() -> Rgb) -> Rgb {
         let near = |x: u32, size: u32| x.saturating_sub(1)..(x + 2).min(size);
-        let around = near(y, self.height).flat_map(|y| near(x, self.width).map(move |x| (x, y)));
+        let around = near(y, self.height()).flat_map(|y| near(x, self.width).map(move |x| (x, y)));
         let around = around.map(|(x, y)| self.variance_of_mean(x, y));
         margin::margin_95(self.observations(), self.variance_of_mean(x, y), around, picture)
     }
@@ -243,49 +251,35 @@ impl Film {
     }
 
     pub(crate) fn pixel_count(&self) -> usize {
-        self.width as usize * self.height as usize
+        self.width as usize * self.height() as usize
     }
 
     pub(crate) fn tally(&self) -> Tally {
-        self.blocks.iter().fold(Tally::default(), |sum, block| sum.joined(block.tally))
-    }
-
-    /// What is known of the picture's variance: by the halves of the largest block, or if it has none that
-    /// vary, by the squares of pixels.
-    fn dispersion(&self) -> Dispersion {
-        let known = self.blocks.iter().filter(|block| block.dispersion.dof > 0.0);
-        let largest = known.max_by_key(|block| (block.tally.observations, Reverse(block.first)));
-        largest.map_or_else(
-            || {
-                let moments: Vec<Moments> = self.all_sums().map(|(moments, _)| moments).collect();
-                Dispersion::among(&moments, self.tally(), self.squares())
-            },
-            |block| block.dispersion,
-        )
+        self.blocks.iter().fold(Tally::default(), |sum, block| sum.joined(block.header.tally))
     }
 
     /// The squares of pixels whose errors are independent of each other's.
-    fn squares(&self) -> Squares {
+    pub(crate) fn squares(&self) -> Squares {
         let side = match self.path_reuse {
             PathReuse::Off => 1,
             PathReuse::Fours => REUSE_BLOCK_SIDE,
         };
-        Squares { width: self.width, height: self.height, side }
+        Squares { width: self.width, side }
     }
 
-    fn all_sums(&self) -> impl Iterator<Item = (Moments, Tally)> + '_ {
+    pub(crate) fn all_sums(&self) -> impl Iterator<Item = (Moments, Tally)> + '_ {
         (0..self.pixel_count()).map(|index| self.sums(index))
     }
 
     /// All of a pixel's blocks as one set, in the order of their passes.
     fn sums(&self, index: usize) -> (Moments, Tally) {
-        let mut blocks = self.blocks.iter().map(|block| (block.pixels[index], block.tally));
+        let mut blocks = self.blocks.iter().map(|block| (block.pixels[index], block.header.tally));
         let first = blocks.next().unwrap_or_default();
         blocks.fold(first, |(a, n), (b, m)| (a.joined(n.samples, &b, m.samples), n.joined(m)))
     }
 
     fn index(&self, x: u32, y: u32) -> usize {
-        assert!(x < self.width && y < self.height, "pixel ({x}, {y}) is outside the film");
+        assert!(x < self.width && y < self.height(), "pixel ({x}, {y}) is outside the film");
         y as usize * self.width as usize + x as usize
     }
 }
@@ -299,11 +293,11 @@ mod tests {
     fn pass(first: u32) -> Block {
         let sum = Rgb::splat(1.0 / f64::from(3 + first));
         let tally = Tally { samples: 1, observations: 1 };
-        Block::of_pass(first, tally, vec![Moments { sum, spread: Rgb::BLACK }])
+        Block::of_pass(first, tally, vec![Moments { sum, spread: Rgb::BLACK }], 1)
     }
 
     fn film(passes: impl IntoIterator<Item = u32>) -> Film {
-        let mut film = Film::new(1, 1, PathReuse::Off);
+        let mut film = Film::new(1, 0..1, PathReuse::Off);
         passes.into_iter().for_each(|first| film.insert(pass(first)));
         film
     }
@@ -324,9 +318,9 @@ mod tests {
         let block = |first, samples: u32, mean: f64| {
             let tally = Tally { samples: samples.into(), observations: 1 };
             let sum = Rgb::splat(mean * f64::from(samples));
-            Block::of_pass(first, tally, vec![Moments { sum, spread: Rgb::BLACK }])
+            Block::of_pass(first, tally, vec![Moments { sum, spread: Rgb::BLACK }], 1)
         };
-        let mut film = Film::new(1, 1, PathReuse::Off);
+        let mut film = Film::new(1, 0..1, PathReuse::Off);
         film.insert(block(0, 16, 1.0));
         film.insert(block(1, 4, 2.0));
         assert_eq!((film.blocks.len(), film.samples()), (1, 20));
@@ -338,10 +332,10 @@ mod tests {
     /// A row of pixels of which the second alone varied: a variance of the mean of 1 is a spread of 240.
     #[test]
     fn a_pixel_that_never_varied_is_not_taken_for_exact() {
-        let mut film = Film::new(5, 1, PathReuse::Off);
+        let mut film = Film::new(5, 0..1, PathReuse::Off);
         let pixel = |spread| Moments { sum: Rgb::WHITE, spread: Rgb::splat(spread) };
         let pixels = [0.0, 240.0, 0.0, 0.0, 0.0].map(pixel).to_vec();
-        film.insert(Block::of_pass(0, Tally { samples: 16, observations: 16 }, pixels));
+        film.insert(Block::of_pass(0, Tally { samples: 16, observations: 16 }, pixels, 1));
         let margins: Vec<Rgb> = film.margins_95().collect();
         let expected = [0.5, 0.0, 1.0 / 3.0, 0.2, 0.2].map(|variance: f64| 1.4 * variance.sqrt());
         for x in [0, 2, 3, 4] {
@@ -352,7 +346,7 @@ mod tests {
 
     #[test]
     fn an_empty_film_is_black_and_knows_nothing() {
-        let film = Film::new(2, 1, PathReuse::Off);
+        let film = Film::new(2, 0..1, PathReuse::Off);
         assert_eq!((film.mean(1, 0), film.samples()), (Rgb::BLACK, 0));
         assert_eq!(film.variance_of_mean(0, 0).r, f64::INFINITY);
         assert_eq!(film.margin_95(0, 0).r, f64::INFINITY);
@@ -362,7 +356,7 @@ mod tests {
     fn what_does_not_fit_is_refused_and_nothing_changes() {
         let (mut a, before) = (film(0..6), film(0..6));
         assert_eq!(a.merge(film(5..8)), Err(CheckpointError::Overlap { pass: 5 }));
-        assert_eq!(a.merge(Film::new(1, 2, PathReuse::Off)), Err(CheckpointError::Mismatch("size")));
+        assert_eq!(a.merge(Film::new(1, 0..2, PathReuse::Off)), Err(CheckpointError::Mismatch("size")));
         assert_eq!(a, before);
         a.merge(film(9..11)).unwrap();
         assert_eq!(a.passes(), [0..6, 9..11]);

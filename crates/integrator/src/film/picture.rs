@@ -27,16 +27,18 @@ use crate::{CheckpointError, Counters};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Picture {
-    /// The pixels, with the same number of samples each.
+    /// The pixels, with the same number of samples each; of a strip of the picture, if only that was
+    /// [rendered](crate::Render::rows).
     pub film: Film,
+    /// Height of the whole picture in pixels.
+    pub height: u32,
     /// Counts of rays and ends of paths.
     pub counters: Counters,
     /// Samples of each pixel.
     pub samples: u32,
     /// Samples in a pass; only the last one held may have fewer.
     pub pass_samples: u32,
-    /// A hash of all that determines the picture's bits: scene, camera, and settings without the numbers of
-    /// samples and threads.
+    /// A hash of all that determines the picture's bits ([`Render::key`](crate::Render::key)).
     pub key: u64,
     /// Why no more samples were taken.
     pub ending: Ending,
@@ -59,20 +61,21 @@ pub enum Ending {
 }
 
 impl Picture {
-    pub(crate) fn new(film: Film, pass_samples: u32, key: u64) -> Self {
-        Self { film, counters: Counters::default(), samples: 0, pass_samples, key, ending: Ending::Open }
+    pub(crate) fn new(film: Film, height: u32, pass_samples: u32, key: u64) -> Self {
+        let (counters, ending) = (Counters::default(), Ending::Open);
+        Self { film, height, counters, samples: 0, pass_samples, key, ending }
     }
 
-    /// Adds the passes of `other`, rendered of the same scene, camera and settings. The order of merges does
-    /// not change the bits.
+    /// Adds the passes of `other`, rendered of the same rows of the same scene, camera and settings. The order
+    /// of merges does not change the bits. Strips, and many checkpoints, are merged by [`Merge`](crate::Merge).
     ///
     /// # Errors
-    /// [`CheckpointError::Mismatch`] if `other` is another picture, or one of them has a pass cut
+    /// [`CheckpointError::Mismatch`] if `other` is another picture or has other rows, or one of them has a pass cut
     /// short that is not the last of all; [`CheckpointError::Overlap`] for a pass that both hold. This picture
     /// is then unchanged.
     pub fn merge(&mut self, other: Self) -> Result<(), CheckpointError> {
         if self.key != other.key {
-            return Err(CheckpointError::Mismatch("scene, camera or settings"));
+            return Err(CheckpointError::OTHER_PICTURE);
         }
         if self.is_cut_before(&other) || other.is_cut_before(self) {
             return Err(CheckpointError::Mismatch("number of samples"));

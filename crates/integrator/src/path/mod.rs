@@ -15,5 +15,5 @@ pub use counters::Counters;
 pub use debug_sample::{Replay, Vertex, replay};
 pub(crate) use pixel_groups::SIDE as REUSE_BLOCK_SIDE;
 pub(crate) use render_context::RenderContext;
-pub(crate) use tile_bounds::Tile;
+pub(crate) use tile_bounds::{SIDE as TILE_SIDE, Tile};
 pub(crate) use wavefront::Wavefront;

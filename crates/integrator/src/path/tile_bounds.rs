@@ -8,7 +8,7 @@ pub(crate) struct Tile {
 }
 
 /// Pixels along a side: with four samples each, a wavefront of about a thousand rays.
-const SIDE: u32 = 16;
+pub(crate) const SIDE: u32 = 16;
 
 impl Tile {
     /// All tiles of a picture, row by row.

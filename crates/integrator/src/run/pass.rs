@@ -2,7 +2,7 @@ use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
 use crate::film::{Block, Moments, Tally};
-use crate::path::{RenderContext, Tile, Wavefront};
+use crate::path::{RenderContext, TILE_SIDE, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_geom::Accel;
 use globillum_material::Rgb;
@@ -17,6 +17,8 @@ pub(crate) struct PassRenderer<'a, A, M> {
     pub(crate) context: RenderContext<'a, A>,
     pub(crate) monitor: &'a M,
     pub(crate) meter: &'a Meter,
+    /// The rows of the picture that are rendered.
+    pub(crate) rows: Range<u32>,
 }
 
 type TileResult = (Tile, Vec<Moments>, Counters);
@@ -24,9 +26,11 @@ type TileResult = (Tile, Vec<Moments>, Counters);
 impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
     /// Samples in `passes`, all pixels together.
     pub(crate) fn samples_of(&self, passes: Range<u32>) -> u64 {
-        let settings = self.context.settings;
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
-        settings.samples_of(passes).len() as u64 * pixels
+        self.context.settings.samples_of(passes).len() as u64 * self.pixel_count() as u64
+    }
+
+    fn pixel_count(&self) -> usize {
+        self.context.settings.width as usize * self.rows.len()
     }
 
     /// Renders one pass on all threads; `None` if `cancelled` before its end.
@@ -36,7 +40,8 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Option<(Block, Counters)>, RenderError> {
         let settings = self.context.settings;
-        let tiles: Vec<Tile> = Tile::all(settings.width, settings.height).collect();
+        let tiles = Tile::all(settings.width, settings.height);
+        let tiles: Vec<Tile> = tiles.filter(|tile| self.rows.contains(&tile.y)).collect();
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
             .map_init(Wavefront::default, |wavefront, tile| {
@@ -90,11 +95,11 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         let settings = self.context.settings;
         let samples = settings.samples_of(pass..pass + 1).len() as u64;
         let width = settings.width as usize;
-        let mut pixels = vec![Moments::default(); width * settings.height as usize];
+        let mut pixels = vec![Moments::default(); self.pixel_count()];
         let mut counters = Counters::default();
         for (tile, moments, counted) in tiles {
             for ((x, y), moments) in tile.pixels().zip(moments) {
-                pixels[y as usize * width + x as usize] = moments;
+                pixels[(y - self.rows.start) as usize * width + x as usize] = moments;
             }
             counters += counted;
         }
@@ -107,6 +112,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
             }
         };
         let tally = Tally { samples, observations };
-        (Block::of_pass(pass, tally, pixels), counters)
+        let tile_rows = self.rows.len().div_ceil(TILE_SIDE as usize);
+        (Block::of_pass(pass, tally, pixels, tile_rows), counters)
     }
 }

@@ -79,7 +79,8 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         picture: &Picture,
         pilot: Range<u32>,
     ) -> Result<ControlFlow<Ending, Option<f64>>, RenderError> {
-        let mut trial = Picture::new(picture.film.emptied(), picture.pass_samples, picture.key);
+        let mut trial =
+            Picture::new(picture.film.emptied(), picture.height, picture.pass_samples, picture.key);
         for pass in pilot.clone() {
             self.expect(&trial, pass..pilot.end, None);
             match self.add_pass(&mut trial, pass, 0)? {
@@ -88,9 +89,7 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
                 Some(ending) => return Ok(ControlFlow::Break(ending)),
             }
         }
-        let rendered = trial.film.passes().iter().map(|range| range.len() as f64).sum::<f64>();
-        let excess = self.stop.excess(&trial.film);
-        Ok(ControlFlow::Continue(excess.map(|excess| (excess * rendered).ceil().max(1.0))))
+        Ok(ControlFlow::Continue(self.stop.passes_after(&trial.film)))
     }
 
     /// Hands the picture to the monitor.
@@ -118,7 +117,7 @@ impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
         else {
             return Ok(Some(if over() { Ending::Seconds } else { Ending::Cancelled }));
         };
-        picture.samples += block.tally.samples as u32;
+        picture.samples += block.header.tally.samples as u32;
         picture.film.insert(block);
         picture.counters += counters;
         meter.set_error(picture.film.error().relative_rmse);

@@ -57,13 +57,14 @@ pub struct Render<'a, A> {
     settings: &'a Settings,
     stop: Stop,
     passes: Option<Range<u32>>,
+    rows: Option<Range<u32>>,
     before: Option<Picture>,
 }
 
 impl<'a, A: Accel> Render<'a, A> {
     /// A render of all samples of `settings`.
     pub fn new(scene: &'a Scene<A>, camera: &'a Camera, settings: &'a Settings) -> Self {
-        Self { scene, camera, settings, stop: Stop::default(), passes: None, before: None }
+        Self { scene, camera, settings, stop: Stop::default(), passes: None, rows: None, before: None }
     }
 
     /// Stops early by `stop`.
@@ -78,6 +79,21 @@ impl<'a, A: Accel> Render<'a, A> {
         Self { passes: Some(passes), ..self }
     }
 
+    /// Renders only these rows of the picture, of which row 0 is at the top; they begin at a multiple of
+    /// [`Film::TILE_ROWS`], and end at one or with the picture. Their pixels have the bits of the whole picture,
+    /// which [`Merge`](crate::Merge) puts together.
+    #[must_use]
+    pub fn rows(self, rows: Range<u32>) -> Self {
+        Self { rows: Some(rows), ..self }
+    }
+
+    /// A hash of all that determines the picture's bits: scene, camera, settings without the numbers of samples
+    /// and threads, and the sources of the library. Parts of a picture have the same one, whatever their passes
+    /// and rows; different pictures have equal ones with a probability of `2^-64`.
+    pub fn key(&self) -> u64 {
+        picture_key(self.scene, self.camera, self.settings)
+    }
+
     /// Continues `picture`: the passes that it holds are not rendered again.
     #[must_use]
     pub fn resume(self, picture: Picture) -> Self {
@@ -87,7 +103,7 @@ impl<'a, A: Accel> Render<'a, A> {
     /// Renders. If `monitor` cancels, the current pass is dropped and the passes before it are returned.
     ///
     /// # Errors
-    /// [`RenderError::Param`] for settings, stop conditions or passes out of range,
+    /// [`RenderError::Param`] for settings, stop conditions, passes or rows out of range,
     /// [`RenderError::Checkpoint`] for a picture to resume that does not belong to this render,
     /// [`RenderError::Threads`] if no threads can be started, [`RenderError::NonFinite`] for a sample
     /// that is NaN or infinite. Panics are caught: [`RenderError::Worker`] for one in an accelerator,
@@ -97,7 +113,7 @@ impl<'a, A: Accel> Render<'a, A> {
         self.settings.validate()?;
         self.stop.validate()?;
         let passes = self.checked_passes()?;
-        let picture = self.start()?;
+        let picture = self.start(self.checked_rows()?)?;
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(self.settings.threads)
             .build()
@@ -106,8 +122,10 @@ impl<'a, A: Accel> Render<'a, A> {
         // The accelerator is asked for the mirrors' visibility.
         let context = caught(|| RenderContext::new(self.scene, self.camera, self.settings))
             .map_err(|message| RenderError::Worker { x: 0, y: 0, message })?;
-        let pass_loop =
-            PassLoop { renderer: PassRenderer { context, monitor, meter: &meter }, stop: self.stop };
+        let pass_loop = PassLoop {
+            renderer: PassRenderer { context, monitor, meter: &meter, rows: picture.film.rows() },
+            stop: self.stop,
+        };
         threads.install(|| pass_loop.add_passes(picture, passes))
     }
 
@@ -122,16 +140,32 @@ impl<'a, A: Accel> Render<'a, A> {
         Ok(passes)
     }
 
-    /// The picture to continue.
-    fn start(&mut self) -> Result<Picture, RenderError> {
-        let key = picture_key(self.scene, self.camera, self.settings);
+    fn checked_rows(&self) -> Result<Range<u32>, RenderError> {
+        let height = self.settings.height;
+        let Some(rows) = self.rows.clone() else { return Ok(0..height) };
+        let is_end = |row: u32| row.is_multiple_of(Film::TILE_ROWS) || row == height;
+        if rows.is_empty() || rows.end > height || !is_end(rows.start) || !is_end(rows.end) {
+            let valid = |end: u32| is_end(end) && end <= height;
+            let value = if valid(rows.start) { rows.end } else { rows.start };
+            let range = "the multiples of 16 and the height, of which start and end are two";
+            return Err(RenderError::Param { name: "rows", value: value.into(), range });
+        }
+        Ok(rows)
+    }
+
+    /// The picture of these rows to continue.
+    fn start(&mut self, rows: Range<u32>) -> Result<Picture, RenderError> {
+        let key = self.key();
         let Some(picture) = self.before.take() else {
             let Settings { width, height, pass_samples, .. } = *self.settings;
-            let film = Film::new(width, height, self.settings.path_reuse_in_effect());
-            return Ok(Picture::new(film, pass_samples, key));
+            let film = Film::new(width, rows, self.settings.path_reuse_in_effect());
+            return Ok(Picture::new(film, height, pass_samples, key));
         };
         if picture.key != key {
-            return Err(CheckpointError::Mismatch("scene, camera or settings").into());
+            return Err(CheckpointError::OTHER_PICTURE.into());
+        }
+        if picture.film.rows() != rows && !picture.film.passes().is_empty() {
+            return Err(CheckpointError::Mismatch("range of rows").into());
         }
         // A short last pass cannot be continued when more samples are asked for.
         let samples_of = |passes| self.settings.samples_of(passes).len() as u64;

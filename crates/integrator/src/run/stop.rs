@@ -101,6 +101,16 @@ impl Stop {
         Ok(())
     }
 
+    /// The number of passes that the goals need, estimated from those of a film that is then dropped, as
+    /// [`Stop::pilot`] does; at least 1, infinite if the film does not say. `None` without a goal.
+    ///
+    /// For a picture whose passes are rendered elsewhere: these many, none of them the film's, are averaged
+    /// without a stopping bias.
+    pub fn passes_after(&self, pilot: &Film) -> Option<f64> {
+        let rendered = pilot.passes().iter().map(|range| range.len() as f64).sum::<f64>();
+        self.excess(pilot).map(|excess| (excess * rendered).ceil().max(1.0))
+    }
+
     /// The estimated number of samples that the goals need, as a multiple of those that `film` holds; at most
     /// 1 if they are met. `None` without a goal.
     pub(crate) fn excess(&self, film: &Film) -> Option<f64> {

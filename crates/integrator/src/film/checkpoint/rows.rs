@@ -1,0 +1,73 @@
+//! A row of tiles as bytes: for each block how its halves differ, then for each pixel the sum of three components
+//! and, if there are several observations, their spread; then a checksum.
+
+use super::bytes::{self, Numbers, sealed};
+use crate::CheckpointError;
+use crate::film::block::{Block, BlockHeader};
+use crate::film::dispersion::Halves;
+use crate::film::{Film, Moments};
+use globillum_material::Rgb;
+
+/// Bytes of three numbers.
+const TRIPLE_BYTES: u64 = 24;
+
+/// The bytes of a film of one row of tiles with these blocks.
+pub(super) fn length(rows: &Film, blocks: &[BlockHeader]) -> u64 {
+    let pixels = rows.pixel_count() as u64;
+    blocks.iter().map(|block| TRIPLE_BYTES * (1 + pixels * (1 + u64::from(has_spread(block))))).sum::<u64>()
+        + 8
+}
+
+/// One observation does not spread.
+fn has_spread(block: &BlockHeader) -> bool {
+    block.tally.observations > 1
+}
+
+/// Row `index` of the rows of tiles of `film`.
+pub(super) fn to_bytes(film: &Film, index: usize, seed: u64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for block in film.blocks() {
+        let Halves { spread, squared, fourths } = block.halves[index];
+        bytes.extend([spread, squared, fourths].into_iter().flat_map(f64::to_le_bytes));
+        let Some(pixels) = film.squares().tile_rows(&block.pixels).nth(index) else { continue };
+        for Moments { sum, spread } in pixels {
+            bytes.extend(sum.to_array().into_iter().flat_map(f64::to_le_bytes));
+            if has_spread(&block.header) {
+                bytes.extend(spread.to_array().into_iter().flat_map(f64::to_le_bytes));
+            }
+        }
+    }
+    sealed(seed, bytes).0
+}
+
+/// Adds `blocks` to `rows`, a film of one row of tiles without passes, from `bytes` of the right length.
+pub(super) fn from_bytes(
+    mut rows: Film,
+    blocks: &[BlockHeader],
+    bytes: &[u8],
+    seed: u64,
+) -> Result<Film, CheckpointError> {
+    let (content, end) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Length)?;
+    if bytes::checksum(seed, content) != u64::from_le_bytes(*end) {
+        return Err(CheckpointError::Checksum);
+    }
+    let mut numbers = Numbers(content);
+    for &header in blocks {
+        let halves = Halves { spread: numbers.f64()?, squared: numbers.f64()?, fourths: numbers.f64()? };
+        if !halves.are_possible() {
+            return Err(CheckpointError::Malformed("dispersion"));
+        }
+        let mut pixels = Vec::with_capacity(rows.pixel_count());
+        for _ in 0..rows.pixel_count() {
+            let sum = numbers.rgb()?;
+            let spread = if has_spread(&header) { numbers.rgb()? } else { Rgb::BLACK };
+            let moments = Moments { sum, spread };
+            if !moments.are_possible() {
+                return Err(CheckpointError::Malformed("radiance"));
+            }
+            pixels.push(moments);
+        }
+        rows.insert(Block { header, pixels, halves: vec![halves] });
+    }
+    Ok(rows)
+}
