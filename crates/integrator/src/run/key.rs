@@ -3,11 +3,14 @@ use crate::{Camera, DeltaLight, Scene, Settings};
 use glam::DVec3;
 use globillum_material::{Bsdf, Material, Rgb};
 
-/// A hash of all that determines a picture's bits: scene, camera, settings without the numbers of samples
-/// and threads, and the library's version. Different pictures have equal keys with a probability of `2^-64`.
+/// The sources whose change may change a sample.
+const SOURCES: [&str; 3] =
+    [globillum_geom::SOURCE_HASH, globillum_material::SOURCE_HASH, env!("GLOBILLUM_SOURCE_HASH")];
+
+/// [`Render::key`](crate::Render::key).
 pub(crate) fn picture_key<A>(scene: &Scene<A>, camera: &Camera, settings: &Settings) -> u64 {
     let mut key = Key(0);
-    env!("CARGO_PKG_VERSION").bytes().for_each(|byte| key.add(byte.into()));
+    SOURCES.iter().flat_map(|hash| hash.bytes()).for_each(|byte| key.add(byte.into()));
     key.add_scene(scene);
     camera.vectors().into_iter().for_each(|v| key.add_vector(v));
     key.add_settings(settings);
