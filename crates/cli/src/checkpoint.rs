@@ -6,7 +6,7 @@ use globillum::io::{AtomicFile, IoError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// A first checkpoint is written after this time at the latest.
+/// A first checkpoint is written after this time, if saving is quick.
 const FIRST: Duration = Duration::from_secs(5);
 
 /// Reads a picture with its bookkeeping. A message names the file.
@@ -21,21 +21,40 @@ pub(crate) fn write(path: &Path, picture: &Picture) -> Result<(), IoError> {
     AtomicFile::create(path)?.commit(|writer| writer.write_all(&picture.to_bytes()))
 }
 
+/// When a checkpoint is saved while its picture is rendered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SaveEvery {
+    /// After these many seconds.
+    Seconds(f64),
+    /// After a minute, or later: saving takes at most a hundredth of the time.
+    Hundredth,
+}
+
 /// A checkpoint that is saved again and again while its picture is rendered.
 #[derive(Debug)]
 pub(crate) struct Checkpoint {
     path: PathBuf,
-    every: Duration,
-    next: Instant,
+    every: SaveEvery,
+    start: Instant,
+    /// When it was saved last.
+    saved: Option<Instant>,
+    /// How long the last save took.
+    took: Duration,
     failed: Option<IoError>,
 }
 
 impl Checkpoint {
-    /// A checkpoint at `path`, which is known to be writable from now on, saved each `seconds`.
-    pub(crate) fn new(path: &Path, seconds: f64) -> Result<Self> {
+    /// A checkpoint at `path`, which is known to be writable from now on.
+    pub(crate) fn new(path: &Path, every: SaveEvery) -> Result<Self> {
         drop(AtomicFile::create(path)?);
-        let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        Ok(Self { path: path.into(), every, next: Instant::now() + FIRST.min(every), failed: None })
+        Ok(Self {
+            path: path.into(),
+            every,
+            start: Instant::now(),
+            saved: None,
+            took: Duration::ZERO,
+            failed: None,
+        })
     }
 
     /// Whether the last save failed: there is no point in rendering on.
@@ -45,12 +64,14 @@ impl Checkpoint {
 
     /// Saves if it is time to. [`Checkpoint::finish`] returns the error.
     pub(crate) fn save_if_due(&mut self, picture: &Picture) {
-        if Instant::now() < self.next {
+        let took = self.saved.map_or_else(|| estimate(picture), |_| self.took);
+        let wait = wait(self.every, self.saved.is_none(), took);
+        let begun = Instant::now();
+        if begun.duration_since(self.saved.unwrap_or(self.start)) < wait {
             return;
         }
         self.failed = write(&self.path, picture).err();
-        // A time that no clock shows never comes.
-        self.next = Instant::now().checked_add(self.every).unwrap_or(self.next + NEVER);
+        (self.saved, self.took) = (Some(Instant::now()), begun.elapsed());
     }
 
     /// Saves the last time.
@@ -59,5 +80,40 @@ impl Checkpoint {
     }
 }
 
-/// Longer than any render.
-const NEVER: Duration = Duration::from_secs(1 << 40);
+/// The time from one save, or from the start, to the next, which takes `took`.
+fn wait(every: SaveEvery, is_first: bool, took: Duration) -> Duration {
+    let first = if is_first { FIRST } else { Duration::MAX };
+    match every {
+        SaveEvery::Seconds(seconds) => {
+            Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX).min(first)
+        }
+        SaveEvery::Hundredth => Duration::from_secs(60).min(first).max(99 * took),
+    }
+}
+
+/// How long the first save takes, with a disk of 200 MB a second.
+fn estimate(picture: &Picture) -> Duration {
+    let pixels = f64::from(picture.film.width()) * f64::from(picture.film.height());
+    Duration::from_secs_f64(48.0 * pixels / 200e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn saving_takes_a_hundredth_of_the_time_at_most() {
+        for milliseconds in [0, 50, 1000, 30_000] {
+            let took = Duration::from_millis(milliseconds);
+            for is_first in [true, false] {
+                let wait = wait(SaveEvery::Hundredth, is_first, took);
+                assert!(took * 100 <= wait + took && wait >= FIRST, "{took:?}: {wait:?}");
+            }
+        }
+        let minute = Duration::from_secs(60);
+        assert_eq!(wait(SaveEvery::Hundredth, false, Duration::from_millis(100)), minute);
+        assert_eq!(wait(SaveEvery::Seconds(60.0), false, minute), minute, "what is asked for is done");
+        assert_eq!(wait(SaveEvery::Seconds(60.0), true, minute), FIRST);
+        assert_eq!(wait(SaveEvery::Seconds(1e300), false, minute), Duration::MAX);
+    }
+}

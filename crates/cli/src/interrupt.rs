@@ -1,5 +1,6 @@
 //! Signals that ask the program to end.
 
+use crate::exit::AGAIN;
 use globillum::io::LoadMonitor;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -14,19 +15,30 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 pub(crate) struct Interrupt {
     /// The last signal's number; 0 before the first.
     signal: Arc<AtomicUsize>,
+    code: fn(i32) -> i32,
 }
 
 impl Interrupt {
-    /// Catches signals from now on, in the whole process.
+    /// Catches signals from now on, in the whole process, which ends with 128 and the signal's number, as shells
+    /// have it.
     pub(crate) fn catch() -> std::io::Result<Self> {
+        Self::catch_with(|signal| 128 + signal)
+    }
+
+    /// Catches signals, after which the process is run [again](AGAIN).
+    pub(crate) fn catch_to_run_again() -> std::io::Result<Self> {
+        Self::catch_with(|_| AGAIN.into())
+    }
+
+    fn catch_with(code: fn(i32) -> i32) -> std::io::Result<Self> {
         let (signal, caught) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
         for number in [SIGINT, SIGTERM] {
             // They run in this order: what the first signal notes, the second finds.
-            flag::register_conditional_shutdown(number, exit_code(number), Arc::clone(&caught))?;
+            flag::register_conditional_shutdown(number, code(number), Arc::clone(&caught))?;
             flag::register(number, Arc::clone(&caught))?;
             flag::register_usize(number, Arc::clone(&signal), number as usize)?;
         }
-        Ok(Self { signal })
+        Ok(Self { signal, code })
     }
 
     /// Whether there was a signal.
@@ -36,7 +48,8 @@ impl Interrupt {
 
     /// The error that ends the program after a signal; `kept` says what is left of its work.
     pub(crate) fn error(&self, kept: impl Into<String>) -> Interrupted {
-        Interrupted { signal: self.signal.load(Ordering::Relaxed) as i32, kept: kept.into() }
+        let signal = self.signal.load(Ordering::Relaxed) as i32;
+        Interrupted { code: (self.code)(signal) as u8, kept: kept.into() }
     }
 
     /// Fails if there was a signal. To be asked while there is nothing yet to keep.
@@ -57,14 +70,13 @@ impl LoadMonitor for Interrupt {
 /// The program ends because a signal asked it to.
 #[derive(Debug)]
 pub(crate) struct Interrupted {
-    signal: i32,
+    code: u8,
     kept: String,
 }
 
 impl Interrupted {
-    /// 128 and the signal's number, as shells have it.
     pub(crate) fn exit_code(&self) -> ExitCode {
-        ExitCode::from(exit_code(self.signal) as u8)
+        ExitCode::from(self.code)
     }
 }
 
@@ -75,7 +87,3 @@ impl fmt::Display for Interrupted {
 }
 
 impl Error for Interrupted {}
-
-fn exit_code(signal: i32) -> i32 {
-    128 + signal
-}

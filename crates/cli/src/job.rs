@@ -5,9 +5,10 @@ use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::summary::{Summary, Timing};
-use crate::view::View;
+use crate::view::{CameraBy, View};
 use anyhow::{Context, Result};
-use globillum::integrator::{Ending, Model, Picture, Scene};
+use globillum::geom::Accel;
+use globillum::integrator::{Camera, Ending, Model, Picture, Scene};
 use globillum::material::Rgb;
 use std::time::Instant;
 
@@ -20,6 +21,27 @@ pub(crate) struct Subject {
     /// Radiance from all directions.
     pub(crate) environment: Rgb,
 }
+
+impl Subject {
+    /// Its name, its scene with an accelerator, and the camera.
+    pub(crate) fn build(
+        self,
+        flags: &RenderFlags,
+        interrupt: &Interrupt,
+    ) -> Result<(String, BuiltScene, (Camera, CameraBy))> {
+        let Self { name, model, view, environment } = self;
+        let scene = Scene::build(model, |triangles| flags.speed.accel.build(triangles))?
+            .with_environment(environment)?;
+        interrupt.check()?;
+        let camera = view
+            .camera(&scene, flags.picture.aspect())
+            .with_context(|| format!("{name}: cannot be seen whole"))?;
+        Ok((name, scene, camera))
+    }
+}
+
+/// A scene with any accelerator.
+pub(crate) type BuiltScene = Scene<Box<dyn Accel>>;
 
 /// A picture to be rendered: its flags are checked, its files open.
 pub(crate) struct Job {
@@ -38,23 +60,17 @@ impl Job {
         let outputs = Outputs::open(&flags.output, flags.report.stats.as_deref())?;
         let checkpoints = &flags.checkpoints;
         let checkpoint = checkpoints.checkpoint.as_deref();
-        let checkpoint = checkpoint.map(|path| Checkpoint::new(path, checkpoints.save_every)).transpose()?;
+        let checkpoint =
+            checkpoint.map(|path| Checkpoint::new(path, checkpoints.save_every())).transpose()?;
         Ok(Self { flags, outputs, checkpoint, interrupt })
     }
 
     /// Renders, writes what was asked for, and prints the figures.
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
-        let Subject { name, model, view, environment } = subject;
         let start = Instant::now();
-        let scene = Scene::build(model, |triangles| flags.speed.accel.build(triangles))?
-            .with_environment(environment)?;
+        let (name, scene, camera) = subject.build(&flags, &interrupt)?;
         let build_seconds = start.elapsed().as_secs_f64();
-        interrupt.check()?;
-
-        let camera = view
-            .camera(&scene, flags.picture.aspect())
-            .with_context(|| format!("{name}: cannot be seen whole"))?;
         let settings = flags.settings();
         let render = flags.render(&scene, &camera.0, &settings)?;
         let monitor = RenderMonitor::new(checkpoint, &interrupt);
@@ -69,7 +85,11 @@ impl Job {
         let timing = Timing { build_seconds, render_seconds, traced };
         let summary = Summary::new(&name, &flags, &settings, &scene, camera, &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
-        let written = outputs.write(&picture.film, || summary.to_json())?;
+        let written = outputs.write(
+            (picture.film.width(), picture.film.height()),
+            || picture.film.means(),
+            || summary.to_json(),
+        )?;
         console::print_table(&summary.to_table(&written), data_on_stdout)?;
         report_interrupt(&picture, &interrupt)
     }

@@ -2,16 +2,20 @@
 //! accelerators by name, flags for cameras and colours, loading with warnings, errors on one line.
 //!
 //! The modules from the top: `commands` holds what each subcommand does; `job` renders a picture by `flags`,
-//! watched by `monitor`; `output` and `summary` say what came of it; `console` alone writes to the terminal.
+//! watched by `monitor`; `farm` holds what its parts are on a farm, `merging` puts them together; `output` and
+//! `summary` say what came of it; `console` alone writes to the terminal, `exit` has the exit codes.
 
 mod accel;
 mod checkpoint;
 mod commands;
 mod console;
+mod exit;
+mod farm;
 mod flags;
 mod interrupt;
 mod job;
 mod load;
+mod merging;
 mod monitor;
 mod output;
 mod parse;

@@ -3,8 +3,8 @@
 use crate::console;
 use crate::flags::PictureOutput;
 use anyhow::{Context, Result, ensure};
-use globillum::integrator::Film;
-use globillum::io::{AtomicFile, PictureFile};
+use globillum::io::{AtomicFile, IoError, PictureFile};
+use globillum::material::Rgb;
 use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 
@@ -49,14 +49,27 @@ impl Outputs {
         stats || self.pictures.iter().any(Target::is_stdout)
     }
 
-    /// Writes the picture wherever it shall go, and then the figures; returns the pictures' files.
-    pub(crate) fn write(self, film: &Film, stats: impl FnOnce() -> Result<String>) -> Result<Vec<PathBuf>> {
+    /// Whether a picture is to be written.
+    pub(crate) fn want_picture(&self) -> bool {
+        !self.pictures.is_empty()
+    }
+
+    /// Writes the picture, of which `pixels` are row by row from the top, wherever it shall go, and then the
+    /// figures; returns the pictures' files.
+    pub(crate) fn write<I: Iterator<Item = Rgb>>(
+        self,
+        (width, height): (u32, u32),
+        pixels: impl Fn() -> I,
+        stats: impl FnOnce() -> Result<String>,
+    ) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
         for picture in self.pictures {
             match picture {
-                Target::StandardOutput => console::print(&png(film, self.exposure)?)?,
+                Target::StandardOutput => {
+                    console::print(&png(self.exposure, |file| file.write_pixels(width, height, pixels()))?)?
+                }
                 Target::File(path, file) => {
-                    file.write(film)?;
+                    file.write_pixels(width, height, pixels())?;
                     written.push(path);
                 }
             }
@@ -86,10 +99,10 @@ impl<F> Target<F> {
     }
 }
 
-/// The bytes of the picture as a PNG file.
-fn png(film: &Film, exposure: f64) -> Result<Vec<u8>> {
+/// The bytes of a PNG file that `write` writes.
+fn png(exposure: f64, write: impl FnOnce(PictureFile) -> Result<(), IoError>) -> Result<Vec<u8>> {
     let folder = tempfile::tempdir().context("folder for temporary files")?;
     let path = folder.path().join("picture.png");
-    PictureFile::create(&path)?.exposed(exposure).write(film)?;
+    write(PictureFile::create(&path)?.exposed(exposure))?;
     std::fs::read(&path).with_context(|| path.display().to_string())
 }

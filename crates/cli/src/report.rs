@@ -1,12 +1,13 @@
 use crate::interrupt::Interrupted;
-use crate::{console, usage};
+use crate::{console, exit, usage};
 use anyhow::anyhow;
 use std::process::ExitCode;
 
 /// Runs a program with its parsed `options`, and returns its exit code.
 ///
 /// Help and version go to standard output, with code 0. What goes wrong goes to standard error as one line
-/// that begins with `error: `, with code 1; that includes arguments that cannot be parsed.
+/// that begins with `error: `, with code 1, that includes arguments that cannot be parsed; 75 if it may not go
+/// wrong again, such as a full disk, and 3 if something is incomplete.
 pub fn report_and_exit<O>(
     options: clap::error::Result<O>,
     run: impl FnOnce(&O) -> anyhow::Result<()>,
@@ -22,7 +23,7 @@ pub fn report_and_exit<O>(
         return interrupted.exit_code();
     }
     console::note(format_args!("error: {}", in_one_line(&error)));
-    ExitCode::FAILURE
+    exit::code_of(&error)
 }
 
 /// Prints help or version as clap does, in colour on a terminal.

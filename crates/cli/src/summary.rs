@@ -6,7 +6,9 @@ use crate::view::{CameraBy, format_camera, format_vector};
 use anyhow::Result;
 use globillum::geom::{Accel, SimdLevel};
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, Ending, Film, Picture, Scene, Settings};
+use globillum::integrator::{
+    Camera, CheckpointHeader, CheckpointStrip, Ending, Film, ImageError, Picture, Scene, Settings,
+};
 use serde::Serialize;
 use std::fmt::{self, Display};
 use std::ops::Range;
@@ -104,7 +106,7 @@ impl<'a> Summary<'a> {
             samples_per_second: traced.samples as f64 / render_seconds,
             rays_per_second: traced.rays as f64 / render_seconds,
             image_mean: picture.film.image_mean().to_array(),
-            error: PictureError::of(&picture.film),
+            error: picture.film.error().into(),
             ended_by: reason(picture.ending),
         }
     }
@@ -171,9 +173,8 @@ struct PictureError {
     relative_rmse_95: Option<[f64; 2]>,
 }
 
-impl PictureError {
-    fn of(film: &Film) -> Self {
-        let error = film.error();
+impl From<ImageError> for PictureError {
+    fn from(error: ImageError) -> Self {
         let known = error.relative_rmse.is_finite();
         Self {
             relative_rmse: known.then_some(error.relative_rmse),
@@ -184,21 +185,32 @@ impl PictureError {
 
 impl Display for PictureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some((error, interval)) = self.relative_rmse.zip(self.relative_rmse_95) else { return Ok(()) };
-        let [error, low, high] = [error, interval[0], interval[1]].map(|share| 100.0 * share);
-        writeln!(
-            f,
-            "error         {error:.3} % of the mean (95 % confidence interval {low:.3} to {high:.3} %)"
-        )
+        let Some(error) = self.relative_rmse.map(|share| 100.0 * share) else { return Ok(()) };
+        write!(f, "error         {error:.3} % of the mean")?;
+        match self.relative_rmse_95.map(|interval| interval.map(|share| 100.0 * share)) {
+            Some([low, high]) => writeln!(f, " (95 % confidence interval {low:.3} to {high:.3} %)"),
+            None => writeln!(f),
+        }
     }
 }
 
-/// Samples, passes and error of a picture, as lines of the table.
-pub(crate) fn of_merged(picture: &Picture) -> String {
-    let passes = passes(&picture.film).map(|range| format!("{}..{}", range.start, range.end));
-    let passes = passes.collect::<Vec<_>>().join(", ");
-    let error = PictureError::of(&picture.film);
-    format!("samples       {} per pixel, passes {passes}\n{error}", picture.samples)
+/// Samples, passes and error of a merged picture, as lines of the table; rows only if they differ.
+pub(crate) fn of_merged(header: &CheckpointHeader, error: ImageError) -> String {
+    let strip = |strip: &CheckpointStrip| {
+        let passes: Vec<_> = strip.passes().iter().map(format_range).collect();
+        let rows = if strip.rows() == (0..header.height) {
+            String::new()
+        } else {
+            format!(" of rows {}", format_range(&strip.rows()))
+        };
+        format!("samples       {} per pixel, passes {}{rows}\n", strip.samples(), passes.join(", "))
+    };
+    header.strips.iter().map(strip).collect::<String>() + &PictureError::from(error).to_string()
+}
+
+/// `A..B`.
+pub(crate) fn format_range(range: &Range<u32>) -> String {
+    format!("{}..{}", range.start, range.end)
 }
 
 fn passes(film: &Film) -> impl Iterator<Item = Range<u32>> {

@@ -99,9 +99,26 @@ impl PictureFile {
     /// # Errors
     /// [`IoError::Encode`] or [`IoError::Write`]. Each says what remains of the old file.
     pub fn write(self, film: &Film) -> Result<(), IoError> {
+        self.write_pixels(film.width(), film.height(), film.means())
+    }
+
+    /// Writes a picture of `width` x `height` pixels, given row by row from the top, as [`PictureFile::write`]
+    /// does.
+    ///
+    /// # Errors
+    /// Those of [`PictureFile::write`].
+    ///
+    /// # Panics
+    /// For another number of pixels.
+    pub fn write_pixels(
+        self,
+        width: u32,
+        height: u32,
+        pixels: impl Iterator<Item = Rgb>,
+    ) -> Result<(), IoError> {
         let Self { format, path, file, gain } = self;
         let bytes = format
-            .encode(film.width(), film.height(), film.means().map(|mean| mean * gain))
+            .encode(width, height, pixels.map(|pixel| pixel * gain))
             .map_err(|source| IoError::Encode { path, source: source.into() })?;
         file.commit(|writer| writer.write_all(&bytes))
     }

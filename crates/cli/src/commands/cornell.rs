@@ -1,3 +1,4 @@
+use crate::exit::CODES;
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
@@ -42,7 +43,7 @@ Examples:
 
 /// Renders a built-in scene: the Cornell box, or a hall of statues
 #[derive(clap::Args, Debug)]
-#[command(long_about = LONG_ABOUT, after_long_help = EXAMPLES)]
+#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
 pub(crate) struct Options {
     /// Number of the scene, from 0 to 4
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::integer(0_u32..=4))]
@@ -59,7 +60,7 @@ pub(crate) struct Options {
     #[arg(allow_negative_numbers = true)]
     triangles: Option<u32>,
     #[command(flatten)]
-    flags: RenderFlags,
+    pub(crate) flags: RenderFlags,
 }
 
 /// Makes a mesh of about this number of triangles.
@@ -79,13 +80,19 @@ const HALL: [Sculpture; 8] = [
 
 pub(crate) fn run(options: &Options) -> Result<()> {
     let job = Job::prepare(&options.flags, "cornell.png")?;
-    let (model, camera) = options.scene(&job.interrupt)?;
-    let name = format!("cornell {}", options.scene);
-    let view = View::Fixed(camera, CameraBy::Scene);
-    job.run(Subject { name, model, view, environment: Rgb::BLACK })
+    let subject = options.subject(&job.interrupt)?;
+    job.run(subject)
 }
 
 impl Options {
+    /// Makes the scene.
+    pub(crate) fn subject(&self, interrupt: &Interrupt) -> Result<Subject> {
+        let (model, camera) = self.scene(interrupt)?;
+        let name = format!("cornell {}", self.scene);
+        let view = View::Fixed(camera, CameraBy::Scene);
+        Ok(Subject { name, model, view, environment: Rgb::BLACK })
+    }
+
     fn scene(&self, interrupt: &Interrupt) -> Result<(Model, Camera)> {
         self.check()?;
         let meshes = self.mesh.iter().map(|path| self.mesh(path, interrupt)).collect::<Result<Vec<_>>>()?;

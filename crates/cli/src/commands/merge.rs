@@ -1,15 +1,25 @@
+use crate::exit::CODES;
+use crate::exit::Incomplete;
+use crate::farm::{Part, Plan, Task, part_file};
 use crate::flags::PictureOutput;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, NOTHING};
+use crate::merging::{self, Merged};
 use crate::output::Outputs;
-use crate::{checkpoint, console, summary};
-use anyhow::{Context, Result, ensure};
+use crate::{console, parse, summary};
+use anyhow::{Context, Result, bail, ensure};
+use globillum::integrator::{CheckpointError, CheckpointHeader};
+use std::ops::Range;
 use std::path::PathBuf;
 
 const LONG_ABOUT: &str = "\
-Joins checkpoints of one picture whose passes were rendered in parts, with --passes, on one machine or on \
-several. The picture has the bits of one that was rendered at once, whatever the order of the parts.
+Joins checkpoints of one picture that was rendered in parts, on one machine or on several. The picture has the bits \
+of one that was rendered at once, whatever the order of the parts, also if what was merged is merged again.
 
-The parts must be of the same scene, camera and settings, and no pass may be in two of them.";
+The parts must be of the same scene, camera, settings and build. Equal parts count once; two that hold the same pass \
+and differ are refused. Pixels that no part holds are black.
+
+--expect joins the parts of a job, or checks that the given ones hold all of it. If a part is missing or damaged, \
+nothing is written, and the exit code is 3.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -18,15 +28,29 @@ Examples:
       globillum render SCENE.glb --spp 256 --passes 8..16 --checkpoint b.part
       globillum merge a.part b.part --out picture.png
   Collect parts in a checkpoint, from which `render --resume` can continue:
-      globillum merge a.part b.part --checkpoint all.part";
+      globillum merge a.part b.part --checkpoint all.part
+  All tasks of a job:
+      globillum merge --expect room.json --out room.exr
+  Tasks 0 to 63, and all from several such merges:
+      globillum merge --expect room.json --tasks 0..64 --checkpoint 0.film
+      globillum merge --expect room.json 0.film 64.film --out room.exr
+  What is there, for a look while a job runs:
+      globillum merge room.parts/*.part --out preview.png";
 
 /// Joins checkpoints of one picture that was rendered in parts
 #[derive(clap::Args, Debug)]
-#[command(long_about = LONG_ABOUT, after_long_help = EXAMPLES)]
+#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
 pub(crate) struct Options {
-    /// The parts, in any order
-    #[arg(required = true, value_name = "CHECKPOINT")]
+    /// The parts, in any order [default: those of --expect]
+    #[arg(required_unless_present = "expect", value_name = "CHECKPOINT")]
     parts: Vec<PathBuf>,
+    /// Job file of `globillum plan`, of which nothing may be missing
+    #[arg(long, value_name = "JOB.json")]
+    expect: Option<PathBuf>,
+    /// Only tasks A to B - 1 of the job; B may be larger than their number
+    #[arg(long, value_name = "A..B", value_parser = parse::passes, requires = "expect")]
+    #[arg(allow_negative_numbers = true)]
+    tasks: Option<Range<u32>>,
     #[command(flatten)]
     output: PictureOutput,
     /// Save the joined checkpoint in FILE
@@ -39,16 +63,80 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     ensure!(!nothing, "neither --out nor --checkpoint is given");
     let interrupt = Interrupt::catch()?;
     let outputs = Outputs::open(&options.output, None)?;
-    let (first, others) = options.parts.split_first().context("no checkpoint is given")?;
-    let mut picture = checkpoint::read(first)?;
-    for path in others {
-        interrupt.check()?;
-        picture.merge(checkpoint::read(path)?).with_context(|| path.display().to_string())?;
-    }
-    if let Some(path) = &options.checkpoint {
-        checkpoint::write(path, &picture)?;
-    }
+    let expected = options.expected()?;
+    let parts = match &expected {
+        Some(expected) if options.parts.is_empty() => expected.part_files()?,
+        _ => options.parts.clone(),
+    };
+    let check =
+        |header: &CheckpointHeader| expected.as_ref().map_or(Ok(()), |expected| expected.check(header));
+    let cancelled = || interrupt.is_asked();
+    let merged =
+        merging::merge(&parts, options.checkpoint.as_deref(), outputs.want_picture(), check, cancelled);
+    let merged = merged.map_err(|error| match error.downcast_ref::<CheckpointError>() {
+        _ if interrupt.is_asked() => interrupt.error(NOTHING).into(),
+        // What is damaged is rendered again.
+        Some(damage) if expected.is_some() && is_damage(damage) => Incomplete(format!("{error:#}")).into(),
+        _ => error,
+    })?;
+    let Merged { header, error, means } = merged;
     let data_on_stdout = outputs.fill_stdout();
-    outputs.write(&picture.film, || Ok(String::new()))?;
-    console::print_table(&summary::of_merged(&picture), data_on_stdout)
+    outputs.write((header.width, header.height), || means.iter().copied(), || Ok(String::new()))?;
+    console::print_table(&summary::of_merged(&header, error), data_on_stdout)
+}
+
+fn is_damage(error: &CheckpointError) -> bool {
+    use CheckpointError::{Checksum, Length, Malformed, NoCheckpoint};
+    matches!(error, Checksum | Length | Malformed(_) | NoCheckpoint)
+}
+
+/// What a merge must hold.
+struct Expected {
+    job: PathBuf,
+    plan: Plan,
+    tasks: Vec<Task>,
+}
+
+impl Options {
+    fn expected(&self) -> Result<Option<Expected>> {
+        let Some(job) = &self.expect else { return Ok(None) };
+        let plan = Plan::read(job)?;
+        let count = plan.division.tasks();
+        let Range { start, end } = self.tasks.clone().unwrap_or(0..count);
+        ensure!(start < count, "--tasks {start}..{end}: {} has only tasks 0..{count}", job.display());
+        let tasks = plan.tasks().take(end as usize).skip(start as usize).collect();
+        Ok(Some(Expected { job: job.clone(), plan, tasks }))
+    }
+}
+
+impl Expected {
+    /// The files of the tasks, each of which must be complete.
+    fn part_files(&self) -> Result<Vec<PathBuf>> {
+        let mut files = Vec::new();
+        for task in &self.tasks {
+            let path = part_file(&self.job, task.index);
+            if !path.exists() {
+                bail!(Incomplete(format!("{}: {task} is missing", path.display())));
+            }
+            match Part::read(&path, self.plan.key())? {
+                Part::Foreign(error) => return Err(error).with_context(|| path.display().to_string()),
+                Part::Damaged(error) => bail!(Incomplete(format!("{}: {error} ({task})", path.display()))),
+                part if part.share_of(task) < 1.0 => {
+                    bail!(Incomplete(format!("{}: {task} is not finished", path.display())))
+                }
+                Part::Good(..) => files.push(path),
+            }
+        }
+        Ok(files)
+    }
+
+    /// Whether a merge holds all tasks.
+    fn check(&self, header: &CheckpointHeader) -> Result<()> {
+        ensure!(header.key == self.plan.key(), "{}: is the plan of another picture", self.job.display());
+        let part = Part::Good(header.clone(), Default::default());
+        match self.tasks.iter().find(|task| part.share_of(task) < 1.0) {
+            Some(task) => bail!(Incomplete(format!("{task} is missing"))),
+            None => Ok(()),
+        }
+    }
 }

@@ -2,8 +2,13 @@
 
 mod cornell;
 mod merge;
+mod picture;
+mod plan;
 mod render;
+mod status;
+mod task;
 
+use crate::exit::CODES;
 use crate::report::report_and_exit;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -17,18 +22,16 @@ picture's. Its bits depend on scene, camera and settings alone, not on the numbe
 or the processor.";
 
 const EXAMPLES: &str = "\
-Exit codes: 0 if all went well; 1 after an error, which is one line on standard error; 130 after Ctrl-C \
-(SIGINT) and 143 after SIGTERM.
-
 Examples:
   globillum cornell                              the Cornell box, to cornell.png
   globillum render SCENE.glb --error 0.01        a scene file, to 1 % error, to render.png
   globillum merge a.part b.part --out all.png    one picture of two parts
+  globillum plan room.json -- render ROOM.glb    tasks for a farm
   globillum help render                          all about one command";
 
 /// Renders pictures with global illumination by path tracing, and says how large their error is
 #[derive(Debug, Parser)]
-#[command(name = "globillum", version, long_about = LONG_ABOUT, after_long_help = EXAMPLES)]
+#[command(name = "globillum", version, long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
 #[command(max_term_width = 110, arg_required_else_help = false)]
 struct Cli {
     #[command(subcommand)]
@@ -40,11 +43,15 @@ enum Command {
     Render(render::Options),
     Cornell(cornell::Options),
     Merge(merge::Options),
+    Plan(plan::Options),
+    Task(task::Options),
+    Status(status::Options),
 }
 
 /// Runs the program with the arguments of this process, and returns its exit code.
 ///
-/// Errors are one line on standard error, with code 1. After SIGINT or SIGTERM the complete passes of a
+/// Errors are one line on standard error, with code 1, 75 if they may not come again, or 3 if something is
+/// incomplete. After SIGINT or SIGTERM the complete passes of a
 /// picture are written, and the code is 128 and the number of the signal; the second signal ends the
 /// process at once.
 pub fn run() -> ExitCode {
@@ -52,5 +59,8 @@ pub fn run() -> ExitCode {
         Command::Render(options) => render::run(options),
         Command::Cornell(options) => cornell::run(options),
         Command::Merge(options) => merge::run(options),
+        Command::Plan(options) => plan::run(options),
+        Command::Task(options) => task::run(options),
+        Command::Status(options) => status::run(options),
     })
 }

@@ -1,4 +1,6 @@
+use crate::exit::CODES;
 use crate::flags::RenderFlags;
+use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
 use crate::view::{self, CameraBy, Up, View};
 use crate::{console, load, parse};
@@ -36,7 +38,7 @@ Examples:
 
 /// Renders a scene file
 #[derive(clap::Args, Debug)]
-#[command(long_about = LONG_ABOUT, after_long_help = EXAMPLES)]
+#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
 pub(crate) struct Options {
     /// Scene file: Wavefront OBJ with MTL, or glTF 2.0
     #[arg(value_name = "SCENE.{obj,gltf,glb}", help_heading = "Scene")]
@@ -77,26 +79,33 @@ pub(crate) struct Options {
     #[arg(allow_negative_numbers = true)]
     max_triangles: Option<u64>,
     #[command(flatten)]
-    flags: RenderFlags,
+    pub(crate) flags: RenderFlags,
 }
 
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let camera = options.camera()?;
+    options.camera()?;
     let job = Job::prepare(&options.flags, "render.png")?;
-    let mut limits = Limits::default();
-    if let Some(triangles) = options.max_triangles {
-        (limits.triangles, limits.instanced) = (triangles, triangles);
-    }
-    let loader = Loader::new().limits(limits).luminous_efficacy(options.lumens_per_watt);
-    let loaded = load::load(&options.scene, loader, options.flags.warnings(), &job.interrupt)?;
-    let name = options.scene.display().to_string();
-    let own = loaded.cameras.first().map(|&camera| View::Fixed(camera, CameraBy::Scene));
-    let view = camera.or(own).unwrap_or(View::Automatic(options.up));
-    let environment = options.environment(&name, &loaded.report);
-    job.run(Subject { name, model: loaded.model, view, environment })
+    let subject = options.subject(&job.interrupt)?;
+    job.run(subject)
 }
 
 impl Options {
+    /// Loads the scene.
+    pub(crate) fn subject(&self, interrupt: &Interrupt) -> Result<Subject> {
+        let camera = self.camera()?;
+        let mut limits = Limits::default();
+        if let Some(triangles) = self.max_triangles {
+            (limits.triangles, limits.instanced) = (triangles, triangles);
+        }
+        let loader = Loader::new().limits(limits).luminous_efficacy(self.lumens_per_watt);
+        let loaded = load::load(&self.scene, loader, self.flags.warnings(), interrupt)?;
+        let name = self.scene.display().to_string();
+        let own = loaded.cameras.first().map(|&camera| View::Fixed(camera, CameraBy::Scene));
+        let view = camera.or(own).unwrap_or(View::Automatic(self.up));
+        let environment = self.environment(&name, &loaded.report);
+        Ok(Subject { name, model: loaded.model, view, environment })
+    }
+
     fn camera(&self) -> Result<Option<View>> {
         let Some(text) = &self.camera else { return Ok(None) };
         let camera =

@@ -1,4 +1,5 @@
-use crate::{checkpoint, parse};
+use crate::checkpoint::{self, SaveEvery};
+use crate::parse;
 use anyhow::{Result, ensure};
 use globillum::geom::Accel;
 use globillum::integrator::Render;
@@ -12,12 +13,13 @@ pub(crate) struct CheckpointFlags {
     /// Save the passes rendered so far in FILE, while rendering and at the end
     #[arg(long, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,
-    /// Seconds between two checkpoints; 0 saves after each pass
+    /// Seconds between two checkpoints; 0 saves after each pass [default: 60, or 99 times what saving takes]
     ///
-    /// Checkpoints are saved between passes, the first one after 5 seconds at the latest.
-    #[arg(long, value_name = "S", default_value_t = 60.0, requires = "checkpoint")]
+    /// Checkpoints are saved between passes, the first one after 5 seconds. By default at most a hundredth of the
+    /// time goes to saving, also that of the first one.
+    #[arg(long, value_name = "S", requires = "checkpoint")]
     #[arg(value_parser = parse::not_negative, allow_negative_numbers = true)]
-    pub(crate) save_every: f64,
+    pub(crate) save_every: Option<f64>,
     /// Continue from the checkpoint if it exists
     ///
     /// Scene, camera and settings must be the same but for --spp, --threads, --accel and the stop conditions.
@@ -31,6 +33,16 @@ pub(crate) struct CheckpointFlags {
 }
 
 impl CheckpointFlags {
+    /// Whether any flag is given.
+    pub(crate) fn is_given(&self) -> bool {
+        self.checkpoint.is_some() || self.passes.is_some()
+    }
+
+    /// When checkpoints are saved.
+    pub(crate) fn save_every(&self) -> SaveEvery {
+        self.save_every.map_or(SaveEvery::Hundredth, SaveEvery::Seconds)
+    }
+
     /// The same render, of the passes asked for, resumed from the checkpoint if it is there.
     pub(crate) fn apply_to<'a, A: Accel>(&self, render: Render<'a, A>) -> Result<Render<'a, A>> {
         let render = match &self.passes {

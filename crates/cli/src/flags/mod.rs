@@ -92,6 +92,26 @@ impl RenderFlags {
         Ok(())
     }
 
+    /// Samples of a pixel, if a flag says how many.
+    pub(crate) fn samples_asked_for(&self) -> Option<u32> {
+        self.sampling.spp
+    }
+
+    /// Refuses flags that have no meaning for a part of a picture that a farm renders.
+    pub(crate) fn check_for_farm(&self) -> Result<()> {
+        let Self { stop, checkpoints, output, report, .. } = self;
+        let given = [
+            ("--error and --seconds", stop.is_given()),
+            ("--checkpoint and --passes", checkpoints.is_given()),
+            ("--out", !output.out.is_empty()),
+            ("--stats", report.stats.is_some()),
+        ];
+        match given.into_iter().find(|(_, is_given)| *is_given) {
+            Some((flags, _)) => anyhow::bail!("{flags}: not for a picture that is planned as a whole"),
+            None => self.check(),
+        }
+    }
+
     /// The settings of the library for these flags.
     pub(crate) fn settings(&self) -> Settings {
         let samples = self.limit().unwrap_or(u32::MAX);

@@ -1,0 +1,136 @@
+use super::picture::{Picture, Staged};
+use crate::checkpoint::{self, Checkpoint, SaveEvery};
+use crate::exit::CODES;
+use crate::farm::{Part, Plan, Task, part_file, parts_folder};
+use crate::interrupt::Interrupt;
+use crate::monitor::RenderMonitor;
+use crate::{console, parse};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use globillum::integrator::{CheckpointError, Ending, Picture as Rendered, Render, Settings};
+use std::path::{Path, PathBuf};
+
+const LONG_ABOUT: &str = "\
+Renders one task of a job, and saves its part in the folder beside the job file.
+
+A task that was interrupted goes on from what it saved; one that is done ends at once. A damaged part is set aside, \
+with the extension `damaged`, and rendered again. SIGTERM and SIGINT end the task after the passes that are complete, \
+with exit code 75: schedulers that run tasks with this code again (RequeueExit of Slurm) complete the picture.
+
+The task's index is --index, or SLURM_ARRAY_TASK_ID, AWS_BATCH_JOB_ARRAY_INDEX or JOB_COMPLETION_INDEX.";
+
+const EXAMPLES: &str = "\
+Examples:
+  On any machine:
+      globillum task room.json --index 3
+  In an array job of Slurm whose indices begin at 1001:
+      globillum task room.json --offset 1001";
+
+/// Renders one task of a job
+#[derive(clap::Args, Debug)]
+#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
+pub(crate) struct Options {
+    /// Job file of `globillum plan`
+    #[arg(value_name = "JOB.json")]
+    job: PathBuf,
+    /// Which task [default: the index that the scheduler gives]
+    #[arg(long, value_name = "I", value_parser = parse::integer(0..=u32::MAX), allow_negative_numbers = true)]
+    index: Option<u32>,
+    /// Added to the index: for arrays that begin at 0 again
+    #[arg(long, value_name = "I", default_value_t = 0, value_parser = parse::integer(0..=u32::MAX))]
+    #[arg(allow_negative_numbers = true)]
+    offset: u32,
+    /// Worker threads [default: SLURM_CPUS_PER_TASK, or one for each processor]
+    #[arg(long, value_name = "N", value_parser = parse::integer(1..=Settings::MAX_THREADS))]
+    #[arg(allow_negative_numbers = true)]
+    threads: Option<usize>,
+}
+
+/// Where schedulers say the index of a task.
+const INDICES: [&str; 3] = ["SLURM_ARRAY_TASK_ID", "AWS_BATCH_JOB_ARRAY_INDEX", "JOB_COMPLETION_INDEX"];
+
+pub(crate) fn run(options: &Options) -> Result<()> {
+    let interrupt = Interrupt::catch_to_run_again()?;
+    let job = options.job.as_path();
+    let plan = Plan::read(job)?;
+    let task = options.task(&plan)?;
+    let path = part_file(job, task.index);
+    let before = read_or_set_aside(&path, plan.key())?;
+    let tasks_passes = task.passes.len() as u64;
+    if before.as_ref().is_some_and(|picture| passes_of(picture) == tasks_passes) {
+        return console::print(format!("{task}: is complete\n").as_bytes());
+    }
+    let picture = Picture::parse(&plan.picture).with_context(|| job.display().to_string())?;
+    let Staged { scene, camera, mut settings } = picture.stage(&interrupt)?;
+    (settings.samples, settings.threads) = (plan.samples, options.threads()?.unwrap_or(settings.threads));
+    let render = Render::new(&scene, &camera, &settings).rows(task.rows.clone()).passes(task.passes.clone());
+    let name = job.display();
+    ensure!(render.key() == plan.key(), "{name}: was planned by another build or for another scene");
+    let folder = parts_folder(job);
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let checkpoint = Checkpoint::new(&path, SaveEvery::Hundredth)?;
+    let resumed = before.as_ref().map_or(0, passes_of);
+    if resumed > 0 {
+        console::note(format_args!("{task}: goes on after {resumed} of {tasks_passes} passes"));
+    }
+    let render = before.into_iter().fold(render, Render::resume);
+    let monitor = RenderMonitor::new(Some(checkpoint), &interrupt);
+    let rendered = render.run(&monitor)?;
+    monitor.finish(&rendered)?;
+    let kept = format!("{task}: {} of {tasks_passes} passes are kept", passes_of(&rendered));
+    if rendered.ending == Ending::Cancelled {
+        return Err(interrupt.error(kept).into());
+    }
+    console::print(format!("{task}: is complete\n").as_bytes())
+}
+
+impl Options {
+    fn task(&self, plan: &Plan) -> Result<Task> {
+        let given = || INDICES.iter().find_map(|name| Some((name, std::env::var_os(name)?)));
+        let index = match (self.index, given()) {
+            (Some(index), _) => index,
+            (None, Some((name, value))) => number(name, &value.to_string_lossy())?,
+            (None, None) => bail!("neither --index nor {} is given", INDICES.join(" nor ")),
+        };
+        let index = index.checked_add(self.offset);
+        let tasks = plan.division.tasks();
+        let task = index.and_then(|index| plan.task(index));
+        task.ok_or_else(|| anyhow!("{}: has only tasks 0 to {}", self.job.display(), tasks - 1))
+    }
+
+    fn threads(&self) -> Result<Option<usize>> {
+        const NAME: &str = "SLURM_CPUS_PER_TASK";
+        let given = std::env::var(NAME).ok();
+        let given = given.map(|value| number::<usize>(NAME, &value)).transpose()?;
+        Ok(self.threads.or(given).map(|threads| threads.clamp(1, Settings::MAX_THREADS)))
+    }
+}
+
+fn number<T: std::str::FromStr>(name: &str, value: &str) -> Result<T> {
+    value.parse().map_err(|_| anyhow!("{name}={value}: must be an integer from 0"))
+}
+
+fn passes_of(picture: &Rendered) -> u64 {
+    picture.film.passes().iter().map(|range| range.len() as u64).sum()
+}
+
+/// The part that was saved before; a damaged one gets another name, so that the task begins again.
+fn read_or_set_aside(path: &Path, key: u64) -> Result<Option<Rendered>> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let damage = match Part::read(path, key)? {
+        Part::Foreign(error) => return Err(error).with_context(|| path.display().to_string()),
+        Part::Damaged(error) => error,
+        Part::Good(..) => match checkpoint::read(path) {
+            Ok(picture) => return Ok(Some(picture)),
+            Err(error) => match error.downcast_ref::<CheckpointError>() {
+                Some(damage) => *damage,
+                None => return Err(error),
+            },
+        },
+    };
+    let aside = path.with_extension("part.damaged");
+    std::fs::rename(path, &aside).with_context(|| path.display().to_string())?;
+    console::warn(format_args!("{}: {damage}; set aside as {}", path.display(), aside.display()));
+    Ok(None)
+}

@@ -1,0 +1,75 @@
+//! Exit codes.
+
+use std::error::Error;
+use std::fmt;
+use std::io::{self, ErrorKind};
+use std::process::ExitCode;
+
+/// What the exit codes mean, for `--help`.
+pub(crate) const CODES: &str = "\
+Exit codes:
+  0   done
+  1   an error that comes again if the program is run again: bad input, another picture
+  3   incomplete: a part is missing or damaged
+  75  an error that may not come again: the disk is full, a server does not answer; `task` after a signal
+  130, 143  ended by SIGINT (Ctrl-C) or SIGTERM, except `task`";
+
+/// Run again: what stands in the way may be gone then (`EX_TEMPFAIL` of sysexits.h).
+pub(crate) const AGAIN: u8 = 75;
+
+/// Something is missing, and nothing is written.
+#[derive(Debug)]
+pub(crate) struct Incomplete(pub(crate) String);
+
+impl fmt::Display for Incomplete {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "incomplete: {}", self.0)
+    }
+}
+
+impl Error for Incomplete {}
+
+/// The exit code of an error other than a signal.
+pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
+    if error.is::<Incomplete>() {
+        return ExitCode::from(3);
+    }
+    let causes = || error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>());
+    if causes().any(|error| may_pass(error.kind())) { ExitCode::from(AGAIN) } else { ExitCode::FAILURE }
+}
+
+/// Whether an error may not come again.
+fn may_pass(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::StorageFull
+            | ErrorKind::QuotaExceeded
+            | ErrorKind::StaleNetworkFileHandle
+            | ErrorKind::HostUnreachable
+            | ErrorKind::NetworkUnreachable
+            | ErrorKind::NetworkDown
+            | ErrorKind::TimedOut
+            | ErrorKind::ResourceBusy
+            | ErrorKind::Interrupted
+            | ErrorKind::WouldBlock
+            | ErrorKind::OutOfMemory
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+    use globillum::io::IoError;
+
+    #[test]
+    fn errors_that_may_pass_are_found_below_others() {
+        let write = |kind: ErrorKind| IoError::Write { path: "a".into(), source: kind.into() };
+        let code =
+            |kind| format!("{:?}", code_of(&Err::<(), _>(write(kind)).context("b").expect_err("it is one")));
+        assert_eq!(code(ErrorKind::StorageFull), format!("{:?}", ExitCode::from(75)));
+        assert_eq!(code(ErrorKind::PermissionDenied), format!("{:?}", ExitCode::from(1)));
+        let incomplete = anyhow::Error::from(Incomplete("a".into()));
+        assert_eq!(format!("{:?}", code_of(&incomplete)), format!("{:?}", ExitCode::from(3)));
+    }
+}

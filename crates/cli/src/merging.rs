@@ -1,0 +1,98 @@
+//! Checkpoints as files, merged with little memory.
+
+use anyhow::{Context, Error, Result, anyhow};
+use globillum::integrator::{
+    CheckpointHeader, CheckpointReader, CheckpointWriter, Film, ImageError, Merge, MergeError,
+};
+use globillum::io::AtomicFile;
+use globillum::material::Rgb;
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What came of a merge.
+pub(crate) struct Merged {
+    pub(crate) header: CheckpointHeader,
+    pub(crate) error: ImageError,
+    /// Mean radiance of every pixel, row by row from the top, if it was asked for; black where nothing is known.
+    pub(crate) means: Vec<Rgb>,
+}
+
+/// Merges the files at `paths` into the one at `checkpoint`, unless `check` refuses what they hold together, or
+/// it is `cancelled`. A message names the file.
+pub(crate) fn merge(
+    paths: &[PathBuf],
+    checkpoint: Option<&Path>,
+    want_means: bool,
+    check: impl FnOnce(&CheckpointHeader) -> Result<()>,
+    cancelled: impl Fn() -> bool,
+) -> Result<Merged> {
+    let readers = paths.iter().map(|path| open(path)).collect::<Result<_>>()?;
+    let merge = Merge::new(readers).map_err(|error| named(error, paths))?;
+    let header = merge.header().clone();
+    check(&header)?;
+    let pixels = if want_means { header.width as usize * header.height as usize } else { 0 };
+    let mut means = vec![Rgb::BLACK; pixels];
+    let collect = |rows: &Film| {
+        if want_means {
+            let first = rows.rows().start as usize * header.width as usize;
+            means[first..].iter_mut().zip(rows.means()).for_each(|(pixel, mean)| *pixel = mean);
+        }
+        if cancelled() { Err(io::ErrorKind::Interrupted.into()) } else { Ok(()) }
+    };
+    let error = match checkpoint {
+        None => merge.run(collect).map_err(|error| named(error, paths))?,
+        Some(path) => save(path, merge, collect, paths)?,
+    };
+    Ok(Merged { header, error, means })
+}
+
+/// Writes the merged checkpoint to `path`, and hands its rows to `collect`.
+fn save(
+    path: &Path,
+    merge: Merge<File>,
+    mut collect: impl FnMut(&Film) -> io::Result<()>,
+    paths: &[PathBuf],
+) -> Result<ImageError> {
+    let header = merge.header().clone();
+    let mut merged: Option<Result<ImageError, MergeError>> = None;
+    let written = AtomicFile::create(path)?.commit(|target| {
+        let mut writer = CheckpointWriter::new(target, &header)?;
+        let run = merge.run(|rows| {
+            writer.write(rows)?;
+            collect(rows)
+        });
+        // The error of a file that is read is told apart from that of the file that is written.
+        if let Err(MergeError::Write(kind)) = run {
+            return Err(kind.into());
+        }
+        if merged.insert(run).is_err() {
+            return Err(io::ErrorKind::Other.into());
+        }
+        writer.finish().map(|_| ())
+    });
+    if let Some(Err(error)) = merged {
+        return Err(named(error, paths));
+    }
+    written?;
+    merged.and_then(Result::ok).context("nothing was merged")
+}
+
+fn open(path: &Path) -> Result<CheckpointReader<File>> {
+    let name = || path.display().to_string();
+    let file = File::open(path).with_context(|| format!("{}: cannot be read", name()))?;
+    CheckpointReader::new(file).with_context(name)
+}
+
+/// The error with the names of the files.
+fn named(error: MergeError, paths: &[PathBuf]) -> Error {
+    match error {
+        MergeError::Input { index, error } => Error::new(error).context(paths[index].display().to_string()),
+        MergeError::Overlap { indices: [a, b], pass, row } => {
+            let [a, b] = [a, b].map(|index| paths[index].display());
+            anyhow!("{a} and {b} differ, and both hold pass {pass} of row {row}")
+        }
+        MergeError::Write(kind) => io::Error::from(kind).into(),
+        other => other.into(),
+    }
+}
