@@ -11,6 +11,7 @@ use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::{cornell, scenes};
 use std::ops::Range;
+use std::slice::from_ref;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
@@ -234,19 +235,19 @@ fn streams_merge_to_the_bytes_of_one_run() {
         let (scene, camera) = the_box();
         let whole = render(&scene, &camera, &settings, &()).expect("the scene is good");
         let ranges = [0..1, 1..4, 4..8, 8..13, 13..16];
-        for strips in [&[0..41][..], &[0..16, 16..41], &[0..16, 16..32, 32..41]] {
+        for strips in [from_ref(&(0..41)), &[0..16, 16..41], &[0..16, 16..32, 32..41]] {
             let parts = parts(&settings, strips, &ranges);
             // None has a factor in common with 5, 10 or 15: each visits every part once.
-            for step in [1, 7, 11, 14] {
+            for step in [1, 7, 11, 13] {
                 let order = |i: usize| &parts[(3 + step * i) % parts.len()][..];
                 let shuffled: Vec<&[u8]> = (0..parts.len()).map(order).collect();
                 let flat = merged(&shuffled).expect("they are parts of one picture");
-                assert_eq!(flat, (whole.to_bytes(), whole.film.error()), "{strips:?}, {step}");
+                assert!(flat == (whole.to_bytes(), whole.film.error()), "{strips:?}, {step}");
                 for fan_in in [2, 3, 5] {
                     let groups: Vec<Vec<u8>> =
                         shuffled.chunks(fan_in).map(|group| merged(group).expect("likewise").0).collect();
                     let tree = merged(&as_slices(&groups)).expect("likewise");
-                    assert_eq!(tree, flat, "{strips:?}, {step}, {fan_in}");
+                    assert!(tree == flat, "{strips:?}, {step}, {fan_in}");
                 }
             }
         }
@@ -257,14 +258,14 @@ fn streams_merge_to_the_bytes_of_one_run() {
 #[test]
 fn streams_merge_as_pictures_do() {
     let settings = three_tiles(Sampler::Sobol);
-    let parts = parts(&settings, &[0..41], &[1..2, 3..4, 5..7, 9..10, 10..12, 12..16]);
+    let parts = parts(&settings, from_ref(&(0..41)), &[1..2, 3..4, 5..7, 9..10, 10..12, 12..16]);
     for chosen in 1..1 << parts.len() {
         let parts: Vec<&[u8]> =
             (0..parts.len()).filter(|i| chosen >> i & 1 == 1).map(|i| &parts[i][..]).collect();
         let mut pictures = parts.iter().map(|bytes| Picture::from_bytes(bytes).expect("it was just written"));
         let mut expected = pictures.next().expect("one at least");
         pictures.for_each(|picture| expected.merge(picture).expect("they are disjoint"));
-        assert_eq!(merged(&parts), Ok((expected.to_bytes(), expected.film.error())), "{chosen:b}");
+        assert!(merged(&parts) == Ok((expected.to_bytes(), expected.film.error())), "{chosen:b}");
     }
 }
 
@@ -280,7 +281,8 @@ fn an_incomplete_merge_can_be_completed() {
     let reader = CheckpointReader::new(&incomplete[..]).expect("it was just written");
     let strips: Vec<_> =
         reader.header().strips.iter().map(|strip| (strip.rows(), strip.passes(), strip.samples())).collect();
-    assert_eq!(strips, [(0..16, vec![0..16], 31), (16..41, vec![8..16], 15)]);
+    let [all, late] = [0..16, 8..16].map(|passes: Range<u32>| from_ref(&passes).to_vec());
+    assert_eq!(strips, [(0..16, all, 31), (16..41, late, 15)]);
     assert_eq!(reader.header().file_length(), incomplete.len() as u64);
     let sums = CheckpointReader::new(std::io::Cursor::new(&incomplete)).expect("likewise").into_sums();
     assert_eq!(sums.expect("likewise").relative_rmse(), error.relative_rmse);
@@ -332,7 +334,7 @@ fn rows_are_whole_rows_of_tiles() {
     for (x, y) in [(0, 0), (18, 24), (5, 9)] {
         assert_eq!(strip.film.mean(x, y), whole.film.mean(x, y + 16));
     }
-    for rows in [0..0, 16..16, 32..16, 0..8, 8..16, 0..48, 41..48] {
+    for rows in [0..0, 16..16, Range { start: 32, end: 16 }, 0..8, 8..16, 0..48, 41..48] {
         assert!(matches!(run(rows), Err(RenderError::Param { name: "rows", .. })));
     }
     let mismatch = RenderError::Checkpoint(CheckpointError::Mismatch("range of rows"));

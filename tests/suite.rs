@@ -12,6 +12,7 @@ mod determinism;
 mod equilibrium;
 mod error_bars;
 mod extremes;
+mod farm;
 mod finite_form_factors;
 mod form_factors;
 mod geometry;

@@ -24,7 +24,7 @@ impl Division {
     /// At least `tasks` tasks of about equal size, if a task has a pass of a row of tiles at least.
     pub(crate) fn new(height: u32, passes: Range<u32>, tasks: u32) -> Self {
         let (first_pass, end_pass) = (passes.start, passes.end);
-        let power = 1 << (passes.end - passes.start).max(1).ilog2();
+        let power = (passes.end - passes.start).checked_next_power_of_two().unwrap_or(1 << 31);
         let mut division = Self { height, first_pass, end_pass, task_passes: power, task_rows: height };
         while division.ranges() < tasks && division.task_passes > 1 {
             division.task_passes /= 2;
@@ -90,7 +90,7 @@ mod tests {
     /// Ranges lie in the tree of passes also behind a pilot.
     #[test]
     fn ranges_begin_at_multiples_of_their_length() {
-        let division = Division::new(16, 5..23, 2);
+        let division = Division::new(16, 5..23, 3);
         assert_eq!(all(&division), [(5..8, 0..16), (8..16, 0..16), (16..23, 0..16)]);
     }
 

@@ -26,7 +26,10 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
     assert!(said.contains("12 per pixel, passes 0..6") && said.contains("error "), "{said}");
     assert_eq!(read(folder, "b.exr"), whole);
     assert_eq!(read(folder, "all"), read(folder, "whole"));
-    for (parts, message) in [(["1", "1"], "held twice"), (["1", "a.exr"], "a.exr: is no checkpoint")] {
+    MERGE.succeed(folder, &["2", "3", "1", "2", "--checkpoint", "twice"]);
+    assert_eq!(read(folder, "twice"), read(folder, "whole"), "equal parts count once");
+    let overlap = "3 and whole differ, and both hold pass 4 of row 0";
+    for (parts, message) in [(["3", "whole"], overlap), (["1", "a.exr"], "a.exr: is no checkpoint")] {
         let output = MERGE.run(folder, &[&parts[..], &["--out", "c.png"]].concat());
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(1) && said.contains(message), "{said}");

@@ -5,6 +5,7 @@ mod blender;
 mod checkpoints;
 mod cornell;
 mod example;
+mod farm;
 mod help;
 #[cfg(unix)]
 mod interrupt;

@@ -39,7 +39,7 @@ fn standard_output_that_is_full_is_an_error() {
         let mut command = GLOBILLUM.command(folder.path(), arguments);
         let output = command.stdout(full).output().expect("the program starts");
         let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert_eq!(output.status.code(), Some(75), "{said}");
         assert!(said.starts_with("error: ") && said.lines().count() == 1, "{said}");
     }
 }

@@ -35,8 +35,8 @@ use std::ops::Range;
 /// All pixels hold the same passes. Equal passes give equal bits, wherever and in whatever order
 /// they were rendered and put together.
 ///
-/// Passes are kept as blocks, one for each digit 1 of their number in binary. A block takes 48 bytes a pixel, and
-/// 40 bytes.
+/// Passes are kept as blocks, one for each digit 1 of their number in binary. A block takes 48 bytes a pixel, and 24
+/// bytes for each row of tiles.
 ///
 /// The standard error comes from the spread of independent observations: of samples where those
 /// are independent, of the means of passes where the samples of a pass are stratified. Errors of

@@ -1,7 +1,7 @@
 //! Checkpoints: films as files.
 //!
 //! All numbers are little-endian. A [header](CheckpointHeader) says which passes of which rows are held. The
-//! [rows](rows) follow from the top, a row of tiles at a time, and at the end the [sums](PixelSums) over all pixels.
+//! [rows](rows) follow from the top, a row of tiles at a time, and at the end the sums over all pixels.
 //! Each of these ends with a checksum, so that a checkpoint is read and written with the memory of one row of tiles.
 
 mod bytes;
@@ -17,8 +17,6 @@ pub use merge::Merge;
 pub use reader::CheckpointReader;
 pub use writer::CheckpointWriter;
 
-#[cfg(doc)]
-use super::PixelSums;
 use super::{Film, Picture};
 use crate::CheckpointError;
 

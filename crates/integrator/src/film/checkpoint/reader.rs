@@ -42,7 +42,7 @@ pub struct CheckpointReader<R> {
 }
 
 impl<R: Read> CheckpointReader<R> {
-    /// Reads the header. `source` need not be buffered for what follows it; the header itself is two reads.
+    /// Reads the header. `source` need not be buffered: it is read by whole rows of tiles.
     ///
     /// # Errors
     /// [`CheckpointError`] if `source` cannot be read or does not begin with the header of a checkpoint.
