@@ -9,8 +9,8 @@ use std::f64::consts::FRAC_PI_4;
 /// The lights of a scene, its triangles that emit and its delta lights.
 ///
 /// A light is chosen at each shading point with a probability about proportional to the irradiance that it brings
-/// there if it is visible: in a light tree (Conty Estevez and Kulla 2018). Up to seven lights without a
-/// directional light among several are chosen by power alone, which costs less.
+/// there if it is visible, in a light tree (Conty Estevez and Kulla 2018). Up to seven lights are chosen by power
+/// alone, which costs less, unless one of several is directional.
 ///
 /// Each light has a positive probability, a normal number, for any size and radiance. A
 /// [`LightSampler`](crate::LightSampler) samples points on lights.
