@@ -180,7 +180,6 @@ impl Lights {
 
     /// The probability with which [`Lights::choose`] chooses triangle `index` for the shading point `from`, to
     /// the bit; `None` if it is not a light.
-    #[inline(always)]
     pub(crate) fn prob(&self, from: DVec3, index: u32) -> Option<AreaProb> {
         let place = self.areas.binary_search_by_key(&index, |light| light.triangle).ok()?;
         let light = &self.areas[place];

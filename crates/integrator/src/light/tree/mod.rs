@@ -9,6 +9,7 @@ pub(super) use cluster::Cluster;
 
 use super::alias_table::AliasTable;
 use glam::DVec3;
+use globillum_geom::SimdLevel;
 use node::{Child, LANE_BITS, Node, WIDTH, sum};
 
 /// A tree over lights, each of which is chosen with a probability above zero at every point.
@@ -26,6 +27,8 @@ pub(super) struct LightTree {
     /// The sum of their irradiances.
     far_irradiance: f64,
     places: Vec<Place>,
+    /// All levels give the same bits.
+    level: SimdLevel,
 }
 
 /// What the tree knows of a light.
@@ -66,12 +69,21 @@ impl LightTree {
             places[index as usize] = Place::Far(irradiance / far_irradiance);
         }
         let nodes = build::nodes(&mut near, |index, path| places[index as usize] = Place::Path(path));
-        Self { nodes, far_table: AliasTable::new(&irradiances), far, far_irradiance, places }
+        let (far_table, level) = (AliasTable::new(&irradiances), SimdLevel::best());
+        Self { nodes, far_table, far, far_irradiance, places, level }
     }
 
     /// Chooses a light for the point `from` by `u` in `[0, 1)`: its index and the probability of the choice.
-    #[inline(always)]
+    #[inline(never)] // compiled once for all accelerators
     pub(super) fn choose(&self, from: DVec3, u: f64) -> (usize, f64) {
+        self.level.run(
+            #[inline(always)]
+            || self.choose_at_level(from, u),
+        )
+    }
+
+    #[inline(always)]
+    fn choose_at_level(&self, from: DVec3, u: f64) -> (usize, f64) {
         let Some(mut node) = self.nodes.first() else { return self.choose_far(u, 1.0) };
         let mut importance = node.importance(from);
         let far_prob = self.far_prob(sum(&importance));
@@ -93,8 +105,16 @@ impl LightTree {
     }
 
     /// The probability with which [`LightTree::choose`] chooses the light `index`, to the bit.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn prob(&self, from: DVec3, index: usize) -> f64 {
+        self.level.run(
+            #[inline(always)]
+            || self.prob_at_level(from, index),
+        )
+    }
+
+    #[inline(always)]
+    fn prob_at_level(&self, from: DVec3, index: usize) -> f64 {
         let Some(mut node) = self.nodes.first() else { return self.far_share(index, 1.0) };
         let mut importance = node.importance(from);
         let far_prob = self.far_prob(sum(&importance));
