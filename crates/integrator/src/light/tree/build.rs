@@ -69,7 +69,7 @@ fn groups(lights: &mut [Light], level: u32) -> Vec<Group<'_>> {
     let mut groups = vec![Group { lights, cluster }];
     while groups.len() < WIDTH {
         let (index, costliest) =
-            (0..).zip(groups.iter().map(cost)).max_by(|a, b| a.1.total_cmp(&b.1)).expect("a group");
+            (0..).zip(groups.iter().map(cost)).max_by(|a, b| a.1.total_cmp(&b.1)).expect("there is a group");
         if costliest == f64::NEG_INFINITY {
             break;
         }
