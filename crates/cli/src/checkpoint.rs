@@ -93,8 +93,14 @@ fn wait(every: SaveEvery, is_first: bool, took: Duration) -> Duration {
 
 /// How long the first save takes, with a disk of 200 MB a second.
 fn estimate(picture: &Picture) -> Duration {
-    let pixels = f64::from(picture.film.width()) * f64::from(picture.film.height());
-    Duration::from_secs_f64(48.0 * pixels / 200e6)
+    let pixels = u64::from(picture.film.width()) * u64::from(picture.film.height());
+    Duration::from_secs_f64(most_bytes(pixels, 2) as f64 / 200e6)
+}
+
+/// About the most bytes of a checkpoint of these pixels, while `passes` passes are rendered, a power of two: 48 for
+/// a pixel of each block, of which there are as many as the number of passes has binary digits 1.
+pub(crate) fn most_bytes(pixels: u64, passes: u32) -> u64 {
+    48 * pixels * u64::from(passes.ilog2().max(1))
 }
 
 #[cfg(test)]

@@ -27,6 +27,7 @@ pub(crate) fn merge(
     check: impl FnOnce(&CheckpointHeader) -> Result<()>,
     cancelled: impl Fn() -> bool,
 ) -> Result<Merged> {
+    allow_open(paths.len() as u64);
     let readers = paths.iter().map(|path| open(path)).collect::<Result<_>>()?;
     let merge = Merge::new(readers).map_err(|error| named(error, paths))?;
     let header = merge.header().clone();
@@ -76,6 +77,12 @@ fn save(
     }
     written?;
     merged.and_then(Result::ok).context("nothing was merged")
+}
+
+/// Asks the operating system for these many open files, and some more. If it refuses, opening the first file beyond
+/// its limit fails.
+fn allow_open(files: u64) {
+    rlimit::increase_nofile_limit(files + 64).ok();
 }
 
 fn open(path: &Path) -> Result<CheckpointReader<File>> {

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 const LONG_ABOUT: &str = "\
 Divides a picture into tasks for a farm, and writes a job file for `globillum task`, `status` and `merge`.
 
-A task is a range of passes of the whole picture, or, if there are too few passes, of a strip of it. Tasks depend \
-on no other. The job file holds the command line of the picture and the picture's key, a hash of scene, camera, \
+A task is a range of passes of the whole picture, or of a strip of it if the picture is large or has few passes. \
+Tasks depend on no other. The job file holds the command line of the picture and the picture's key, a hash of scene, camera, \
 settings and the program's sources: what another program or another scene would render is never mixed with it. \
 Files of the scene are named as the tasks find them, from the folder where they run.
 
@@ -74,7 +74,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         }
         None => (0..settings.passes(), settings.samples),
     };
-    let division = Division::new(settings.height, passes, options.tasks);
+    let division = Division::new(settings.width, settings.height, passes, options.tasks);
     let plan = Plan::new(key, options.picture.clone(), samples, division);
     let json = plan.to_json()?;
     file.commit(|writer| writer.write_all(json.as_bytes()))?;
@@ -111,8 +111,8 @@ fn table(job: &Path, plan: &Plan, settings: &Settings, max_array_size: u32) -> S
     if let Some(task) = plan.task(0) {
         let (passes, rows) = (task.passes.len(), task.rows.len());
         let samples = passes * settings.pass_samples as usize;
-        // A block of passes takes 48 bytes for a pixel, a single pass half of it.
-        let megabytes = 48.0 * rows as f64 * f64::from(settings.width) / 1e6;
+        let pixels = rows as u64 * u64::from(settings.width);
+        let megabytes = checkpoint::most_bytes(pixels, passes.next_power_of_two() as u32) as f64 / 1e6;
         table += &format!("of a task     {passes} passes, {samples} samples a pixel, of {rows} rows\n");
         table += &format!(
             "its part      {megabytes:.1} MB at most, in {}\n",

@@ -1,8 +1,13 @@
+use crate::checkpoint;
 use globillum::integrator::Film;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// How a picture is divided into tasks: ranges of passes, and if they are too few, strips of the picture.
+/// The most bytes that a task saves: a task that is to end writes them within a second, to slow disks too.
+const PART_BYTES: u64 = 32_000_000;
+
+/// How a picture is divided into tasks: ranges of passes of strips of the picture. Strips are as high as
+/// [`PART_BYTES`] allows, and lower if there are too few ranges.
 ///
 /// Ranges are as long as a power of two and begin at its multiples, as the blocks of a film do, but for the first
 /// and the last: what a task renders is then one block.
@@ -22,26 +27,39 @@ pub(crate) struct Division {
 
 impl Division {
     /// At least `tasks` tasks of about equal size, if a task has a pass of a row of tiles at least.
-    pub(crate) fn new(height: u32, passes: Range<u32>, tasks: u32) -> Self {
+    pub(crate) fn new(width: u32, height: u32, passes: Range<u32>, tasks: u32) -> Self {
         let (first_pass, end_pass) = (passes.start, passes.end);
         let power = (passes.end - passes.start).checked_next_power_of_two().unwrap_or(1 << 31);
         let mut division = Self { height, first_pass, end_pass, task_passes: power, task_rows: height };
-        while division.ranges() < tasks && division.task_passes > 1 {
+        division.task_rows = division.rows_that_fit(width);
+        while division.tasks() < tasks && division.task_passes > 1 {
             division.task_passes /= 2;
+            division.task_rows = division.rows_that_fit(width);
         }
-        let strips = tasks.div_ceil(division.ranges());
-        if strips > 1 {
-            let tile_rows = height / strips / Film::TILE_ROWS;
-            division.task_rows = tile_rows.max(1) * Film::TILE_ROWS;
+        if division.tasks() < tasks {
+            division.task_rows = division.rows_of(tasks.div_ceil(division.ranges()));
         }
         division
+    }
+
+    /// Rows of a task whose part has [`PART_BYTES`] at most, if a row of tiles has.
+    fn rows_that_fit(&self, width: u32) -> u32 {
+        let pixels = u64::from(width) * u64::from(self.height);
+        let strips = checkpoint::most_bytes(pixels, self.task_passes).div_ceil(PART_BYTES);
+        self.rows_of(strips.try_into().unwrap_or(u32::MAX))
+    }
+
+    /// Rows of a task if the picture has at least these many strips, if it can.
+    fn rows_of(&self, strips: u32) -> u32 {
+        let tile_rows = self.height / strips / Film::TILE_ROWS;
+        if strips > 1 { tile_rows.max(1) * Film::TILE_ROWS } else { self.height }
     }
 
     /// Whether a file can say this.
     pub(crate) fn is_possible(&self) -> bool {
         let Self { height, first_pass, end_pass, task_passes, task_rows } = *self;
         let whole = task_rows == height || task_rows.is_multiple_of(Film::TILE_ROWS);
-        let tasks = || u64::from(self.ranges()) * u64::from(height.div_ceil(task_rows));
+        let tasks = || u64::from(self.ranges()) * u64::from(self.strips());
         first_pass < end_pass
             && task_passes.is_power_of_two()
             && height > 0
@@ -52,7 +70,12 @@ impl Division {
 
     /// The number of tasks.
     pub(crate) fn tasks(&self) -> u32 {
-        self.ranges() * self.height.div_ceil(self.task_rows)
+        self.ranges().saturating_mul(self.strips())
+    }
+
+    /// Strips of the picture.
+    fn strips(&self) -> u32 {
+        self.height.div_ceil(self.task_rows)
     }
 
     /// Ranges of passes.
@@ -60,9 +83,9 @@ impl Division {
         self.end_pass.div_ceil(self.task_passes) - self.first_pass / self.task_passes
     }
 
-    /// Passes and rows of a task: all ranges of the first strip come first.
+    /// Passes and rows of a task: all strips of the first range come first, so that the whole picture is seen early.
     pub(crate) fn task(&self, index: u32) -> (Range<u32>, Range<u32>) {
-        let (strip, range) = (index / self.ranges(), index % self.ranges());
+        let (range, strip) = (index / self.strips(), index % self.strips());
         let first = (self.first_pass / self.task_passes + range) * self.task_passes;
         let end = self.end_pass.min(first.saturating_add(self.task_passes));
         let row = strip * self.task_rows;
@@ -80,17 +103,20 @@ mod tests {
 
     #[test]
     fn passes_are_divided_before_rows() {
-        let division = Division::new(100, 0..10, 3);
+        let division = Division::new(100, 100, 0..10, 3);
         assert_eq!(all(&division), [(0..4, 0..100), (4..8, 0..100), (8..10, 0..100)]);
-        let division = Division::new(100, 0..2, 5);
+        let division = Division::new(100, 100, 0..2, 5);
         let strips = [0..32, 32..64, 64..96, 96..100];
-        assert_eq!(all(&division), strips.map(|rows| [(0..1, rows.clone()), (1..2, rows)]).concat());
+        assert_eq!(
+            all(&division),
+            [0..1, 1..2].map(|passes| strips.clone().map(|rows| (passes.clone(), rows))).concat()
+        );
     }
 
     /// Ranges lie in the tree of passes also behind a pilot.
     #[test]
     fn ranges_begin_at_multiples_of_their_length() {
-        let division = Division::new(16, 5..23, 3);
+        let division = Division::new(16, 16, 5..23, 3);
         assert_eq!(all(&division), [(5..8, 0..16), (8..16, 0..16), (16..23, 0..16)]);
     }
 
@@ -105,8 +131,12 @@ mod tests {
             (17, 0..7, 1),
             (40, 0..3, 9),
         ] {
-            let division = Division::new(height, passes.clone(), tasks);
+            let width = 1920;
+            let division = Division::new(width, height, passes.clone(), tasks);
             assert!(division.is_possible());
+            let rows = division.task_rows;
+            let bytes = checkpoint::most_bytes(u64::from(width) * u64::from(rows), division.task_passes);
+            assert!(bytes <= PART_BYTES, "{division:?}: {bytes}");
             let mut seen = vec![0; (height * passes.end) as usize];
             for (passes, rows) in all(&division) {
                 assert!(!passes.is_empty() && !rows.is_empty() && rows.start % 16 == 0);
