@@ -9,6 +9,11 @@ const U: f64 = f64::EPSILON / 2.0;
 /// points.
 const HIT_ERR: f64 = 26.0;
 
+/// How far below a surface a given point may lie and still see what is above it, in units of the largest coordinates:
+/// a vertex rounded to `f32` is off by `2^-24` of its coordinates, the given point as well, and as much again is left
+/// for the arithmetic that produced them.
+const GIVEN_ERR: f64 = 1.0 / (1 << 22) as f64;
+
 /// A point on a triangle, from which rays leave without hitting the triangle or another one in the same
 /// plane.
 ///
@@ -57,6 +62,13 @@ impl SurfacePoint {
         let evenly = DVec3::splat(3.0 * extent + HIT_ERR * scene_extent);
         let err = U * (v0.abs() + evenly + 2.0 * position.abs());
         Self { position, normal, plane_err: normal.abs().dot(err) }
+    }
+
+    /// The point that stands for `position`, in a scene whose bounds have the longest side `scene_extent`; `reach` has
+    /// the largest magnitudes of coordinates along each axis, of the scene and of `position`.
+    pub(crate) fn given(position: DVec3, normal: DVec3, reach: DVec3, scene_extent: f64) -> Self {
+        let lift = normal.abs().dot(GIVEN_ERR * reach + DVec3::splat(U * HIT_ERR * scene_extent));
+        Self { position: position + lift * normal, normal, plane_err: 0.0 }
     }
 
     /// The origin of a ray toward `direction`: the position, offset by `plane_err` to that side of the plane.

@@ -72,6 +72,20 @@ impl Triangles {
         SurfacePoint::on(self.get(index), normal, u, v, self.extent)
     }
 
+    /// The point that stands for `position`, which was not computed from a triangle, as a receiver of what comes from
+    /// the side of its unit `normal`: on a surface or on none.
+    ///
+    /// It is `position`, lifted along `normal` by a little more than `2^-22 (|n_x| X + |n_y| Y + |n_z| Z)`, where `X`,
+    /// `Y` and `Z` are the largest magnitudes of coordinates of the triangles and of `position`. So a ray spawned from
+    /// it to the side of `normal` does not hit a surface perpendicular to `normal` on which `position` lies, nor one
+    /// below which it lies by at most that: less than coordinates in `f32` tell. A position known less well must be
+    /// lifted by its error before.
+    pub fn given_point(&self, position: DVec3, normal: DVec3) -> SurfacePoint {
+        let Aabb { min, max } = self.bounds;
+        let scene = if self.live.is_empty() { DVec3::ZERO } else { min.abs().max(max.abs()).as_dvec3() };
+        SurfacePoint::given(position, normal, scene.max(position.abs()), self.extent)
+    }
+
     /// All triangles in input order, degenerate ones included.
     pub fn as_slice(&self) -> &[Triangle] {
         &self.all

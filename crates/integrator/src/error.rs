@@ -27,10 +27,22 @@ pub enum RenderError {
         /// The range it must lie in.
         range: &'static str,
     },
+    /// The settings have another size than the sensor.
+    #[error("settings of {} x {} elements for a sensor of {} x {}", settings[0], settings[1], sensor[0], sensor[1])]
+    SensorSize {
+        /// Width and height of the settings.
+        settings: [u32; 2],
+        /// Width and height of the sensor's grid.
+        sensor: [u32; 2],
+    },
+    /// A list of points is invalid.
+    #[error(transparent)]
+    Point(#[from] PointError),
     /// The camera's position and direction are invalid.
     #[error("camera: {0}")]
     Camera(&'static str),
-    /// The radiance of a sample is NaN or infinite. Such samples are never dropped.
+    /// What a sample measures is NaN or infinite, or the sensor started it with a ray that cannot be traced. Such
+    /// samples are never dropped.
     #[error("pixel ({x}, {y}), sample {sample}: radiance is not finite")]
     NonFinite {
         /// Column of the pixel.
@@ -66,6 +78,32 @@ pub enum RenderError {
     /// The worker threads could not be started.
     #[error("worker threads: {0}")]
     Threads(String),
+}
+
+/// Why a list of points cannot be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PointError {
+    /// The list is empty.
+    #[error("there are no points")]
+    Empty,
+    /// A coordinate is not finite or larger in magnitude than
+    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE).
+    #[error("position {position} of point {index} is not finite or beyond the domain of +-2^60")]
+    Position {
+        /// Which point, from 0.
+        index: usize,
+        /// Its position.
+        position: DVec3,
+    },
+    /// The length of the normal is not 1 up to rounding.
+    #[error("normal {normal} of point {index} is not a unit vector: its length is {}", normal.length())]
+    Normal {
+        /// Which point, from 0.
+        index: usize,
+        /// Its normal.
+        normal: DVec3,
+    },
 }
 
 /// Why a delta light is invalid.

@@ -33,9 +33,10 @@ mod path;
 mod run;
 mod sampler;
 mod scene;
+mod sensor;
 mod settings;
 
-pub use error::{CheckpointError, DeltaLightError, MergeError, RenderError};
+pub use error::{CheckpointError, DeltaLightError, MergeError, PointError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;
 pub use film::{
@@ -48,5 +49,8 @@ pub use light::{
 pub use path::{Counters, Replay, Vertex, replay};
 pub use run::{Monitor, PixelGoal, Progress, Render, Stop, render};
 pub use sampler::{Sampler, Stream};
-pub use scene::{Camera, Interaction, MaterialId, Model, Scene};
+pub use scene::{Interaction, MaterialId, Model, Scene};
+pub use sensor::{
+    Camera, ElementSample, IrradiancePoints, OrthographicCamera, PathStart, Reading, Sensor, SphericalCamera,
+};
 pub use settings::{Estimator, MirrorSampling, PathReuse, PixelFilter, Roulette, Settings};

@@ -5,6 +5,9 @@ use crate::{MaterialError, Rgb};
 pub struct Reflectance(Rgb);
 
 impl Reflectance {
+    /// All is reflected.
+    pub const ONE: Self = Self(Rgb::WHITE);
+
     /// The reflectance of these components.
     ///
     /// # Errors

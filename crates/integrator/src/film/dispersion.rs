@@ -116,7 +116,7 @@ impl Squares {
     fn all(self, pixels: usize) -> impl Iterator<Item = impl Iterator<Item = usize>> {
         let width = self.width as usize;
         let place = move |(x, y): (u32, u32)| y as usize * width + x as usize;
-        Tile::grid(self.width, (pixels / width) as u32, self.side)
+        Tile::grid([self.width, (pixels / width) as u32], [self.side; 2])
             .map(move |square| square.pixels().map(place))
     }
 }

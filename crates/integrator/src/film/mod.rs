@@ -20,7 +20,7 @@ pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally};
 pub use picture::{Ending, Picture};
 
-use crate::path::{REUSE_BLOCK_SIDE, TILE_SIDE};
+use crate::path::TILE_SIDE;
 use crate::{CheckpointError, PathReuse};
 use block::insert;
 use dispersion::Squares;
@@ -239,6 +239,12 @@ impl Film {
         margin::margin_95(self.observations(), self.variance_of_mean(x, y), around, picture)
     }
 
+    /// How many standard errors of a mean its 95 % interval is wide on either side, if observations are normally
+    /// distributed (Student); infinite for fewer than two observations.
+    pub(crate) fn student_quantile(&self) -> f64 {
+        student::quantile_975(self.observations().saturating_sub(1))
+    }
+
     /// The mean of [`Film::variance_of_mean`] over all pixels.
     fn mean_variance(&self) -> Rgb {
         let mut sum = Rgb::BLACK;
@@ -260,11 +266,7 @@ impl Film {
 
     /// The squares of pixels whose errors are independent of each other's.
     pub(crate) fn squares(&self) -> Squares {
-        let side = match self.path_reuse {
-            PathReuse::Off => 1,
-            PathReuse::Fours => REUSE_BLOCK_SIDE,
-        };
-        Squares { width: self.width, side }
+        Squares { width: self.width, side: self.path_reuse.block_side() }
     }
 
     pub(crate) fn all_sums(&self) -> impl Iterator<Item = (Moments, Tally)> + '_ {

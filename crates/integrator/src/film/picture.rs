@@ -28,7 +28,7 @@ use crate::{CheckpointError, Counters};
 #[non_exhaustive]
 pub struct Picture {
     /// The pixels, with the same number of samples each; of a strip of the picture, if only that was
-    /// [rendered](crate::Render::rows).
+    /// [rendered](crate::Render::rows). A [crop](crate::Render::crop) is a picture of its own.
     pub film: Film,
     /// Height of the whole picture in pixels.
     pub height: u32,

@@ -1,8 +1,9 @@
 use super::counters::Counters;
+use super::path_state::Path;
 use super::pixel_groups::block_around;
 use super::render_context::RenderContext;
-use super::wavefront::Wavefront;
-use crate::{Camera, RenderError, Scene, Settings};
+use super::wavefront::{IRRADIANCE, Wavefront, receiver};
+use crate::{RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SurfacePoint};
 use globillum_material::{Material, Rgb};
 use std::fmt;
@@ -12,7 +13,7 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Replay {
-    /// The path vertices, in order from the camera.
+    /// The path vertices, in order from the sensor.
     pub vertices: Vec<Vertex>,
     /// The radiance from the environment, if the path left the scene, times its throughput.
     pub environment: Rgb,
@@ -29,8 +30,9 @@ pub struct Replay {
 pub struct Vertex {
     /// The point on the triangle.
     pub point: SurfacePoint,
-    /// The triangle's index.
-    pub triangle: u32,
+    /// The triangle's index; `None` for the point at which a path begins to measure irradiance
+    /// ([`PathStart::Irradiance`](crate::PathStart)), a white surface that is not part of the scene.
+    pub triangle: Option<u32>,
     /// The triangle's material.
     pub material: Material,
     /// The throughput up to the vertex and including it: the product of `f cos / pdf`, divided by the
@@ -52,12 +54,12 @@ pub struct Vertex {
 /// does not have.
 pub fn replay<A: Accel>(
     scene: &Scene<A>,
-    camera: &Camera,
+    sensor: &dyn Sensor,
     settings: &Settings,
     (x, y): (u32, u32),
     sample: u32,
 ) -> Result<Replay, RenderError> {
-    settings.validate()?;
+    let settings = &settings.for_sensor(sensor)?;
     let within = [
         ("x", x, settings.width, "[0, width)"),
         ("y", y, settings.height, "[0, height)"),
@@ -66,7 +68,7 @@ pub fn replay<A: Accel>(
     if let Some((name, value, _, range)) = within.into_iter().find(|(_, value, end, _)| value >= end) {
         return Err(RenderError::Param { name, value: value.into(), range });
     }
-    let context = RenderContext::new(scene, camera, settings);
+    let context = RenderContext::new(scene, sensor, settings);
     let one = sample..sample + 1;
     let block = block_around(x, y, settings.width, settings.height);
     let place = (y - block.y) * block.width + (x - block.x);
@@ -93,19 +95,30 @@ impl Wavefront {
         bounce: u32,
         replay: &mut Replay,
     ) -> bool {
-        let Some(i) = self.paths.iter().position(|path| path.target.sample() == sample) else { return false };
-        let (path, ray) = (self.paths[i], self.rays[i]);
+        let find = |paths: &[Path]| paths.iter().position(|path| path.target.sample() == sample);
+        let (on_ray, from_point) = (find(&self.paths), find(&self.from_points));
+        let Some(path) =
+            on_ray.map(|i| self.paths[i]).or(from_point.filter(|_| bounce == 0).map(|i| self.from_points[i]))
+        else {
+            return false;
+        };
+        let unit = from_point.map_or(1.0, |_| IRRADIANCE);
+        let ray = on_ray.map(|i| self.rays[i]);
         // Sums that begin at zero hold the radiance of this bounce alone.
         self.radiance.reset(self.radiance.samples.len(), self.radiance.suffixes.len());
         self.trace_rays(context);
-        let hit = self.hits[i];
+        let hit = on_ray.and_then(|i| self.hits[i]);
         self.shade(context, bounce, &mut Counters::default());
-        let throughput_before = self.prefixes.throughput_before(path.target);
+        let throughput_before = self.prefixes.throughput_before(path.target) * unit;
         let emitted = throughput_before * *self.radiance.at(path.target);
         replay.alone += emitted;
-        let Some(hit) = hit else {
-            replay.environment = emitted;
-            return true;
+        let at = match (ray.zip(hit), from_point) {
+            (Some((ray, hit)), _) => context.scene.interaction(&ray, &hit),
+            (None, Some(i)) if bounce == 0 => receiver(self.points[i]),
+            _ => {
+                replay.environment = emitted;
+                return true;
+            }
         };
         // Contributions by way of mirrors follow the direct ones.
         let direct_count = self.contributions.len();
@@ -115,16 +128,15 @@ impl Wavefront {
             let unoccluded = contributions.filter(|&i| !self.occluded[i]).map(|i| &self.contributions[i]);
             let own = unoccluded.filter(|contribution| contribution.target.sample() == sample);
             own.fold(Rgb::BLACK, |sum, contribution| {
-                sum + self.prefixes.throughput_before(contribution.target) * contribution.radiance
+                sum + self.prefixes.throughput_before(contribution.target) * unit * contribution.radiance
             })
         };
         let (direct, mirrored) = (sum(0..direct_count), sum(direct_count..self.contributions.len()));
         replay.alone += direct;
         replay.alone += mirrored;
-        let at = context.scene.interaction(&ray, &hit);
         replay.vertices.push(Vertex {
             point: at.point,
-            triangle: hit.triangle,
+            triangle: hit.map(|hit| hit.triangle),
             material: *at.material,
             throughput: throughput_before * path.throughput,
             emitted,
@@ -140,7 +152,8 @@ impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, vertex) in (1..).zip(&self.vertices) {
             let Vertex { point, triangle, material, throughput, emitted, direct, mirrored } = vertex;
-            writeln!(f, "{i}: {} on triangle {triangle}, {:?}", point.position, material.bsdf)?;
+            let on = triangle.map_or("no triangle".into(), |index| format!("triangle {index}"));
+            writeln!(f, "{i}: {} on {on}, {:?}", point.position, material.bsdf)?;
             writeln!(
                 f,
                 "   throughput {throughput}, emitted {emitted}, direct {direct}, mirrored {mirrored}"

@@ -46,14 +46,15 @@ pub(super) struct RadianceSums {
 }
 
 impl Path {
-    pub(super) fn from_camera(sample: u32, numbers: Numbers, eye: DVec3) -> Self {
+    /// The path of a sample before it has met anything.
+    pub(super) fn new(sample: u32, numbers: Numbers) -> Self {
         Self {
             target: Target::Sample(sample),
             stage: Stage::Prefix,
             numbers,
             throughput: Rgb::WHITE,
             prefix_throughput: Rgb::WHITE,
-            mis: MisContext::new(Density::Delta, eye),
+            mis: MisContext::new(Density::Delta, DVec3::ZERO),
         }
     }
 

@@ -1,12 +1,12 @@
 use crate::light::PlaneMirrors;
-use crate::{Camera, MirrorSampling, PathReuse, Scene, Settings};
+use crate::{MirrorSampling, PathReuse, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SimdLevel};
 
-/// What is rendered: a scene as a camera sees it, with settings.
+/// What is rendered: a scene as a sensor measures it, with settings.
 #[derive(Debug)]
 pub(crate) struct RenderContext<'a, A> {
     pub(crate) scene: &'a Scene<A>,
-    pub(crate) camera: &'a Camera,
+    pub(crate) sensor: &'a dyn Sensor,
     pub(crate) settings: &'a Settings,
     /// Whether next event estimation samples lights.
     pub(super) samples_lights: bool,
@@ -17,12 +17,12 @@ pub(crate) struct RenderContext<'a, A> {
 }
 
 impl<'a, A: Accel> RenderContext<'a, A> {
-    pub(crate) fn new(scene: &'a Scene<A>, camera: &'a Camera, settings: &'a Settings) -> Self {
+    pub(crate) fn new(scene: &'a Scene<A>, sensor: &'a dyn Sensor, settings: &'a Settings) -> Self {
         let samples_areas = settings.estimator.samples_area_lights();
         let samples_lights = samples_areas || scene.lights().delta_lights().next().is_some();
         let samples_mirrors = samples_areas && settings.mirror_sampling == MirrorSampling::Planes;
         let mirrors = samples_mirrors.then(|| scene.mirrors()).filter(|mirrors| !mirrors.is_empty());
-        Self { scene, camera, settings, samples_lights, mirrors, simd: SimdLevel::best() }
+        Self { scene, sensor, settings, samples_lights, mirrors, simd: SimdLevel::best() }
     }
 }
 

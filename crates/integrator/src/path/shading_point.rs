@@ -28,7 +28,8 @@ impl<'a> ShadingPoint<'a> {
 /// been taken: what the multiple importance sampling weight of emission depends on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MisContext {
-    /// A delta if no light sample could have found what the ray hits: after the camera and most mirrors.
+    /// A delta if no light sample could have found what the ray hits: after the camera and most mirrors. The rest is
+    /// then of no account.
     pub(super) density: Density,
     /// The point from which lights would have been sampled: the last diffuse vertex, or its image in the
     /// mirror that the path hit since.

@@ -11,27 +11,31 @@ pub(crate) struct Tile {
 pub(crate) const SIDE: u32 = 16;
 
 impl Tile {
-    /// All tiles of a picture, row by row.
-    pub(crate) fn all(width: u32, height: u32) -> impl Iterator<Item = Tile> {
-        Self::grid(width, height, SIDE)
+    /// The tiles that `window`, a rectangle of pixels, is divided into, row by row. In one that is narrower than
+    /// [`SIDE`], tiles are higher, for as many pixels.
+    pub(crate) fn all(window: Tile) -> impl Iterator<Item = Tile> {
+        let height = SIDE * (SIDE / window.width.clamp(1, SIDE));
+        let tiles = Self::grid([window.width, window.height], [SIDE, height]);
+        tiles.map(move |tile| Tile { x: window.x + tile.x, y: window.y + tile.y, ..tile })
     }
 
-    /// A picture in squares of this side, row by row; less of them at its right and bottom.
-    pub(crate) fn grid(width: u32, height: u32, side: u32) -> impl Iterator<Item = Tile> {
-        let starts = move |size: u32| (0..size.div_ceil(side)).map(move |i| i * side);
-        starts(height).flat_map(move |y| {
-            starts(width).map(move |x| Tile {
-                x,
-                y,
-                width: side.min(width - x),
-                height: side.min(height - y),
-            })
+    /// A picture of this size in rectangles of the size `of`, row by row; less of them at its right and bottom.
+    pub(crate) fn grid(size: [u32; 2], of: [u32; 2]) -> impl Iterator<Item = Tile> {
+        let starts = move |axis: usize| (0..size[axis].div_ceil(of[axis])).map(move |i| i * of[axis]);
+        let length = move |axis: usize, start: u32| of[axis].min(size[axis] - start);
+        starts(1).flat_map(move |y| {
+            starts(0).map(move |x| Tile { x, y, width: length(0, x), height: length(1, y) })
         })
     }
 
     /// The number of pixels.
     pub(crate) fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// The place of a pixel, which lies within, among all of them.
+    pub(crate) fn index(&self, x: u32, y: u32) -> usize {
+        (y - self.y) as usize * self.width as usize + (x - self.x) as usize
     }
 
     /// The tile's pixels, row by row.
@@ -47,12 +51,23 @@ mod tests {
 
     #[test]
     fn tiles_cover_every_pixel_once() {
-        for (width, height) in [(1, 1), (16, 16), (17, 33), (1, 40), (50, 1)] {
+        for (width, height) in [(1, 1), (16, 16), (17, 33), (1, 400), (7, 100), (50, 1)] {
             let mut seen = vec![0; (width * height) as usize];
-            for (x, y) in Tile::all(width, height).flat_map(|tile| tile.pixels()) {
-                seen[(y * width + x) as usize] += 1;
+            for rows in [0..16.min(height), 16.min(height)..height] {
+                let window = Tile { x: 0, y: rows.start, width, height: rows.len() as u32 };
+                for (x, y) in Tile::all(window).flat_map(|tile| tile.pixels()) {
+                    seen[(y * width + x) as usize] += 1;
+                }
             }
             assert!(seen.iter().all(|&n| n == 1), "{width} x {height}");
+        }
+    }
+
+    #[test]
+    fn tiles_have_no_more_pixels_than_a_square_and_not_many_less() {
+        for (width, height) in [(1, 256), (3, 80), (8, 32), (9, 16), (16, 16), (40, 16)] {
+            let tile = Tile::all(Tile { x: 4, y: 8, width, height: 1000 }).next().unwrap();
+            assert_eq!(tile, Tile { x: 4, y: 8, width: width.min(16), height });
         }
     }
 }

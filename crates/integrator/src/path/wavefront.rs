@@ -5,9 +5,12 @@ use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::tile_bounds::Tile;
+use crate::Interaction;
 use crate::sampler::{BounceNumbers, Numbers};
-use globillum_geom::{Accel, Hit, Ray, SimdLevel};
-use globillum_material::{Density, Rgb};
+use crate::{ElementSample, PathStart};
+use globillum_geom::{Accel, Hit, Ray, SimdLevel, SurfacePoint};
+use globillum_material::{Bsdf, Density, Emission, Material, Reflectance, Rgb};
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// All paths of some samples of a tile, advanced together one bounce at a time, so that the accelerator
@@ -18,6 +21,9 @@ pub(crate) struct Wavefront {
     pub(super) paths: Vec<Path>,
     /// The next ray of each path.
     pub(super) rays: Vec<Ray>,
+    /// The paths that begin at a point of irradiance, and these points. They join the others after the first bounce.
+    pub(super) from_points: Vec<Path>,
+    pub(super) points: Vec<SurfacePoint>,
     pub(super) hits: Vec<Option<Hit>>,
     /// Uniform numbers for the positions of the samples in their pixels.
     film_numbers: Vec<[f64; 2]>,
@@ -44,6 +50,13 @@ pub(super) struct Contribution {
     pub(super) radiance: Rgb,
 }
 
+/// The surface that a path begins at to measure irradiance. It sends out, in each direction, the irradiance over
+/// [`IRRADIANCE`].
+const WHITE: Material = Material { bsdf: Bsdf::Lambert(Reflectance::ONE), emission: Emission::NONE };
+
+/// Irradiance over the radiance of a white diffuse surface.
+pub(super) const IRRADIANCE: f64 = PI;
+
 /// How many paths' random numbers are computed at once.
 const NUMBERS_AT_ONCE: usize = 8;
 
@@ -69,6 +82,9 @@ impl Wavefront {
             }
         }
         self.prefixes.share_suffixes(context, &mut self.radiance, &mut counters);
+        for path in &self.from_points {
+            *self.radiance.at(path.target) *= IRRADIANCE;
+        }
         Some(counters)
     }
 
@@ -114,32 +130,57 @@ impl Wavefront {
         }
     }
 
-    /// Starts a path with a camera ray for each of these samples.
+    /// Starts the paths of these samples where the sensor says.
     pub(super) fn start<A>(&mut self, context: &RenderContext<'_, A>, tile: Tile, samples: &Range<u32>) {
-        let RenderContext { camera, settings, .. } = *context;
+        let settings = context.settings;
         self.paths.clear();
-        self.rays.clear();
-        let (width, height) = (f64::from(settings.width), f64::from(settings.height));
         let pass = settings.pass_of(samples.start);
         for (x, y) in tile.pixels() {
             let pixel = u64::from(y) * u64::from(settings.width) + u64::from(x);
             for sample in samples.clone() {
                 let numbers = settings.sampler.numbers(settings.seed, pixel, sample, &pass);
-                self.paths.push(Path::from_camera(self.paths.len() as u32, numbers, camera.eye()));
+                self.paths.push(Path::new(self.paths.len() as u32, numbers));
             }
         }
         draw_film_numbers(context.simd, &self.paths, &mut self.film_numbers);
-        let of_pixels = self.film_numbers.chunks_exact(samples.len());
-        for ((x, y), numbers) in tile.pixels().zip(of_pixels) {
-            for &u in numbers {
-                let [dx, dy] = settings.filter.place(u);
-                let film_x = 2.0 * (f64::from(x) + dx) / width - 1.0;
-                let film_y = 1.0 - 2.0 * (f64::from(y) + dy) / height;
-                self.rays.push(camera.ray(film_x, film_y, width / height));
-            }
-        }
         let suffixes = self.prefixes.start(context, tile, samples);
         self.radiance.reset(self.paths.len(), suffixes);
+        self.place(context, tile, samples.len());
+    }
+
+    /// Asks the sensor where the paths begin, `count` of each element. Keeps those that begin with a ray, in order, and
+    /// those that begin at a point by themselves.
+    fn place<A>(&mut self, context: &RenderContext<'_, A>, tile: Tile, count: usize) {
+        let RenderContext { sensor, settings, .. } = *context;
+        self.rays.clear();
+        self.from_points.clear();
+        self.points.clear();
+        let (width, height) = (f64::from(settings.width), f64::from(settings.height));
+        let elements = tile.pixels().zip(self.film_numbers.chunks_exact(count));
+        let samples = elements.flat_map(|(element, numbers)| numbers.iter().map(move |&u| (element, u)));
+        let mut kept = 0;
+        for (i, ((column, row), u)) in samples.enumerate() {
+            let [dx, dy] = settings.filter.place(u);
+            let x = 2.0 * (f64::from(column) + dx) / width - 1.0;
+            let y = 1.0 - 2.0 * (f64::from(row) + dy) / height;
+            let sample = ElementSample { column, row, x, y, aspect: width / height };
+            match sensor.start(&sample) {
+                PathStart::Ray(ray) if ray.is_traceable() => {
+                    self.paths[kept] = self.paths[i];
+                    self.rays.push(ray);
+                    kept += 1;
+                }
+                PathStart::Irradiance { position, normal } if (position + normal).is_finite() => {
+                    self.from_points.push(self.paths[i]);
+                    self.points.push(context.scene.triangles().given_point(position, normal));
+                }
+                PathStart::Ray(_) | PathStart::Irradiance { .. } => {
+                    *self.radiance.at(self.paths[i].target) = Rgb::splat(f64::NAN);
+                }
+                PathStart::Nowhere => {}
+            }
+        }
+        self.paths.truncate(kept);
     }
 
     /// Shades all hits: adds emission, samples lights, and scatters. Keeps the paths that go on, in order.
@@ -159,6 +200,9 @@ impl Wavefront {
             #[inline(always)]
             || self.shade_paths(context, bounce, counters),
         );
+        if bounce == 0 && !self.points.is_empty() {
+            self.shade_points(context, counters);
+        }
         self.prefixes.update_group_throughputs(bounce);
     }
 
@@ -196,29 +240,68 @@ impl Wavefront {
                     self.prefixes.begin_suffix(&mut path, &vertex);
                 }
             }
-            if let Some((shadow_ray, radiance)) = context.next_event(&path, &vertex) {
-                self.shadow_rays.push(shadow_ray);
-                self.contributions.push(Contribution { target: path.target, radiance });
-            }
-            if let Some((mirror_ray, sample)) = context.next_event_in_mirror(&path, &vertex) {
-                self.mirror_rays.push(mirror_ray);
-                self.mirror_samples.push((path.target, sample));
-            }
-            let Some(next) = path.scatter(context, &hit, &vertex) else { continue };
-            if path.stage == Stage::Prefix && context.may_end_prefix(bounce) && at.material.bsdf.is_diffuse()
-            {
-                self.prefixes.end(&mut path, &vertex);
-            }
-            if numbers.roulette.is_some_and(|u| !path.survives(context.settings.roulette, u)) {
-                counters.roulette_ends += 1;
-                continue;
-            }
+            let Some(next) = self.leave(context, &mut path, &vertex, Some(&hit), counters) else { continue };
             (self.paths[kept], self.rays[kept]) = (path, next);
             kept += 1;
         }
         self.paths.truncate(kept);
         self.rays.truncate(kept);
     }
+
+    /// Shades the points at which paths begin, and appends the paths that go on to the others. For one instruction
+    /// set: it is a small part of the work.
+    #[inline(never)]
+    fn shade_points<A: Accel>(&mut self, context: &RenderContext<'_, A>, counters: &mut Counters) {
+        if context.settings.max_bounces == Some(0) {
+            counters.limit_ends += self.points.len() as u64;
+            return;
+        }
+        let with_roulette = context.settings.roulette.start == 0;
+        draw_bounce_numbers(context.simd, &self.from_points, 0, with_roulette, &mut self.bounce_numbers);
+        for i in 0..self.points.len() {
+            let (mut path, point, numbers) = (self.from_points[i], self.points[i], self.bounce_numbers[i]);
+            let vertex = ShadingPoint::new(receiver(point), 0, numbers);
+            let Some(next) = self.leave(context, &mut path, &vertex, None, counters) else { continue };
+            self.paths.push(path);
+            self.rays.push(next);
+        }
+    }
+
+    /// Samples lights at a vertex, and scatters the path there. The next ray; `None` if the path ends. `hit` is where
+    /// it came in, unless it begins here.
+    #[inline(always)]
+    fn leave<A: Accel>(
+        &mut self,
+        context: &RenderContext<'_, A>,
+        path: &mut Path,
+        vertex: &ShadingPoint<'_>,
+        hit: Option<&Hit>,
+        counters: &mut Counters,
+    ) -> Option<Ray> {
+        if let Some((shadow_ray, radiance)) = context.next_event(path, vertex) {
+            self.shadow_rays.push(shadow_ray);
+            self.contributions.push(Contribution { target: path.target, radiance });
+        }
+        if let Some((mirror_ray, sample)) = context.next_event_in_mirror(path, vertex) {
+            self.mirror_rays.push(mirror_ray);
+            self.mirror_samples.push((path.target, sample));
+        }
+        let next = path.scatter(context, hit, vertex)?;
+        let is_diffuse = vertex.at.material.bsdf.is_diffuse();
+        if path.stage == Stage::Prefix && context.may_end_prefix(vertex.bounce) && is_diffuse {
+            self.prefixes.end(path, vertex);
+        }
+        if vertex.numbers.roulette.is_some_and(|u| !path.survives(context.settings.roulette, u)) {
+            counters.roulette_ends += 1;
+            return None;
+        }
+        Some(next)
+    }
+}
+
+/// The vertex at which a path begins to measure irradiance.
+pub(super) fn receiver(point: SurfacePoint) -> Interaction<'static> {
+    Interaction { point, material: &WHITE, wo: point.normal }
 }
 
 // These two depend on no type of accelerator, so that they are compiled once, here, and not with each program.
@@ -271,7 +354,7 @@ impl Path {
     pub(super) fn scatter<A>(
         &mut self,
         context: &RenderContext<'_, A>,
-        hit: &Hit,
+        hit: Option<&Hit>,
         vertex: &ShadingPoint<'_>,
     ) -> Option<Ray> {
         let ShadingPoint { at, frame, wo, numbers, .. } = vertex;
@@ -279,7 +362,7 @@ impl Path {
         self.throughput *= sample.weight;
         self.mis = match sample.density {
             Density::SolidAngle(_) => MisContext::new(sample.density, at.point.position),
-            Density::Delta => context.mis_after_mirror(self.mis, hit.triangle),
+            Density::Delta => context.mis_after_mirror(self.mis, hit?.triangle),
         };
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
@@ -314,7 +397,7 @@ mod tests {
         let scene = corner();
         let camera =
             Camera::look_at(DVec3::new(0.3, 0.8, 2.5), DVec3::new(0.0, 0.6, 0.0), DVec3::Y, 0.8).unwrap();
-        let tile = Tile::all(16, 16).next().unwrap();
+        let tile = Tile { x: 0, y: 0, width: 16, height: 16 };
         for (sampler, estimator) in [Sampler::Sobol, Sampler::Independent]
             .into_iter()
             .flat_map(|s| [Estimator::Bsdf, Estimator::Light, Estimator::Mis].map(|e| (s, e)))

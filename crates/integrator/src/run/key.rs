@@ -1,19 +1,27 @@
 use crate::hash::fold;
-use crate::{Camera, DeltaLight, Scene, Settings};
-use glam::DVec3;
+use crate::{DeltaLight, Scene, Sensor, Settings};
 use globillum_material::{Bsdf, Material, Rgb};
+use std::hash::Hasher;
+use std::ops::Range;
 
 /// The sources whose change may change a sample.
 const SOURCES: [&str; 3] =
     [globillum_geom::SOURCE_HASH, globillum_material::SOURCE_HASH, env!("GLOBILLUM_SOURCE_HASH")];
 
 /// [`Render::key`](crate::Render::key).
-pub(crate) fn picture_key<A>(scene: &Scene<A>, camera: &Camera, settings: &Settings) -> u64 {
+pub(crate) fn picture_key<A>(
+    scene: &Scene<A>,
+    sensor: &dyn Sensor,
+    settings: &Settings,
+    crop: Option<&[Range<u32>; 2]>,
+) -> u64 {
     let mut key = Key(0);
     SOURCES.iter().flat_map(|hash| hash.bytes()).for_each(|byte| key.add(byte.into()));
     key.add_scene(scene);
-    camera.vectors().into_iter().for_each(|v| key.add_vector(v));
+    sensor.hash(&mut key);
     key.add_settings(settings);
+    // Nothing is added for a whole picture.
+    crop.into_iter().flatten().flat_map(|range| [range.start, range.end]).for_each(|end| key.add(end.into()));
     key.0
 }
 
@@ -22,10 +30,6 @@ struct Key(u64);
 impl Key {
     fn add(&mut self, part: u64) {
         self.0 = fold(self.0, part);
-    }
-
-    fn add_vector(&mut self, v: DVec3) {
-        v.to_array().into_iter().for_each(|x| self.add(x.to_bits()));
     }
 
     fn add_rgb(&mut self, rgb: Rgb) {
@@ -73,5 +77,19 @@ impl Key {
         self.add(settings.roulette.threshold.to_bits());
         self.add(settings.seed);
         self.add(settings.max_bounces.map_or(u64::MAX, u64::from));
+    }
+}
+
+impl Hasher for Key {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.add(byte.into()));
+    }
+
+    fn write_u64(&mut self, part: u64) {
+        self.add(part);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
     }
 }

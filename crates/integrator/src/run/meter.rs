@@ -37,8 +37,8 @@ impl Meter {
         self.seconds_limit.is_some_and(|limit| self.seconds() + seconds > limit)
     }
 
-    pub(crate) fn add(&self, counters: &Counters) {
-        self.samples_done.fetch_add(counters.camera_rays, Relaxed);
+    pub(crate) fn add(&self, samples: u64, counters: &Counters) {
+        self.samples_done.fetch_add(samples, Relaxed);
         self.rays.fetch_add(counters.rays(), Relaxed);
     }
 

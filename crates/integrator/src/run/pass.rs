@@ -17,8 +17,8 @@ pub(crate) struct PassRenderer<'a, A, M> {
     pub(crate) context: RenderContext<'a, A>,
     pub(crate) monitor: &'a M,
     pub(crate) meter: &'a Meter,
-    /// The rows of the picture that are rendered.
-    pub(crate) rows: Range<u32>,
+    /// The pixels that are rendered: those of the film, in the sensor's grid.
+    pub(crate) window: Tile,
 }
 
 type TileResult = (Tile, Vec<Moments>, Counters);
@@ -26,11 +26,7 @@ type TileResult = (Tile, Vec<Moments>, Counters);
 impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
     /// Samples in `passes`, all pixels together.
     pub(crate) fn samples_of(&self, passes: Range<u32>) -> u64 {
-        self.context.settings.samples_of(passes).len() as u64 * self.pixel_count() as u64
-    }
-
-    fn pixel_count(&self) -> usize {
-        self.context.settings.width as usize * self.rows.len()
+        self.context.settings.samples_of(passes).len() as u64 * self.window.pixel_count() as u64
     }
 
     /// Renders one pass on all threads; `None` if `cancelled` before its end.
@@ -39,9 +35,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
         pass: u32,
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Option<(Block, Counters)>, RenderError> {
-        let settings = self.context.settings;
-        let tiles = Tile::all(settings.width, settings.height);
-        let tiles: Vec<Tile> = tiles.filter(|tile| self.rows.contains(&tile.y)).collect();
+        let tiles: Vec<Tile> = Tile::all(self.window).collect();
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
             .map_init(Wavefront::default, |wavefront, tile| {
@@ -85,7 +79,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
             }
             counters += counted;
         }
-        self.meter.add(&counters);
+        self.meter.add(pixels.len() as u64 * all.len() as u64, &counters);
         self.monitor.progress(self.meter.progress());
         Ok(Some((tile, pixels, counters)))
     }
@@ -94,12 +88,11 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
     fn block(&self, pass: u32, tiles: Vec<TileResult>) -> (Block, Counters) {
         let settings = self.context.settings;
         let samples = settings.samples_of(pass..pass + 1).len() as u64;
-        let width = settings.width as usize;
-        let mut pixels = vec![Moments::default(); self.pixel_count()];
+        let mut pixels = vec![Moments::default(); self.window.pixel_count()];
         let mut counters = Counters::default();
         for (tile, moments, counted) in tiles {
             for ((x, y), moments) in tile.pixels().zip(moments) {
-                pixels[(y - self.rows.start) as usize * width + x as usize] = moments;
+                pixels[self.window.index(x, y)] = moments;
             }
             counters += counted;
         }
@@ -112,7 +105,7 @@ impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
             }
         };
         let tally = Tally { samples, observations };
-        let tile_rows = self.rows.len().div_ceil(TILE_SIDE as usize);
+        let tile_rows = self.window.height.div_ceil(TILE_SIDE) as usize;
         (Block::of_pass(pass, tally, pixels, tile_rows), counters)
     }
 }

@@ -5,22 +5,22 @@ use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
 use crate::caught::caught;
-use crate::path::RenderContext;
-use crate::{Camera, CheckpointError, Film, Picture, RenderError, Scene, Settings};
+use crate::path::{RenderContext, Tile};
+use crate::{CheckpointError, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use std::ops::Range;
 
-/// Renders all samples of `scene` as seen by `camera`: [`Render`] without further conditions.
+/// Renders all samples of `scene` as measured by `sensor`, such as a [`Camera`](crate::Camera): [`Render`] without further conditions.
 ///
 /// # Errors
 /// Those of [`Render::run`].
 pub fn render<A: Accel>(
     scene: &Scene<A>,
-    camera: &Camera,
+    sensor: &dyn Sensor,
     settings: &Settings,
     monitor: &impl Monitor,
 ) -> Result<Picture, RenderError> {
-    Render::new(scene, camera, settings).run(monitor)
+    Render::new(scene, sensor, settings).run(monitor)
 }
 
 /// A render, with the conditions that stop it.
@@ -53,18 +53,20 @@ pub fn render<A: Accel>(
 #[derive(Debug)]
 pub struct Render<'a, A> {
     scene: &'a Scene<A>,
-    camera: &'a Camera,
+    sensor: &'a dyn Sensor,
     settings: &'a Settings,
     stop: Stop,
     passes: Option<Range<u32>>,
+    crop: Option<[Range<u32>; 2]>,
     rows: Option<Range<u32>>,
     before: Option<Picture>,
 }
 
 impl<'a, A: Accel> Render<'a, A> {
     /// A render of all samples of `settings`.
-    pub fn new(scene: &'a Scene<A>, camera: &'a Camera, settings: &'a Settings) -> Self {
-        Self { scene, camera, settings, stop: Stop::default(), passes: None, rows: None, before: None }
+    pub fn new(scene: &'a Scene<A>, sensor: &'a dyn Sensor, settings: &'a Settings) -> Self {
+        let stop = Stop::default();
+        Self { scene, sensor, settings, stop, passes: None, crop: None, rows: None, before: None }
     }
 
     /// Stops early by `stop`.
@@ -79,7 +81,33 @@ impl<'a, A: Accel> Render<'a, A> {
         Self { passes: Some(passes), ..self }
     }
 
-    /// Renders only these rows of the picture, of which row 0 is at the top; they begin at a multiple of
+    /// Renders only these columns and rows of the picture, as a smaller picture of its own, whose pixels have the
+    /// bits of the whole one's. Column and row 0 are at the upper left.
+    ///
+    /// Where [paths are reused](crate::PathReuse) in groups of pixels, columns and rows begin at a multiple of
+    /// [`PathReuse::block_side`](crate::PathReuse::block_side), and end at one or with the picture. Passes and strips of equal crops can be merged.
+    ///
+    /// ```
+    /// # use globillum_integrator::{Camera, Model, Render, Scene, Settings};
+    /// # use glam::{DVec3, Vec3};
+    /// # use globillum_geom::{KdOptions, KdTree, Triangle};
+    /// # use globillum_material::{Material, Rgb};
+    /// # let mut model = Model::default();
+    /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
+    /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
+    /// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+    /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+    /// let settings = Settings::new(640, 480, 16);
+    /// let crop = Render::new(&scene, &camera, &settings).crop(320..360, 240..300).run(&())?;
+    /// assert_eq!((crop.film.width(), crop.film.height()), (40, 60));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn crop(self, columns: Range<u32>, rows: Range<u32>) -> Self {
+        Self { crop: Some([columns, rows]), ..self }
+    }
+
+    /// Renders only these rows of the picture or of the [crop](Render::crop), of which row 0 is at the top; they begin at a multiple of
     /// [`Film::TILE_ROWS`], and end at one or with the picture. Their pixels have the bits of the whole picture,
     /// which [`Merge`](crate::Merge) puts together.
     #[must_use]
@@ -87,11 +115,11 @@ impl<'a, A: Accel> Render<'a, A> {
         Self { rows: Some(rows), ..self }
     }
 
-    /// A hash of all that determines the picture's bits: scene, camera, settings without the numbers of samples
+    /// A hash of all that determines the picture's bits: scene, sensor, crop, settings without the numbers of samples
     /// and threads, and the sources of the library. Parts of a picture have the same one, whatever their passes
     /// and rows; different pictures have equal ones with a probability of `2^-64`.
     pub fn key(&self) -> u64 {
-        picture_key(self.scene, self.camera, self.settings)
+        picture_key(self.scene, self.sensor, self.settings, self.crop.as_ref())
     }
 
     /// Continues `picture`: the passes that it holds are not rendered again.
@@ -103,29 +131,31 @@ impl<'a, A: Accel> Render<'a, A> {
     /// Renders. If `monitor` cancels, the current pass is dropped and the passes before it are returned.
     ///
     /// # Errors
-    /// [`RenderError::Param`] for settings, stop conditions, passes or rows out of range,
+    /// [`RenderError::Param`] for settings, stop conditions, passes, crop or rows out of range,
+    /// [`RenderError::SensorSize`] for settings of another size than the sensor's,
     /// [`RenderError::Checkpoint`] for a picture to resume that does not belong to this render,
     /// [`RenderError::Threads`] if no threads can be started, [`RenderError::NonFinite`] for a sample
     /// that is NaN or infinite. Panics are caught: [`RenderError::Worker`] for one in an accelerator,
     /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
     /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
     pub fn run(mut self, monitor: &impl Monitor) -> Result<Picture, RenderError> {
-        self.settings.validate()?;
+        let settings = self.settings.for_sensor(self.sensor)?;
         self.stop.validate()?;
         let passes = self.checked_passes()?;
-        let picture = self.start(self.checked_rows()?)?;
+        let crop = self.checked_crop(&settings)?;
+        let picture = self.start(crop, self.checked_rows(crop.height)?, &settings)?;
+        let rows = picture.film.rows();
+        let window = Tile { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(self.settings.threads)
             .build()
             .map_err(|error| RenderError::Threads(error.to_string()))?;
         let meter = Meter::new(self.stop.seconds);
         // The accelerator is asked for the mirrors' visibility.
-        let context = caught(|| RenderContext::new(self.scene, self.camera, self.settings))
+        let context = caught(|| RenderContext::new(self.scene, self.sensor, &settings))
             .map_err(|message| RenderError::Worker { x: 0, y: 0, message })?;
-        let pass_loop = PassLoop {
-            renderer: PassRenderer { context, monitor, meter: &meter, rows: picture.film.rows() },
-            stop: self.stop,
-        };
+        let pass_loop =
+            PassLoop { renderer: PassRenderer { context, monitor, meter: &meter, window }, stop: self.stop };
         threads.install(|| pass_loop.add_passes(picture, passes))
     }
 
@@ -140,8 +170,30 @@ impl<'a, A: Accel> Render<'a, A> {
         Ok(passes)
     }
 
-    fn checked_rows(&self) -> Result<Range<u32>, RenderError> {
-        let height = self.settings.height;
+    /// The pixels of the crop; the whole picture if there is none.
+    fn checked_crop(&self, settings: &Settings) -> Result<Tile, RenderError> {
+        let Settings { width, height, .. } = *settings;
+        let Some([columns, rows]) = &self.crop else { return Ok(Tile { x: 0, y: 0, width, height }) };
+        let step = settings.path_reuse_in_effect().block_side();
+        let range = match step {
+            1 => "the columns and rows of the picture, of which at least one must be asked for",
+            _ => "the multiples of 4 and the size, of which start and end are two",
+        };
+        for (name, asked, size) in
+            [("columns of the crop", columns, width), ("rows of the crop", rows, height)]
+        {
+            let is_end = |at: u32| at <= size && (at.is_multiple_of(step) || at == size);
+            if asked.is_empty() || !is_end(asked.start) || !is_end(asked.end) {
+                let value = if is_end(asked.start) { asked.end } else { asked.start };
+                return Err(RenderError::Param { name, value: value.into(), range });
+            }
+        }
+        let length = |range: &Range<u32>| range.end - range.start;
+        Ok(Tile { x: columns.start, y: rows.start, width: length(columns), height: length(rows) })
+    }
+
+    /// The rows to render, of a picture or crop of this height.
+    fn checked_rows(&self, height: u32) -> Result<Range<u32>, RenderError> {
         let Some(rows) = self.rows.clone() else { return Ok(0..height) };
         let is_end = |row: u32| row.is_multiple_of(Film::TILE_ROWS) || row == height;
         if rows.is_empty() || rows.end > height || !is_end(rows.start) || !is_end(rows.end) {
@@ -153,13 +205,12 @@ impl<'a, A: Accel> Render<'a, A> {
         Ok(rows)
     }
 
-    /// The picture of these rows to continue.
-    fn start(&mut self, rows: Range<u32>) -> Result<Picture, RenderError> {
+    /// The picture of these rows of `crop` to continue.
+    fn start(&mut self, crop: Tile, rows: Range<u32>, settings: &Settings) -> Result<Picture, RenderError> {
         let key = self.key();
         let Some(picture) = self.before.take() else {
-            let Settings { width, height, pass_samples, .. } = *self.settings;
-            let film = Film::new(width, rows, self.settings.path_reuse_in_effect());
-            return Ok(Picture::new(film, height, pass_samples, key));
+            let film = Film::new(crop.width, rows, settings.path_reuse_in_effect());
+            return Ok(Picture::new(film, crop.height, settings.pass_samples, key));
         };
         if picture.key != key {
             return Err(CheckpointError::OTHER_PICTURE.into());

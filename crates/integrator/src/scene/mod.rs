@@ -1,10 +1,8 @@
-//! The model, the scene built from it, and the camera.
+//! The model, and the scene built from it.
 
-mod camera;
 mod interaction;
 mod model;
 
-pub use camera::Camera;
 pub use interaction::Interaction;
 pub use model::{MaterialId, Model};
 

@@ -6,10 +6,11 @@ mod pixel_filter;
 pub use estimator::Estimator;
 pub use pixel_filter::PixelFilter;
 
-use crate::{LightSampling, RenderError, Sampler};
+use crate::path::REUSE_BLOCK_SIDE;
+use crate::{LightSampling, RenderError, Sampler, Sensor};
 use std::ops::Range;
 
-/// How a picture is rendered. With scene and camera it determines the picture's bits, except for
+/// How a picture is rendered. With scene and sensor it determines the picture's bits, except for
 /// `threads`.
 ///
 /// Made by [`Settings::new`] and then changed, since fields may be added:
@@ -90,6 +91,15 @@ impl PathReuse {
     /// A number that is the same in all versions.
     pub(crate) fn code(self) -> u32 {
         self as u32
+    }
+
+    /// Pixels along each side of the blocks within which paths are reused: a [crop](crate::Render::crop) begins at
+    /// multiples of it.
+    pub fn block_side(self) -> u32 {
+        match self {
+            Self::Off => 1,
+            Self::Fours => REUSE_BLOCK_SIDE,
+        }
     }
 
     /// The number of pixels of a pass with correlated errors. The variance of a sum over pixels is at most
@@ -196,6 +206,17 @@ impl Settings {
     /// The number of bounces that roulette cannot prevent.
     fn certain_bounces(&self) -> u32 {
         self.max_bounces.unwrap_or(self.roulette.start)
+    }
+
+    /// The settings, checked, as they are in effect for a render with `sensor`.
+    pub(crate) fn for_sensor(&self, sensor: &dyn Sensor) -> Result<Self, RenderError> {
+        self.validate()?;
+        let settings = [self.width, self.height];
+        if let Some(sensor) = sensor.size().filter(|&size| size != settings) {
+            return Err(RenderError::SensorSize { settings, sensor });
+        }
+        let path_reuse = if sensor.has_neighbours() { self.path_reuse } else { PathReuse::Off };
+        Ok(Self { path_reuse, ..*self })
     }
 
     /// Checks every setting against its range; [`render`](crate::render) does so too.
