@@ -22,7 +22,7 @@ fn every_type_is_send_sync_and_debug() {
     shared_between_threads::<integrator::Film>();
     shared_between_threads::<integrator::Model>();
     shared_between_threads::<integrator::Picture>();
-    shared_between_threads::<integrator::Render<'_, geom::KdTree>>();
+    shared_between_threads::<integrator::Render<'_>>();
     shared_between_threads::<integrator::RenderError>();
     shared_between_threads::<integrator::Replay>();
     shared_between_threads::<integrator::Scene<geom::KdTree>>();

@@ -154,7 +154,7 @@ fn bad_cameras_are_refused() {
 }
 
 /// The pixels of a picture, stitched together from crops with these ends of columns and rows.
-fn stitched(render: impl Fn() -> Render<'static, Box<dyn Accel>>, columns: &[u32], rows: &[u32]) -> Vec<Rgb> {
+fn stitched(render: impl Fn() -> Render<'static>, columns: &[u32], rows: &[u32]) -> Vec<Rgb> {
     let (width, height) = (columns[columns.len() - 1], rows[rows.len() - 1]);
     let mut pixels = vec![Rgb::BLACK; (width * height) as usize];
     for (x, y) in columns.windows(2).flat_map(|x| rows.windows(2).map(move |y| (x[0]..x[1], y[0]..y[1]))) {

@@ -1,7 +1,6 @@
 use crate::checkpoint::{self, SaveEvery};
 use crate::parse;
 use anyhow::{Result, ensure};
-use globillum::geom::Accel;
 use globillum::integrator::Render;
 use serde::{Serialize, Serializer};
 use std::ops::Range;
@@ -44,7 +43,7 @@ impl CheckpointFlags {
     }
 
     /// The same render, of the passes asked for, resumed from the checkpoint if it is there.
-    pub(crate) fn apply_to<'a, A: Accel>(&self, render: Render<'a, A>) -> Result<Render<'a, A>> {
+    pub(crate) fn apply_to<'a>(&self, render: Render<'a>) -> Result<Render<'a>> {
         let render = match &self.passes {
             Some(passes) => render.passes(passes.clone()),
             None => render,

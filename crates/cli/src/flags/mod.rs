@@ -133,12 +133,12 @@ impl RenderFlags {
     }
 
     /// The render that these flags ask for; a checkpoint to resume from is read.
-    pub(crate) fn render<'a, A: Accel>(
+    pub(crate) fn render<'a>(
         &self,
-        scene: &'a Scene<A>,
+        scene: &'a Scene<dyn Accel + 'a>,
         camera: &'a Camera,
         settings: &'a Settings,
-    ) -> Result<Render<'a, A>> {
+    ) -> Result<Render<'a>> {
         let render = Render::new(scene, camera, settings).until(self.stop());
         self.checkpoints.apply_to(render)
     }

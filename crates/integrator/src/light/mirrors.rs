@@ -48,7 +48,7 @@ impl PlaneMirrors {
 
     /// Groups the triangles for which `is_mirror` holds by planes; none if there are no area lights. Traces up to
     /// 128 segments for each plane.
-    pub(crate) fn of<A: Accel>(
+    pub(crate) fn of<A: Accel + ?Sized>(
         triangles: &Triangles,
         is_mirror: impl Fn(u32) -> bool,
         lights: &Lights,
@@ -166,7 +166,12 @@ fn coplanar_mirrors(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool) -> V
 /// Whether lights are visible from the back of the plane, and from its front: whether one of 128 segments
 /// between random points of mirror and lights is unoccluded. This excludes the inside of closed mirrors. A
 /// side that sees a light nevertheless is left to scattering.
-fn lit<A: Accel>(group: &CoplanarMirrors, triangles: &Triangles, lights: &Lights, accel: &A) -> [bool; 2] {
+fn lit<A: Accel + ?Sized>(
+    group: &CoplanarMirrors,
+    triangles: &Triangles,
+    lights: &Lights,
+    accel: &A,
+) -> [bool; 2] {
     let mut lit = [false; 2];
     for (i, &member) in (0..128).zip(group.members.iter().cycle()) {
         let numbers = Stream::new(0, group.members[0].into(), i);

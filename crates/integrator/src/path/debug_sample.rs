@@ -52,8 +52,8 @@ pub struct Vertex {
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture
 /// does not have.
-pub fn replay<A: Accel>(
-    scene: &Scene<A>,
+pub fn replay(
+    scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,
     settings: &Settings,
     (x, y): (u32, u32),
@@ -88,13 +88,7 @@ pub fn replay<A: Accel>(
 impl Wavefront {
     /// Advances all paths by one bounce and adds that of `sample` to `replay`, in the order in which
     /// [`Wavefront::trace`] adds; `false` if its path has ended.
-    fn step<A: Accel>(
-        &mut self,
-        context: &RenderContext<'_, A>,
-        sample: u32,
-        bounce: u32,
-        replay: &mut Replay,
-    ) -> bool {
+    fn step(&mut self, context: &RenderContext<'_>, sample: u32, bounce: u32, replay: &mut Replay) -> bool {
         let find = |paths: &[Path]| paths.iter().position(|path| path.target.sample() == sample);
         let (on_ray, from_point) = (find(&self.paths), find(&self.from_points));
         let Some(path) =

@@ -19,7 +19,7 @@ pub(super) struct MirrorSample {
     pub(super) radiance: Rgb,
 }
 
-impl<A> RenderContext<'_, A> {
+impl RenderContext<'_> {
     /// The radiance that the surface emits along the path, times its multiple importance sampling weight.
     #[inline(always)]
     pub(super) fn emitted(&self, path: &Path, hit: &Hit, at: &Interaction<'_>) -> Rgb {

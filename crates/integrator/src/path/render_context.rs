@@ -4,8 +4,8 @@ use globillum_geom::{Accel, SimdLevel};
 
 /// What is rendered: a scene as a sensor measures it, with settings.
 #[derive(Debug)]
-pub(crate) struct RenderContext<'a, A> {
-    pub(crate) scene: &'a Scene<A>,
+pub(crate) struct RenderContext<'a> {
+    pub(crate) scene: &'a Scene<dyn Accel + 'a>,
     pub(crate) sensor: &'a dyn Sensor,
     pub(crate) settings: &'a Settings,
     /// Whether next event estimation samples lights.
@@ -16,8 +16,12 @@ pub(crate) struct RenderContext<'a, A> {
     pub(super) simd: SimdLevel,
 }
 
-impl<'a, A: Accel> RenderContext<'a, A> {
-    pub(crate) fn new(scene: &'a Scene<A>, sensor: &'a dyn Sensor, settings: &'a Settings) -> Self {
+impl<'a> RenderContext<'a> {
+    pub(crate) fn new(
+        scene: &'a Scene<dyn Accel + 'a>,
+        sensor: &'a dyn Sensor,
+        settings: &'a Settings,
+    ) -> Self {
         let samples_areas = settings.estimator.samples_area_lights();
         let samples_lights = samples_areas || scene.lights().delta_lights().next().is_some();
         let samples_mirrors = samples_areas && settings.mirror_sampling == MirrorSampling::Planes;
@@ -26,7 +30,7 @@ impl<'a, A: Accel> RenderContext<'a, A> {
     }
 }
 
-impl<A> RenderContext<'_, A> {
+impl RenderContext<'_> {
     /// Whether pixels reuse the paths of their neighbours.
     pub(super) fn reuses_paths(&self) -> bool {
         self.settings.path_reuse_in_effect() == PathReuse::Fours

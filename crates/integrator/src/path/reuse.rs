@@ -11,7 +11,7 @@ use super::render_context::RenderContext;
 use super::shading_point::ShadingPoint;
 use super::tile_bounds::Tile;
 use glam::DVec3;
-use globillum_geom::{Accel, Ray, SurfacePoint};
+use globillum_geom::{Ray, SurfacePoint};
 use globillum_material::Rgb;
 use std::ops::Range;
 
@@ -66,12 +66,7 @@ pub(super) struct Prefixes {
 
 impl Prefixes {
     /// Prepares for these samples; returns how many suffixes there may be.
-    pub(super) fn start<A>(
-        &mut self,
-        context: &RenderContext<'_, A>,
-        tile: Tile,
-        samples: &Range<u32>,
-    ) -> usize {
+    pub(super) fn start(&mut self, context: &RenderContext<'_>, tile: Tile, samples: &Range<u32>) -> usize {
         self.all.clear();
         self.groups.clear();
         if context.reuses_paths() {
@@ -135,9 +130,9 @@ impl Prefixes {
     }
 
     /// Adds the radiance of all suffixes to that of the samples whose prefixes can be continued by them.
-    pub(super) fn share_suffixes<A: Accel>(
+    pub(super) fn share_suffixes(
         &mut self,
-        context: &RenderContext<'_, A>,
+        context: &RenderContext<'_>,
         radiance: &mut RadianceSums,
         counters: &mut Counters,
     ) {

@@ -8,7 +8,7 @@ use super::tile_bounds::Tile;
 use crate::Interaction;
 use crate::sampler::{BounceNumbers, Numbers};
 use crate::{ElementSample, PathStart};
-use globillum_geom::{Accel, Hit, Ray, SimdLevel, SurfacePoint};
+use globillum_geom::{Hit, Ray, SimdLevel, SurfacePoint};
 use globillum_material::{Bsdf, Density, Emission, Material, Reflectance, Rgb};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -62,9 +62,9 @@ const NUMBERS_AT_ONCE: usize = 8;
 
 impl Wavefront {
     /// Traces `samples` of each pixel of the tile; `None` if `cancelled` before the last bounce.
-    pub(crate) fn trace<A: Accel>(
+    pub(crate) fn trace(
         &mut self,
-        context: &RenderContext<'_, A>,
+        context: &RenderContext<'_>,
         tile: Tile,
         samples: &Range<u32>,
         cancelled: impl Fn() -> bool,
@@ -94,7 +94,7 @@ impl Wavefront {
     }
 
     /// Advances all paths by one bounce.
-    fn advance<A: Accel>(&mut self, context: &RenderContext<'_, A>, bounce: u32, counters: &mut Counters) {
+    fn advance(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         self.trace_rays(context);
         self.shade(context, bounce, counters);
         self.trace_mirror_rays(context);
@@ -103,12 +103,12 @@ impl Wavefront {
         counters.bounce_rays += self.rays.len() as u64;
     }
 
-    pub(super) fn trace_rays<A: Accel>(&mut self, context: &RenderContext<'_, A>) {
+    pub(super) fn trace_rays(&mut self, context: &RenderContext<'_>) {
         context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
     }
 
     /// Turns each mirror sample whose ray hits its mirror into a contribution.
-    pub(super) fn trace_mirror_rays<A: Accel>(&mut self, context: &RenderContext<'_, A>) {
+    pub(super) fn trace_mirror_rays(&mut self, context: &RenderContext<'_>) {
         if self.mirror_samples.is_empty() {
             return;
         }
@@ -121,7 +121,7 @@ impl Wavefront {
     }
 
     /// Adds the contributions that are not occluded.
-    pub(super) fn trace_shadow_rays<A: Accel>(&mut self, context: &RenderContext<'_, A>) {
+    pub(super) fn trace_shadow_rays(&mut self, context: &RenderContext<'_>) {
         context.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
         for (contribution, &occluded) in self.contributions.iter().zip(&self.occluded) {
             if !occluded {
@@ -131,7 +131,7 @@ impl Wavefront {
     }
 
     /// Starts the paths of these samples where the sensor says.
-    pub(super) fn start<A>(&mut self, context: &RenderContext<'_, A>, tile: Tile, samples: &Range<u32>) {
+    pub(super) fn start(&mut self, context: &RenderContext<'_>, tile: Tile, samples: &Range<u32>) {
         let settings = context.settings;
         self.paths.clear();
         let pass = settings.pass_of(samples.start);
@@ -150,7 +150,7 @@ impl Wavefront {
 
     /// Asks the sensor where the paths begin, `count` of each element. Keeps those that begin with a ray, in order, and
     /// those that begin at a point by themselves.
-    fn place<A>(&mut self, context: &RenderContext<'_, A>, tile: Tile, count: usize) {
+    fn place(&mut self, context: &RenderContext<'_>, tile: Tile, count: usize) {
         let RenderContext { sensor, settings, .. } = *context;
         self.rays.clear();
         self.from_points.clear();
@@ -184,12 +184,7 @@ impl Wavefront {
     }
 
     /// Shades all hits: adds emission, samples lights, and scatters. Keeps the paths that go on, in order.
-    pub(super) fn shade<A: Accel>(
-        &mut self,
-        context: &RenderContext<'_, A>,
-        bounce: u32,
-        counters: &mut Counters,
-    ) {
+    pub(super) fn shade(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         let with_roulette = bounce >= context.settings.roulette.start;
         draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
         self.contributions.clear();
@@ -209,12 +204,7 @@ impl Wavefront {
     /// Functions called here for most paths are inlined, so that they are compiled for the same
     /// instruction set.
     #[inline(always)]
-    fn shade_paths<A: Accel>(
-        &mut self,
-        context: &RenderContext<'_, A>,
-        bounce: u32,
-        counters: &mut Counters,
-    ) {
+    fn shade_paths(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
@@ -251,7 +241,7 @@ impl Wavefront {
     /// Shades the points at which paths begin, and appends the paths that go on to the others. For one instruction
     /// set: it is a small part of the work.
     #[inline(never)]
-    fn shade_points<A: Accel>(&mut self, context: &RenderContext<'_, A>, counters: &mut Counters) {
+    fn shade_points(&mut self, context: &RenderContext<'_>, counters: &mut Counters) {
         if context.settings.max_bounces == Some(0) {
             counters.limit_ends += self.points.len() as u64;
             return;
@@ -270,9 +260,9 @@ impl Wavefront {
     /// Samples lights at a vertex, and scatters the path there. The next ray; `None` if the path ends. `hit` is where
     /// it came in, unless it begins here.
     #[inline(always)]
-    fn leave<A: Accel>(
+    fn leave(
         &mut self,
-        context: &RenderContext<'_, A>,
+        context: &RenderContext<'_>,
         path: &mut Path,
         vertex: &ShadingPoint<'_>,
         hit: Option<&Hit>,
@@ -303,8 +293,6 @@ impl Wavefront {
 pub(super) fn receiver(point: SurfacePoint) -> Interaction<'static> {
     Interaction { point, material: &WHITE, wo: point.normal }
 }
-
-// These two depend on no type of accelerator, so that they are compiled once, here, and not with each program.
 
 fn draw_film_numbers(simd: SimdLevel, paths: &[Path], drawn: &mut Vec<[f64; 2]>) {
     draw_numbers(simd, paths, drawn, Numbers::films);
@@ -351,9 +339,9 @@ fn draw_numbers<T: Copy>(
 impl Path {
     /// Samples the next ray; `None` if nothing is reflected.
     #[inline(always)]
-    pub(super) fn scatter<A>(
+    pub(super) fn scatter(
         &mut self,
-        context: &RenderContext<'_, A>,
+        context: &RenderContext<'_>,
         hit: Option<&Hit>,
         vertex: &ShadingPoint<'_>,
     ) -> Option<Ray> {

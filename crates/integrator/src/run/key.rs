@@ -1,5 +1,6 @@
 use crate::hash::fold;
 use crate::{DeltaLight, Scene, Sensor, Settings};
+use globillum_geom::Accel;
 use globillum_material::{Bsdf, Material, Rgb};
 use std::hash::Hasher;
 use std::ops::Range;
@@ -9,8 +10,8 @@ const SOURCES: [&str; 3] =
     [globillum_geom::SOURCE_HASH, globillum_material::SOURCE_HASH, env!("GLOBILLUM_SOURCE_HASH")];
 
 /// [`Render::key`](crate::Render::key).
-pub(crate) fn picture_key<A>(
-    scene: &Scene<A>,
+pub(crate) fn picture_key(
+    scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,
     settings: &Settings,
     crop: Option<&[Range<u32>; 2]>,
@@ -36,7 +37,7 @@ impl Key {
         rgb.to_array().into_iter().for_each(|x| self.add(x.to_bits()));
     }
 
-    fn add_scene<A>(&mut self, scene: &Scene<A>) {
+    fn add_scene(&mut self, scene: &Scene<dyn Accel + '_>) {
         let triangles = scene.triangles();
         self.add(triangles.len() as u64);
         for index in 0..triangles.len() as u32 {

@@ -4,7 +4,6 @@ use crate::caught::caught;
 use crate::film::{Block, Moments, Tally};
 use crate::path::{RenderContext, TILE_SIDE, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
-use globillum_geom::Accel;
 use globillum_material::Rgb;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -13,9 +12,9 @@ use std::ops::Range;
 const WAVEFRONT_SAMPLES: u32 = 4;
 
 /// Renders single passes.
-pub(crate) struct PassRenderer<'a, A, M> {
-    pub(crate) context: RenderContext<'a, A>,
-    pub(crate) monitor: &'a M,
+pub(crate) struct PassRenderer<'a> {
+    pub(crate) context: RenderContext<'a>,
+    pub(crate) monitor: &'a dyn Monitor,
     pub(crate) meter: &'a Meter,
     /// The pixels that are rendered: those of the film, in the sensor's grid.
     pub(crate) window: Tile,
@@ -23,7 +22,7 @@ pub(crate) struct PassRenderer<'a, A, M> {
 
 type TileResult = (Tile, Vec<Moments>, Counters);
 
-impl<A: Accel, M: Monitor> PassRenderer<'_, A, M> {
+impl PassRenderer<'_> {
     /// Samples in `passes`, all pixels together.
     pub(crate) fn samples_of(&self, passes: Range<u32>) -> u64 {
         self.context.settings.samples_of(passes).len() as u64 * self.window.pixel_count() as u64

@@ -1,18 +1,16 @@
-use super::monitor::Monitor;
 use super::pass::PassRenderer;
 use super::stop::Stop;
 use crate::caught::caught;
 use crate::{Ending, Picture, RenderError};
-use globillum_geom::Accel;
 use std::ops::{ControlFlow, Range};
 
 /// Renders pass after pass until a stop condition holds.
-pub(crate) struct PassLoop<'a, A, M> {
-    pub(crate) renderer: PassRenderer<'a, A, M>,
+pub(crate) struct PassLoop<'a> {
+    pub(crate) renderer: PassRenderer<'a>,
     pub(crate) stop: Stop,
 }
 
-impl<A: Accel, M: Monitor> PassLoop<'_, A, M> {
+impl PassLoop<'_> {
     /// Adds `passes` to `picture` until a stop condition holds.
     pub(crate) fn add_passes(
         &self,

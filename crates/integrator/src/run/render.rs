@@ -10,15 +10,16 @@ use crate::{CheckpointError, Film, Picture, RenderError, Scene, Sensor, Settings
 use globillum_geom::Accel;
 use std::ops::Range;
 
-/// Renders all samples of `scene` as measured by `sensor`, such as a [`Camera`](crate::Camera): [`Render`] without further conditions.
+/// Renders all samples of `scene` as measured by `sensor`, such as a [`Camera`](crate::Camera): [`Render`] without
+/// further conditions.
 ///
 /// # Errors
 /// Those of [`Render::run`].
-pub fn render<A: Accel>(
-    scene: &Scene<A>,
+pub fn render(
+    scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,
     settings: &Settings,
-    monitor: &impl Monitor,
+    monitor: &dyn Monitor,
 ) -> Result<Picture, RenderError> {
     Render::new(scene, sensor, settings).run(monitor)
 }
@@ -51,8 +52,8 @@ pub fn render<A: Accel>(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Render<'a, A> {
-    scene: &'a Scene<A>,
+pub struct Render<'a> {
+    scene: &'a Scene<dyn Accel + 'a>,
     sensor: &'a dyn Sensor,
     settings: &'a Settings,
     stop: Stop,
@@ -62,9 +63,9 @@ pub struct Render<'a, A> {
     before: Option<Picture>,
 }
 
-impl<'a, A: Accel> Render<'a, A> {
-    /// A render of all samples of `settings`.
-    pub fn new(scene: &'a Scene<A>, sensor: &'a dyn Sensor, settings: &'a Settings) -> Self {
+impl<'a> Render<'a> {
+    /// A render of all samples of `settings`, of a scene with any accelerator.
+    pub fn new(scene: &'a Scene<dyn Accel + 'a>, sensor: &'a dyn Sensor, settings: &'a Settings) -> Self {
         let stop = Stop::default();
         Self { scene, sensor, settings, stop, passes: None, crop: None, rows: None, before: None }
     }
@@ -138,7 +139,7 @@ impl<'a, A: Accel> Render<'a, A> {
     /// that is NaN or infinite. Panics are caught: [`RenderError::Worker`] for one in an accelerator,
     /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
     /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
-    pub fn run(mut self, monitor: &impl Monitor) -> Result<Picture, RenderError> {
+    pub fn run(mut self, monitor: &dyn Monitor) -> Result<Picture, RenderError> {
         let settings = self.settings.for_sensor(self.sensor)?;
         self.stop.validate()?;
         let passes = self.checked_passes()?;

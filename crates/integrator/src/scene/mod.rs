@@ -14,18 +14,20 @@ use globillum_material::{Bsdf, Emission, Material, Rgb, Sides};
 use std::sync::OnceLock;
 
 /// A scene ready for rendering: triangles with materials, an accelerator over them, and lights.
+///
+/// A reference to it is one to a `Scene<dyn Accel>` too: rendering is compiled once, and not for each accelerator.
 #[derive(Debug)]
-pub struct Scene<A> {
-    accel: A,
+pub struct Scene<A: ?Sized> {
     triangles: Triangles,
     material_ids: Vec<u32>,
     materials: Vec<Material>,
     lights: Lights,
     mirrors: OnceLock<PlaneMirrors>,
     environment: Rgb,
+    accel: A,
 }
 
-impl<A> Scene<A> {
+impl<A: ?Sized> Scene<A> {
     /// The material of triangle `index`.
     pub(crate) fn material(&self, index: u32) -> &Material {
         &self.materials[self.material_ids[index as usize] as usize]
@@ -67,13 +69,13 @@ impl<A: Accel> Scene<A> {
         let lights = Lights::of(&triangles, emission, &delta_lights);
         let accel = build(&triangles)?;
         Ok(Self {
-            accel,
             triangles,
             material_ids,
             materials,
             lights,
             mirrors: OnceLock::new(),
             environment: Rgb::BLACK,
+            accel,
         })
     }
 
@@ -86,7 +88,9 @@ impl<A: Accel> Scene<A> {
         Emission::new(radiance, Sides::Both)?;
         Ok(Self { environment: radiance, ..self })
     }
+}
 
+impl<A: Accel + ?Sized> Scene<A> {
     /// The plane mirrors in which area lights are sampled.
     ///
     /// The first call finds them. Where there are lights and plane mirrors, it asks the accelerator whether up
