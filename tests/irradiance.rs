@@ -4,7 +4,7 @@
 use glam::{DQuat, DVec3, Vec3};
 use globillum::geom::Accel;
 use globillum::integrator::{
-    DeltaLight, Ending, Estimator, IrradiancePoints, Model, Picture, PointError, Reading, Render,
+    DeltaLight, Ending, Estimator, IrradiancePoints, Model, PathReuse, Picture, PointError, Reading, Render,
     RenderError, Sampler, Scene, Settings, Stop, Stream, render,
 };
 use globillum::material::{Material, Rgb};
@@ -83,7 +83,7 @@ fn lights_above_a_floor_have_the_irradiance_of_the_closed_form() {
                 continue;
             }
             let samples = match estimator {
-                Estimator::Bsdf if span[0] == 0.0 => 40_000,
+                Estimator::Bsdf if span[0] == 0.0 => 100_000,
                 Estimator::Bsdf => 10_240,
                 Estimator::Light => 1536,
                 _ => 2048,
@@ -258,6 +258,9 @@ fn bits_depend_on_no_accelerator_thread_pass_or_part() {
         }
     }
     let scene = first_structure(&model);
+    assert_eq!(settings.path_reuse, PathReuse::Fours, "it is asked for, and has no effect on points");
+    let film = render(&scene, &points, &settings, &()).expect("all is good").film;
+    assert_eq!(film.path_reuse(), PathReuse::Off);
     let render = || Render::new(&scene, &points, &settings);
     let part = |passes| render().passes(passes).run(&()).expect("all is good").to_bytes();
     let mut merged = Picture::from_bytes(&part(1..3)).expect("its bytes are good");

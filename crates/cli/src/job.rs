@@ -1,3 +1,4 @@
+use crate::accel::AccelKind;
 use crate::checkpoint::Checkpoint;
 use crate::console;
 use crate::flags::RenderFlags;
@@ -5,10 +6,10 @@ use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::summary::{Summary, Timing};
-use crate::view::{CameraBy, View};
+use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
-use globillum::integrator::{Camera, Ending, Model, Picture, Scene};
+use globillum::integrator::{Ending, Model, Picture, Scene};
 use globillum::material::Rgb;
 use std::time::Instant;
 
@@ -28,10 +29,9 @@ impl Subject {
         self,
         flags: &RenderFlags,
         interrupt: &Interrupt,
-    ) -> Result<(String, BuiltScene, (Camera, CameraBy))> {
+    ) -> Result<(String, BuiltScene, (AnyCamera, CameraBy))> {
         let Self { name, model, view, environment } = self;
-        let scene = Scene::build(model, |triangles| flags.speed.accel.build(triangles))?
-            .with_environment(environment)?;
+        let scene = build(model, environment, flags.speed.accel)?;
         interrupt.check()?;
         let camera = view
             .camera(&scene, flags.picture.aspect())
@@ -42,6 +42,11 @@ impl Subject {
 
 /// A scene with any accelerator.
 pub(crate) type BuiltScene = Scene<Box<dyn Accel>>;
+
+/// Builds a scene.
+pub(crate) fn build(model: Model, environment: Rgb, accel: AccelKind) -> Result<BuiltScene> {
+    Ok(Scene::build(model, |triangles| accel.build(triangles))?.with_environment(environment)?)
+}
 
 /// A picture to be rendered: its flags are checked, its files open.
 pub(crate) struct Job {
@@ -58,10 +63,7 @@ impl Job {
         let flags = flags.resolved(default_out)?;
         let interrupt = Interrupt::catch()?;
         let outputs = Outputs::open(&flags.output, flags.report.stats.as_deref())?;
-        let checkpoints = &flags.checkpoints;
-        let checkpoint = checkpoints.checkpoint.as_deref();
-        let checkpoint =
-            checkpoint.map(|path| Checkpoint::new(path, checkpoints.save_every())).transpose()?;
+        let checkpoint = flags.checkpoints.open()?;
         Ok(Self { flags, outputs, checkpoint, interrupt })
     }
 
@@ -72,7 +74,7 @@ impl Job {
         let (name, scene, camera) = subject.build(&flags, &interrupt)?;
         let build_seconds = start.elapsed().as_secs_f64();
         let settings = flags.settings();
-        let render = flags.render(&scene, &camera.0, &settings)?;
+        let render = flags.render(&scene, camera.0.sensor(), &settings)?;
         let monitor = RenderMonitor::new(checkpoint, &interrupt);
         let start = Instant::now();
         let picture = render.run(&monitor)?;
@@ -85,21 +87,18 @@ impl Job {
         let timing = Timing { build_seconds, render_seconds, traced };
         let summary = Summary::new(&name, &flags, &settings, &scene, camera, &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
-        let written = outputs.write(
-            (picture.film.width(), picture.film.height()),
-            || picture.film.means(),
-            || summary.to_json(),
-        )?;
+        let shown = flags.picture.shown(settings.path_reuse);
+        let written = outputs.write(shown.size(), || shown.means(&picture.film), || summary.to_json())?;
         console::print_table(&summary.to_table(&written), data_on_stdout)?;
-        report_interrupt(&picture, &interrupt)
+        report_interrupt(&picture, &interrupt, "pixel")
     }
 }
 
-/// Fails if a signal ended the render, and says what was kept.
-fn report_interrupt(picture: &Picture, interrupt: &Interrupt) -> Result<()> {
+/// Fails if a signal ended the render, and says how many samples `of` each element were kept.
+pub(crate) fn report_interrupt(picture: &Picture, interrupt: &Interrupt, of: &str) -> Result<()> {
     match picture.ending {
         Ending::Cancelled => {
-            let kept = format!("complete passes are kept, {} samples per pixel", picture.samples);
+            let kept = format!("complete passes are kept, {} samples per {of}", picture.samples);
             Err(interrupt.error(kept).into())
         }
         _ => Ok(()),

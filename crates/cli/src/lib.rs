@@ -19,6 +19,7 @@ mod merging;
 mod monitor;
 mod output;
 mod parse;
+mod points;
 mod progress;
 mod report;
 mod summary;

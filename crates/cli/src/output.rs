@@ -15,7 +15,7 @@ const STDOUT: &str = "-";
 #[derive(Debug)]
 pub(crate) struct Outputs {
     pictures: Vec<Target<PictureFile>>,
-    stats: Option<Target<AtomicFile>>,
+    stats: Option<TextOutput>,
     exposure: f64,
 }
 
@@ -38,14 +38,14 @@ impl Outputs {
         let picture = |path: &Path| Ok(PictureFile::create(path)?.exposed(exposure));
         Ok(Self {
             pictures: names().map(|path| Target::open(path, picture)).collect::<Result<_>>()?,
-            stats: stats.map(|path| Target::open(path, |path| Ok(AtomicFile::create(path)?))).transpose()?,
+            stats: stats.map(TextOutput::open).transpose()?,
             exposure,
         })
     }
 
     /// Whether standard output takes a file.
     pub(crate) fn fill_stdout(&self) -> bool {
-        let stats = self.stats.as_ref().is_some_and(Target::is_stdout);
+        let stats = self.stats.as_ref().is_some_and(TextOutput::is_stdout);
         stats || self.pictures.iter().any(Target::is_stdout)
     }
 
@@ -74,15 +74,32 @@ impl Outputs {
                 }
             }
         }
-        match self.stats {
-            None => {}
-            Some(Target::StandardOutput) => console::print(stats()?.as_bytes())?,
-            Some(Target::File(_, file)) => {
-                let json = stats()?;
-                file.commit(|writer| writer.write_all(json.as_bytes()))?;
-            }
+        if let Some(file) = self.stats {
+            file.write(&stats()?)?;
         }
         Ok(written)
+    }
+}
+
+/// A file of text, or standard output.
+#[derive(Debug)]
+pub(crate) struct TextOutput(Target<AtomicFile>);
+
+impl TextOutput {
+    /// Opens the file; nothing is written yet.
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        Target::open(path, |path| Ok(AtomicFile::create(path)?)).map(Self)
+    }
+
+    pub(crate) fn is_stdout(&self) -> bool {
+        self.0.is_stdout()
+    }
+
+    pub(crate) fn write(self, text: &str) -> Result<()> {
+        match self.0 {
+            Target::StandardOutput => console::print(text.as_bytes()),
+            Target::File(_, file) => Ok(file.commit(|writer| writer.write_all(text.as_bytes()))?),
+        }
     }
 }
 

@@ -1,13 +1,13 @@
 //! What came of a render, as a table for people and as JSON for programs.
 
-use crate::flags::RenderFlags;
+use crate::flags::{MeasureFlags, RenderFlags};
 use crate::monitor::Traced;
-use crate::view::{CameraBy, format_camera, format_vector};
+use crate::view::{AnyCamera, CameraBy, CameraType, format_camera, format_vector};
 use anyhow::Result;
 use globillum::geom::{Accel, SimdLevel};
 use globillum::glam::DVec3;
 use globillum::integrator::{
-    Camera, CheckpointHeader, CheckpointStrip, Ending, Film, ImageError, Picture, Scene, Settings,
+    CheckpointHeader, CheckpointStrip, Ending, Film, ImageError, Picture, Scene, Settings,
 };
 use serde::Serialize;
 use std::fmt::{self, Display};
@@ -33,6 +33,7 @@ pub(crate) struct Summary<'a> {
     environment: [f64; 3],
     bounds: [[f32; 3]; 2],
     camera: String,
+    camera_type: CameraType,
     camera_by: CameraBy,
     accelerator_bytes: usize,
     build_seconds: f64,
@@ -68,7 +69,7 @@ impl<'a> Summary<'a> {
         flags: &'a RenderFlags,
         settings: &Settings,
         scene: &Scene<A>,
-        (camera, camera_by): (Camera, CameraBy),
+        (camera, camera_by): (AnyCamera, CameraBy),
         picture: &Picture,
         timing: Timing,
     ) -> Self {
@@ -78,7 +79,7 @@ impl<'a> Summary<'a> {
         let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            arguments: std::env::args_os().skip(1).map(|word| word.to_string_lossy().into()).collect(),
+            arguments: arguments(),
             scene: name,
             simd: format!("{:?}", SimdLevel::best()).to_lowercase(),
             flags,
@@ -91,6 +92,7 @@ impl<'a> Summary<'a> {
             environment: scene.environment().to_array(),
             bounds: [bounds.min, bounds.max].map(|corner| corner.to_array()),
             camera: format_camera(&camera, middle),
+            camera_type: camera.camera_type(),
             camera_by,
             accelerator_bytes: scene.accel().bytes(),
             build_seconds,
@@ -192,6 +194,100 @@ impl Display for PictureError {
             None => writeln!(f),
         }
     }
+}
+
+/// Figures of a measurement at points.
+#[derive(Debug, Serialize)]
+pub(crate) struct PointsSummary<'a> {
+    version: &'static str,
+    arguments: Vec<String>,
+    scene: &'a str,
+    simd: String,
+    #[serde(flatten)]
+    flags: &'a MeasureFlags,
+    triangles: usize,
+    lights: usize,
+    delta_lights: usize,
+    environment: [f64; 3],
+    build_seconds: f64,
+    render_seconds: f64,
+    points: u32,
+    samples_per_point: u32,
+    bounce_rays: u64,
+    shadow_rays: u64,
+    limit_ends: u64,
+    rays_per_second: f64,
+    irradiance_mean: [f64; 3],
+    #[serde(flatten)]
+    error: PictureError,
+    ended_by: &'static str,
+}
+
+/// Gathers the figures of a measurement; counts are those of the whole picture, rates those of this run.
+pub(crate) fn of_points<'a, A: Accel>(
+    name: &'a str,
+    flags: &'a MeasureFlags,
+    scene: &Scene<A>,
+    picture: &Picture,
+    timing: Timing,
+) -> PointsSummary<'a> {
+    let Timing { build_seconds, render_seconds, traced } = timing;
+    PointsSummary {
+        version: env!("CARGO_PKG_VERSION"),
+        arguments: arguments(),
+        scene: name,
+        simd: format!("{:?}", SimdLevel::best()).to_lowercase(),
+        flags,
+        triangles: scene.triangles().len(),
+        lights: scene.lights().triangles().count(),
+        delta_lights: scene.lights().delta_lights().count(),
+        environment: scene.environment().to_array(),
+        build_seconds,
+        render_seconds,
+        points: picture.film.height(),
+        samples_per_point: picture.samples,
+        bounce_rays: picture.counters.bounce_rays,
+        shadow_rays: picture.counters.shadow_rays,
+        limit_ends: picture.counters.limit_ends,
+        rays_per_second: traced.rays as f64 / render_seconds,
+        irradiance_mean: picture.film.image_mean().to_array(),
+        error: picture.film.error().into(),
+        ended_by: reason(picture.ending),
+    }
+}
+
+impl PointsSummary<'_> {
+    /// The figures as JSON.
+    pub(crate) fn to_json(&self) -> Result<String> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+}
+
+impl Display for PointsSummary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "triangles     {} ({} emit)", self.triangles, self.lights)?;
+        if self.delta_lights > 0 {
+            writeln!(f, "delta lights  {}", self.delta_lights)?;
+        }
+        writeln!(f, "points        {}, {} samples each", self.points, self.samples_per_point)?;
+        let [bounce, shadow] = [self.bounce_rays, self.shadow_rays].map(|count| count as f64 / 1e6);
+        writeln!(f, "rays          {bounce:.2} million bounce, {shadow:.2} shadow")?;
+        let (seconds, rays) = (self.render_seconds, self.rays_per_second / 1e6);
+        writeln!(f, "measured in   {seconds:.2} s: {rays:.2} million rays a second")?;
+        if self.limit_ends > 0 {
+            let paths = self.limit_ends;
+            writeln!(f, "bounce limit  ended {paths} paths: radiance of more bounces is missing")?;
+        }
+        let [r, g, b] = self.irradiance_mean;
+        writeln!(f, "mean          ({r:.6}, {g:.6}, {b:.6})")?;
+        writeln!(f, "ended by      {}", self.ended_by)?;
+        self.error.fmt(f)
+    }
+}
+
+/// The arguments of the program.
+fn arguments() -> Vec<String> {
+    std::env::args_os().skip(1).map(|word| word.to_string_lossy().into()).collect()
 }
 
 /// Samples, passes and error of a merged picture, as lines of the table; rows only if they differ.

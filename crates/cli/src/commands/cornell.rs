@@ -2,7 +2,7 @@ use crate::exit::CODES;
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
-use crate::view::{CameraBy, View};
+use crate::view::{CameraType, Up, View};
 use crate::{load, parse};
 use anyhow::{Result, ensure};
 use globillum::geom::Triangle;
@@ -89,7 +89,7 @@ impl Options {
     pub(crate) fn subject(&self, interrupt: &Interrupt) -> Result<Subject> {
         let (model, camera) = self.scene(interrupt)?;
         let name = format!("cornell {}", self.scene);
-        let view = View::Fixed(camera, CameraBy::Scene);
+        let view = View::Own(camera, CameraType::Pinhole, Up::Y);
         Ok(Subject { name, model, view, environment: Rgb::BLACK })
     }
 

@@ -1,6 +1,7 @@
 //! The program's commands.
 
 mod cornell;
+mod irradiance;
 mod merge;
 mod picture;
 mod plan;
@@ -25,6 +26,7 @@ const EXAMPLES: &str = "\
 Examples:
   globillum cornell                              the Cornell box, to cornell.png
   globillum render SCENE.glb --error 0.01        a scene file, to 1 % error, to render.png
+  globillum irradiance SCENE.glb --points P.csv  irradiance at points, to irradiance.csv
   globillum merge a.part b.part --out all.png    one picture of two parts
   globillum plan room.json -- render ROOM.glb    tasks for a farm
   globillum help render                          all about one command";
@@ -42,6 +44,7 @@ struct Cli {
 enum Command {
     Render(render::Options),
     Cornell(cornell::Options),
+    Irradiance(irradiance::Options),
     Merge(merge::Options),
     Plan(plan::Options),
     Task(task::Options),
@@ -58,6 +61,7 @@ pub fn run() -> ExitCode {
     report_and_exit(Cli::try_parse(), |cli| match &cli.command {
         Command::Render(options) => render::run(options),
         Command::Cornell(options) => cornell::run(options),
+        Command::Irradiance(options) => irradiance::run(options),
         Command::Merge(options) => merge::run(options),
         Command::Plan(options) => plan::run(options),
         Command::Task(options) => task::run(options),

@@ -3,9 +3,10 @@ use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
 use crate::job::{BuiltScene, Subject};
 use crate::usage;
+use crate::view::AnyCamera;
 use anyhow::{Result, anyhow};
 use clap::Parser;
-use globillum::integrator::{Camera, Settings};
+use globillum::integrator::Settings;
 
 /// A picture as the command line says it that renders it.
 #[derive(Debug, Parser)]
@@ -18,7 +19,7 @@ pub(crate) enum Picture {
 /// A picture that can be rendered.
 pub(crate) struct Staged {
     pub(crate) scene: BuiltScene,
-    pub(crate) camera: Camera,
+    pub(crate) camera: AnyCamera,
     pub(crate) settings: Settings,
 }
 

@@ -65,7 +65,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     picture.flags().check_for_farm()?;
     let file = AtomicFile::create(job)?;
     let Staged { scene, camera, settings } = picture.stage(&interrupt)?;
-    let key = Render::new(&scene, &camera, &settings).key();
+    let key = Render::new(&scene, camera.sensor(), &settings).key();
     let (passes, samples) = match options.error.zip(options.pilot.as_ref()) {
         Some((error, pilot)) => {
             let passes = passes_after(pilot, error, key, picture.flags())?;

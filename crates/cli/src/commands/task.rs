@@ -62,7 +62,8 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let picture = Picture::parse(&plan.picture).with_context(|| job.display().to_string())?;
     let Staged { scene, camera, mut settings } = picture.stage(&interrupt)?;
     (settings.samples, settings.threads) = (plan.samples, options.threads()?.unwrap_or(settings.threads));
-    let render = Render::new(&scene, &camera, &settings).rows(task.rows.clone()).passes(task.passes.clone());
+    let render =
+        Render::new(&scene, camera.sensor(), &settings).rows(task.rows.clone()).passes(task.passes.clone());
     let name = job.display();
     ensure!(render.key() == plan.key(), "{name}: was planned by another build or for another scene");
     let folder = parts_folder(job);

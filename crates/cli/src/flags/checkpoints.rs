@@ -1,6 +1,6 @@
-use crate::checkpoint::{self, SaveEvery};
+use crate::checkpoint::{self, Checkpoint, SaveEvery};
 use crate::parse;
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use globillum::integrator::Render;
 use serde::{Serialize, Serializer};
 use std::ops::Range;
@@ -37,8 +37,22 @@ impl CheckpointFlags {
         self.checkpoint.is_some() || self.passes.is_some()
     }
 
+    /// Refuses passes that are not among these, of `samples`.
+    pub(super) fn check(&self, passes: u32, samples: u32) -> Result<()> {
+        let beyond = self.passes.as_ref().filter(|asked| asked.end > passes);
+        beyond.map_or(Ok(()), |Range { start, end }| {
+            bail!("--passes {start}..{end}: --spp {samples} has only passes 0..{passes}")
+        })
+    }
+
+    /// The checkpoint, if one is to be saved; it is known to be writable from now on.
+    pub(crate) fn open(&self) -> Result<Option<Checkpoint>> {
+        let path = self.checkpoint.as_deref();
+        path.map(|path| Checkpoint::new(path, self.save_every())).transpose()
+    }
+
     /// When checkpoints are saved.
-    pub(crate) fn save_every(&self) -> SaveEvery {
+    fn save_every(&self) -> SaveEvery {
         self.save_every.map_or(SaveEvery::Hundredth, SaveEvery::Seconds)
     }
 

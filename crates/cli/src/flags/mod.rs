@@ -2,20 +2,25 @@
 //! names: that is how `--stats` records them.
 
 mod checkpoints;
+mod crop;
 mod kinds;
+mod measure;
 mod output;
 mod picture;
 mod sampling;
+mod scene;
 mod speed;
 mod stop;
 
 pub(crate) use checkpoints::CheckpointFlags;
+pub(crate) use measure::MeasureFlags;
 pub(crate) use output::PictureOutput;
+pub(crate) use scene::{LoadedScene, SceneFlags};
 
 use crate::load::Warnings;
 use anyhow::{Result, ensure};
 use globillum::geom::Accel;
-use globillum::integrator::{Camera, Render, Scene, Settings, Stop};
+use globillum::integrator::{Render, Scene, Sensor, Settings, Stop};
 use output::ReportFlags;
 use picture::PictureFlags;
 use sampling::SamplingFlags;
@@ -49,9 +54,6 @@ pub(crate) struct RenderFlags {
     pub(crate) speed: SpeedFlags,
 }
 
-/// Samples of a pixel if no flag says anything else.
-const SAMPLES: u32 = 64;
-
 impl RenderFlags {
     /// The same flags with what they leave open decided: samples, threads and pictures' files.
     pub(crate) fn resolved(&self, default_out: &str) -> Result<Self> {
@@ -67,12 +69,7 @@ impl RenderFlags {
 
     /// Samples of a pixel at which the render ends; `None` if only the error or the time ends it.
     fn limit(&self) -> Option<u32> {
-        let asked = self.sampling.spp;
-        asked.or_else(|| match &self.checkpoints.passes {
-            Some(passes) => Some(passes.end.saturating_mul(self.sampling.pass_spp)),
-            None if self.stop.is_given() => None,
-            None => Some(SAMPLES),
-        })
+        self.sampling.limit(&self.stop, &self.checkpoints)
     }
 
     /// Checks flags against each other.
@@ -84,12 +81,11 @@ impl RenderFlags {
             "--width {width} --height {height}: must be at most {} pixels together",
             Settings::MAX_PIXELS
         );
-        let passes = self.settings().passes();
-        if let Some(asked) = self.checkpoints.passes.as_ref().filter(|asked| asked.end > passes) {
-            let (start, end, spp) = (asked.start, asked.end, self.settings().samples);
-            anyhow::bail!("--passes {start}..{end}: --spp {spp} has only passes 0..{passes}");
+        if let Some(crop) = self.picture.crop.filter(|crop| !crop.is_within(width, height)) {
+            anyhow::bail!("--crop {crop}: must lie within the picture of {width} x {height} pixels");
         }
-        Ok(())
+        let passes = self.settings().passes();
+        self.checkpoints.check(passes, self.settings().samples)
     }
 
     /// Samples of a pixel, if a flag says how many.
@@ -99,8 +95,9 @@ impl RenderFlags {
 
     /// Refuses flags that have no meaning for a part of a picture that a farm renders.
     pub(crate) fn check_for_farm(&self) -> Result<()> {
-        let Self { stop, checkpoints, output, report, .. } = self;
+        let Self { picture, stop, checkpoints, output, report, .. } = self;
         let given = [
+            ("--crop", picture.crop.is_some()),
             ("--error and --seconds", stop.is_given()),
             ("--checkpoint and --passes", checkpoints.is_given()),
             ("--out", !output.out.is_empty()),
@@ -124,7 +121,7 @@ impl RenderFlags {
 
     /// Which warnings about scene files are shown.
     pub(crate) fn warnings(&self) -> Warnings {
-        if self.report.verbose { Warnings::All } else { Warnings::FirstOfEachKind }
+        self.report.warnings()
     }
 
     /// What may end the render before all samples are taken.
@@ -136,10 +133,14 @@ impl RenderFlags {
     pub(crate) fn render<'a>(
         &self,
         scene: &'a Scene<dyn Accel + 'a>,
-        camera: &'a Camera,
+        sensor: &'a dyn Sensor,
         settings: &'a Settings,
     ) -> Result<Render<'a>> {
-        let render = Render::new(scene, camera, settings).until(self.stop());
+        let render = Render::new(scene, sensor, settings).until(self.stop());
+        let render = match self.picture.rendered(settings.path_reuse) {
+            Some([columns, rows]) => render.crop(columns, rows),
+            None => render,
+        };
         self.checkpoints.apply_to(render)
     }
 }

@@ -1,3 +1,4 @@
+use crate::load::Warnings;
 use crate::parse;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -31,4 +32,11 @@ pub(crate) struct ReportFlags {
     /// List every warning about a scene file, not the first of each kind
     #[arg(long)]
     pub(crate) verbose: bool,
+}
+
+impl ReportFlags {
+    /// Which warnings about scene files are shown.
+    pub(crate) fn warnings(&self) -> Warnings {
+        if self.verbose { Warnings::All } else { Warnings::FirstOfEachKind }
+    }
 }

@@ -1,6 +1,9 @@
+use super::crop::{Crop, Shown};
 use super::kinds::FilterKind;
 use crate::parse;
+use globillum::integrator::PathReuse;
 use serde::Serialize;
+use std::ops::Range;
 
 #[derive(clap::Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Picture")]
@@ -16,9 +19,26 @@ pub(crate) struct PictureFlags {
     /// Pixel filter: how radiance around a pixel's centre is weighted
     #[arg(long, value_enum, default_value_t = FilterKind::Box)]
     pub(crate) filter: FilterKind,
+    /// Render only the pixels of this rectangle; X and Y count from the upper left corner
+    ///
+    /// Its pixels have the bits of the whole picture. With path reuse, which shares paths within squares of 4 x 4
+    /// pixels, squares are rendered as a whole: the figures and a checkpoint are of all of them.
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = Crop::parse, allow_negative_numbers = true)]
+    pub(crate) crop: Option<Crop>,
 }
 
 impl PictureFlags {
+    /// The columns and rows to render; `None` if all.
+    pub(super) fn rendered(&self, path_reuse: PathReuse) -> Option<[Range<u32>; 2]> {
+        self.crop.map(|crop| crop.rendered(self.width, self.height, path_reuse))
+    }
+
+    /// The pixels that are shown, of a film of those that are [rendered](PictureFlags::rendered).
+    pub(crate) fn shown(&self, path_reuse: PathReuse) -> Shown {
+        let origin = self.rendered(path_reuse).map_or([0; 2], |ranges| ranges.map(|range| range.start));
+        Shown { crop: self.crop.unwrap_or(Crop::whole(self.width, self.height)), origin }
+    }
+
     /// Width over height of the picture.
     pub(crate) fn aspect(&self) -> f64 {
         f64::from(self.width) / f64::from(self.height)

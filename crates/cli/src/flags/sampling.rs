@@ -1,4 +1,6 @@
+use super::checkpoints::CheckpointFlags;
 use super::kinds::{EstimatorKind, LightSamplingKind, MirrorSamplingKind, PathReuseKind, SamplerKind};
+use super::stop::StopFlags;
 use crate::parse;
 use globillum::integrator::Settings;
 use serde::Serialize;
@@ -6,10 +8,11 @@ use serde::Serialize;
 #[derive(clap::Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Sampling")]
 pub(crate) struct SamplingFlags {
-    /// Samples per pixel [default: 64, or no limit with --error or --seconds]
+    /// Samples per pixel, or per point [default: 64, or no limit with --error or --seconds]
     ///
     /// The render ends at this number even if --error or --seconds would let it go on.
-    #[arg(long, value_name = "N", value_parser = parse::integer(1..=u32::MAX), allow_negative_numbers = true)]
+    #[arg(long, visible_alias = "samples", value_name = "N", value_parser = parse::integer(1..=u32::MAX))]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) spp: Option<u32>,
     /// Samples per pixel in one pass, a power of two
     ///
@@ -46,7 +49,19 @@ pub(crate) struct SamplingFlags {
     max_bounces: Option<u32>,
 }
 
+/// Samples of a pixel if no flag says anything else.
+const SAMPLES: u32 = 64;
+
 impl SamplingFlags {
+    /// Samples of a pixel at which the render ends; `None` if only the error or the time ends it.
+    pub(super) fn limit(&self, stop: &StopFlags, checkpoints: &CheckpointFlags) -> Option<u32> {
+        self.spp.or_else(|| match &checkpoints.passes {
+            Some(passes) => Some(passes.end.saturating_mul(self.pass_spp)),
+            None if stop.is_given() => None,
+            None => Some(SAMPLES),
+        })
+    }
+
     /// Changes what these flags decide, but for the number of samples.
     pub(crate) fn apply_to(&self, settings: &mut Settings) {
         settings.pass_samples = self.pass_spp;

@@ -1,7 +1,8 @@
+use super::any_camera::{AnyCamera, CameraType};
 use super::axes::Up;
 use super::outside::FIELD_OF_VIEW;
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, RenderError};
+use globillum::integrator::{Camera, OrthographicCamera, RenderError, SphericalCamera};
 use globillum::material::Rgb;
 
 /// Parses a camera from `from/to`, `from/to/up` or `from/to/up/degrees`, with three coordinates each and the
@@ -11,33 +12,95 @@ use globillum::material::Rgb;
 /// # Errors
 /// What is wrong with it, in a few words.
 pub fn parse_camera(text: &str, up: Up) -> Result<Camera, String> {
-    let parts: Vec<_> = text.split('/').collect();
-    let (from, to, own_up, degrees) = match parts[..] {
-        [from, to] => (from, to, None, None),
-        [from, to, up] => (from, to, Some(up), None),
-        [from, to, up, degrees] => (from, to, Some(up), Some(degrees)),
-        _ => return Err("must have two to four parts: from/to/up/degrees".into()),
-    };
-    let vector = |text| parse_numbers(text).map(DVec3::from_array);
-    let up = own_up.map_or(Ok(up.axes().y_axis), vector)?;
-    let [degrees] = degrees.map_or(Ok([FIELD_OF_VIEW]), parse_numbers)?;
-    let camera = Camera::look_at(vector(from)?, vector(to)?, up, degrees.to_radians());
-    camera.map_err(|error| match error {
-        RenderError::Camera(reason) => reason.into(),
-        RenderError::Param { .. } => "the field of view must be above 0 and below 180 degrees".into(),
-        other => other.to_string(),
-    })
+    let Place { eye, target, up, size } = Place::parse(text, up, "degrees")?;
+    let degrees = size.unwrap_or(FIELD_OF_VIEW);
+    let range = "the field of view must be above 0 and below 180 degrees";
+    Camera::look_at(eye, target, up, degrees.to_radians()).map_err(|error| reason(error, range))
 }
 
-/// The camera in the notation of [`parse_camera`], to six digits, with a target as far away as `near`.
-pub(crate) fn format_camera(camera: &Camera, near: DVec3) -> String {
-    let ray = camera.ray(0.0, 0.0, 1.0);
-    let up = camera.ray(0.0, 1.0, 1.0).direction - ray.direction;
-    let distance = near.distance(ray.origin);
-    let target = ray.at(distance / ray.direction.length());
-    let [from, to] = [ray.origin, target].map(|point| format_vector(point, distance));
-    let degrees = 2.0 * up.length().atan().to_degrees();
-    format!("{from}/{to}/{}/{}", format_vector(up.normalize(), 1.0), short(degrees))
+/// Parses a camera of any type. The fourth part of an orthographic one is its height in units of length; by default
+/// it shows as much where it looks as a pinhole camera. A spherical one has no fourth part.
+pub(crate) fn parse_any_camera(text: &str, up: Up, camera_type: CameraType) -> Result<AnyCamera, String> {
+    match camera_type {
+        CameraType::Pinhole => parse_camera(text, up).map(AnyCamera::Pinhole),
+        CameraType::Orthographic => {
+            let Place { eye, target, up, size } = Place::parse(text, up, "height")?;
+            let at_target = || 2.0 * eye.distance(target) * (0.5 * FIELD_OF_VIEW.to_radians()).tan();
+            let camera = OrthographicCamera::look_at(eye, target, up, size.unwrap_or_else(at_target));
+            let camera = camera.map_err(|error| reason(error, "the height must be a number above 0"))?;
+            Ok(AnyCamera::Orthographic(camera))
+        }
+        CameraType::Spherical => {
+            let Place { eye, target, up, size } = Place::parse(text, up, "up")?;
+            if size.is_some() {
+                return Err("must have two or three parts: from/to/up".into());
+            }
+            let camera = SphericalCamera::look_at(eye, target, up).map_err(|error| reason(error, ""))?;
+            Ok(AnyCamera::Spherical(camera))
+        }
+    }
+}
+
+/// What is wrong with a camera, one of whose numbers has this `range`.
+fn reason(error: RenderError, range: &str) -> String {
+    match error {
+        RenderError::Camera(reason) => reason.into(),
+        RenderError::Param { .. } => range.into(),
+        other => other.to_string(),
+    }
+}
+
+/// The parts of a camera on the command line.
+struct Place {
+    eye: DVec3,
+    target: DVec3,
+    up: DVec3,
+    /// The fourth part.
+    size: Option<f64>,
+}
+
+impl Place {
+    /// Parses the parts, of which the fourth is called `last`.
+    fn parse(text: &str, up: Up, last: &str) -> Result<Self, String> {
+        let parts: Vec<_> = text.split('/').collect();
+        let (from, to, own_up, size) = match parts[..] {
+            [from, to] => (from, to, None, None),
+            [from, to, up] => (from, to, Some(up), None),
+            [from, to, up, size] => (from, to, Some(up), Some(size)),
+            _ => return Err(format!("must have two to four parts: from/to/up/{last}")),
+        };
+        let vector = |text| parse_numbers(text).map(DVec3::from_array);
+        let up = own_up.map_or(Ok(up.axes().y_axis), vector)?;
+        let size = size.map(parse_numbers).transpose()?.map(|[size]| size);
+        Ok(Self { eye: vector(from)?, target: vector(to)?, up, size })
+    }
+}
+
+/// The camera in the notation of [`parse_any_camera`], to six digits, with a target as far away as `near`.
+pub(crate) fn format_camera(camera: &AnyCamera, near: DVec3) -> String {
+    // Rays through the middle and the upper edge.
+    let (middle, above) = match camera {
+        AnyCamera::Pinhole(camera) => (camera.ray(0.0, 0.0, 1.0), camera.ray(0.0, 1.0, 1.0)),
+        AnyCamera::Orthographic(camera) => (camera.ray(0.0, 0.0, 1.0), camera.ray(0.0, 1.0, 1.0)),
+        AnyCamera::Spherical(camera) => (camera.ray(0.0, 0.0), camera.ray(0.0, 1.0)),
+    };
+    let (up, size) = match camera {
+        AnyCamera::Pinhole(_) => {
+            let up = above.direction - middle.direction;
+            (up, Some(2.0 * up.length().atan().to_degrees()))
+        }
+        AnyCamera::Orthographic(_) => {
+            let up = above.origin - middle.origin;
+            (up, Some(2.0 * up.length()))
+        }
+        AnyCamera::Spherical(_) => (above.direction, None),
+    };
+    // From the very middle of a scene any target is as good.
+    let distance = Some(near.distance(middle.origin)).filter(|&distance| distance > 0.0).unwrap_or(1.0);
+    let target = middle.at(distance / middle.direction.length());
+    let [from, to] = [middle.origin, target].map(|point| format_vector(point, distance));
+    let size = size.map(|size| format!("/{}", short(size))).unwrap_or_default();
+    format!("{from}/{to}/{}{size}", format_vector(up.normalize(), 1.0))
 }
 
 /// Coordinates to six digits each; 0 for those that are rounding errors in things of this size.
@@ -76,7 +139,7 @@ mod tests {
     #[test]
     fn a_camera_is_formatted_as_it_is_parsed() {
         for text in ["1,2.5,-3/1,2.5,4/0,1,0/40", "0.25,100,7/0.25,50,7/0,0,1/90", "0,0,5/0,0,0/1,0,0/12.5"] {
-            let camera = parse_camera(text, Up::Y).expect("it is well-formed");
+            let camera = AnyCamera::Pinhole(parse_camera(text, Up::Y).expect("it is well-formed"));
             let to: Vec<f64> =
                 text.split('/').nth(1).expect("a target").split(',').flat_map(str::parse).collect();
             assert_eq!(format_camera(&camera, DVec3::from_slice(&to)), text);
@@ -84,8 +147,28 @@ mod tests {
     }
 
     #[test]
+    fn cameras_of_other_types_are_formatted_as_they_are_parsed() {
+        for (camera_type, text) in [
+            (CameraType::Orthographic, "1,2.5,-3/1,2.5,4/0,1,0/12.5"),
+            (CameraType::Spherical, "0.25,100,7/0.25,100,-50/0,1,0"),
+        ] {
+            let camera = parse_any_camera(text, Up::Y, camera_type).expect("it is well-formed");
+            let to: Vec<f64> =
+                text.split('/').nth(1).expect("a target").split(',').flat_map(str::parse).collect();
+            assert_eq!(format_camera(&camera, DVec3::from_slice(&to)), text);
+        }
+        let parse = |text, camera_type| parse_any_camera(text, Up::Y, camera_type).expect_err("it is bad");
+        assert!(parse("0,0,1/0,0,0/0,1,0/40", CameraType::Spherical).contains("two or three parts"));
+        assert!(parse("0,0,1/0,0,0/0,1,0/0", CameraType::Orthographic).contains("height"));
+        let high =
+            parse_any_camera("0,0,5/0,0,0", Up::Y, CameraType::Orthographic).expect("it is well-formed");
+        assert_eq!(format_camera(&high, DVec3::ZERO), "0,0,5/0,0,0/0,1,0/3.6397");
+    }
+
+    #[test]
     fn rounding_errors_are_not_shown() {
-        let camera = parse_camera("1e-12,3,5/0,1e-12,0", Up::Y).expect("it is well-formed");
+        let camera =
+            parse_any_camera("1e-12,3,5/0,1e-12,0", Up::Y, CameraType::Pinhole).expect("it is well-formed");
         assert_eq!(format_camera(&camera, DVec3::ZERO), "0,3,5/0,0,0/0,0.857493,-0.514496/40");
     }
 

@@ -117,7 +117,7 @@ fn brightness<A: Accel>(scene: &Scene<A>, camera: &Camera) -> Result<f64, Render
 mod tests {
     use super::*;
     use crate::AccelKind;
-    use crate::view::{CameraBy, View};
+    use crate::view::{AnyCamera, CameraBy, CameraType, View};
     use globillum::geom::Triangle;
     use globillum::glam::Vec3;
     use globillum::integrator::{DeltaLight, Model};
@@ -151,7 +151,10 @@ mod tests {
     fn view(model: Model, up: Up, environment: f64, accel: AccelKind) -> (Camera, CameraBy) {
         let scene = Scene::build(model, |triangles| accel.build(triangles)).expect("a good model");
         let scene = scene.with_environment(Rgb::splat(environment)).expect("in range");
-        View::Automatic(up).camera(&scene, 1.5).expect("it has an extent")
+        match View::Automatic(CameraType::Pinhole, up).camera(&scene, 1.5).expect("it has an extent") {
+            (AnyCamera::Pinhole(camera), by) => (camera, by),
+            (other, _) => panic!("{other:?} was not asked for"),
+        }
     }
 
     #[test]

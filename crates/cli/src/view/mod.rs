@@ -1,12 +1,14 @@
 //! Cameras and colours on the command line, and the camera of a scene that has none.
 
+mod any_camera;
 mod axes;
 mod flags;
 mod inside;
 mod outside;
 
+pub(crate) use any_camera::{AnyCamera, CameraType};
 pub use axes::Up;
-pub(crate) use flags::{format_camera, format_vector};
+pub(crate) use flags::{format_camera, format_vector, parse_any_camera};
 pub use flags::{parse_camera, parse_colour};
 pub use outside::of_all;
 
@@ -17,9 +19,12 @@ use serde::Serialize;
 /// Where a picture is seen from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum View {
-    Fixed(Camera, CameraBy),
-    /// By a camera that depends on the scene.
-    Automatic(Up),
+    /// By the camera of the flag.
+    Given(AnyCamera),
+    /// By the scene's camera, as one of this type.
+    Own(Camera, CameraType, Up),
+    /// By a camera of this type that depends on the scene.
+    Automatic(CameraType, Up),
 }
 
 /// Who chose a camera.
@@ -45,13 +50,19 @@ impl View {
         self,
         scene: &Scene<A>,
         aspect: f64,
-    ) -> Result<(Camera, CameraBy), RenderError> {
-        let up = match self {
-            Self::Fixed(camera, by) => return Ok((camera, by)),
-            Self::Automatic(up) => up,
+    ) -> Result<(AnyCamera, CameraBy), RenderError> {
+        let (camera, by, camera_type, up) = match self {
+            Self::Given(camera) => return Ok((camera, CameraBy::Flag)),
+            Self::Own(camera, camera_type, up) => (camera, CameraBy::Scene, camera_type, up),
+            Self::Automatic(camera_type, up) => {
+                let outside = of_all(&scene.triangles().bounds(), up, aspect)?;
+                let inside = inside::of_room(scene, up, aspect, &outside)?;
+                let by = if inside.is_some() { CameraBy::Inside } else { CameraBy::Outside };
+                (inside.unwrap_or(outside), by, camera_type, up)
+            }
         };
-        let outside = of_all(&scene.triangles().bounds(), up, aspect)?;
-        let inside = inside::of_room(scene, up, aspect, &outside)?;
-        Ok(inside.map_or((outside, CameraBy::Outside), |camera| (camera, CameraBy::Inside)))
+        let bounds = scene.triangles().bounds();
+        let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+        Ok((AnyCamera::like(camera, camera_type, middle, up.axes().y_axis)?, by))
     }
 }

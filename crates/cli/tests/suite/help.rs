@@ -13,6 +13,7 @@ fn help_is_headed_by_what_the_program_does_and_ends_with_examples() {
         (&["--help"][..], "Renders pictures with global illumination"),
         (&["render", "--help"], "Renders a scene file"),
         (&["cornell", "--help"], "Renders a built-in scene"),
+        (&["irradiance", "--help"], "Measures irradiance"),
         (&["merge", "--help"], "Joins checkpoints"),
         (&["plan", "--help"], "Divides a picture into tasks"),
         (&["task", "--help"], "Renders one task"),
@@ -59,14 +60,14 @@ fn flags_are_grouped_and_in_the_terms_of_the_field() {
 /// An example that names a flag or a value that is not there would be refused.
 #[test]
 fn examples_can_be_parsed() {
-    for command in ["render", "cornell", "merge", "plan", "task", "status"] {
+    for command in ["render", "cornell", "irradiance", "merge", "plan", "task", "status"] {
         let said = help(&[command, "--help"]).replace("\\\n", " ");
         let (_, examples) = said.split_once("\nExamples:\n").expect("there are examples");
         for line in examples.lines().filter_map(|line| line.trim().strip_prefix("globillum ")) {
             // `plan` ends with the command of a picture.
             for part in line.split(" | ").next().unwrap_or(line).split(" -- ") {
                 let arguments: Vec<&str> = part.split_whitespace().chain(["--help"]).collect();
-                let heads = ["Renders", "Joins", "Divides", "Says"];
+                let heads = ["Renders", "Measures", "Joins", "Divides", "Says"];
                 assert!(heads.iter().any(|head| help(&arguments).starts_with(head)), "{line}");
             }
         }
@@ -81,7 +82,7 @@ fn the_version_is_that_of_the_package() {
 #[test]
 fn commands_that_are_not_there_are_named() {
     let refused = |arguments: &[&str], words: &[&str]| GLOBILLUM.assert_refused(|_| (), arguments, words);
-    refused(&[], &["a command is missing: render, cornell, merge, plan, task, status"]);
+    refused(&[], &["a command is missing: render, cornell, irradiance, merge, plan, task, status"]);
     refused(&["rendr"], &["unknown command rendr (a similar command exists: render)"]);
     refused(&["--sped"], &["unexpected argument --sped"]);
     refused(&["merge"], &["<CHECKPOINT>... is missing"]);

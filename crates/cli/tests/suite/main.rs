@@ -9,6 +9,7 @@ mod farm;
 mod help;
 #[cfg(unix)]
 mod interrupt;
+mod irradiance;
 mod output;
 mod render;
 mod stats;

@@ -323,3 +323,83 @@ fn figures_say_where_the_scene_and_the_camera_are() {
     assert!(camera.starts_with("1,-4,2/1,") && camera.ends_with("/0,0.447214,0.894427/40"), "{camera}");
     assert_refused(&["room.obj", "--up", "x"], &["--up x: must be one of y, z"]);
 }
+
+/// The pixels of a PNG in `folder`.
+fn pixels(folder: &Path, name: &str) -> image::RgbImage {
+    image::open(folder.join(name)).expect("it was written").to_rgb8()
+}
+
+#[test]
+fn a_crop_has_the_pixels_of_the_picture() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fill(folder.path());
+    let size = ["room.obj", "--width", "30", "--height", "24", "--spp", "4", "--threads", "1"];
+    let picture = |flags: &[&str]| RENDER.succeed(folder.path(), &[&size[..], flags].concat());
+    picture(&["--out", "whole.png"]);
+    let whole = pixels(folder.path(), "whole.png");
+    for (crop, reuse) in
+        [("5,6,14,7", "fours"), ("0,0,30,24", "fours"), ("13,23,17,1", "fours"), ("3,1,5,9", "off")]
+    {
+        picture(&["--out", "crop.png", "--crop", crop, "--path-reuse", reuse]);
+        let numbers: Vec<u32> = crop.split(',').flat_map(str::parse).collect();
+        let [x, y, width, height] = numbers[..] else { panic!("four numbers") };
+        if reuse == "off" {
+            picture(&["--out", "whole.png", "--path-reuse", "off"]);
+        }
+        let whole = if reuse == "off" { pixels(folder.path(), "whole.png") } else { whole.clone() };
+        let expected = image::imageops::crop_imm(&whole, x, y, width, height).to_image();
+        assert_eq!(pixels(folder.path(), "crop.png"), expected, "{crop}");
+    }
+    assert_refused(
+        &["room.obj", "--crop", "0,0,513,1"],
+        &["--crop 0,0,513,1: must lie within the picture of 512 x 512 pixels"],
+    );
+    assert_refused(&["room.obj", "--crop", "0,0,5,0"], &["--crop 0,0,5,0: must be X,Y,WIDTH,HEIGHT"]);
+}
+
+#[test]
+fn cameras_of_all_types_are_taken_and_told() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fill(folder.path());
+    for (kind, camera) in [
+        ("orthographic", Some("0,0.5,3/0,0.5,0/0,1,0/1.5")),
+        ("360", Some("0,0.5,0/0,0.5,-3/0,1,0")),
+        ("orthographic", None),
+        ("360", None),
+    ] {
+        let size = [
+            "room.obj",
+            "--width",
+            "8",
+            "--height",
+            "4",
+            "--spp",
+            "1",
+            "--stats",
+            "-",
+            "--camera-type",
+            kind,
+        ];
+        let given: Vec<&str> = camera.into_iter().flat_map(|camera| ["--camera", camera]).collect();
+        let stats = RENDER.succeed(folder.path(), &[&size[..], &given].concat());
+        let stats: serde_json::Value = serde_json::from_str(&stats).expect("it is JSON");
+        assert_eq!(stats["camera_type"], kind);
+        // What is told gives the same camera again.
+        let told = stats["camera"].as_str().expect("a text").to_owned();
+        let again = RENDER.succeed(folder.path(), &[&size[..], &["--camera", &told]].concat());
+        let again: serde_json::Value = serde_json::from_str(&again).expect("it is JSON");
+        assert_eq!(again["camera_by"], "flag");
+        if camera.is_some() {
+            assert_eq!(again["image_mean"], stats["image_mean"], "{kind}");
+        }
+    }
+    assert_refused(
+        &["room.obj", "--camera-type", "360", "--camera", "0,0,1/0,0,0/0,1,0/40"],
+        &["must have two or three parts: from/to/up"],
+    );
+    assert_refused(
+        &["room.obj", "--camera-type", "orthographic", "--camera", "0,0,1/0,0,0/0,1,0/-1"],
+        &["the height must be a number above 0"],
+    );
+    assert_refused(&["room.obj", "--camera-type", "fisheye"], &["must be one of pinhole, orthographic, 360"]);
+}

@@ -85,8 +85,9 @@ impl<'a> Render<'a> {
     /// Renders only these columns and rows of the picture, as a smaller picture of its own, whose pixels have the
     /// bits of the whole one's. Column and row 0 are at the upper left.
     ///
-    /// Where [paths are reused](crate::PathReuse) in groups of pixels, columns and rows begin at a multiple of
-    /// [`PathReuse::block_side`](crate::PathReuse::block_side), and end at one or with the picture. Passes and strips of equal crops can be merged.
+    /// Where [paths are reused](crate::PathReuse), columns and rows begin at a multiple of
+    /// [`PathReuse::block_side`](crate::PathReuse::block_side), and end at one or with the picture. Passes and strips
+    /// of equal crops can be merged.
     ///
     /// ```
     /// # use globillum_integrator::{Camera, Model, Render, Scene, Settings};
@@ -108,9 +109,9 @@ impl<'a> Render<'a> {
         Self { crop: Some([columns, rows]), ..self }
     }
 
-    /// Renders only these rows of the picture or of the [crop](Render::crop), of which row 0 is at the top; they begin at a multiple of
-    /// [`Film::TILE_ROWS`], and end at one or with the picture. Their pixels have the bits of the whole picture,
-    /// which [`Merge`](crate::Merge) puts together.
+    /// Renders only these rows of the picture or of the [crop](Render::crop), of which row 0 is at the top. They begin
+    /// at a multiple of [`Film::TILE_ROWS`], and end at one or with the picture. Their pixels have the bits of the
+    /// whole picture, which [`Merge`](crate::Merge) puts together.
     #[must_use]
     pub fn rows(self, rows: Range<u32>) -> Self {
         Self { rows: Some(rows), ..self }

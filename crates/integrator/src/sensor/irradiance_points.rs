@@ -97,7 +97,12 @@ impl IrradiancePoints {
 
     /// [`Settings::new`] for one element for each point.
     pub fn settings(&self, samples: u32) -> Settings {
-        Settings::new(1, self.points.len() as u32, samples)
+        Settings::new(1, self.count(), samples)
+    }
+
+    /// The number of points; more than are allowed stay too many.
+    fn count(&self) -> u32 {
+        self.points.len().try_into().unwrap_or(u32::MAX)
     }
 
     /// The points with their unit normals, in order.
@@ -126,8 +131,7 @@ impl IrradiancePoints {
 
 impl Sensor for IrradiancePoints {
     fn size(&self) -> Option<[u32; 2]> {
-        // More than are allowed stay too many.
-        Some([1, self.points.len().try_into().unwrap_or(u32::MAX)])
+        Some([1, self.count()])
     }
 
     fn has_neighbours(&self) -> bool {

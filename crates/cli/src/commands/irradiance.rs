@@ -1,0 +1,97 @@
+use crate::exit::CODES;
+use crate::flags::{LoadedScene, MeasureFlags, SceneFlags};
+use crate::interrupt::Interrupt;
+use crate::job::{build, report_interrupt};
+use crate::monitor::RenderMonitor;
+use crate::output::TextOutput;
+use crate::summary::{Timing, of_points};
+use crate::{console, points};
+use anyhow::{Result, ensure};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+const LONG_ABOUT: &str = "\
+Measures irradiance at points of a scene, and writes it with its standard error, one line a point.
+
+A point is a position and the unit normal of the plane on which irradiance is measured: columns x,y,z,nx,ny,nz. \
+Irradiance is radiance times cosine, integrated over the side of the normal, for each of red, green and blue: in W/m^2 \
+if the scene's lights are in watts. Points may lie on surfaces; they are not shadowed by the one they lie on. \
+docs/measuring.md has the definitions, and worked examples.
+
+Ctrl-C (SIGINT) and SIGTERM end the measurement after the passes that are complete: readings, figures and checkpoint \
+are written, and the exit code is 130 or 143. If no pass is complete, no file is written. A second signal ends the \
+program at once.";
+
+const EXAMPLES: &str = "\
+Examples:
+  To 1 % error, all points together, to irradiance.csv:
+      globillum irradiance SCENE.glb --points desks.csv --error 0.01
+  With 4096 samples for each point, in a pipe:
+      globillum irradiance SCENE.glb --points - --out - --samples 4096
+  Daylight without sun, of a white sky of radiance 1:
+      globillum irradiance ROOM.glb --environment 1 --points desks.csv --error 0.005 --out daylight.csv";
+
+/// Measures irradiance at points of a scene
+#[derive(clap::Args, Debug)]
+#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
+pub(crate) struct Options {
+    #[command(flatten)]
+    scene: SceneFlags,
+    /// Points: comma-separated x,y,z,nx,ny,nz, one line each; `-` is standard input
+    ///
+    /// Positions are in the scene's units, glTF in metres with y up. Normals are unit vectors, rounded to three
+    /// decimals or better. A heading with the names of the columns, empty lines and lines that begin with # are left
+    /// out.
+    #[arg(long, value_name = "FILE.csv", help_heading = "Points")]
+    points: PathBuf,
+    /// Write the readings to FILE; `-` is standard output
+    ///
+    /// The columns of the points are followed by irradiance r,g,b and its standard error r_error,g_error,b_error. The
+    /// file appears when it is complete.
+    #[arg(long, value_name = "FILE.csv", help_heading = "Output", default_value = "irradiance.csv")]
+    out: PathBuf,
+    #[command(flatten)]
+    flags: MeasureFlags,
+}
+
+pub(crate) fn run(options: &Options) -> Result<()> {
+    let flags = options.flags.resolved()?;
+    let interrupt = Interrupt::catch()?;
+    let stats = flags.report.stats.as_deref();
+    let is_twice = [Some(options.out.as_path()), stats] == [Some(Path::new("-")); 2];
+    ensure!(!is_twice, "-: standard output can be given only once");
+    let points = points::read(&options.points)?;
+    let out = TextOutput::open(&options.out)?;
+    let stats = stats.map(TextOutput::open).transpose()?;
+    let checkpoint = flags.checkpoints.open()?;
+
+    let start = Instant::now();
+    let LoadedScene { name, model, environment, .. } =
+        options.scene.load(flags.report.warnings(), &interrupt)?;
+    let scene = build(model, environment, flags.speed.accel)?;
+    interrupt.check()?;
+    let build_seconds = start.elapsed().as_secs_f64();
+
+    let settings = flags.settings(&points);
+    let render = flags.render(&scene, &points, &settings)?;
+    let monitor = RenderMonitor::new(checkpoint, &interrupt);
+    let start = Instant::now();
+    let picture = render.run(&monitor)?;
+    let render_seconds = start.elapsed().as_secs_f64();
+    let traced = monitor.finish(&picture)?;
+    if picture.samples == 0 {
+        interrupt.check()?;
+    }
+
+    let timing = Timing { build_seconds, render_seconds, traced };
+    let summary = of_points(&name, &flags, &scene, &picture, timing);
+    let data_on_stdout = out.is_stdout() || stats.as_ref().is_some_and(TextOutput::is_stdout);
+    let written = match out.is_stdout() {
+        true => String::new(),
+        false => format!("readings      {}\n", options.out.display()),
+    };
+    out.write(&points::format(points.readings(&picture.film)))?;
+    stats.map_or(Ok(()), |stats| stats.write(&summary.to_json()?))?;
+    console::print_table(&format!("{summary}{written}"), data_on_stdout)?;
+    report_interrupt(&picture, &interrupt, "point")
+}
