@@ -4,7 +4,6 @@
 //! [rows](rows) follow from the top, a row of tiles at a time, and at the end the sums over all pixels.
 //! Each of these ends with a checksum, so that a checkpoint is read and written with the memory of one row of tiles.
 
-mod bytes;
 mod header;
 mod merge;
 mod reader;
@@ -18,7 +17,7 @@ pub use reader::CheckpointReader;
 pub use writer::CheckpointWriter;
 
 use super::{Film, Picture};
-use crate::CheckpointError;
+use crate::{CheckpointError, bytes};
 
 impl Picture {
     /// The picture as a checkpoint, the same bytes on every machine.
