@@ -37,4 +37,5 @@ mod sensors;
 mod solid_angle;
 mod stop;
 mod streams;
+mod view_factors;
 mod warps;

@@ -36,6 +36,7 @@ mod sampler;
 mod scene;
 mod sensor;
 mod settings;
+pub mod view_factors;
 
 pub use error::{CheckpointError, DeltaLightError, MergeError, PointError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]

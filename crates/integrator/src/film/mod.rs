@@ -10,7 +10,7 @@ mod margin;
 mod moments;
 mod picture;
 mod pixels;
-mod student;
+pub(crate) mod student;
 
 pub(crate) use block::Block;
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};

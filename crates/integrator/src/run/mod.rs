@@ -8,6 +8,7 @@ mod pass_loop;
 mod render;
 mod stop;
 
+pub(crate) use meter::Meter;
 pub use monitor::{Monitor, Progress};
 pub use render::{Render, render};
 pub use stop::{PixelGoal, Stop};

@@ -19,7 +19,7 @@ pub struct Progress {
     pub seconds_left: f64,
 }
 
-/// Observes a render and may stop it. Methods except [`Monitor::pass_done`] are called often, from worker
+/// Observes a run whose result is `R`, by default a render, and may stop it. Methods except [`Monitor::pass_done`] are called often, from worker
 /// threads, and should return at once.
 ///
 /// ```
@@ -39,7 +39,7 @@ pub struct Progress {
 ///     }
 /// }
 /// ```
-pub trait Monitor: Sync {
+pub trait Monitor<R = Picture>: Sync {
     /// Called after each tile.
     fn progress(&self, _progress: Progress) {}
 
@@ -50,8 +50,8 @@ pub trait Monitor: Sync {
 
     /// Called after each pass, from one thread, with all whole passes so far, for example to save a
     /// checkpoint. The next pass waits until it returns.
-    fn pass_done(&self, _picture: &Picture) {}
+    fn pass_done(&self, _result: &R) {}
 }
 
 /// Observes nothing.
-impl Monitor for () {}
+impl<R> Monitor<R> for () {}

@@ -8,7 +8,8 @@ mod stream;
 pub use stream::Stream;
 
 use decision::Decision;
-use sobol::{SobolPoint, SobolPoints};
+pub(crate) use sobol::SobolPoint;
+use sobol::SobolPoints;
 use std::ops::Range;
 
 /// The source of random numbers. It changes the error of a picture, not its mean.

@@ -28,9 +28,10 @@ enum Axis {
     First = 2,
     Second = 3,
     Third = 4,
+    Fourth = 5,
 }
 
-const AXES: [Axis; 3] = [Axis::First, Axis::Second, Axis::Third];
+const AXES: [Axis; 4] = [Axis::First, Axis::Second, Axis::Third, Axis::Fourth];
 
 impl Axis {
     /// The first digits of point `index`.
@@ -40,6 +41,7 @@ impl Axis {
             Self::First => reversed(index, digits),
             Self::Second => second_sobol(index, digits),
             Self::Third => third_sobol(index, digits),
+            Self::Fourth => fourth_sobol(index, digits),
         }
     }
 }
@@ -60,6 +62,18 @@ impl SobolPoint {
     #[inline]
     pub(super) fn uniform<const D: usize>(&self, dimension: u32) -> [f64; D] {
         SobolPoints::from(&[*self]).uniform(dimension).map(|[u]| u)
+    }
+
+    /// The four coordinates of this point and of those after it, for a replicate of a single decision: all its
+    /// points are stratified in four dimensions. Points after the last one of the replicate mean nothing.
+    #[inline(always)]
+    pub(crate) fn hypercube<const N: usize>(&self) -> [[f64; N]; 4] {
+        let indices = std::array::from_fn(
+            #[inline(always)]
+            |i| u64::from(self.index) + i as u64,
+        );
+        let points = SobolPoints { keys: [self.key; N], indices, digits: self.digits };
+        points.coordinates(points.keys, points.indices)
     }
 }
 
@@ -90,6 +104,12 @@ impl<const N: usize> SobolPoints<N> {
     #[inline(always)]
     pub(super) fn uniform<const D: usize>(&self, dimension: u32) -> [[f64; N]; D] {
         let (keys, places) = self.places(dimension);
+        self.coordinates(keys, places)
+    }
+
+    /// The first `D` coordinates, up to four, of the points at `places` of the sequence.
+    #[inline(always)]
+    fn coordinates<const D: usize>(&self, keys: [u64; N], places: [u64; N]) -> [[f64; N]; D] {
         let mut all = [[0.0; N]; D];
         for (axis, coordinates) in AXES.into_iter().zip(&mut all) {
             let mut digits = places;
@@ -168,6 +188,19 @@ fn third_sobol(index: u64, digits: u32) -> u64 {
     sum << digits >> 32
 }
 
+/// The first `digits` binary digits of the fourth Sobol' dimension, of the polynomial x^3 + x + 1
+/// with initial numbers 1, 3 and 1 (Joe and Kuo 2008).
+#[inline(always)]
+fn fourth_sobol(index: u64, digits: u32) -> u64 {
+    let (mut sum, mut directions) = (0, [1_u64 << 31, 3 << 30, 1 << 29]);
+    for digit in 0..digits {
+        let [first, second, third] = directions;
+        sum ^= first * (index >> digit & 1);
+        directions = [second, third, second ^ first ^ (first >> 3)];
+    }
+    sum << digits >> 32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,6 +214,8 @@ mod tests {
         // In eighths.
         assert_eq!(second, [0, 4, 6, 2, 5, 1, 3, 7]);
         assert_eq!(third, [0, 4, 6, 2, 3, 7, 5, 1]);
+        let fourth: Vec<_> = (0..8).map(|i| fourth_sobol(i, 3)).collect();
+        assert_eq!(fourth, [0, 4, 6, 2, 1, 5, 7, 3]);
     }
 
     /// The defining property of a (0, m, 2)-net: each elementary interval, whatever its shape,
@@ -220,6 +255,37 @@ mod tests {
                 }
                 assert!(counts.iter().all(|&n| n == 2), "{digits} digits, {sides:?}");
             }
+        }
+    }
+
+    /// A (3, m, 4)-net: an elementary box of eight points' volume holds eight.
+    #[test]
+    fn every_elementary_box_of_four_dimensions_holds_eight_points() {
+        for digits in [4, 6, 9] {
+            let points: Vec<[f64; 4]> = (0..1_u32 << digits)
+                .map(|i| SobolPoint::new(5, 77, 3, i, digits).hypercube::<1>().map(|[u]| u))
+                .collect();
+            let most = digits - 3;
+            let splits = (0..=most).flat_map(|a| (0..=most - a).map(move |b| (a, b)));
+            let splits =
+                splits.flat_map(|(a, b)| (0..=most - a - b).map(move |c| [a, b, c, most - a - b - c]));
+            for sides in splits.map(|split| split.map(|digits| 1_usize << digits)) {
+                let mut counts = vec![0; sides.iter().product()];
+                for point in &points {
+                    let cell = |place: usize, (u, &n): (&f64, &usize)| place * n + (u * n as f64) as usize;
+                    counts[point.iter().zip(&sides).fold(0, cell)] += 1;
+                }
+                assert!(counts.iter().all(|&n| n == 8), "{digits} digits, {sides:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_side_by_side_are_the_points_one_by_one() {
+        let together = SobolPoint::new(1, 2, 3, 40, 7).hypercube::<8>();
+        for i in 0..8 {
+            let alone = SobolPoint::new(1, 2, 3, 40 + i, 7).hypercube::<1>().map(|[u]| u);
+            assert_eq!(together.map(|axis| axis[i as usize]), alone);
         }
     }
 }

@@ -1,0 +1,156 @@
+use super::row::Row;
+use super::tracer::{Buffers, Tracer};
+use super::{FactorError, FactorSettings, Patches, ViewFactors};
+use crate::caught::caught;
+use crate::hash::fold;
+use crate::run::Meter;
+use crate::{Counters, Ending, Monitor};
+use globillum_geom::{Accel, Triangles};
+use globillum_material::Sides;
+use rayon::prelude::*;
+
+/// The sources whose change may change a count.
+const SOURCES: [&str; 3] =
+    [globillum_geom::SOURCE_HASH, globillum_material::SOURCE_HASH, env!("GLOBILLUM_SOURCE_HASH")];
+
+/// The computation of view factors.
+///
+/// A pass traces the same number of rays from each patch, which is one task. Counts are integers, so their sums
+/// depend neither on the number of threads nor on when passes were traced; hits are the same in each accelerator.
+#[derive(Debug)]
+pub struct FactorRun<'a, A> {
+    triangles: &'a Triangles,
+    accel: &'a A,
+    patches: &'a Patches,
+    settings: &'a FactorSettings,
+    before: Option<ViewFactors>,
+}
+
+impl<'a, A: Accel> FactorRun<'a, A> {
+    /// The view factors between `patches` of `triangles`, over which `accel` is built.
+    pub fn new(
+        triangles: &'a Triangles,
+        accel: &'a A,
+        patches: &'a Patches,
+        settings: &'a FactorSettings,
+    ) -> Self {
+        Self { triangles, accel, patches, settings, before: None }
+    }
+
+    /// Continues from `before`: the passes that it holds are not traced again. The result has the bits of a run
+    /// without a break.
+    #[must_use]
+    pub fn resume(self, before: ViewFactors) -> Self {
+        Self { before: Some(before), ..self }
+    }
+
+    /// Traces rays until all passes are done or the goal is met. If `monitor` cancels, the current pass is dropped
+    /// and the passes before it are returned; [`Monitor::cancelled`] is called before the rays of each patch.
+    /// [`Progress`](crate::Progress) counts rays as samples.
+    ///
+    /// # Errors
+    /// [`FactorError::Param`] for settings out of range, [`FactorError::Patches`] and [`FactorError::EmptyPatch`] for
+    /// patches that do not fit, [`FactorError::OtherRun`] for view factors to resume of other triangles, patches or
+    /// settings, [`FactorError::Threads`] if no threads can be started. Panics are caught: [`FactorError::Worker`]
+    /// for one in an accelerator, [`Monitor::progress`] or [`Monitor::cancelled`], [`FactorError::Monitor`] for one in
+    /// [`Monitor::pass_done`].
+    pub fn run(mut self, monitor: &impl Monitor<ViewFactors>) -> Result<ViewFactors, FactorError> {
+        self.settings.validate()?;
+        let start = self.start()?;
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.settings.threads)
+            .build()
+            .map_err(|error| FactorError::Threads(error.to_string()))?;
+        threads.install(|| self.add_passes(start, monitor))
+    }
+
+    /// The view factors to continue.
+    fn start(&mut self) -> Result<ViewFactors, FactorError> {
+        let mut areas = self.patches.areas(self.triangles)?;
+        if self.settings.sides == Sides::Both {
+            areas.iter_mut().for_each(|area| *area *= 2.0);
+        }
+        let new = ViewFactors::new(areas, self.settings.pass_rays, self.key());
+        match self.before.take() {
+            Some(before) if before.key != new.key => Err(FactorError::OtherRun),
+            before => Ok(before.unwrap_or(new)),
+        }
+    }
+
+    /// A hash of all that determines the counts of a pass.
+    fn key(&self) -> u64 {
+        let FactorSettings { pass_rays, sides, seed, .. } = *self.settings;
+        let sources = SOURCES.iter().flat_map(|hash| hash.bytes()).map(u64::from);
+        let settings = [pass_rays.into(), u64::from(sides == Sides::Both), seed, self.triangles.len() as u64];
+        let vertices = self.triangles.as_slice().iter().flat_map(|triangle| triangle.vertices);
+        let vertices = vertices.flat_map(|v| v.to_array()).map(|x| x.to_bits().into());
+        let patches = self.patches.ids().iter().map(|&patch| patch.into());
+        sources.chain(settings).chain(vertices).chain(patches).fold(0, fold)
+    }
+
+    fn add_passes(
+        &self,
+        mut factors: ViewFactors,
+        monitor: &impl Monitor<ViewFactors>,
+    ) -> Result<ViewFactors, FactorError> {
+        let FactorSettings { passes, error, least_factor, .. } = *self.settings;
+        let tracer = Tracer::new(self.triangles, self.accel, self.patches, self.settings);
+        let meter = Meter::new(None);
+        let mut planned = if error.is_some() { FactorSettings::MIN_PASSES.min(passes) } else { passes };
+        factors.ending = Ending::Open;
+        loop {
+            // The error is judged where it is expected to meet the goal, or at half of the passes until then.
+            if let Some(goal) = error.filter(|_| factors.passes >= planned) {
+                let reached = factors.accuracy(least_factor).relative_rmse;
+                meter.set_error(reached);
+                if reached <= goal {
+                    factors.ending = Ending::Goals;
+                    return Ok(factors);
+                }
+                let needed = f64::from(factors.passes) * (reached / goal).powi(2).min(2.0);
+                planned = (needed.ceil() as u32).max(factors.passes + 1).min(passes);
+            }
+            if factors.passes >= passes {
+                factors.ending = Ending::Samples;
+                return Ok(factors);
+            }
+            let left = u64::from(planned.saturating_sub(factors.passes));
+            meter.expect(left * self.rays_of_pass());
+            let Some(rows) = self.pass(&tracer, factors.passes, &meter, monitor)? else {
+                factors.ending = Ending::Cancelled;
+                return Ok(factors);
+            };
+            factors.add_pass(&rows);
+            caught(|| monitor.pass_done(&factors))
+                .map_err(|message| FactorError::Monitor { passes: factors.passes, message })?;
+        }
+    }
+
+    fn rays_of_pass(&self) -> u64 {
+        self.patches.len() as u64 * u64::from(self.settings.pass_rays)
+    }
+
+    /// The hits of one pass of all patches; `None` if cancelled before its end.
+    fn pass(
+        &self,
+        tracer: &Tracer<'a, A>,
+        pass: u32,
+        meter: &Meter,
+        monitor: &impl Monitor<ViewFactors>,
+    ) -> Result<Option<Vec<Row>>, FactorError> {
+        let of_patch = |buffers: &mut Buffers, patch: u32| {
+            let traced = caught(|| {
+                (!monitor.cancelled()).then(|| {
+                    let row = tracer.trace(patch, pass, buffers);
+                    let camera_rays = self.settings.pass_rays.into();
+                    meter.add(camera_rays, &Counters { camera_rays, ..Counters::default() });
+                    monitor.progress(meter.progress());
+                    row
+                })
+            });
+            // Whatever a panic leaves in the buffers is not used: the whole pass is dropped.
+            traced.map_err(|message| FactorError::Worker { patch, message })
+        };
+        (0..self.patches.len() as u32).into_par_iter().map_init(Buffers::default, of_patch).collect()
+    }
+}

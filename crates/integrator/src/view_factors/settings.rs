@@ -1,0 +1,76 @@
+use super::FactorError;
+use crate::{Sampler, Settings};
+use globillum_material::Sides;
+
+/// How view factors are computed. With triangles and patches it determines their bits, except for `threads`.
+///
+/// Made by [`FactorSettings::new`] and then changed, since fields may be added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FactorSettings {
+    /// Passes, in `[2, 2^20]`, unless `error` ends the run before.
+    pub passes: u32,
+    /// Rays of each patch in one pass, a power of two in `[1, 2^16]`. They are stratified together: longer passes
+    /// give smaller errors, which rest on the number of passes.
+    pub pass_rays: u32,
+    /// Goal: the run ends after the first pass, of at least [`FactorSettings::MIN_PASSES`], at which
+    /// [`FactorAccuracy::relative_rmse`](super::FactorAccuracy::relative_rmse) is at most this.
+    pub error: Option<f64>,
+    /// The goal is that of factors of at least this value, in `[0, 1]`; 0.001 by default.
+    pub least_factor: f64,
+    /// The sides that radiate, of all triangles.
+    pub sides: Sides,
+    /// Which random numbers are used.
+    pub seed: u64,
+    /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for one per processor.
+    pub threads: usize,
+}
+
+impl FactorSettings {
+    /// The goal is not judged by fewer passes.
+    pub const MIN_PASSES: u32 = 8;
+    /// The most passes: `2^20`.
+    pub const MAX_PASSES: u32 = 1 << 20;
+    /// Rays of a patch in one pass, by default and if there are enough.
+    const PASS_RAYS: u64 = 4096;
+    /// Passes that few rays are divided into.
+    const FEW_PASSES: u64 = 16;
+
+    /// At least `rays` rays of each patch: in passes of 4096, or if these are fewer than 16, in 16 passes or more of a
+    /// smaller power of two. No goal, front sides, seed 0, all threads.
+    pub fn new(rays: u64) -> Self {
+        let pass_rays = (rays / Self::FEW_PASSES).clamp(1, Self::PASS_RAYS);
+        let pass_rays = 1 << pass_rays.ilog2();
+        let passes = rays.div_ceil(pass_rays).clamp(2, Self::MAX_PASSES.into());
+        Self {
+            passes: passes as u32,
+            pass_rays: pass_rays as u32,
+            error: None,
+            least_factor: 1e-3,
+            sides: Sides::Front,
+            seed: 0,
+            threads: 0,
+        }
+    }
+
+    /// Checks every setting against its range; [`FactorRun::run`](super::FactorRun::run) does so too.
+    ///
+    /// # Errors
+    /// [`FactorError::Param`] for the first one outside.
+    pub fn validate(&self) -> Result<(), FactorError> {
+        let Self { passes, pass_rays, error, least_factor, threads, .. } = *self;
+        let is_pass = pass_rays.is_power_of_two() && pass_rays <= Sampler::MAX_PASS;
+        let is_goal = error.is_none_or(|error| error > 0.0 && error.is_finite());
+        let checks = [
+            ((2..=Self::MAX_PASSES).contains(&passes), "passes", f64::from(passes), "[2, 2^20]"),
+            (is_pass, "pass_rays", f64::from(pass_rays), "the powers of two in [1, 2^16]"),
+            (is_goal, "error", error.unwrap_or_default(), "(0, inf)"),
+            ((0.0..=1.0).contains(&least_factor), "least_factor", least_factor, "[0, 1]"),
+            (threads <= Settings::MAX_THREADS, "threads", threads as f64, "[0, 1024]"),
+        ];
+        match checks.into_iter().find(|(valid, ..)| !valid) {
+            Some((_, name, value, range)) => Err(FactorError::Param { name, value, range }),
+            None => Ok(()),
+        }
+    }
+}
