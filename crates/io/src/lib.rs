@@ -68,7 +68,7 @@ pub use loader::load_gltf;
 #[cfg(feature = "obj")]
 pub use loader::load_obj;
 #[cfg(any(feature = "obj", feature = "gltf"))]
-pub use loading::Loaded;
+pub use loading::{Loaded, Object};
 pub use location::{Location, Place};
 #[cfg(any(feature = "obj", feature = "gltf"))]
 pub use monitor::{LoadMonitor, LoadProgress};

@@ -25,12 +25,13 @@ pub struct Loader<'a> {
     limits: Limits,
     monitor: &'a dyn LoadMonitor,
     luminous_efficacy: f64,
+    keeps_objects: bool,
 }
 
 impl<'a> Loader<'a> {
     /// A loader with the default limits and no monitor.
     pub fn new() -> Self {
-        Self { limits: Limits::default(), monitor: &(), luminous_efficacy: 683.0 }
+        Self { limits: Limits::default(), monitor: &(), luminous_efficacy: 683.0, keeps_objects: false }
     }
 
     /// The same loader with other limits.
@@ -42,7 +43,8 @@ impl<'a> Loader<'a> {
     /// The same loader, observed by `monitor`.
     #[must_use]
     pub fn monitor<'b>(self, monitor: &'b dyn LoadMonitor) -> Loader<'b> {
-        Loader { limits: self.limits, monitor, luminous_efficacy: self.luminous_efficacy }
+        let Self { limits, luminous_efficacy, keeps_objects, .. } = self;
+        Loader { limits, monitor, luminous_efficacy, keeps_objects }
     }
 
     /// The same loader with a luminous efficacy of `lumens_per_watt` for the delta lights of glTF.
@@ -54,6 +56,12 @@ impl<'a> Loader<'a> {
     #[must_use]
     pub fn luminous_efficacy(self, lumens_per_watt: f64) -> Self {
         Self { luminous_efficacy: lumens_per_watt, ..self }
+    }
+
+    /// The same loader, which also lists the [objects](Loaded::objects) of the file.
+    #[must_use]
+    pub fn keep_objects(self) -> Self {
+        Self { keeps_objects: true, ..self }
     }
 
     /// Loads a scene in the format given by the extension of `path`, in upper or lower case.
@@ -96,6 +104,7 @@ impl<'a> Loader<'a> {
         read: impl FnOnce(Vec<u8>, &mut Loading<'_>) -> crate::error::Result<()>,
     ) -> Result<Loaded, IoError> {
         let mut loading = Loading::new(path, &self.limits, self.monitor);
+        loading.objects = self.keeps_objects.then(Vec::new);
         let bytes = loading.jail.read(path)?;
         read(bytes, &mut loading)?;
         loading.finish()
@@ -120,6 +129,7 @@ impl fmt::Debug for Loader<'_> {
         f.debug_struct("Loader")
             .field("limits", &self.limits)
             .field("luminous_efficacy", &self.luminous_efficacy)
+            .field("keeps_objects", &self.keeps_objects)
             .finish_non_exhaustive()
     }
 }

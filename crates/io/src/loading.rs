@@ -10,6 +10,7 @@ use globillum_integrator::DeltaLight;
 use globillum_integrator::{Camera, MaterialId, Model};
 use globillum_material::Material;
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 /// The content of a scene file.
@@ -22,6 +23,20 @@ pub struct Loaded {
     pub cameras: Vec<Camera>,
     /// Content that is ignored or approximated.
     pub report: LoadReport,
+    /// The objects of the file, in the order of their triangles; empty unless
+    /// [asked for](crate::Loader::keep_objects).
+    pub objects: Vec<Object>,
+}
+
+/// An object of a scene file: what follows a statement `o` or `g` of OBJ, or the mesh of a node of glTF.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Object {
+    /// Its name in the file, which other objects may share. `default` for what follows no statement or one without a
+    /// name, `node N` for a node without one.
+    pub name: String,
+    /// Its triangles in the model; none if all were degenerate.
+    pub triangles: Range<usize>,
 }
 
 /// The maximum amount of work between two calls of the monitor.
@@ -37,6 +52,8 @@ pub(crate) struct Loading<'a> {
     pub(crate) limits: &'a Limits,
     pub(crate) jail: Jail<'a>,
     pub(crate) cameras: Vec<Camera>,
+    /// `None` if nobody asks for them.
+    pub(crate) objects: Option<Vec<Object>>,
     report: LoadReport,
     model: Model,
     monitor: &'a dyn LoadMonitor,
@@ -55,6 +72,7 @@ impl<'a> Loading<'a> {
             limits,
             jail,
             cameras,
+            objects: None,
             report,
             model,
             monitor,
@@ -141,12 +159,23 @@ impl<'a> Loading<'a> {
         IoError::Read { path: self.path.into(), source: io::ErrorKind::OutOfMemory.into() }
     }
 
+    /// Begins an object: the triangles that follow belong to it.
+    pub(crate) fn begin_object(&mut self, name: impl FnOnce() -> String) {
+        let start = self.model.triangles().len();
+        if let Some(objects) = &mut self.objects {
+            objects.push(Object { name: name(), triangles: start..start });
+        }
+    }
+
     /// Adds a triangle. A degenerate triangle is only counted, since no ray can hit it.
     pub(crate) fn add(&mut self, material: MaterialId, triangle: Triangle) {
         if triangle.is_degenerate() {
             self.report.degenerate_triangles += 1;
         } else {
             self.model.push(material, triangle);
+            if let Some(object) = self.objects.as_mut().and_then(|objects| objects.last_mut()) {
+                object.triangles.end = self.model.triangles().len();
+            }
         }
     }
 
@@ -178,6 +207,7 @@ impl<'a> Loading<'a> {
         if let Some(kind) = lint::check_lights(&self.model) {
             self.warn(Place::File, kind);
         }
-        Ok(Loaded { model: self.model, cameras: self.cameras, report: self.report })
+        let objects = self.objects.unwrap_or_default();
+        Ok(Loaded { model: self.model, cameras: self.cameras, report: self.report, objects })
     }
 }

@@ -412,3 +412,15 @@ fn the_gltf_crate_reads_the_same_triangles() {
         assert_eq!(warnings(&loaded), [], "{name}");
     }
 }
+
+#[test]
+fn objects_are_the_nodes_that_place_meshes() {
+    let (json, binary) =
+        square(&json!({"nodes": [{"mesh": 0}, {"name": "b", "children": [2]}, {"mesh": 0, "name": "c"}],
+        "scene": 0, "scenes": [{"nodes": [0, 1]}]}));
+    let files = Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]);
+    let loaded = Loader::new().keep_objects().load(&files.path("a.glb")).unwrap();
+    let objects: Vec<_> = loaded.objects.into_iter().map(|object| (object.name, object.triangles)).collect();
+    assert_eq!(objects, [("node 0".to_owned(), 0..1), ("c".to_owned(), 1..2)]);
+    assert_eq!(files.load("a.glb").unwrap().objects, []);
+}

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 use globillum_geom::Triangle;
-use globillum_io::{IoError, Loaded, Place, WarningKind, load_obj};
+use globillum_io::{IoError, Loaded, Loader, Place, WarningKind, load_obj};
 use globillum_material::{Emission, Material, Rgb, Sides};
 use std::fs;
 use std::path::PathBuf;
@@ -424,4 +424,30 @@ fn lights_that_overlap_a_triangle_in_their_plane_are_reported() {
     assert_eq!(warning_about_light(0.1, 1.0, 0.3), expected);
     assert_eq!(warning_about_light(0.1, 0.995, 0.3), None);
     assert_eq!(warning_about_light(2.0, 1.0, 1.0), None);
+}
+
+/// The names and triangles of the objects of an OBJ file, and the number of its triangles.
+fn objects(obj: &str) -> (Vec<(String, std::ops::Range<usize>)>, usize) {
+    let files = Files::new(&[("a.obj", obj.as_bytes())]);
+    let loaded = Loader::new().keep_objects().load(&files.path("a.obj")).unwrap();
+    let count = loaded.model.triangles().len();
+    assert!(files.load().unwrap().objects.is_empty(), "they are kept if asked for");
+    (loaded.objects.into_iter().map(|object| (object.name, object.triangles)).collect(), count)
+}
+
+#[test]
+fn objects_are_what_follows_a_name() {
+    let name = |name: &str, triangles| (name.to_owned(), triangles);
+    let all = format!(
+        "{SQUARE}f 1 2 3 4\no wall east\nf 1 2 3\ng\nf 1 2 3\no none\ng 5\nf 1 1 2\no last\nf 2 3 4\n"
+    );
+    let expected = [
+        name("default", 0..2),
+        name("wall east", 2..3),
+        name("default", 3..4),
+        name("5", 4..4),
+        name("last", 4..5),
+    ];
+    assert_eq!(objects(&all), (expected.to_vec(), 5));
+    assert_eq!(objects(&format!("o a\n{SQUARE}f 1 2 3\n")), ([name("a", 0..1)].to_vec(), 1));
 }

@@ -34,7 +34,12 @@ pub(super) fn add_all<'a>(
     meshes.warn(loading);
     let mut done = 0;
     for placed in tree.placed() {
-        for primitive in meshes.placed_by(placed.node) {
+        let primitives = meshes.placed_by(placed.node);
+        if !primitives.is_empty() {
+            let name = &placed.node.name;
+            loading.begin_object(|| name.clone().unwrap_or_else(|| format!("node {}", placed.index)));
+        }
+        for primitive in primitives {
             let material = materials.get(primitive.material, primitive.place, loading)?;
             for index in 0..primitive.count() {
                 let corners = primitive.get(index, loading)?;

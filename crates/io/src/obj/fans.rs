@@ -9,18 +9,27 @@ use std::iter;
 use tobj::{Mesh, Model};
 
 /// Adds each face of `models`, which tobj read from `source`, as a triangle fan around its first corner. `runs`
-/// are the materials of the faces, each with a number of consecutive faces.
+/// are the materials of the faces, each with a number of consecutive faces, `objects` the names of objects, each with
+/// the number of faces before it.
 pub(super) fn add(
     models: Vec<Model>,
     runs: &[(MaterialId, usize)],
+    objects: &[(&str, usize)],
     source: &Source,
     loading: &mut Loading<'_>,
 ) {
     let mut non_convex = None;
+    let mut objects = objects.iter().peekable();
     let mut materials = runs.iter().flat_map(|&(material, faces)| iter::repeat_n(material, faces)).zip(0..);
     for Model { mesh, .. } in models {
         let (positions, _) = mesh.positions.as_chunks::<3>();
         for (face, (material, position)) in faces(&mesh).zip(&mut materials) {
+            // Of names without a face between them the last one counts.
+            let begun = iter::from_fn(|| objects.next_if(|(_, before)| *before <= position)).last();
+            if position == 0 || begun.is_some() {
+                let name = begun.map_or("", |(name, _)| name);
+                loading.begin_object(|| if name.is_empty() { "default".into() } else { name.into() });
+            }
             #[allow(clippy::unnecessary_cast, reason = "another crate may enable tobj's feature `use_f64`")]
             let corner = |i: usize| Vec3::from(positions[face[i] as usize].map(|x| x as f32));
             if !is_convex(face.len(), corner) {

@@ -35,7 +35,7 @@ pub(crate) fn read(bytes: Vec<u8>, loading: &mut Loading<'_>) -> Result<()> {
     )?;
     loading.progress(total, total)?;
     loading.try_grow(scan.triangles)?;
-    fans::add(models, &scan.runs, &source, loading);
+    fans::add(models, &scan.runs, &scan.objects, &source, loading);
     scan.warn(loading);
     scan.palette.load(loading)
 }

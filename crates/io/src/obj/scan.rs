@@ -26,6 +26,9 @@ pub(super) struct Scan<'a> {
     pub(super) triangles: usize,
     /// The materials of all faces, each with the number of consecutive faces that have it.
     pub(super) runs: Vec<(MaterialId, usize)>,
+    /// The names of objects, each with the number of faces before it; none if nobody asks for them.
+    pub(super) objects: Vec<(&'a str, usize)>,
+    faces: usize,
     pub(super) palette: Palette<'a>,
 }
 
@@ -40,6 +43,8 @@ impl<'a> Scan<'a> {
             mesh_corners: 0,
             triangles: 0,
             runs: Vec::new(),
+            objects: Vec::new(),
+            faces: 0,
             palette: Palette::new(default),
         }
     }
@@ -59,7 +64,8 @@ impl<'a> Scan<'a> {
             "vn" => self.normals.add(statement.place(), 1),
             "usemtl" => self.palette.use_material(statement, loading)?,
             "mtllib" => self.palette.add_library(statement, loading)?,
-            // Names, points, lines and curves, which no ray can hit.
+            "o" | "g" if loading.objects.is_some() => self.objects.push((statement.arguments, self.faces)),
+            // Other names, points, lines and curves, which no ray can hit.
             _ => {}
         }
         Ok(())
@@ -112,6 +118,7 @@ impl<'a> Scan<'a> {
 
     /// Counts a face of the current material.
     fn add_face(&mut self) {
+        self.faces += 1;
         let current = self.palette.current;
         match self.runs.last_mut() {
             Some((material, faces)) if *material == current => *faces += 1,
