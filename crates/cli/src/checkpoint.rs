@@ -1,7 +1,8 @@
 //! Checkpoints as files, and when they are written.
 
 use anyhow::{Context, Result, anyhow};
-use globillum::integrator::Picture;
+use globillum::integrator::view_factors::ViewFactors;
+use globillum::integrator::{CheckpointError, Picture};
 use globillum::io::{AtomicFile, IoError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -9,19 +10,59 @@ use std::time::{Duration, Instant};
 /// A first checkpoint is written after this time, if saving is quick.
 const FIRST: Duration = Duration::from_secs(5);
 
-/// Reads a picture with its bookkeeping. A message names the file.
-pub(crate) fn read(path: &Path) -> Result<Picture> {
+/// What is saved while it is computed.
+pub(crate) trait Saved: Sized {
+    fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError>;
+    fn to_bytes(&self) -> Vec<u8>;
+    /// Whether it holds no pass.
+    fn is_empty(&self) -> bool;
+    /// About how many bytes a checkpoint takes.
+    fn size(&self) -> f64;
+}
+
+impl Saved for Picture {
+    fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        Self::from_bytes(bytes)
+    }
+    fn to_bytes(&self) -> Vec<u8> {
+        self.to_bytes()
+    }
+    fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+    fn size(&self) -> f64 {
+        most_bytes(u64::from(self.film.width()) * u64::from(self.film.height()), 2) as f64
+    }
+}
+
+impl Saved for ViewFactors {
+    fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        Self::from_bytes(bytes)
+    }
+    fn to_bytes(&self) -> Vec<u8> {
+        self.to_bytes()
+    }
+    fn is_empty(&self) -> bool {
+        self.passes() == 0
+    }
+    fn size(&self) -> f64 {
+        self.bytes() as f64
+    }
+}
+
+/// Reads a result with its bookkeeping. A message names the file.
+pub(crate) fn read<R: Saved>(path: &Path) -> Result<R> {
     let name = || path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| anyhow!("{}: cannot be read: {error}", name()))?;
-    Picture::from_bytes(&bytes).with_context(name)
+    R::from_bytes(&bytes).with_context(name)
 }
 
-/// Replaces the file at `path` by the picture in one step.
-pub(crate) fn write(path: &Path, picture: &Picture) -> Result<(), IoError> {
-    AtomicFile::create(path)?.commit(|writer| writer.write_all(&picture.to_bytes()))
+/// Replaces the file at `path` by the result in one step.
+pub(crate) fn write(path: &Path, result: &impl Saved) -> Result<(), IoError> {
+    AtomicFile::create(path)?.commit(|writer| writer.write_all(&result.to_bytes()))
 }
 
-/// When a checkpoint is saved while its picture is rendered.
+/// When a checkpoint is saved while its result is computed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SaveEvery {
     /// After these many seconds.
@@ -30,7 +71,7 @@ pub(crate) enum SaveEvery {
     Hundredth,
 }
 
-/// A checkpoint that is saved again and again while its picture is rendered.
+/// A checkpoint that is saved again and again while its result is computed.
 #[derive(Debug)]
 pub(crate) struct Checkpoint {
     path: PathBuf,
@@ -63,20 +104,20 @@ impl Checkpoint {
     }
 
     /// Saves if it is time to. [`Checkpoint::finish`] returns the error.
-    pub(crate) fn save_if_due(&mut self, picture: &Picture) {
-        let took = self.saved.map_or_else(|| estimate(picture), |_| self.took);
+    pub(crate) fn save_if_due(&mut self, result: &impl Saved) {
+        let took = self.saved.map_or_else(|| estimate(result), |_| self.took);
         let wait = wait(self.every, self.saved.is_none(), took);
         let begun = Instant::now();
         if begun.duration_since(self.saved.unwrap_or(self.start)) < wait {
             return;
         }
-        self.failed = write(&self.path, picture).err();
+        self.failed = write(&self.path, result).err();
         (self.saved, self.took) = (Some(Instant::now()), begun.elapsed());
     }
 
     /// Saves the last time.
-    pub(crate) fn finish(self, picture: &Picture) -> Result<(), IoError> {
-        self.failed.map_or_else(|| write(&self.path, picture), Err)
+    pub(crate) fn finish(self, result: &impl Saved) -> Result<(), IoError> {
+        self.failed.map_or_else(|| write(&self.path, result), Err)
     }
 }
 
@@ -92,9 +133,8 @@ fn wait(every: SaveEvery, is_first: bool, took: Duration) -> Duration {
 }
 
 /// How long the first save takes, with a disk of 200 MB a second.
-fn estimate(picture: &Picture) -> Duration {
-    let pixels = u64::from(picture.film.width()) * u64::from(picture.film.height());
-    Duration::from_secs_f64(most_bytes(pixels, 2) as f64 / 200e6)
+fn estimate(result: &impl Saved) -> Duration {
+    Duration::from_secs_f64(result.size() / 200e6)
 }
 
 /// About the most bytes of a checkpoint of these pixels, while `passes` passes are rendered, a power of two: 48 for

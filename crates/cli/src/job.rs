@@ -63,7 +63,7 @@ impl Job {
         let flags = flags.resolved(default_out)?;
         let interrupt = Interrupt::catch()?;
         let outputs = Outputs::open(&flags.output, flags.report.stats.as_deref())?;
-        let checkpoint = flags.checkpoints.open()?;
+        let checkpoint = flags.checkpoints.save.open()?;
         Ok(Self { flags, outputs, checkpoint, interrupt })
     }
 

@@ -1,8 +1,8 @@
-use crate::checkpoint::Checkpoint;
+use crate::checkpoint::{Checkpoint, Saved};
 use crate::interrupt::Interrupt;
 use crate::progress::ProgressBar;
 use anyhow::Result;
-use globillum::integrator::{Monitor, Picture, Progress};
+use globillum::integrator::{Monitor, Progress};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -33,12 +33,12 @@ impl<'a> RenderMonitor<'a> {
         }
     }
 
-    /// Takes the bar off the terminal, and saves the checkpoint the last time if the picture has any pass.
-    pub(crate) fn finish(self, picture: &Picture) -> Result<Traced> {
+    /// Takes the bar off the terminal, and saves the checkpoint the last time if the result has any pass.
+    pub(crate) fn finish(self, result: &impl Saved) -> Result<Traced> {
         self.bar.finish();
         let checkpoint = self.checkpoint.into_inner().unwrap_or_else(PoisonError::into_inner);
-        if let Some(checkpoint) = checkpoint.filter(|_| picture.samples > 0) {
-            checkpoint.finish(picture)?;
+        if let Some(checkpoint) = checkpoint.filter(|_| !result.is_empty()) {
+            checkpoint.finish(result)?;
         }
         let [rays, samples] = [self.rays, self.samples].map(AtomicU64::into_inner);
         Ok(Traced { rays, samples })
@@ -49,7 +49,7 @@ impl<'a> RenderMonitor<'a> {
     }
 }
 
-impl Monitor for RenderMonitor<'_> {
+impl<R: Saved> Monitor<R> for RenderMonitor<'_> {
     fn progress(&self, progress: Progress) {
         self.rays.fetch_max(progress.rays, Ordering::Relaxed);
         self.samples.fetch_max(progress.samples_done, Ordering::Relaxed);
@@ -60,9 +60,9 @@ impl Monitor for RenderMonitor<'_> {
         self.interrupt.is_asked() || self.checkpoint().as_ref().is_some_and(Checkpoint::has_failed)
     }
 
-    fn pass_done(&self, picture: &Picture) {
+    fn pass_done(&self, result: &R) {
         if let Some(checkpoint) = self.checkpoint().as_mut() {
-            checkpoint.save_if_due(picture);
+            checkpoint.save_if_due(result);
         }
     }
 }

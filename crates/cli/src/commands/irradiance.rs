@@ -63,7 +63,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let points = points::read(&options.points)?;
     let out = TextOutput::open(&options.out)?;
     let stats = stats.map(TextOutput::open).transpose()?;
-    let checkpoint = flags.checkpoints.open()?;
+    let checkpoint = flags.checkpoints.save.open()?;
 
     let start = Instant::now();
     let LoadedScene { name, model, environment, .. } =

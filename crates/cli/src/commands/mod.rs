@@ -8,6 +8,7 @@ mod plan;
 mod render;
 mod status;
 mod task;
+mod view_factors;
 
 use crate::exit::CODES;
 use crate::report::report_and_exit;
@@ -49,6 +50,7 @@ enum Command {
     Plan(plan::Options),
     Task(task::Options),
     Status(status::Options),
+    ViewFactors(view_factors::Options),
 }
 
 /// Runs the program with the arguments of this process, and returns its exit code.
@@ -66,5 +68,6 @@ pub fn run() -> ExitCode {
         Command::Plan(options) => plan::run(options),
         Command::Task(options) => task::run(options),
         Command::Status(options) => status::run(options),
+        Command::ViewFactors(options) => view_factors::run(options),
     })
 }

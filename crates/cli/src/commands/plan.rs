@@ -5,7 +5,7 @@ use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
 use crate::{checkpoint, console, parse};
 use anyhow::{Context, Result, ensure};
-use globillum::integrator::{Render, Settings, Stop};
+use globillum::integrator::{Picture as Rendered, Render, Settings, Stop};
 use globillum::io::AtomicFile;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -83,7 +83,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 
 /// The passes after those of the pilot that its error asks for.
 fn passes_after(pilot: &Path, error: f64, key: u64, flags: &RenderFlags) -> Result<Range<u32>> {
-    let picture = checkpoint::read(pilot)?;
+    let picture = checkpoint::read::<Rendered>(pilot)?;
     let name = pilot.display();
     ensure!(picture.key == key, "{name}: is of another picture or build");
     ensure!(picture.film.height() == picture.height, "{name}: holds a strip of the picture");

@@ -1,4 +1,4 @@
-use crate::checkpoint::{self, Checkpoint, SaveEvery};
+use crate::checkpoint::{self, Checkpoint, SaveEvery, Saved};
 use crate::parse;
 use anyhow::{Result, bail, ensure};
 use globillum::integrator::Render;
@@ -6,25 +6,54 @@ use serde::{Serialize, Serializer};
 use std::ops::Range;
 use std::path::PathBuf;
 
+/// Where a run is saved and continued from.
 #[derive(clap::Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Checkpoints")]
-pub(crate) struct CheckpointFlags {
-    /// Save the passes rendered so far in FILE, while rendering and at the end
+pub(crate) struct SaveFlags {
+    /// Save the passes done so far in FILE, while running and at the end
     #[arg(long, value_name = "FILE")]
-    pub(crate) checkpoint: Option<PathBuf>,
+    checkpoint: Option<PathBuf>,
     /// Seconds between two checkpoints; 0 saves after each pass [default: 60, or 99 times what saving takes]
     ///
     /// Checkpoints are saved between passes, the first one after 5 seconds. By default at most a hundredth of the
     /// time goes to saving, also that of the first one.
     #[arg(long, value_name = "S", requires = "checkpoint")]
     #[arg(value_parser = parse::not_negative, allow_negative_numbers = true)]
-    pub(crate) save_every: Option<f64>,
+    save_every: Option<f64>,
     /// Continue from the checkpoint if it exists
     ///
-    /// Scene, camera and settings must be the same but for --spp, --threads, --accel and the stop conditions.
-    /// The picture has the bits of one that was rendered at once.
+    /// Scene, camera or patches, and settings must be the same but for --spp, --threads, --accel and the stop
+    /// conditions. The result has the bits of one that was computed at once.
     #[arg(long, requires = "checkpoint")]
     resume: bool,
+}
+
+impl SaveFlags {
+    /// The checkpoint to be saved, known to be writable.
+    pub(crate) fn open(&self) -> Result<Option<Checkpoint>> {
+        let every = self.save_every.map_or(SaveEvery::Hundredth, SaveEvery::Seconds);
+        self.checkpoint.as_deref().map(|path| Checkpoint::new(path, every)).transpose()
+    }
+
+    /// The checkpoint's file, for messages.
+    pub(crate) fn name(&self) -> String {
+        self.checkpoint.as_deref().map(|path| path.display().to_string()).unwrap_or_default()
+    }
+
+    /// What the checkpoint holds, if it is there and to be continued.
+    pub(crate) fn read<R: Saved>(&self) -> Result<Option<R>> {
+        let Some(path) = self.checkpoint.as_ref().filter(|path| path.exists()) else { return Ok(None) };
+        ensure!(self.resume, "{}: exists already; --resume continues from it", path.display());
+        checkpoint::read(path).map(Some)
+    }
+}
+
+#[derive(clap::Args, Clone, Debug, Serialize)]
+#[command(next_help_heading = "Checkpoints")]
+pub(crate) struct CheckpointFlags {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) save: SaveFlags,
     /// Render only passes A to B - 1, to be joined with others by `globillum merge`
     #[arg(long, value_name = "A..B", value_parser = parse::passes, allow_negative_numbers = true)]
     #[serde(serialize_with = "as_text")]
@@ -34,7 +63,7 @@ pub(crate) struct CheckpointFlags {
 impl CheckpointFlags {
     /// Whether any flag is given.
     pub(crate) fn is_given(&self) -> bool {
-        self.checkpoint.is_some() || self.passes.is_some()
+        self.save.checkpoint.is_some() || self.passes.is_some()
     }
 
     /// Refuses passes that are not among these, of `samples`.
@@ -45,26 +74,13 @@ impl CheckpointFlags {
         })
     }
 
-    /// The checkpoint, if one is to be saved; it is known to be writable from now on.
-    pub(crate) fn open(&self) -> Result<Option<Checkpoint>> {
-        let path = self.checkpoint.as_deref();
-        path.map(|path| Checkpoint::new(path, self.save_every())).transpose()
-    }
-
-    /// When checkpoints are saved.
-    fn save_every(&self) -> SaveEvery {
-        self.save_every.map_or(SaveEvery::Hundredth, SaveEvery::Seconds)
-    }
-
     /// The same render, of the passes asked for, resumed from the checkpoint if it is there.
     pub(crate) fn apply_to<'a>(&self, render: Render<'a>) -> Result<Render<'a>> {
         let render = match &self.passes {
             Some(passes) => render.passes(passes.clone()),
             None => render,
         };
-        let Some(path) = self.checkpoint.as_ref().filter(|path| path.exists()) else { return Ok(render) };
-        ensure!(self.resume, "{}: exists already; --resume continues from it", path.display());
-        Ok(render.resume(checkpoint::read(path)?))
+        Ok(self.save.read()?.into_iter().fold(render, Render::resume))
     }
 }
 

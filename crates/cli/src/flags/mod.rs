@@ -12,10 +12,11 @@ mod scene;
 mod speed;
 mod stop;
 
-pub(crate) use checkpoints::CheckpointFlags;
+pub(crate) use checkpoints::{CheckpointFlags, SaveFlags};
 pub(crate) use measure::MeasureFlags;
 pub(crate) use output::PictureOutput;
 pub(crate) use scene::{LoadedScene, SceneFlags};
+pub(crate) use speed::SpeedFlags;
 
 use crate::load::Warnings;
 use anyhow::{Result, ensure};
@@ -25,7 +26,6 @@ use output::ReportFlags;
 use picture::PictureFlags;
 use sampling::SamplingFlags;
 use serde::Serialize;
-use speed::SpeedFlags;
 use stop::StopFlags;
 
 /// How a picture is rendered, whatever it shows.

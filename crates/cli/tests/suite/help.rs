@@ -18,6 +18,7 @@ fn help_is_headed_by_what_the_program_does_and_ends_with_examples() {
         (&["plan", "--help"], "Divides a picture into tasks"),
         (&["task", "--help"], "Renders one task"),
         (&["status", "--help"], "Says how far a job is"),
+        (&["view-factors", "--help"], "Computes view factors"),
     ] {
         let said = help(arguments);
         assert!(said.starts_with(head), "{said}");
@@ -60,14 +61,14 @@ fn flags_are_grouped_and_in_the_terms_of_the_field() {
 /// An example that names a flag or a value that is not there would be refused.
 #[test]
 fn examples_can_be_parsed() {
-    for command in ["render", "cornell", "irradiance", "merge", "plan", "task", "status"] {
+    for command in ["render", "cornell", "irradiance", "merge", "plan", "task", "status", "view-factors"] {
         let said = help(&[command, "--help"]).replace("\\\n", " ");
         let (_, examples) = said.split_once("\nExamples:\n").expect("there are examples");
         for line in examples.lines().filter_map(|line| line.trim().strip_prefix("globillum ")) {
             // `plan` ends with the command of a picture.
             for part in line.split(" | ").next().unwrap_or(line).split(" -- ") {
                 let arguments: Vec<&str> = part.split_whitespace().chain(["--help"]).collect();
-                let heads = ["Renders", "Measures", "Joins", "Divides", "Says"];
+                let heads = ["Renders", "Measures", "Joins", "Divides", "Says", "Computes"];
                 assert!(heads.iter().any(|head| help(&arguments).starts_with(head)), "{line}");
             }
         }
@@ -82,7 +83,10 @@ fn the_version_is_that_of_the_package() {
 #[test]
 fn commands_that_are_not_there_are_named() {
     let refused = |arguments: &[&str], words: &[&str]| GLOBILLUM.assert_refused(|_| (), arguments, words);
-    refused(&[], &["a command is missing: render, cornell, irradiance, merge, plan, task, status"]);
+    refused(
+        &[],
+        &["a command is missing: render, cornell, irradiance, merge, plan, task, status, view-factors"],
+    );
     refused(&["rendr"], &["unknown command rendr (a similar command exists: render)"]);
     refused(&["--sped"], &["unexpected argument --sped"]);
     refused(&["merge"], &["<CHECKPOINT>... is missing"]);

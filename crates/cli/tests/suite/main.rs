@@ -13,6 +13,7 @@ mod irradiance;
 mod output;
 mod render;
 mod stats;
+mod view_factors;
 
 use globillum_testkit::program::Program;
 
