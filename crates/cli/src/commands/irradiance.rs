@@ -29,7 +29,7 @@ Examples:
   With 4096 samples for each point, in a pipe:
       globillum irradiance SCENE.glb --points - --out - --samples 4096
   Daylight without sun, of a white sky of radiance 1:
-      globillum irradiance ROOM.glb --environment 1 --points desks.csv --error 0.005 --out daylight.csv";
+      globillum irradiance ROOM.glb --environment 1 --points desks.csv --error 0.005";
 
 /// Measures irradiance at points of a scene
 #[derive(clap::Args, Debug)]
