@@ -10,6 +10,7 @@ use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
 use globillum::integrator::{Ending, Model, Picture, Scene};
+use globillum::io::PictureData;
 use globillum::material::Rgb;
 use std::time::Instant;
 
@@ -71,10 +72,10 @@ impl Job {
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
         let start = Instant::now();
-        let (name, scene, camera) = subject.build(&flags, &interrupt)?;
+        let (name, scene, (camera, camera_by)) = subject.build(&flags, &interrupt)?;
         let build_seconds = start.elapsed().as_secs_f64();
         let settings = flags.settings();
-        let render = flags.render(&scene, camera.0.sensor(), &settings)?;
+        let render = flags.render(&scene, camera.sensor(), &settings)?;
         let monitor = RenderMonitor::new(checkpoint, &interrupt);
         let start = Instant::now();
         let picture = render.run(&monitor)?;
@@ -85,10 +86,11 @@ impl Job {
         }
 
         let timing = Timing { build_seconds, render_seconds, traced };
-        let summary = Summary::new(&name, &flags, &settings, &scene, camera, &picture, timing);
+        let summary = Summary::new(&name, &flags, &settings, &scene, (camera, camera_by), &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
-        let shown = flags.picture.shown(settings.path_reuse);
-        let written = outputs.write(shown.size(), || shown.means(&picture.film), || summary.to_json())?;
+        let mut data = PictureData::of_render(&picture, &settings, camera.pinhole());
+        flags.picture.shown(settings.path_reuse).cut(&mut data.estimates);
+        let written = outputs.write(&data, || summary.to_json())?;
         console::print_table(&summary.to_table(&written), data_on_stdout)?;
         report_interrupt(&picture, &interrupt, "pixel")
     }

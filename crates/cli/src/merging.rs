@@ -2,10 +2,9 @@
 
 use anyhow::{Context, Error, Result, anyhow};
 use globillum::integrator::{
-    CheckpointHeader, CheckpointReader, CheckpointWriter, Film, ImageError, Merge, MergeError,
+    CheckpointHeader, CheckpointReader, CheckpointWriter, Estimates, Film, ImageError, Merge, MergeError,
 };
 use globillum::io::AtomicFile;
-use globillum::material::Rgb;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,8 +13,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Merged {
     pub(crate) header: CheckpointHeader,
     pub(crate) error: ImageError,
-    /// Mean radiance of every pixel, row by row from the top, if it was asked for; black where nothing is known.
-    pub(crate) means: Vec<Rgb>,
+    /// The pixels, if they were asked for; unknown in rows that no checkpoint holds.
+    pub(crate) estimates: Option<Estimates>,
 }
 
 /// Merges the files at `paths` into the one at `checkpoint`, unless `check` refuses what they hold together, or
@@ -23,7 +22,7 @@ pub(crate) struct Merged {
 pub(crate) fn merge(
     paths: &[PathBuf],
     checkpoint: Option<&Path>,
-    want_means: bool,
+    want_picture: bool,
     check: impl FnOnce(&CheckpointHeader) -> Result<()>,
     cancelled: impl Fn() -> bool,
 ) -> Result<Merged> {
@@ -32,20 +31,16 @@ pub(crate) fn merge(
     let merge = Merge::new(readers).map_err(|error| named(error, paths))?;
     let header = merge.header().clone();
     check(&header)?;
-    let pixels = if want_means { header.width as usize * header.height as usize } else { 0 };
-    let mut means = vec![Rgb::BLACK; pixels];
+    let mut estimates = want_picture.then(|| Estimates::unknown(header.width, header.height));
     let collect = |rows: &Film| {
-        if want_means {
-            let first = rows.rows().start as usize * header.width as usize;
-            means[first..].iter_mut().zip(rows.means()).for_each(|(pixel, mean)| *pixel = mean);
-        }
+        estimates.iter_mut().for_each(|estimates| estimates.set_rows(rows));
         if cancelled() { Err(io::ErrorKind::Interrupted.into()) } else { Ok(()) }
     };
     let error = match checkpoint {
         None => merge.run(collect).map_err(|error| named(error, paths))?,
         Some(path) => save(path, merge, collect, paths)?,
     };
-    Ok(Merged { header, error, means })
+    Ok(Merged { header, error, estimates })
 }
 
 /// Writes the merged checkpoint to `path`, and hands its rows to `collect`.

@@ -3,8 +3,7 @@
 use crate::console;
 use crate::flags::PictureOutput;
 use anyhow::{Context, Result, ensure};
-use globillum::io::{AtomicFile, IoError, PictureFile};
-use globillum::material::Rgb;
+use globillum::io::{AtomicFile, IoError, PictureData, PictureFile};
 use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 
@@ -54,22 +53,20 @@ impl Outputs {
         !self.pictures.is_empty()
     }
 
-    /// Writes the picture, of which `pixels` are row by row from the top, wherever it shall go, and then the
-    /// figures; returns the pictures' files.
-    pub(crate) fn write<I: Iterator<Item = Rgb>>(
+    /// Writes the picture wherever it shall go, and then the figures; returns the pictures' files.
+    pub(crate) fn write(
         self,
-        (width, height): (u32, u32),
-        pixels: impl Fn() -> I,
+        data: &PictureData,
         stats: impl FnOnce() -> Result<String>,
     ) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
         for picture in self.pictures {
             match picture {
                 Target::StandardOutput => {
-                    console::print(&png(self.exposure, |file| file.write_pixels(width, height, pixels()))?)?
+                    console::print(&png(self.exposure, |file| file.write_data(data))?)?;
                 }
                 Target::File(path, file) => {
-                    file.write_pixels(width, height, pixels())?;
+                    file.write_data(data)?;
                     written.push(path);
                 }
             }

@@ -42,8 +42,8 @@ pub use error::{CheckpointError, DeltaLightError, MergeError, PointError, Render
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;
 pub use film::{
-    CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Ending, Film, ImageError, Merge,
-    Picture, PixelSums,
+    CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Ending, Estimates, Film,
+    ImageError, Merge, Picture, PixelSums,
 };
 pub use light::{
     AreaLightSample, DeltaLight, DeltaLightSample, LightSample, LightSampler, LightSampling, Lights,

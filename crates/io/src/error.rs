@@ -198,6 +198,14 @@ pub enum IoError {
         /// The error of the operating system.
         source: io::Error,
     },
+    /// The picture file is damaged, or is no such picture as can be read.
+    #[error("{}: {}", plain(path.display()), plain(source))]
+    Decode {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: Box<dyn StdError + Send + Sync>,
+    },
     /// The picture could not be encoded. The old file is unchanged.
     #[error("{}: cannot be encoded: {source}", plain(path.display()))]
     Encode {

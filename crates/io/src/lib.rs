@@ -1,8 +1,8 @@
 //! Scene files and picture files.
 //!
 //! `load` reads a scene file into a [`Model`]: `load_obj` reads Wavefront OBJ with MTL (feature `obj`),
-//! `load_gltf` reads glTF 2.0 (feature `gltf`). `PictureFile` writes a [`Film`] as PNG or OpenEXR
-//! (feature `images`). All features are on by default.
+//! `load_gltf` reads glTF 2.0 (feature `gltf`). `PictureFile` writes a [`Film`] as PNG or OpenEXR,
+//! `PictureData` reads OpenEXR with the errors of pixels (feature `images`). All features are on by default.
 //!
 //! Invalid input is an [`IoError`] that names the file and the place in it; it is never guessed at and
 //! never causes a panic. Unsupported content is skipped and listed in a [`LoadReport`]. A broken or hostile
@@ -47,9 +47,13 @@ mod monitor;
 mod obj;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod occurrences;
+#[cfg(feature = "images")]
+mod openexr;
 mod path;
 #[cfg(feature = "images")]
 mod picture;
+#[cfg(feature = "images")]
+mod picture_data;
 mod plain;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod range;
@@ -74,6 +78,8 @@ pub use location::{Location, Place};
 pub use monitor::{LoadMonitor, LoadProgress};
 #[cfg(feature = "images")]
 pub use picture::{PictureFile, PictureFormat};
+#[cfg(feature = "images")]
+pub use picture_data::PictureData;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 pub use report::{LoadReport, Warning, WarningKind};
 

@@ -1,12 +1,11 @@
-use crate::IoError;
 use crate::atomic::AtomicFile;
 use crate::path::extension_of;
-use globillum_integrator::Film;
-use globillum_material::Rgb;
-use image::codecs::openexr::OpenExrEncoder;
+use crate::picture_data::PictureData;
+use crate::{IoError, openexr};
+use globillum_integrator::{Estimates, Film};
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageResult};
-use std::io::Cursor;
+use image::{ExtendedColorType, ImageEncoder};
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// The format of a picture file.
@@ -15,7 +14,8 @@ use std::path::{Path, PathBuf};
 pub enum PictureFormat {
     /// 8 bits per component, sRGB-encoded, clamped to `[0, 1]`, for viewing.
     Png,
-    /// Linear Rec. 709 as `f32`, not clamped, for measuring and further processing.
+    /// Linear Rec. 709 as `f32`, not clamped, with the errors of pixels, for measuring and further processing
+    /// ([`PictureData`]).
     Exr,
 }
 
@@ -32,29 +32,25 @@ impl PictureFormat {
         }
     }
 
-    /// The content of a file. `pixels` are row by row from the top.
-    fn encode(self, width: u32, height: u32, pixels: impl Iterator<Item = Rgb>) -> ImageResult<Vec<u8>> {
-        let mut file = Cursor::new(Vec::new());
+    /// The content of a file, with radiance multiplied by `gain` if it is a PNG.
+    fn encode(self, data: &PictureData, gain: f64) -> Result<Vec<u8>, Box<dyn Error + Send + Sync>> {
+        let Estimates { width, height, means, .. } = &data.estimates;
         match self {
+            Self::Exr => openexr::encode(data),
             Self::Png => {
-                let bytes: Vec<u8> = pixels.flat_map(Rgb::to_srgb8).collect();
-                PngEncoder::new(&mut file).write_image(&bytes, width, height, ExtendedColorType::Rgb8)?;
-            }
-            Self::Exr => {
-                let components = pixels.flat_map(Rgb::to_array).map(|x| x as f32);
-                let bytes: Vec<u8> = components.flat_map(f32::to_ne_bytes).collect();
-                let color = ExtendedColorType::Rgb32F;
-                OpenExrEncoder::new(&mut file).write_image(&bytes, width, height, color)?;
+                let bytes: Vec<u8> = means.iter().flat_map(|&mean| (mean * gain).to_srgb8()).collect();
+                let mut file = Vec::new();
+                PngEncoder::new(&mut file).write_image(&bytes, *width, *height, ExtendedColorType::Rgb8)?;
+                Ok(file)
             }
         }
-        Ok(file.into_inner())
     }
 }
 
 /// A picture file that is open for writing.
 ///
 /// Create it before rendering, so that a wrong path is reported at once. An existing file does not change
-/// until [`PictureFile::write`] has finished.
+/// until [`PictureFile::write`] or [`PictureFile::write_data`] has finished.
 ///
 /// ```no_run
 /// use globillum_io::{IoError, PictureFile};
@@ -69,7 +65,7 @@ pub struct PictureFile {
     format: PictureFormat,
     path: PathBuf,
     file: AtomicFile,
-    /// The factor for radiance.
+    /// The factor for radiance of a PNG.
     gain: f64,
 }
 
@@ -88,38 +84,26 @@ impl PictureFile {
     /// file is for measuring and does not change.
     #[must_use]
     pub fn exposed(self, stops: f64) -> Self {
-        let gain = if self.format == PictureFormat::Png { stops.exp2() } else { 1.0 };
-        Self { gain, ..self }
+        Self { gain: stops.exp2(), ..self }
     }
 
-    /// Writes the mean radiance of the film's pixels. A regular file is replaced in one step, so that
-    /// readers find the old file or the new one; a FIFO or a device is written through (see
-    /// [`AtomicFile`]). The picture is encoded in memory, so the target need not be seekable.
+    /// Writes the film's pixels: [`PictureData::of`] it.
+    ///
+    /// # Errors
+    /// Those of [`PictureFile::write_data`].
+    pub fn write(self, film: &Film) -> Result<(), IoError> {
+        self.write_data(&PictureData::of(film))
+    }
+
+    /// Writes a picture, its means alone if it is a PNG. A regular file is replaced in one step, so that readers
+    /// find the old file or the new one; a FIFO or a device is written through (see [`AtomicFile`]). The picture
+    /// is encoded in memory, so the target need not be seekable.
     ///
     /// # Errors
     /// [`IoError::Encode`] or [`IoError::Write`]. Each says what remains of the old file.
-    pub fn write(self, film: &Film) -> Result<(), IoError> {
-        self.write_pixels(film.width(), film.height(), film.means())
-    }
-
-    /// Writes a picture of `width` x `height` pixels, given row by row from the top, as [`PictureFile::write`]
-    /// does.
-    ///
-    /// # Errors
-    /// Those of [`PictureFile::write`].
-    ///
-    /// # Panics
-    /// For another number of pixels.
-    pub fn write_pixels(
-        self,
-        width: u32,
-        height: u32,
-        pixels: impl Iterator<Item = Rgb>,
-    ) -> Result<(), IoError> {
+    pub fn write_data(self, data: &PictureData) -> Result<(), IoError> {
         let Self { format, path, file, gain } = self;
-        let bytes = format
-            .encode(width, height, pixels.map(|pixel| pixel * gain))
-            .map_err(|source| IoError::Encode { path, source: source.into() })?;
+        let bytes = format.encode(data, gain).map_err(|source| IoError::Encode { path, source })?;
         file.commit(|writer| writer.write_all(&bytes))
     }
 }
@@ -127,13 +111,17 @@ impl PictureFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use globillum_material::Rgb;
 
     #[test]
-    fn equal_pixels_make_equal_files() {
-        let noise = || (0..256 * 256).map(|i| Rgb::splat(f64::from(i % 977)));
+    fn equal_pictures_make_equal_files() {
+        let mut data = PictureData::new(Estimates::unknown(256, 256));
+        data.estimates.means = (0..256 * 256).map(|i| Rgb::splat(f64::from(i % 977))).collect();
+        (0..20).for_each(|i| data.set(&format!("name {i}"), i));
         for format in [PictureFormat::Png, PictureFormat::Exr] {
-            let encode = || format.encode(256, 256, noise()).unwrap();
-            assert_eq!(encode(), encode(), "{format:?}");
+            let encode = || format.encode(&data, 1.0).unwrap_or_default();
+            let first = encode();
+            assert!(!first.is_empty() && (0..4).all(|_| encode() == first), "{format:?}");
         }
     }
 }

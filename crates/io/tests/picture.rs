@@ -4,20 +4,24 @@
 
 use glam::{DVec3, Vec3};
 use globillum_geom::{KdOptions, KdTree, Triangle};
-use globillum_integrator::{Camera, Film, Model, Scene, Settings, render};
-use globillum_io::{IoError, PictureFile, PictureFormat};
+use globillum_integrator::{Camera, Estimates, Film, Model, PathReuse, Picture, Scene, Settings, render};
+use globillum_io::{IoError, PictureData, PictureFile, PictureFormat};
 use globillum_material::{Material, Rgb};
 use std::fs;
 use std::path::Path;
 
 /// The upper half is black. The lower half is a light with red above 1.
 fn film() -> Film {
+    rendered(&Settings::new(3, 2, 1)).0.film
+}
+
+fn rendered(settings: &Settings) -> (Picture, Camera) {
     let corners = [Vec3::new(-9.0, 0.0, -1.0), Vec3::new(0.0, -99.0, -1.0), Vec3::new(9.0, 0.0, -1.0)];
     let mut model = Model::default();
     model.add(Material::light(Rgb::new(2.0, 0.5, 0.25)).unwrap(), [Triangle { vertices: corners }]);
     let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
     let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7).unwrap();
-    render(&scene, &camera, &Settings::new(3, 2, 1), &()).unwrap().film
+    (render(&scene, &camera, settings, &()).unwrap(), camera)
 }
 
 #[test]
@@ -39,18 +43,102 @@ fn a_png_can_be_brightened_and_an_exr_is_left_alone() {
         PictureFile::create(path).unwrap().exposed(1.0).write(&film()).unwrap();
     }
     assert_eq!(image::open(&png).unwrap().into_rgb8().get_pixel(0, 1).0, [255, 255, 188]);
-    assert_eq!(image::open(&exr).unwrap().into_rgb32f().get_pixel(0, 1).0, [2.0, 0.5, 0.25]);
+    assert_eq!(PictureData::read(&exr).unwrap().estimates.means[3], Rgb::new(2.0, 0.5, 0.25));
+}
+
+/// Writes `data` to an OpenEXR file and reads it.
+fn written_and_read(data: &PictureData) -> (Vec<u8>, PictureData) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    PictureFile::create(&path).unwrap().write_data(data).unwrap();
+    (fs::read(&path).unwrap(), PictureData::read(&path).unwrap())
+}
+
+/// `f32` is what a file holds.
+fn rounded(pixels: &[Rgb]) -> Vec<Rgb> {
+    pixels.iter().map(|pixel| pixel.map(|x| f64::from(x as f32))).collect()
 }
 
 #[test]
-fn an_exr_keeps_every_float() {
+fn an_exr_keeps_means_and_errors_to_the_bit() {
+    let mut settings = Settings::new(37, 21, 12);
+    (settings.pass_samples, settings.seed, settings.threads) = (1, u64::MAX, 1);
+    let (picture, camera) = rendered(&settings);
+    let data = PictureData::of_render(&picture, &settings, Some(&camera));
+    let (bytes, read) = written_and_read(&data);
+    let expected = &data.estimates;
+    assert!(expected.standard_errors.iter().any(|error| error.r > 0.0), "the edge of the light is noisy");
+    assert_eq!(read.estimates.means, rounded(&expected.means));
+    assert_eq!(read.estimates.standard_errors, rounded(&expected.standard_errors));
+    assert_eq!(
+        (&read.estimates.samples, &read.estimates.observations),
+        (&vec![12; 37 * 21], &vec![12; 37 * 21])
+    );
+    assert_eq!((read.estimates.path_reuse, read.camera), (PathReuse::Fours, data.camera));
+    assert_eq!(read.attributes, data.attributes);
+    assert_eq!(read.attributes["seed"], "18446744073709551615");
+    assert_eq!(read.attributes["passes"], "0..12");
+    assert_eq!(read.attributes["key"], format!("{:016x}", picture.key));
+    assert_eq!(
+        read.attributes["settings"],
+        "sampler=sobol filter=box estimator=mis light_sampling=solid-angle mirror_sampling=planes \
+         path_reuse=fours max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.35"
+    );
+    assert!(written_and_read(&read).0 == bytes, "what was read is written with the same bytes");
+    for (margin, expected) in read.estimates.margins_95().iter().zip(picture.film.margins_95()) {
+        assert!((margin.r - expected.r).abs() <= 1e-6 * expected.r, "{margin} {expected}");
+    }
+}
+
+#[test]
+fn an_error_that_is_unknown_is_infinite_and_means_alone_have_no_error() {
+    let data = PictureData::of(&film());
+    let read = written_and_read(&data).1;
+    assert_eq!(read.estimates.standard_errors, [Rgb::splat(f64::INFINITY); 6]);
+    assert_eq!((read.estimates.samples[0], read.attributes["samples"].as_str()), (1, "1"));
+    let mut means = Estimates::unknown(3, 2);
+    means.means.clone_from(&data.estimates.means);
+    let data = PictureData::new(means);
+    let (bytes, read) = written_and_read(&data);
+    assert_eq!(read, data);
+    assert!(!bytes.windows(6).any(|name| name == b"stderr"), "there are only R, G and B");
+}
+
+#[test]
+fn files_that_are_no_such_picture_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    PictureFile::create(&path).unwrap().write(&film()).unwrap();
-    let picture = image::open(&path).unwrap();
-    assert_eq!(picture.color(), image::ColorType::Rgb32F);
-    let [black, light] = [[0.0, 0.0, 0.0], [2.0, 0.5, 0.25]];
-    assert_eq!(picture.into_rgb32f().into_raw(), [black, black, black, light, light, light].concat());
+    let refused = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        let message = PictureData::read(&path).unwrap_err().to_string();
+        message.strip_prefix(&format!("{}: ", path.display())).unwrap().to_owned()
+    };
+    let good = written_and_read(&PictureData::of(&film())).0;
+    refused(b"");
+    refused(b"\x89PNG");
+    (0..good.len()).step_by(29).for_each(|length| drop(refused(&good[..length])));
+    let with = |change: fn(&mut PictureData)| {
+        let mut data = PictureData::of(&film());
+        change(&mut data);
+        PictureFile::create(&path).unwrap().write_data(&data).unwrap();
+        refused(&fs::read(&path).unwrap())
+    };
+    assert_eq!(with(|data| data.estimates.means[4].g = f64::NAN), "pixel (1, 1) is not finite");
+    let message = with(|data| data.estimates.standard_errors[2].b = -1.0);
+    assert_eq!(message, "standard error of pixel (2, 0) is no error");
+    // A header of 2^27 pixels with the content of 6.
+    let mut huge = good;
+    let window = |x: i32, y: i32| [0, 0, x, y].into_iter().flat_map(i32::to_le_bytes).collect::<Vec<u8>>();
+    let (small, large) = (window(2, 1), window((1 << 14) - 1, (1 << 13) - 1));
+    while let Some(at) = huge.windows(16).position(|bytes| bytes == small) {
+        huge[at..at + 16].copy_from_slice(&large);
+    }
+    let chunks = b"chunkCount\0int\0\x04\0\0\0";
+    let at = huge.windows(chunks.len()).position(|bytes| bytes == chunks).unwrap() + chunks.len();
+    huge[at..at + 4].copy_from_slice(&512_i32.to_le_bytes()); // of 16 lines each
+    assert_eq!(refused(&huge), "has more pixels than it can hold");
+    let error = PictureData::read(&folder.path().join("none.exr")).unwrap_err();
+    assert!(matches!(error, IoError::Read { .. }));
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::output::Outputs;
 use crate::{console, parse, summary};
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{CheckpointError, CheckpointHeader};
+use globillum::io::PictureData;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -79,9 +80,11 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         Some(damage) if expected.is_some() && is_damage(damage) => Incomplete(format!("{error:#}")).into(),
         _ => error,
     })?;
-    let Merged { header, error, means } = merged;
+    let Merged { header, error, estimates } = merged;
     let data_on_stdout = outputs.fill_stdout();
-    outputs.write((header.width, header.height), || means.iter().copied(), || Ok(String::new()))?;
+    if let Some(estimates) = estimates {
+        outputs.write(&PictureData::of_merged(&header, estimates), || Ok(String::new()))?;
+    }
     console::print_table(&summary::of_merged(&header, error), data_on_stdout)
 }
 

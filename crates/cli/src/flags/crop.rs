@@ -1,5 +1,4 @@
-use globillum::integrator::{Film, PathReuse};
-use globillum::material::Rgb;
+use globillum::integrator::{Estimates, PathReuse};
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::Range;
@@ -56,17 +55,12 @@ impl Crop {
 }
 
 impl Shown {
-    /// Width and height.
-    pub(crate) fn size(&self) -> (u32, u32) {
-        (self.crop.width, self.crop.height)
-    }
-
-    /// The means of the pixels, row by row from the top.
-    pub(crate) fn means(&self, film: &Film) -> impl Iterator<Item = Rgb> {
+    /// Cuts the pixels out of those that are rendered.
+    pub(crate) fn cut(&self, estimates: &mut Estimates) {
         let Self { crop: Crop { x, y, width, height }, origin: [left, top] } = *self;
-        let pixels =
-            (y - top..y - top + height).flat_map(move |y| (x - left..x - left + width).map(move |x| (x, y)));
-        pixels.map(|(x, y)| film.mean(x, y))
+        if (width, height) != (estimates.width, estimates.height) {
+            *estimates = estimates.crop(x - left..x - left + width, y - top..y - top + height);
+        }
     }
 }
 

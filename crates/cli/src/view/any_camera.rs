@@ -61,6 +61,11 @@ impl AnyCamera {
         }
     }
 
+    /// The camera, if it is a pinhole.
+    pub(crate) fn pinhole(&self) -> Option<&Camera> {
+        if let Self::Pinhole(camera) = self { Some(camera) } else { None }
+    }
+
     pub(crate) fn camera_type(&self) -> CameraType {
         match self {
             Self::Pinhole(_) => CameraType::Pinhole,

@@ -1,13 +1,16 @@
 //! `globillum render` of files that Blender wrote (`crates/io/tests/blender`).
 
 use crate::RENDER;
+use globillum::integrator::Estimates;
+use globillum::io::PictureData;
+use globillum::material::Rgb;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A picture of a file: its pixels and its figures.
 struct Shot {
-    pixels: image::Rgb32FImage,
+    pixels: Estimates,
     stats: Value,
 }
 
@@ -18,9 +21,9 @@ impl Shot {
         let path = path.to_str().expect("a plain name");
         let out = ["--out", "a.exr", "--stats", "a.json"];
         RENDER.succeed(folder.path(), &[&[path], &out[..], flags].concat());
-        let read = |name: &str| std::fs::read(Path::new(folder.path()).join(name)).expect("it was written");
-        let pixels = image::load_from_memory(&read("a.exr")).expect("a picture").into_rgb32f();
-        Self { pixels, stats: serde_json::from_slice(&read("a.json")).expect("it is JSON") }
+        let stats = std::fs::read(folder.path().join("a.json")).expect("it was written");
+        let pixels = PictureData::read(&folder.path().join("a.exr")).expect("a picture").estimates;
+        Self { pixels, stats: serde_json::from_slice(&stats).expect("it is JSON") }
     }
 }
 
@@ -38,10 +41,10 @@ fn the_startup_scene_shows_its_lit_cube_through_its_camera() {
     let (to, intensity) = ([4.0762453_f64 - 1.0, 1.0054539 - 1.0, 5.903862 - 1.0], 1000.0 / (4.0 * PI));
     let distance_sq: f64 = to.iter().map(|x| x * x).sum();
     let expected = 0.8 / PI * intensity * to[2] / distance_sq.powf(1.5);
-    let brightest = shot.pixels.pixels().map(|pixel| f64::from(pixel.0[0])).fold(0.0, f64::max);
+    let brightest = shot.pixels.means.iter().map(|mean| mean.r).fold(0.0, f64::max);
     assert!((0.95..1.0).contains(&(brightest / expected)), "{brightest}, {expected}");
-    assert_eq!(shot.pixels.get_pixel(0, 0).0, [0.0; 3]);
-    let lit = shot.pixels.pixels().filter(|pixel| pixel.0[0] > 0.0).count();
+    assert_eq!(shot.pixels.means[0], Rgb::BLACK);
+    let lit = shot.pixels.means.iter().filter(|mean| mean.r > 0.0).count();
     assert!((200..2000).contains(&lit), "{lit} pixels show the cube");
 }
 

@@ -1,6 +1,7 @@
 //! Checkpoints: parts of a picture, merged, resumed, and renders that are killed.
 
 use crate::{CORNELL, MERGE};
+use globillum::io::PictureData;
 use globillum_testkit::program::names;
 use std::path::Path;
 use std::process::Stdio;
@@ -18,13 +19,19 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
     let folder = folder.path();
     let render = |arguments: &[&str]| CORNELL.succeed(folder, &[&SMALL[..], arguments].concat());
     render(&["--spp", "12", "--checkpoint", "whole"]);
-    let whole = read(folder, "a.exr");
+    let data = |name: &str| PictureData::read(&folder.join(name)).expect("a picture");
+    let whole = data("a.exr");
     for (part, passes) in [("1", "0..3"), ("2", "3..4"), ("3", "4..6")] {
         render(&["--passes", passes, "--checkpoint", part]);
     }
     let said = MERGE.succeed(folder, &["2", "3", "1", "--out", "b.exr", "--checkpoint", "all"]);
     assert!(said.contains("12 per pixel, passes 0..6") && said.contains("error "), "{said}");
-    assert_eq!(read(folder, "b.exr"), whole);
+    let merged = data("b.exr");
+    assert!(merged.estimates == whole.estimates, "means, errors and samples have the same bits");
+    for (name, value) in &merged.attributes {
+        assert_eq!(whole.attributes.get(name), Some(value), "{name}");
+    }
+    assert_eq!(merged.attributes.keys().collect::<Vec<_>>(), ["key", "passes", "path_reuse", "samples"]);
     assert_eq!(read(folder, "all"), read(folder, "whole"));
     MERGE.succeed(folder, &["2", "3", "1", "2", "--checkpoint", "twice"]);
     assert_eq!(read(folder, "twice"), read(folder, "whole"), "equal parts count once");

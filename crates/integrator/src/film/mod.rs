@@ -4,6 +4,7 @@ mod block;
 mod checkpoint;
 mod dispersion;
 mod error;
+mod estimates;
 #[cfg(any(test, feature = "fuzz"))]
 mod fuzz;
 mod margin;
@@ -15,6 +16,7 @@ pub(crate) mod student;
 pub(crate) use block::Block;
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
 pub use error::{ImageError, PixelSums};
+pub use estimates::Estimates;
 #[cfg(any(test, feature = "fuzz"))]
 pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally};

@@ -1,0 +1,177 @@
+use super::{Film, margin};
+use crate::PathReuse;
+use globillum_material::Rgb;
+use std::ops::Range;
+
+/// Mean radiance of a picture's pixels with its standard error, row by row from the top: what a picture file can
+/// hold of a [`Film`], in memory.
+///
+/// All lists have one entry for each pixel.
+///
+/// ```
+/// use globillum_integrator::{Estimates, Film};
+///
+/// /// How many pixels are known to one percent.
+/// fn good(film: &Film) -> usize {
+///     let estimates = Estimates::of(film);
+///     let pixels = estimates.means.iter().zip(&estimates.standard_errors);
+///     pixels.filter(|(mean, error)| error.max_component() <= 0.01 * mean.mean()).count()
+/// }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Estimates {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Mean radiance, component by component.
+    pub means: Vec<Rgb>,
+    /// Standard errors of the means ([`Film::variance_of_mean`]); infinite if unknown.
+    pub standard_errors: Vec<Rgb>,
+    /// Samples; 0 if unknown.
+    pub samples: Vec<u32>,
+    /// Independent observations on which the standard error rests ([`Film::observations`]); 0 if unknown.
+    pub observations: Vec<u32>,
+    /// Whether errors of pixels within a block of 4 x 4 depend on each other ([`Film::path_reuse`]).
+    pub path_reuse: PathReuse,
+}
+
+impl Estimates {
+    /// A picture of which nothing is known: black, with infinite errors.
+    pub fn unknown(width: u32, height: u32) -> Self {
+        let pixels = width as usize * height as usize;
+        Self {
+            width,
+            height,
+            means: vec![Rgb::BLACK; pixels],
+            standard_errors: vec![Rgb::splat(f64::INFINITY); pixels],
+            samples: vec![0; pixels],
+            observations: vec![0; pixels],
+            path_reuse: PathReuse::Off,
+        }
+    }
+
+    /// The estimates that `film` holds.
+    pub fn of(film: &Film) -> Self {
+        let mut estimates = Self::unknown(film.width(), film.height());
+        estimates.set_from(0, film);
+        estimates
+    }
+
+    /// Sets the rows that `film`, a strip of the same picture, holds ([`Film::rows`]).
+    ///
+    /// # Panics
+    /// If the film has another width, or rows below the picture.
+    pub fn set_rows(&mut self, film: &Film) {
+        self.set_from(film.rows().start, film);
+    }
+
+    fn set_from(&mut self, first_row: u32, film: &Film) {
+        assert_eq!(self.width, film.width(), "the strip has the picture's width");
+        let first = first_row as usize * self.width as usize;
+        let pixels: Range<usize> = first..first + film.pixel_count();
+        let saturated = |count: u64| u32::try_from(count).unwrap_or(u32::MAX);
+        self.path_reuse = film.path_reuse();
+        self.samples[pixels.clone()].fill(saturated(film.samples()));
+        self.observations[pixels.clone()].fill(saturated(film.observations()));
+        let errors = self.standard_errors[pixels.clone()].iter_mut();
+        for (error, variance) in errors.zip(film.variances_of_mean()) {
+            *error = variance.map(f64::sqrt);
+        }
+        for (mean, known) in self.means[pixels].iter_mut().zip(film.means()) {
+            *mean = known;
+        }
+    }
+
+    /// The pixels of these columns and rows alone.
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    #[must_use]
+    pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
+        assert!(columns.end <= self.width && rows.end <= self.height, "a crop lies within the picture");
+        let [left, right, width] = [columns.start, columns.end, self.width].map(|n| n as usize);
+        let lines = rows.start as usize..rows.end as usize;
+        fn cut<T: Copy>(pixels: &[T], lines: &Range<usize>, [left, right, width]: [usize; 3]) -> Vec<T> {
+            let line = |y: usize| &pixels[y * width + left..y * width + right];
+            lines.clone().flat_map(line).copied().collect()
+        }
+        let of = [left, right, width];
+        Self {
+            width: columns.end - columns.start,
+            height: rows.end - rows.start,
+            means: cut(&self.means, &lines, of),
+            standard_errors: cut(&self.standard_errors, &lines, of),
+            samples: cut(&self.samples, &lines, of),
+            observations: cut(&self.observations, &lines, of),
+            path_reuse: self.path_reuse,
+        }
+    }
+
+    /// Whether any pixel's standard error is known.
+    pub fn has_errors(&self) -> bool {
+        self.standard_errors.iter().any(|error| error.is_finite())
+    }
+
+    /// Half the width of the 95 % confidence interval of every pixel, as [`Film::margin_95`] has it; infinite if
+    /// unknown.
+    pub fn margins_95(&self) -> Vec<Rgb> {
+        let variances: Vec<Rgb> = self.standard_errors.iter().map(|&error| error * error).collect();
+        let mut sum = Rgb::BLACK;
+        variances.iter().for_each(|&variance| sum += variance);
+        let picture = sum / variances.len() as f64;
+        let (width, height) = (self.width as usize, self.height as usize);
+        let near = |x: usize, size: usize| x.saturating_sub(1)..(x + 2).min(size);
+        let margin = |at: usize| {
+            let (x, y) = (at % width, at / width);
+            let around = near(y, height).flat_map(|y| near(x, width).map(move |x| y * width + x));
+            let around = around.map(|at| variances[at]);
+            margin::margin_95(self.observations[at].into(), variances[at], around, || picture)
+        };
+        (0..variances.len()).map(margin).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Block, Moments, Tally};
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// A strip whose pixels have sums of 0, 1, 2, ... and so large spreads too.
+    fn strip(rows: Range<u32>) -> Film {
+        let mut film = Film::new(3, rows, PathReuse::Fours);
+        let pixel = |i: usize| Moments { sum: Rgb::splat(i as f64), spread: Rgb::splat(i as f64) };
+        let pixels = (0..film.pixel_count()).map(pixel).collect();
+        film.insert(Block::of_pass(0, Tally { samples: 8, observations: 4 }, pixels, 1));
+        film
+    }
+
+    #[test]
+    fn estimates_are_those_of_the_film() {
+        let film = strip(0..2);
+        let estimates = Estimates::of(&film);
+        assert!(film.means().eq(estimates.means.iter().copied()));
+        assert_eq!((estimates.samples[5], estimates.observations[0]), (8, 4));
+        assert_eq!(estimates.path_reuse, PathReuse::Fours);
+        let margins = estimates.margins_95();
+        assert_eq!(margins.len(), 6);
+        for (margin, expected) in margins.iter().zip(film.margins_95()) {
+            assert_relative_eq!(margin.g, expected.g, max_relative = 1e-14);
+        }
+    }
+
+    #[test]
+    fn strips_fill_their_rows_and_nothing_is_known_of_others() {
+        let mut estimates = Estimates::unknown(3, 48);
+        assert!(!estimates.has_errors());
+        estimates.set_rows(&strip(16..32));
+        assert!(estimates.has_errors());
+        assert_eq!(estimates.means[16 * 3 + 2], Rgb::splat(2.0 / 8.0));
+        for at in [0, 16 * 3 - 1, 32 * 3] {
+            assert_eq!((estimates.means[at], estimates.samples[at]), (Rgb::BLACK, 0));
+            assert_eq!(estimates.standard_errors[at].r, f64::INFINITY);
+        }
+    }
+}

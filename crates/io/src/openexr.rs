@@ -1,0 +1,182 @@
+//! OpenEXR files of one part, whose channels are named as Blender, Nuke and tev name them: `LAYER.CHANNEL`, and
+//! radiance without a layer.
+
+use crate::picture_data::PictureData;
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, read::read};
+use exr::meta::attribute::{AttributeValue, Text};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
+use globillum_integrator::{Estimates, PathReuse, Settings};
+use globillum_material::Rgb;
+use std::collections::BTreeMap;
+use std::error::Error as StdError;
+use std::io::Cursor;
+
+type Error = Box<dyn StdError + Send + Sync>;
+
+/// The program that wrote a file, as the attribute `software` has it.
+const SOFTWARE: &str = concat!("globillum ", env!("CARGO_PKG_VERSION"));
+/// What the names of attributes begin with.
+const PREFIX: &str = "globillum.";
+const COMPONENTS: [&str; 3] = ["R", "G", "B"];
+const SAMPLES: &str = "samples.X";
+const OBSERVATIONS: &str = "observations.X";
+/// The most that a byte of a file can become: DEFLATE writes 258 bytes with 2 bits.
+const MAX_EXPANSION: u64 = 1032;
+
+/// The file of a picture. Equal pictures have equal bytes.
+pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
+    let Estimates { width, height, means, standard_errors, samples, observations, .. } = &data.estimates;
+    let mut channels = triple("", means);
+    if data.estimates.has_errors() || samples.iter().any(|&count| count > 0) {
+        channels.extend(triple("stderr.", standard_errors));
+        channels.push(AnyChannel::new(SAMPLES, FlatSamples::U32(samples.clone())));
+        channels.push(AnyChannel::new(OBSERVATIONS, FlatSamples::U32(observations.clone())));
+    }
+    let size = (*width as usize, *height as usize);
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let layer = Layer::new(size, layer_attributes(data)?, Encoding::SMALL_LOSSLESS, channels);
+    let image = Image::new(ImageAttributes::with_size(size), layer);
+    let mut file = Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut file)?;
+    let mut bytes = file.into_inner();
+    sort_attributes(&mut bytes);
+    Ok(bytes)
+}
+
+/// The three components of `pixels`, in a layer.
+fn triple(layer: &str, pixels: &[Rgb]) -> Vec<AnyChannel<FlatSamples>> {
+    let channel = |(c, name): (usize, &&str)| {
+        let values = pixels.iter().map(|pixel| pixel.to_array()[c] as f32).collect();
+        AnyChannel::new(format!("{layer}{name}").as_str(), FlatSamples::F32(values))
+    };
+    COMPONENTS.iter().enumerate().map(channel).collect()
+}
+
+fn layer_attributes(data: &PictureData) -> Result<LayerAttributes, Error> {
+    let text = |text: &str| Text::new_or_none(text).ok_or("an attribute is not in Latin-1");
+    let mut attributes = LayerAttributes { software_name: Some(text(SOFTWARE)?), ..Default::default() };
+    for (name, value) in &data.attributes {
+        let name = text(&format!("{PREFIX}{name}"))?;
+        attributes.other.insert(name, AttributeValue::Text(text(value)?));
+    }
+    if let Some((matrix, fov)) = data.camera {
+        attributes.world_to_camera = Some(matrix);
+        attributes.vertical_field_of_view = Some(fov);
+    }
+    Ok(attributes)
+}
+
+/// Sorts the attributes of a file of one part by their names, as OpenEXR's own library does: the encoder writes
+/// them in another order each time.
+fn sort_attributes(bytes: &mut [u8]) {
+    // Magic number and version are before the first one; an empty name is after the last one.
+    const START: usize = 8;
+    let header = &bytes[START..];
+    let mut attributes: Vec<&[u8]> = Vec::new();
+    let mut at = 0;
+    while header.get(at).is_some_and(|&byte| byte != 0) {
+        let Some(length) = attribute_length(&header[at..]) else { return };
+        attributes.push(&header[at..at + length]);
+        at += length;
+    }
+    attributes.sort_unstable();
+    let sorted = attributes.concat();
+    bytes[START..START + at].copy_from_slice(&sorted);
+}
+
+/// The bytes of the attribute that `bytes` begin with: name and type, each ended by a zero, the length of the value,
+/// and the value.
+fn attribute_length(bytes: &[u8]) -> Option<usize> {
+    let end_of = |bytes: &[u8]| Some(bytes.iter().position(|&byte| byte == 0)? + 1);
+    let name = end_of(bytes)?;
+    let value = name + end_of(&bytes[name..])? + 4;
+    let length = u32::from_le_bytes(*bytes.get(..value)?.last_chunk()?);
+    let end = value + length as usize;
+    (end <= bytes.len()).then_some(end)
+}
+
+/// The picture in a file.
+pub(crate) fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
+    let chunks = exr::block::read(Cursor::new(bytes), false)?;
+    chunks.headers().iter().try_for_each(|header| check_size(header, bytes.len()))?;
+    let layers = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let image = layers.all_attributes().non_parallel().from_chunks(chunks)?;
+    let Layer { channel_data, attributes, size, .. } = image.layer_data;
+    let channels =
+        Channels(channel_data.list.into_iter().map(|c| (c.name.to_string(), c.sample_data)).collect());
+    let (width, pixels) = (size.width(), size.width() * size.height());
+    let layer = channels.layer_of_radiance().ok_or("has no channels R, G and B")?;
+    let mut estimates = Estimates::unknown(width as u32, size.height() as u32);
+    estimates.means = channels.triple(&layer, pixels).ok_or("has subsampled channels")?;
+    if let Some(at) = estimates.means.iter().position(|mean| !mean.is_finite()) {
+        return Err(format!("pixel ({}, {}) is not finite", at % width, at / width).into());
+    }
+    if let Some(errors) = channels.triple("stderr.", pixels) {
+        let is_error = |error: &Rgb| error.to_array().into_iter().all(|x| x >= 0.0);
+        if let Some(at) = errors.iter().position(|error| !is_error(error)) {
+            return Err(
+                format!("standard error of pixel ({}, {}) is no error", at % width, at / width).into()
+            );
+        }
+        estimates.standard_errors = errors;
+    }
+    let known = [(SAMPLES, &mut estimates.samples), (OBSERVATIONS, &mut estimates.observations)];
+    for (name, counts) in known {
+        if let Some(FlatSamples::U32(values)) = channels.get(name, pixels) {
+            counts.clone_from(values);
+        }
+    }
+    let attributes_by_name = texts(&attributes);
+    if attributes_by_name.get("path_reuse").is_some_and(|kind| kind == "fours") {
+        estimates.path_reuse = PathReuse::Fours;
+    }
+    let camera = attributes.world_to_camera.zip(attributes.vertical_field_of_view);
+    Ok(PictureData { attributes: attributes_by_name, camera, ..PictureData::new(estimates) })
+}
+
+/// Refuses a header that promises more than its file can hold.
+fn check_size(header: &Header, length: usize) -> Result<(), Error> {
+    let pixels = header.layer_size.width() as u64 * header.layer_size.height() as u64;
+    let channels = header.channels.list.len() as u64;
+    if pixels > Settings::MAX_PIXELS || pixels * channels > MAX_EXPANSION * length as u64 {
+        return Err("has more pixels than it can hold".into());
+    }
+    Ok(())
+}
+
+/// The text attributes of this library, by their names without the prefix.
+fn texts(attributes: &LayerAttributes) -> BTreeMap<String, String> {
+    let own = |(name, value): (&Text, &AttributeValue)| match value {
+        AttributeValue::Text(text) => Some((name.to_string().strip_prefix(PREFIX)?.into(), text.to_string())),
+        _ => None,
+    };
+    attributes.other.iter().filter_map(own).collect()
+}
+
+/// Channels by their names.
+struct Channels(BTreeMap<String, FlatSamples>);
+
+impl Channels {
+    /// A channel of one value for each pixel.
+    fn get(&self, name: &str, pixels: usize) -> Option<&FlatSamples> {
+        self.0.get(name).filter(|samples| samples.len() == pixels)
+    }
+
+    /// What the names of the three channels of radiance begin with.
+    fn layer_of_radiance(&self) -> Option<String> {
+        let is_layer = |layer: &&str| COMPONENTS.iter().all(|c| self.0.contains_key(&format!("{layer}{c}")));
+        let layers: Vec<&str> =
+            self.0.keys().filter_map(|name| name.strip_suffix('R')).filter(is_layer).collect();
+        let is_main = |layer: &&&str| layer.is_empty() || layer.ends_with("Combined.");
+        let main = layers.iter().find(is_main).or(if layers.len() == 1 { layers.first() } else { None });
+        main.map(ToString::to_string)
+    }
+
+    /// The three components of a layer.
+    fn triple(&self, layer: &str, pixels: usize) -> Option<Vec<Rgb>> {
+        let [r, g, b] = COMPONENTS.map(|c| self.get(&format!("{layer}{c}"), pixels));
+        let [r, g, b] = [r?, g?, b?].map(FlatSamples::values_as_f32);
+        Some(r.zip(g).zip(b).map(|((r, g), b)| Rgb::new(r.into(), g.into(), b.into())).collect())
+    }
+}
