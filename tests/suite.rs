@@ -6,6 +6,7 @@ mod architecture;
 mod cancel;
 mod checkpoint;
 mod closed_form;
+mod comparison;
 mod coverage;
 mod delta_lights;
 mod determinism;

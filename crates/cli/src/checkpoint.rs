@@ -18,6 +18,10 @@ pub(crate) trait Saved: Sized {
     fn is_empty(&self) -> bool;
     /// About how many bytes a checkpoint takes.
     fn size(&self) -> f64;
+    /// The picture, if it is one.
+    fn picture(&self) -> Option<&Picture> {
+        None
+    }
 }
 
 impl Saved for Picture {
@@ -32,6 +36,9 @@ impl Saved for Picture {
     }
     fn size(&self) -> f64 {
         most_bytes(u64::from(self.film.width()) * u64::from(self.film.height()), 2) as f64
+    }
+    fn picture(&self) -> Option<&Picture> {
+        Some(self)
     }
 }
 

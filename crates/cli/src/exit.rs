@@ -11,6 +11,7 @@ Exit codes:
   0   done
   1   an error that comes again if the program is run again: bad input, another picture
   3   incomplete: a part is missing or damaged
+  4   different: `diff` found a difference
   75  an error that may not come again: the disk is full, a server does not answer; `task` after a signal
   130, 143  ended by SIGINT (Ctrl-C) or SIGTERM, except `task`";
 
@@ -29,10 +30,25 @@ impl fmt::Display for Incomplete {
 
 impl Error for Incomplete {}
 
+/// Pictures differ.
+#[derive(Debug)]
+pub(crate) struct Differs(pub(crate) String);
+
+impl fmt::Display for Differs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "different: {}", self.0)
+    }
+}
+
+impl Error for Differs {}
+
 /// The exit code of an error other than a signal.
 pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
     if error.is::<Incomplete>() {
         return ExitCode::from(3);
+    }
+    if error.is::<Differs>() {
+        return ExitCode::from(4);
     }
     let causes = || error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>());
     if causes().any(|error| may_pass(error.kind())) { ExitCode::from(AGAIN) } else { ExitCode::FAILURE }

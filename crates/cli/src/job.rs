@@ -1,15 +1,16 @@
 use crate::accel::AccelKind;
 use crate::checkpoint::Checkpoint;
 use crate::console;
-use crate::flags::RenderFlags;
+use crate::flags::{RenderFlags, Shown};
 use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
+use crate::preview::Preview;
 use crate::summary::{Summary, Timing};
 use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
-use globillum::integrator::{Ending, Model, Picture, Scene};
+use globillum::integrator::{Ending, Model, Picture, Scene, Settings};
 use globillum::io::PictureData;
 use globillum::material::Rgb;
 use std::time::Instant;
@@ -76,7 +77,12 @@ impl Job {
         let build_seconds = start.elapsed().as_secs_f64();
         let settings = flags.settings();
         let render = flags.render(&scene, camera.sensor(), &settings)?;
-        let monitor = RenderMonitor::new(checkpoint, &interrupt);
+        let shown = flags.picture.shown(settings.path_reuse);
+        let preview = flags
+            .picture
+            .preview
+            .then(|| Preview::new(&flags.output, |picture| picture_data(picture, &settings, &camera, shown)));
+        let monitor = RenderMonitor::new(checkpoint, &interrupt).with_preview(preview);
         let start = Instant::now();
         let picture = render.run(&monitor)?;
         let render_seconds = start.elapsed().as_secs_f64();
@@ -88,12 +94,18 @@ impl Job {
         let timing = Timing { build_seconds, render_seconds, traced };
         let summary = Summary::new(&name, &flags, &settings, &scene, (camera, camera_by), &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
-        let mut data = PictureData::of_render(&picture, &settings, camera.pinhole());
-        flags.picture.shown(settings.path_reuse).cut(&mut data.estimates);
+        let data = picture_data(&picture, &settings, &camera, shown);
         let written = outputs.write(&data, || summary.to_json())?;
         console::print_table(&summary.to_table(&written), data_on_stdout)?;
         report_interrupt(&picture, &interrupt, "pixel")
     }
+}
+
+/// What is written of a picture.
+fn picture_data(picture: &Picture, settings: &Settings, camera: &AnyCamera, shown: Shown) -> PictureData {
+    let mut data = PictureData::of_render(picture, settings, camera.pinhole());
+    shown.cut(&mut data.estimates);
+    data
 }
 
 /// Fails if a signal ended the render, and says how many samples `of` each element were kept.

@@ -20,6 +20,7 @@ mod monitor;
 mod output;
 mod parse;
 mod points;
+mod preview;
 mod progress;
 mod report;
 mod summary;

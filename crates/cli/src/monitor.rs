@@ -1,16 +1,18 @@
 use crate::checkpoint::{Checkpoint, Saved};
 use crate::interrupt::Interrupt;
+use crate::preview::Preview;
 use crate::progress::ProgressBar;
 use anyhow::Result;
 use globillum::integrator::{Monitor, Progress};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Shows progress, saves checkpoints between passes, and ends the render at a signal.
+/// Shows progress, saves checkpoints and previews between passes, and ends the render at a signal.
 pub(crate) struct RenderMonitor<'a> {
     bar: ProgressBar,
     interrupt: &'a Interrupt,
     checkpoint: Mutex<Option<Checkpoint>>,
+    preview: Mutex<Option<Preview<'a>>>,
     rays: AtomicU64,
     samples: AtomicU64,
 }
@@ -28,9 +30,15 @@ impl<'a> RenderMonitor<'a> {
             bar: ProgressBar::new(),
             interrupt,
             checkpoint: Mutex::new(checkpoint),
+            preview: Mutex::new(None),
             rays: AtomicU64::new(0),
             samples: AtomicU64::new(0),
         }
+    }
+
+    /// Shows pictures between passes too.
+    pub(crate) fn with_preview(self, preview: Option<Preview<'a>>) -> Self {
+        Self { preview: Mutex::new(preview), ..self }
     }
 
     /// Takes the bar off the terminal, and saves the checkpoint the last time if the result has any pass.
@@ -63,6 +71,10 @@ impl<R: Saved> Monitor<R> for RenderMonitor<'_> {
     fn pass_done(&self, result: &R) {
         if let Some(checkpoint) = self.checkpoint().as_mut() {
             checkpoint.save_if_due(result);
+        }
+        let mut preview = self.preview.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((preview, picture)) = preview.as_mut().zip(result.picture()) {
+            preview.show_if_due(picture);
         }
     }
 }

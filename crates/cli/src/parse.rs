@@ -25,6 +25,12 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|&number| number >= 0.0).ok_or_else(|| "must be 0 or a number above".into())
 }
 
+/// A number above 0 and below 1.
+pub(crate) fn probability(text: &str) -> Result<f64, String> {
+    let number = positive(text).ok().filter(|&number| number < 1.0);
+    number.ok_or_else(|| "must be a number above 0 and below 1".into())
+}
+
 /// Any number but infinities and NaN.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());

@@ -26,6 +26,7 @@
 
 mod bytes;
 mod caught;
+mod comparison;
 mod error;
 mod film;
 mod hash;
@@ -38,6 +39,7 @@ mod sensor;
 mod settings;
 pub mod view_factors;
 
+pub use comparison::{ChiSquare, Comparison};
 pub use error::{CheckpointError, DeltaLightError, MergeError, PointError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;

@@ -1,6 +1,7 @@
 //! The program's commands.
 
 mod cornell;
+mod diff;
 mod irradiance;
 mod merge;
 mod picture;
@@ -30,6 +31,7 @@ Examples:
   globillum irradiance SCENE.glb --points P.csv  irradiance at points, to irradiance.csv
   globillum merge a.part b.part --out all.png    one picture of two parts
   globillum plan room.json -- render ROOM.glb    tasks for a farm
+  globillum diff a.exr b.exr                     whether two pictures differ by more than chance
   globillum help render                          all about one command";
 
 /// Renders pictures with global illumination by path tracing, and says how large their error is
@@ -51,12 +53,13 @@ enum Command {
     Task(task::Options),
     Status(status::Options),
     ViewFactors(view_factors::Options),
+    Diff(diff::Options),
 }
 
 /// Runs the program with the arguments of this process, and returns its exit code.
 ///
-/// Errors are one line on standard error, with code 1, 75 if they may not come again, or 3 if something is
-/// incomplete. After SIGINT or SIGTERM the complete passes of a
+/// Errors are one line on standard error, with code 1, 75 if they may not come again, 3 if something is
+/// incomplete, or 4 if pictures differ. After SIGINT or SIGTERM the complete passes of a
 /// picture are written, and the code is 128 and the number of the signal; the second signal ends the
 /// process at once.
 pub fn run() -> ExitCode {
@@ -69,5 +72,6 @@ pub fn run() -> ExitCode {
         Command::Task(options) => task::run(options),
         Command::Status(options) => status::run(options),
         Command::ViewFactors(options) => view_factors::run(options),
+        Command::Diff(options) => diff::run(options),
     })
 }

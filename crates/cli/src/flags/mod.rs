@@ -13,6 +13,7 @@ mod speed;
 mod stop;
 
 pub(crate) use checkpoints::{CheckpointFlags, SaveFlags};
+pub(crate) use crop::Shown;
 pub(crate) use measure::MeasureFlags;
 pub(crate) use output::PictureOutput;
 pub(crate) use scene::{LoadedScene, SceneFlags};
@@ -102,6 +103,7 @@ impl RenderFlags {
             ("--checkpoint and --passes", checkpoints.is_given()),
             ("--out", !output.out.is_empty()),
             ("--stats", report.stats.is_some()),
+            ("--preview", picture.preview),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
             Some((flags, _)) => anyhow::bail!("{flags}: not for a picture that is planned as a whole"),

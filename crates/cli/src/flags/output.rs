@@ -10,7 +10,8 @@ pub(crate) struct PictureOutput {
     /// Write the picture to FILE, as PNG or OpenEXR by its extension; `-` is standard output, as PNG
     ///
     /// May be given several times. PNG has 8 bits per component in sRGB, for looking at; OpenEXR has linear
-    /// radiance in Rec. 709 primaries as 32-bit floats, for measuring. A file appears when it is complete.
+    /// radiance in Rec. 709 primaries as 32-bit floats, and in the layer `stderr` its standard error, for
+    /// measuring. A file appears when it is complete.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Vec<PathBuf>,
     /// Brighten PNG pictures by this number of stops, each of which doubles radiance

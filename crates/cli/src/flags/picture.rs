@@ -25,6 +25,12 @@ pub(crate) struct PictureFlags {
     /// pixels, squares are rendered as a whole: the figures and a checkpoint are of all of them.
     #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = Crop::parse, allow_negative_numbers = true)]
     pub(crate) crop: Option<Crop>,
+    /// Replace the pictures of --out while they are rendered, for viewers that load a changed file again
+    ///
+    /// The first time after a second, then at growing intervals, between passes; at most a twentieth of the time goes
+    /// to it.
+    #[arg(long)]
+    pub(crate) preview: bool,
 }
 
 impl PictureFlags {

@@ -19,6 +19,7 @@ fn help_is_headed_by_what_the_program_does_and_ends_with_examples() {
         (&["task", "--help"], "Renders one task"),
         (&["status", "--help"], "Says how far a job is"),
         (&["view-factors", "--help"], "Computes view factors"),
+        (&["diff", "--help"], "Tells whether two pictures"),
     ] {
         let said = help(arguments);
         assert!(said.starts_with(head), "{said}");
@@ -61,14 +62,16 @@ fn flags_are_grouped_and_in_the_terms_of_the_field() {
 /// An example that names a flag or a value that is not there would be refused.
 #[test]
 fn examples_can_be_parsed() {
-    for command in ["render", "cornell", "irradiance", "merge", "plan", "task", "status", "view-factors"] {
+    for command in
+        ["render", "cornell", "irradiance", "merge", "plan", "task", "status", "view-factors", "diff"]
+    {
         let said = help(&[command, "--help"]).replace("\\\n", " ");
         let (_, examples) = said.split_once("\nExamples:\n").expect("there are examples");
         for line in examples.lines().filter_map(|line| line.trim().strip_prefix("globillum ")) {
             // `plan` ends with the command of a picture.
             for part in line.split(" | ").next().unwrap_or(line).split(" -- ") {
                 let arguments: Vec<&str> = part.split_whitespace().chain(["--help"]).collect();
-                let heads = ["Renders", "Measures", "Joins", "Divides", "Says", "Computes"];
+                let heads = ["Renders", "Measures", "Joins", "Divides", "Says", "Computes", "Tells"];
                 assert!(heads.iter().any(|head| help(&arguments).starts_with(head)), "{line}");
             }
         }
@@ -85,7 +88,7 @@ fn commands_that_are_not_there_are_named() {
     let refused = |arguments: &[&str], words: &[&str]| GLOBILLUM.assert_refused(|_| (), arguments, words);
     refused(
         &[],
-        &["a command is missing: render, cornell, irradiance, merge, plan, task, status, view-factors"],
+        &["a command is missing: render, cornell, irradiance, merge, plan, task, status, view-factors, diff"],
     );
     refused(&["rendr"], &["unknown command rendr (a similar command exists: render)"]);
     refused(&["--sped"], &["unexpected argument --sped"]);

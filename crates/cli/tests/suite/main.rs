@@ -4,6 +4,7 @@
 mod blender;
 mod checkpoints;
 mod cornell;
+mod diff;
 mod example;
 mod farm;
 mod help;

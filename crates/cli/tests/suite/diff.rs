@@ -1,0 +1,73 @@
+//! `globillum diff`: two pictures beside each other.
+
+use crate::{CORNELL, GLOBILLUM};
+use std::path::Path;
+use std::process::Output;
+
+const SMALL: [&str; 6] = ["--width", "32", "--height", "32", "--spp", "16"];
+
+fn render(folder: &Path, out: &str, flags: &[&str]) {
+    CORNELL.succeed(folder, &[&SMALL[..], &["--out", out, "--pass-spp", "4"], flags].concat());
+}
+
+fn diff(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let Output { status, stdout, stderr } = GLOBILLUM.run(folder, &[&["diff"], arguments].concat());
+    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+    (status.code(), text(&stdout), text(&stderr))
+}
+
+#[test]
+fn seeds_are_equal_and_another_scene_is_different() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for seed in ["0", "1", "2", "3"] {
+        render(folder, &format!("{seed}.exr"), &["--seed", seed]);
+    }
+    for arguments in [&["0.exr", "1.exr"][..], &["0.exr", "1.exr", "--with", "2.exr", "3.exr"]] {
+        let (code, said, warnings) = diff(folder, arguments);
+        assert_eq!((code, warnings.as_str()), (Some(0), ""), "{said}");
+        assert!(said.contains("verdict       no difference found: p = "), "{said}");
+    }
+    render(folder, "mirror.exr", &["--seed", "9", "--specular"]);
+    let maps = ["--map", "z.png", "--block-map", "blocks.png"];
+    let (code, said, error) = diff(folder, &[&["0.exr", "mirror.exr"], &maps[..]].concat());
+    assert!(code == Some(4) && said.contains("verdict       different: p = "), "{said}");
+    assert!(error.starts_with("error: different: by more than chance"), "{error}");
+    for name in ["z.png", "blocks.png"] {
+        let map = image::open(folder.join(name)).expect("a picture").into_rgb8();
+        assert_eq!(map.dimensions(), (32, 32), "{name}");
+        assert!(map.pixels().any(|pixel| pixel.0[0] == 255 && pixel.0[1] < 99), "{name}: is red somewhere");
+    }
+}
+
+#[test]
+fn the_same_seed_is_warned_of() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    render(folder, "a.exr", &[]);
+    let (code, said, warning) = diff(folder, &["a.exr", "a.exr"]);
+    assert_eq!((code, warning.lines().count()), (Some(0), 1), "{warning}");
+    assert!(warning.starts_with("warning: a.exr and a.exr: have the same seed"), "{warning}");
+    assert!(said.contains("ratio         1.000000") && said.contains("differences are too small"), "{said}");
+}
+
+#[test]
+fn pictures_that_cannot_be_compared_are_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    render(folder, "a.exr", &[]);
+    CORNELL.succeed(folder, &["--width", "33", "--height", "32", "--spp", "1", "--out", "wide.exr"]);
+    std::fs::write(folder.join("b.exr"), "no picture").expect("it can be written");
+    for (arguments, message) in [
+        (&["a.exr"][..], "--with is missing"),
+        (&["a.exr", "none.exr"], "none.exr: cannot be read"),
+        (&["a.exr", "b.exr"], "b.exr: "),
+        (&["a.exr", "wide.exr"], "wide.exr: has 33 x 32 pixels, a.exr 32 x 32"),
+        (&["a.exr", "a.exr", "--false-alarm", "1"], "--false-alarm 1: must be a number above 0 and below 1"),
+        (&["a.exr", "a.exr", "--map", "z.exr"], "z.exr: a map is a PNG"),
+    ] {
+        let (code, _, error) = diff(folder, arguments);
+        assert!(code == Some(1) && error.starts_with(&format!("error: {message}")), "{error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+    }
+}

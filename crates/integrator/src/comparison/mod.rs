@@ -1,0 +1,258 @@
+//! Whether two pictures show the same, told by their errors.
+
+mod normal;
+mod side;
+
+use crate::Estimates;
+use crate::path::{REUSE_BLOCK_SIDE, Tile};
+use globillum_material::Rgb;
+use side::{Cell, Side, blocks, places};
+
+/// Two estimates of a picture beside each other: what tells chance from a difference.
+///
+/// A side is one picture with its standard errors, or several seeds of a picture, which are averaged and whose
+/// spread is the error. Both sides must be independent: other seeds, or other programs. Errors may depend on each
+/// other within the blocks of 4 x 4 pixels that begin at the upper left corner, but not between blocks, as those of
+/// [`Film`](crate::Film); a filter that spreads a sample over several pixels makes them dependent.
+///
+/// Four tests decide ([`Comparison::p_value`]). Three of them do not assume that samples are normally distributed:
+/// each is a sum of a term for each block, independent and of mean 0 if the pictures are equal, over the root of the
+/// sum of its squares. With some hundred blocks that is a standard normal deviate. The fourth, the largest
+/// difference of a block, finds what few blocks show.
+///
+/// ```
+/// use globillum_integrator::{Comparison, Estimates, Film};
+///
+/// /// Whether two seeds of a picture differ by more than chance, which one pair of a thousand seems to.
+/// fn differ(a: &Film, b: &Film) -> bool {
+///     let [a, b] = [a, b].map(Estimates::of);
+///     Comparison::between(&[a], &[b]).is_none_or(|comparison| comparison.p_value() < 0.001)
+/// }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Comparison {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// The first side's mean less the second's over the standard error of the difference, for every pixel and
+    /// component, row by row from the top, as a standard normal deviate: Student's distribution is accounted for.
+    /// NaN if an error is unknown.
+    pub pixels: Vec<Rgb>,
+    /// The same for the blocks of 4 x 4 pixels. The error of a block of a side of several seeds is their spread.
+    /// That of a single picture is computed from the errors of its pixels; with path reuse it is an upper bound, up
+    /// to twice the true error, so that deviates are too small.
+    pub blocks: Vec<Rgb>,
+    /// The first side's mean radiance over the second's, all components together; NaN if the second is black.
+    pub ratio: f64,
+    /// The 95 % confidence interval of `ratio`, by the differences of blocks: too wide where blocks truly differ.
+    pub ratio_95: [f64; 2],
+    /// The ratio of each component.
+    pub component_ratios: Rgb,
+    /// Test of the means: the sum of the differences of blocks in units of their errors. A standard normal deviate if pictures are equal.
+    pub mean: f64,
+    /// Test of structure: the sum of the products of such differences of neighbouring blocks (Moran 1950), above 0 where
+    /// pictures differ alike in neighbouring blocks. A standard normal deviate if pictures are equal.
+    pub neighbours: f64,
+    /// Test of the errors; `None` if no errors are known.
+    pub chi_square: Option<ChiSquare>,
+    /// Test of the blocks: the largest absolute deviate in [`Comparison::blocks`]; `None` if no errors are known.
+    pub largest_block: Option<f64>,
+}
+
+/// Squared differences of pixels beside their variances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ChiSquare {
+    /// Squared differences over variances: about 1 if pictures are equal and errors are right, above if pictures
+    /// differ or errors are too small. Pixels are weighted by the inverse variance of the blocks around their own.
+    pub reduced: f64,
+    /// By how much squared differences exceed variances, block by block. A standard normal deviate if pictures are
+    /// equal and errors are right; below -4, errors are too large or the pictures are not independent.
+    pub z: f64,
+}
+
+impl Comparison {
+    /// Compares two sides of one or several pictures each; `None` if a side has none, or sizes differ.
+    pub fn between(a: &[Estimates], b: &[Estimates]) -> Option<Self> {
+        let (width, height) = a.first().map(|first| (first.width, first.height))?;
+        if a.iter().chain(b).any(|picture| (picture.width, picture.height) != (width, height)) {
+            return None;
+        }
+        let pair = Pair { width, height, a: Side::of(a)?, b: Side::of(b)? };
+        let variances = pair.block_variances();
+        let differences = pair.differences(&variances);
+        let blocks = deviates(&pair.a.blocks, &pair.b.blocks);
+        let components = blocks.iter().flat_map(|z| z.to_array()).filter(|z| !z.is_nan());
+        let largest_block = components.map(f64::abs).reduce(f64::max);
+        let (ratio, ratio_95) = pair.ratio(Rgb::mean);
+        let [r, g, b] = [0, 1, 2].map(|c| pair.ratio(|rgb| rgb.to_array()[c]).0);
+        Some(Self {
+            width,
+            height,
+            pixels: deviates(&pair.a.pixels, &pair.b.pixels),
+            blocks,
+            ratio,
+            ratio_95,
+            component_ratios: Rgb::new(r, g, b),
+            mean: normal::of_sum(differences.iter().copied()),
+            neighbours: pair.neighbours(&differences),
+            chi_square: pair.chi_square(&variances),
+            largest_block,
+        })
+    }
+
+    /// The probability that equal pictures differ as much as these, by the test that says most; at most 1, and
+    /// corrected for the number of tests (Bonferroni).
+    ///
+    /// The means are tested on both sides, structure and chi-square on the upper one, the largest of all blocks and
+    /// components as one of as many (Bonferroni again).
+    pub fn p_value(&self) -> f64 {
+        let mean = 2.0 * normal::above(self.mean.abs());
+        let neighbours = normal::above(self.neighbours);
+        let chi_square = self.chi_square.map(|chi_square| normal::above(chi_square.z));
+        let components = 3.0 * self.blocks.len() as f64;
+        let largest = self.largest_block.map(|z| components * 2.0 * normal::above(z));
+        let tests = [Some(mean), Some(neighbours), chi_square, largest];
+        let count = tests.iter().flatten().count() as f64;
+        tests.into_iter().flatten().fold(1.0, |least, p| f64::min(least, count * p))
+    }
+
+    /// Width of the grid of [`Comparison::blocks`].
+    pub fn blocks_width(&self) -> u32 {
+        self.width.div_ceil(REUSE_BLOCK_SIDE)
+    }
+}
+
+/// Both sides.
+struct Pair {
+    width: u32,
+    height: u32,
+    a: Side,
+    b: Side,
+}
+
+impl Pair {
+    /// The differences of the sums of blocks, the mean of the components, over the root of their pixels' variances;
+    /// as they are if these are unknown.
+    ///
+    /// The variances bring blocks to one scale, so that no few outweigh the others; no test needs them to be right.
+    fn differences(&self, variances: &[f64]) -> Vec<f64> {
+        let floor = floor(variances);
+        let scale =
+            |variance: f64| if floor > 0.0 && floor.is_finite() { (variance + floor).sqrt() } else { 1.0 };
+        let cells = self.a.blocks.iter().zip(&self.b.blocks).zip(variances);
+        let blocks = blocks(self.width, self.height).zip(cells);
+        let difference = |(block, ((a, b), &variance)): (Tile, ((&Cell, &Cell), &f64))| {
+            block.pixel_count() as f64 * (a.mean.mean() - b.mean.mean()) / scale(variance)
+        };
+        blocks.map(difference).collect()
+    }
+
+    /// The ratio of the sums of what `of` takes of a block, and its 95 % confidence interval.
+    fn ratio(&self, of: impl Fn(Rgb) -> f64) -> (f64, [f64; 2]) {
+        const QUANTILE_975: f64 = 1.959_963_984_540_054;
+        let sizes = blocks(self.width, self.height).map(|block| block.pixel_count() as f64);
+        let blocks = sizes.zip(self.a.blocks.iter().zip(&self.b.blocks));
+        let sums: Vec<[f64; 2]> =
+            blocks.map(|(size, (a, b))| [of(a.mean), of(b.mean)].map(|mean| size * mean)).collect();
+        let (a, b) = sums.iter().fold((0.0, 0.0), |(a, b), sums| (a + sums[0], b + sums[1]));
+        let ratio = a / b;
+        let squares: f64 = sums.iter().map(|sums| (sums[0] - ratio * sums[1]).powi(2)).sum();
+        let margin = QUANTILE_975 * squares.sqrt() / b;
+        (ratio, [ratio - margin, ratio + margin])
+    }
+
+    /// [`Comparison::neighbours`], given the differences of blocks.
+    fn neighbours(&self, apart: &[f64]) -> f64 {
+        let columns = self.width.div_ceil(REUSE_BLOCK_SIDE) as usize;
+        let right = |at: usize| (!(at + 1).is_multiple_of(columns)).then_some(at + 1);
+        let below = |at: usize| Some(at + columns).filter(|&at| at < apart.len());
+        let pairs = (0..apart.len())
+            .flat_map(|at| [right(at), below(at)].into_iter().flatten().map(move |n| (at, n)));
+        normal::of_sum(pairs.map(|(a, b)| apart[a] * apart[b]))
+    }
+
+    /// [`Comparison::chi_square`].
+    fn chi_square(&self, variances: &[f64]) -> Option<ChiSquare> {
+        if !variances.iter().all(|variance| variance.is_finite()) {
+            return None;
+        }
+        let weights = self.weights(variances);
+        let (mut squares, mut expected, mut excesses) = (0.0, 0.0, Vec::new());
+        for ((block, variance), weight) in blocks(self.width, self.height).zip(variances).zip(weights) {
+            let square = places(block, self.width).map(|at| {
+                let apart = self.a.pixels[at].mean + self.b.pixels[at].mean * -1.0;
+                (apart * apart).mean()
+            });
+            let square: f64 = square.sum();
+            squares += weight * square;
+            expected += weight * variance;
+            excesses.push(weight * (square - variance));
+        }
+        let reduced = if squares == expected { 1.0 } else { squares / expected };
+        Some(ChiSquare { reduced, z: normal::of_sum(excesses.into_iter()) })
+    }
+
+    /// The variances of the differences of pixels, summed over each block; infinite if unknown.
+    fn block_variances(&self) -> Vec<f64> {
+        let variance = |at: usize| (self.a.pixels[at].variance + self.b.pixels[at].variance).mean();
+        blocks(self.width, self.height).map(|block| places(block, self.width).map(variance).sum()).collect()
+    }
+
+    /// The inverse of the mean variance of the blocks around each, of which chance in the block itself is
+    /// independent.
+    fn weights(&self, variances: &[f64]) -> Vec<f64> {
+        let columns = self.width.div_ceil(REUSE_BLOCK_SIDE) as usize;
+        let rows = variances.len() / columns;
+        let floor = floor(variances);
+        let near = |x: usize, size: usize| x.saturating_sub(1)..(x + 2).min(size);
+        let weight = |at: usize| {
+            let (x, y) = (at % columns, at / columns);
+            let around = near(y, rows).flat_map(|y| near(x, columns).map(move |x| y * columns + x));
+            let around: Vec<f64> =
+                around.filter(|&other| other != at).map(|other| variances[other]).collect();
+            let variance = mean_of(&around) + floor;
+            if variance > 0.0 { 1.0 / variance } else { 1.0 }
+        };
+        (0..variances.len()).map(weight).collect()
+    }
+}
+
+/// A variance that is small beside most: a sixteenth of the median, or of the mean if that is 0.
+fn floor(variances: &[f64]) -> f64 {
+    let mut sorted = variances.to_vec();
+    let middle = sorted.len() / 2;
+    let (_, &mut median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
+    (if median > 0.0 { median } else { mean_of(variances) }) / 16.0
+}
+
+/// 0 for none.
+fn mean_of(values: &[f64]) -> f64 {
+    if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
+}
+
+fn deviates(a: &[Cell], b: &[Cell]) -> Vec<Rgb> {
+    let deviate = |(a, b): (&Cell, &Cell)| {
+        let [x, y, v, w] = [a.mean, b.mean, a.variance, b.variance].map(Rgb::to_array);
+        let [r, g, b] = std::array::from_fn(|c| deviate(x[c] - y[c], [(v[c], a.dof), (w[c], b.dof)]));
+        Rgb::new(r, g, b)
+    };
+    a.iter().zip(b).map(deviate).collect()
+}
+
+/// The deviate of a difference `apart` of two means, given their variances and the degrees of freedom of these,
+/// which are joined as Welch (1947) does.
+fn deviate(apart: f64, variances: [(f64, f64); 2]) -> f64 {
+    let variance: f64 = variances.iter().map(|(variance, _)| variance).sum();
+    if !variance.is_finite() {
+        return f64::NAN;
+    }
+    if apart == 0.0 {
+        return 0.0;
+    }
+    // Shares, since squares of variances may underflow.
+    let inverse: f64 = variances.iter().map(|(v, dof)| (v / variance).powi(2) / dof).sum();
+    normal::of_student(apart / variance.sqrt(), 1.0 / inverse)
+}

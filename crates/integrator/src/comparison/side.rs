@@ -1,0 +1,107 @@
+use crate::Estimates;
+use crate::path::{REUSE_BLOCK_SIDE, Tile};
+use globillum_material::Rgb;
+
+/// A mean with its variance: of a pixel, or of a block.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub(super) mean: Rgb,
+    /// Variance of the mean; infinite if unknown.
+    pub(super) variance: Rgb,
+    /// Degrees of freedom of the variance.
+    pub(super) dof: f64,
+}
+
+/// One side of a comparison: a picture, or several seeds of one.
+#[derive(Debug)]
+pub(super) struct Side {
+    pub(super) pixels: Vec<Cell>,
+    pub(super) blocks: Vec<Cell>,
+}
+
+/// Blocks of 4 x 4 pixels, row by row: whatever the path reuse, blocks are independent of each other.
+pub(super) fn blocks(width: u32, height: u32) -> impl Iterator<Item = Tile> {
+    Tile::grid([width, height], [REUSE_BLOCK_SIDE; 2])
+}
+
+/// Where the pixels of a block are in a picture.
+pub(super) fn places(block: Tile, width: u32) -> impl Iterator<Item = usize> {
+    block.pixels().map(move |(x, y)| y as usize * width as usize + x as usize)
+}
+
+impl Side {
+    /// The side of a picture with its own errors, or of several pictures, whose errors are their spread. All have
+    /// the size of the first.
+    pub(super) fn of(pictures: &[Estimates]) -> Option<Self> {
+        match pictures {
+            [] => None,
+            [picture] => Some(Self::of_one(picture)),
+            seeds => Some(Self::of_seeds(seeds)),
+        }
+    }
+
+    fn of_one(picture: &Estimates) -> Self {
+        let pixel = |at: usize| {
+            let (mean, error) = (picture.means[at], picture.standard_errors[at]);
+            let dof = f64::from(picture.observations[at]) - 1.0;
+            Cell { mean, variance: error * error + rounding(mean), dof: dof.max(1.0) }
+        };
+        let pixels: Vec<Cell> = (0..picture.means.len()).map(pixel).collect();
+        // The variance of a sum of dependent pixels is at most this many times the sum of their variances.
+        let dependent = f64::from(picture.path_reuse.dependent_pixels());
+        let block = |block: Tile| {
+            let (mut mean, mut variance, mut uncertain, mut count) = (Rgb::BLACK, Rgb::BLACK, 0.0, 0.0);
+            let mut least = f64::INFINITY;
+            for pixel in places(block, picture.width).map(|at| pixels[at]) {
+                mean += pixel.mean;
+                variance += pixel.variance;
+                uncertain += pixel.variance.mean().powi(2) / pixel.dof;
+                least = least.min(pixel.dof);
+                count += 1.0;
+            }
+            // Satterthwaite 1946; at least those of one pixel, also where squares underflow.
+            let dof = f64::max(variance.mean().powi(2) / (uncertain * dependent), least);
+            Cell { mean: mean / count, variance: variance * (dependent / (count * count)), dof }
+        };
+        let blocks = blocks(picture.width, picture.height).map(block).collect();
+        Self { pixels, blocks }
+    }
+
+    fn of_seeds(seeds: &[Estimates]) -> Self {
+        let (width, height) = (seeds[0].width, seeds[0].height);
+        let pixel = |at: usize| spread(seeds.iter().map(|seed| seed.means[at]));
+        let block = |block: Tile| {
+            let mean = |seed: &Estimates| {
+                let mut sum = Rgb::BLACK;
+                places(block, width).for_each(|at| sum += seed.means[at]);
+                sum / block.pixel_count() as f64
+            };
+            spread(seeds.iter().map(mean))
+        };
+        Self {
+            pixels: (0..seeds[0].means.len()).map(pixel).collect(),
+            blocks: blocks(width, height).map(block).collect(),
+        }
+    }
+}
+
+/// The variance of what programs that sum in `f32` round: a millionth of the mean.
+fn rounding(mean: Rgb) -> Rgb {
+    mean * mean * 1e-12
+}
+
+/// The mean of equally good values, and its variance by their spread.
+fn spread(values: impl Iterator<Item = Rgb> + Clone) -> Cell {
+    let (mut sum, mut count) = (Rgb::BLACK, 0.0);
+    for value in values.clone() {
+        sum += value;
+        count += 1.0;
+    }
+    let mean = sum / count;
+    let mut squares = Rgb::BLACK;
+    for value in values {
+        let apart = value + mean * -1.0;
+        squares += apart * apart;
+    }
+    Cell { mean, variance: squares / ((count - 1.0) * count) + rounding(mean), dof: count - 1.0 }
+}

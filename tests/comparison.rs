@@ -1,0 +1,145 @@
+//! Two pictures beside each other: equal ones are found equal as often as stated, a difference is found.
+
+use globillum::geom::WideKdTree;
+use globillum::integrator::{
+    Comparison, Estimates, Model, PathReuse, Sampler, Scene, Settings, Stream, render,
+};
+use globillum::material::{Bsdf, Reflectance, Rgb};
+use globillum::scenes::cornell;
+
+type Built = Scene<WideKdTree>;
+
+/// The Cornell box, its albedos multiplied by `factor`.
+fn scene(factor: f64) -> Built {
+    let model = cornell::with_blocks(false).unwrap();
+    let mut scaled = Model::default();
+    for (index, triangle) in model.triangles().iter().enumerate() {
+        let mut material = *model.material(index);
+        if let Bsdf::Lambert(albedo) = material.bsdf {
+            material.bsdf = Bsdf::Lambert(Reflectance::new(albedo.rgb() * factor).unwrap());
+        }
+        scaled.add(material, [*triangle]);
+    }
+    Scene::build(scaled, WideKdTree::build).unwrap()
+}
+
+fn settings(side: u32, samples: u32, seed: u64) -> Settings {
+    let mut settings = Settings::new(side, side, samples);
+    (settings.pass_samples, settings.seed) = (samples / 4, seed);
+    settings
+}
+
+fn picture(scene: &Built, settings: &Settings) -> Estimates {
+    let camera = cornell::camera().unwrap();
+    Estimates::of(&render(scene, &camera, settings, &()).unwrap().film)
+}
+
+/// Of 40 pairs of seeds, no test of the comparison is biased or off in its variance, by 4.5 of its own standard errors
+/// (a false alarm in 10,000 runs), and fewer than 9 are called different at 5 % (in 5,000).
+#[test]
+fn seeds_are_equal_as_often_as_stated() {
+    const PAIRS: u64 = 40;
+    let scene = scene(1.0);
+    let (mut different, mut tests) = (0, [[0.0; 2]; 3]);
+    for pair in 0..PAIRS {
+        let of = |seed| {
+            let mut settings = settings(48, 8, seed);
+            settings.sampler = [Sampler::Sobol, Sampler::Independent][pair as usize % 2];
+            settings.path_reuse = [PathReuse::Fours, PathReuse::Off][pair as usize / 2 % 2];
+            picture(&scene, &settings)
+        };
+        let comparison = Comparison::between(&[of(2 * pair)], &[of(2 * pair + 1)]).unwrap();
+        different += usize::from(comparison.p_value() < 0.05);
+        let chi_square = comparison.chi_square.unwrap().z;
+        for (sums, z) in tests.iter_mut().zip([comparison.mean, comparison.neighbours, chi_square]) {
+            *sums = [sums[0] + z, sums[1] + z * z];
+        }
+    }
+    let pairs = PAIRS as f64;
+    for [sum, squares] in tests {
+        assert!((sum / pairs.sqrt()).abs() < 4.5, "{tests:?}");
+        assert!((squares / pairs - 1.0).abs() < 4.5 * (2.0 / pairs).sqrt(), "{tests:?}");
+    }
+    assert!(different < 9, "{different} of {PAIRS} pairs are called different");
+}
+
+#[test]
+fn albedos_one_percent_darker_are_found() {
+    let [a, b] =
+        [(scene(1.0), 0), (scene(0.99), 1)].map(|(scene, seed)| picture(&scene, &settings(64, 64, seed)));
+    let comparison = Comparison::between(&[a], &[b]).unwrap();
+    assert!(comparison.p_value() < 1e-6 && comparison.mean > 0.0, "{}", comparison.p_value());
+    let [low, high] = comparison.ratio_95;
+    assert!(low < comparison.ratio && comparison.ratio < high && high > 1.005, "{low} {high}");
+}
+
+/// Pixels that vary independently by up to 5 % around a mean, with errors that are known and right.
+fn noise(seed: u64, mean: impl Fn(u32, u32) -> f64) -> Estimates {
+    let (width, height) = (62, 61);
+    let mut picture = Estimates::unknown(width, height);
+    for at in 0..width * height {
+        let mean = mean(at % width, at / width);
+        let stream = Stream::new(seed, u64::from(at), 0);
+        let [r, g, b] = [0, 1, 2].map(|c| mean * (1.0 + 0.1 * (stream.uniform(c) - 0.5)));
+        picture.means[at as usize] = Rgb::new(r, g, b);
+        picture.standard_errors[at as usize] = Rgb::splat(0.1 * mean / 12.0_f64.sqrt());
+        picture.observations[at as usize] = 1000;
+    }
+    picture
+}
+
+#[test]
+fn deviates_of_pixels_and_blocks_are_standard_normal() {
+    let [a, b] = [1, 2].map(|seed| noise(seed, |x, y| f64::from(1 + x + y)));
+    let comparison = Comparison::between(&[a], &[b]).unwrap();
+    assert_eq!(
+        (comparison.pixels.len(), comparison.blocks.len(), comparison.blocks_width()),
+        (62 * 61, 256, 16)
+    );
+    for deviates in [&comparison.pixels, &comparison.blocks] {
+        let squares = deviates.iter().flat_map(|z| z.to_array()).map(|z| z * z);
+        let (sum, count) = (squares.sum::<f64>(), 3.0 * deviates.len() as f64);
+        assert!((sum / count - 1.0).abs() < 4.5 * (2.0 / count).sqrt(), "{}", sum / count);
+    }
+    let chi_square = comparison.chi_square.unwrap();
+    assert!((chi_square.reduced - 1.0).abs() < 0.05 && comparison.p_value() > 1e-4, "{comparison:?}");
+}
+
+/// A difference that the mean does not show: half of the picture is brighter, half darker.
+#[test]
+fn a_difference_in_structure_is_found_without_errors_too() {
+    let slope = |x: u32, _| 1.0 + 0.02 * (f64::from(x) / 61.0 - 0.5);
+    let [mut a, mut b] = [noise(1, |_, _| 1.0), noise(2, slope)];
+    let with_errors = Comparison::between(&[a.clone()], &[b.clone()]).unwrap();
+    assert!(with_errors.p_value() < 1e-6 && with_errors.mean.abs() < 4.0, "{}", with_errors.neighbours);
+    for picture in [&mut a, &mut b] {
+        picture.standard_errors.fill(Rgb::splat(f64::INFINITY));
+    }
+    let without = Comparison::between(&[a], &[b]).unwrap();
+    assert!(without.p_value() < 1e-6 && without.chi_square.is_none(), "{}", without.neighbours);
+    assert!(without.pixels[0].r.is_nan());
+}
+
+/// Several pictures of a side are seeds, whose spread is the error, whatever their files say.
+#[test]
+fn the_errors_of_seeds_are_their_spread() {
+    let seeds = |first: u64| (first..first + 4).map(|seed| noise(seed, |_, _| 2.0)).collect::<Vec<_>>();
+    let comparison = Comparison::between(&seeds(0), &seeds(9)).unwrap();
+    for deviates in [&comparison.pixels, &comparison.blocks] {
+        let large = deviates.iter().flat_map(|z| z.to_array()).filter(|z| z.abs() > 1.96).count() as f64;
+        let count = 3.0 * deviates.len() as f64;
+        assert!((large / count - 0.05).abs() < 4.5 * (0.05 / count).sqrt() + 0.005, "{}", large / count);
+    }
+    assert!(comparison.p_value() > 1e-4);
+}
+
+#[test]
+fn what_is_equal_or_has_no_pictures_is_told() {
+    let a = noise(1, |_, _| 1.0);
+    let comparison = Comparison::between(&[a.clone()], &[a.clone()]).unwrap();
+    assert_eq!((comparison.ratio, comparison.mean, comparison.p_value()), (1.0, 0.0, 1.0));
+    assert!(comparison.chi_square.unwrap().z < -4.0, "equal pictures are not independent");
+    assert_eq!(Comparison::between(&[], &[a.clone()]), None);
+    assert_eq!(Comparison::between(&[a.clone()], &[]), None);
+    assert_eq!(Comparison::between(&[a], &[Estimates::unknown(62, 60)]), None);
+}
