@@ -15,6 +15,7 @@ mod error_bars;
 mod extremes;
 mod farm;
 mod finite_form_factors;
+mod first_hits;
 mod form_factors;
 mod geometry;
 mod gltf_reference;

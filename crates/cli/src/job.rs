@@ -10,7 +10,7 @@ use crate::summary::{Summary, Timing};
 use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
-use globillum::integrator::{Ending, Model, Picture, Scene, Settings};
+use globillum::integrator::{Ending, FirstHits, Model, Picture, Scene, Settings};
 use globillum::io::PictureData;
 use globillum::material::Rgb;
 use std::time::Instant;
@@ -94,7 +94,11 @@ impl Job {
         let timing = Timing { build_seconds, render_seconds, traced };
         let summary = Summary::new(&name, &flags, &settings, &scene, (camera, camera_by), &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
-        let data = picture_data(&picture, &settings, &camera, shown);
+        let mut data = picture_data(&picture, &settings, &camera, shown);
+        if flags.picture.buffers {
+            let hits = FirstHits::of(&scene, camera.sensor(), &settings)?;
+            data.first_hits = Some(shown.cut_hits(hits));
+        }
         let written = outputs.write(&data, || summary.to_json())?;
         console::print_table(&summary.to_table(&written), data_on_stdout)?;
         report_interrupt(&picture, &interrupt, "pixel")

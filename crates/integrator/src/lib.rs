@@ -29,6 +29,7 @@ mod caught;
 mod comparison;
 mod error;
 mod film;
+mod first_hits;
 mod hash;
 mod light;
 mod path;
@@ -47,6 +48,7 @@ pub use film::{
     CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Ending, Estimates, Film,
     ImageError, Merge, Picture, PixelSums,
 };
+pub use first_hits::{FirstHit, FirstHits};
 pub use light::{
     AreaLightSample, DeltaLight, DeltaLightSample, LightSample, LightSampler, LightSampling, Lights,
 };

@@ -1,16 +1,19 @@
 //! OpenEXR files of one part, whose channels are named as Blender, Nuke and tev name them: `LAYER.CHANNEL`, and
 //! radiance without a layer.
 
+use crate::IoError;
 use crate::picture_data::PictureData;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, read::read};
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
-use globillum_integrator::{Estimates, PathReuse, Settings};
+use globillum_integrator::{Estimates, FirstHit, FirstHits, PathReuse, Settings};
 use globillum_material::Rgb;
 use std::collections::BTreeMap;
 use std::error::Error as StdError;
+use std::fs;
 use std::io::Cursor;
+use std::path::Path;
 
 type Error = Box<dyn StdError + Send + Sync>;
 
@@ -21,6 +24,8 @@ const PREFIX: &str = "globillum.";
 const COMPONENTS: [&str; 3] = ["R", "G", "B"];
 const SAMPLES: &str = "samples.X";
 const OBSERVATIONS: &str = "observations.X";
+/// The index of nothing.
+const NO_INDEX: u32 = u32::MAX;
 /// The most that a byte of a file can become: DEFLATE writes 258 bytes with 2 bits.
 const MAX_EXPANSION: u64 = 1032;
 
@@ -33,6 +38,7 @@ pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
         channels.push(AnyChannel::new(SAMPLES, FlatSamples::U32(samples.clone())));
         channels.push(AnyChannel::new(OBSERVATIONS, FlatSamples::U32(observations.clone())));
     }
+    channels.extend(data.first_hits.iter().flat_map(first_hit_channels));
     let size = (*width as usize, *height as usize);
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let layer = Layer::new(size, layer_attributes(data)?, Encoding::SMALL_LOSSLESS, channels);
@@ -46,11 +52,33 @@ pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
 
 /// The three components of `pixels`, in a layer.
 fn triple(layer: &str, pixels: &[Rgb]) -> Vec<AnyChannel<FlatSamples>> {
-    let channel = |(c, name): (usize, &&str)| {
-        let values = pixels.iter().map(|pixel| pixel.to_array()[c] as f32).collect();
-        AnyChannel::new(format!("{layer}{name}").as_str(), FlatSamples::F32(values))
+    let channel = |c: usize| {
+        floats(&format!("{layer}{}", COMPONENTS[c]), pixels.iter().map(|pixel| pixel.to_array()[c]))
     };
-    COMPONENTS.iter().enumerate().map(channel).collect()
+    [0, 1, 2].map(channel).into()
+}
+
+fn floats(name: &str, values: impl Iterator<Item = f64>) -> AnyChannel<FlatSamples> {
+    AnyChannel::new(name, FlatSamples::F32(values.map(|value| value as f32).collect()))
+}
+
+fn first_hit_channels(hits: &FirstHits) -> Vec<AnyChannel<FlatSamples>> {
+    let of = |name, value: fn(&FirstHit) -> f64| floats(name, hits.pixels.iter().map(value));
+    let index = |name: &str, value: fn(&FirstHit) -> Option<u32>| {
+        let indices = hits.pixels.iter().map(|hit| value(hit).unwrap_or(NO_INDEX)).collect();
+        AnyChannel::new(name, FlatSamples::U32(indices))
+    };
+    vec![
+        of("Depth.Z", |hit| hit.depth),
+        of("Normal.X", |hit| hit.normal.x),
+        of("Normal.Y", |hit| hit.normal.y),
+        of("Normal.Z", |hit| hit.normal.z),
+        of("Albedo.R", |hit| hit.albedo.r),
+        of("Albedo.G", |hit| hit.albedo.g),
+        of("Albedo.B", |hit| hit.albedo.b),
+        index("IndexTriangle.X", |hit| hit.triangle),
+        index("IndexMA.X", |hit| hit.material),
+    ]
 }
 
 fn layer_attributes(data: &PictureData) -> Result<LayerAttributes, Error> {
@@ -96,8 +124,25 @@ fn attribute_length(bytes: &[u8]) -> Option<usize> {
     (end <= bytes.len()).then_some(end)
 }
 
+impl PictureData {
+    /// Reads the OpenEXR file at `path`, written by any program.
+    ///
+    /// Radiance is the channels `R`, `G` and `B`, else those of the layer `Combined`, else of the only layer that
+    /// has them. Standard errors, samples and observations of a file without them are unknown. A window of the
+    /// picture is read as if it were the picture.
+    ///
+    /// # Errors
+    /// [`IoError::Read`] if the file cannot be read; [`IoError::Decode`] if it is not an OpenEXR file, is damaged,
+    /// has no such channels, too many pixels ([`Settings::MAX_PIXELS`]), or a radiance that is not finite or an
+    /// error that is not a number.
+    pub fn read(path: &Path) -> Result<Self, IoError> {
+        let bytes = fs::read(path).map_err(|source| IoError::Read { path: path.into(), source })?;
+        decode(&bytes).map_err(|source| IoError::Decode { path: path.into(), source })
+    }
+}
+
 /// The picture in a file.
-pub(crate) fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
+fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
     let chunks = exr::block::read(Cursor::new(bytes), false)?;
     chunks.headers().iter().try_for_each(|header| check_size(header, bytes.len()))?;
     let layers = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
@@ -132,7 +177,8 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
         estimates.path_reuse = PathReuse::Fours;
     }
     let camera = attributes.world_to_camera.zip(attributes.vertical_field_of_view);
-    Ok(PictureData { attributes: attributes_by_name, camera, ..PictureData::new(estimates) })
+    let first_hits = channels.first_hits(estimates.width, estimates.height);
+    Ok(PictureData { attributes: attributes_by_name, camera, first_hits, ..PictureData::new(estimates) })
 }
 
 /// Refuses a header that promises more than its file can hold.
@@ -171,6 +217,33 @@ impl Channels {
         let is_main = |layer: &&&str| layer.is_empty() || layer.ends_with("Combined.");
         let main = layers.iter().find(is_main).or(if layers.len() == 1 { layers.first() } else { None });
         main.map(ToString::to_string)
+    }
+
+    /// The first hits, if all their channels are there.
+    fn first_hits(&self, width: u32, height: u32) -> Option<FirstHits> {
+        let mut hits = FirstHits::nothing(width, height);
+        let pixels = hits.pixels.len();
+        let mut set = |name: &str, field: fn(&mut FirstHit) -> &mut f64| {
+            let values = self.get(name, pixels)?.values_as_f32();
+            hits.pixels.iter_mut().zip(values).for_each(|(hit, value)| *field(hit) = value.into());
+            Some(())
+        };
+        set("Depth.Z", |hit| &mut hit.depth)?;
+        set("Normal.X", |hit| &mut hit.normal.x)?;
+        set("Normal.Y", |hit| &mut hit.normal.y)?;
+        set("Normal.Z", |hit| &mut hit.normal.z)?;
+        set("Albedo.R", |hit| &mut hit.albedo.r)?;
+        set("Albedo.G", |hit| &mut hit.albedo.g)?;
+        set("Albedo.B", |hit| &mut hit.albedo.b)?;
+        let mut set = |name: &str, field: fn(&mut FirstHit) -> &mut Option<u32>| {
+            let FlatSamples::U32(indices) = self.get(name, pixels)? else { return None };
+            let indices = indices.iter().map(|&index| (index != NO_INDEX).then_some(index));
+            hits.pixels.iter_mut().zip(indices).for_each(|(hit, index)| *field(hit) = index);
+            Some(())
+        };
+        set("IndexTriangle.X", |hit| &mut hit.triangle)?;
+        set("IndexMA.X", |hit| &mut hit.material)?;
+        Some(hits)
     }
 
     /// The three components of a layer.

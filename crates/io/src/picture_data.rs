@@ -1,10 +1,9 @@
-use crate::{IoError, openexr};
-use globillum_integrator::{Camera, CheckpointHeader, Estimates, Film, PathReuse, Picture, Settings};
+use globillum_integrator::{
+    Camera, CheckpointHeader, Estimates, Film, FirstHits, PathReuse, Picture, Settings,
+};
 use std::collections::BTreeMap;
 use std::fmt::Debug;
-use std::fs;
 use std::ops::Range;
-use std::path::Path;
 
 /// A picture with its error and where it comes from: what an OpenEXR file holds.
 ///
@@ -16,8 +15,13 @@ use std::path::Path;
 /// | `stderr.R`, `stderr.G`, `stderr.B` | float | its standard error; infinite if unknown |
 /// | `samples.X` | integer | samples |
 /// | `observations.X` | integer | independent observations on which the standard error rests |
+/// | `Depth.Z` | float | distance along the view direction ([`FirstHits`]) |
+/// | `Normal.X`, `Normal.Y`, `Normal.Z` | float | normal in the world frame |
+/// | `Albedo.R`, `Albedo.G`, `Albedo.B` | float | albedo |
+/// | `IndexTriangle.X`, `IndexMA.X` | integer | triangle and material, 2^32 - 1 for none |
 ///
-/// A picture without known errors has `R`, `G` and `B` alone. [Attributes](PictureData::attributes) are text, each
+/// A picture without known errors does not have `stderr`, `samples` and `observations`, one without first hits not what
+/// follows them. [Attributes](PictureData::attributes) are text, each
 /// named `globillum.` and its name; the attribute `software` names this library and its version.
 ///
 /// ```no_run
@@ -39,12 +43,14 @@ pub struct PictureData {
     /// The matrix that row vectors of world positions are multiplied by to get the camera's frame, x to the right,
     /// y upward, z forward (`worldToCamera`), and the vertical field of view in degrees.
     pub camera: Option<([f32; 16], f32)>,
+    /// The first hits, of the same size.
+    pub first_hits: Option<FirstHits>,
 }
 
 impl PictureData {
     /// A picture of these estimates, of which nothing else is known.
     pub fn new(estimates: Estimates) -> Self {
-        Self { estimates, attributes: BTreeMap::new(), camera: None }
+        Self { estimates, attributes: BTreeMap::new(), camera: None, first_hits: None }
     }
 
     /// The estimates of `film`, with the attributes `passes`, `samples` and `path_reuse`.
@@ -102,21 +108,6 @@ impl PictureData {
     /// Sets the attribute `name`.
     pub fn set(&mut self, name: &str, value: impl ToString) {
         self.attributes.insert(name.into(), value.to_string());
-    }
-
-    /// Reads the OpenEXR file at `path`, written by any program.
-    ///
-    /// Radiance is the channels `R`, `G` and `B`, else those of the layer `Combined`, else of the only layer that
-    /// has them. Standard errors, samples and observations of a file without them are unknown. A window of the
-    /// picture is read as if it were the picture.
-    ///
-    /// # Errors
-    /// [`IoError::Read`] if the file cannot be read; [`IoError::Decode`] if it is not an OpenEXR file, is damaged,
-    /// has no such channels, too many pixels ([`Settings::MAX_PIXELS`]), or a radiance that is not finite or an
-    /// error that is not a number.
-    pub fn read(path: &Path) -> Result<Self, IoError> {
-        let bytes = fs::read(path).map_err(|source| IoError::Read { path: path.into(), source })?;
-        openexr::decode(&bytes).map_err(|source| IoError::Decode { path: path.into(), source })
     }
 }
 

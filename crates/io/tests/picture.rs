@@ -4,7 +4,9 @@
 
 use glam::{DVec3, Vec3};
 use globillum_geom::{KdOptions, KdTree, Triangle};
-use globillum_integrator::{Camera, Estimates, Film, Model, PathReuse, Picture, Scene, Settings, render};
+use globillum_integrator::{
+    Camera, Estimates, Film, FirstHits, Model, PathReuse, Picture, Scene, Settings, render,
+};
 use globillum_io::{IoError, PictureData, PictureFile, PictureFormat};
 use globillum_material::{Material, Rgb};
 use std::fs;
@@ -64,7 +66,7 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
     let mut settings = Settings::new(37, 21, 12);
     (settings.pass_samples, settings.seed, settings.threads) = (1, u64::MAX, 1);
     let (picture, camera) = rendered(&settings);
-    let data = PictureData::of_render(&picture, &settings, Some(&camera));
+    let mut data = PictureData::of_render(&picture, &settings, Some(&camera));
     let (bytes, read) = written_and_read(&data);
     let expected = &data.estimates;
     assert!(expected.standard_errors.iter().any(|error| error.r > 0.0), "the edge of the light is noisy");
@@ -84,10 +86,19 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
         "sampler=sobol filter=box estimator=mis light_sampling=solid-angle mirror_sampling=planes \
          path_reuse=fours max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.35"
     );
+    assert_eq!(read.first_hits, None);
     assert!(written_and_read(&read).0 == bytes, "what was read is written with the same bytes");
     for (margin, expected) in read.estimates.margins_95().iter().zip(picture.film.margins_95()) {
         assert!((margin.r - expected.r).abs() <= 1e-6 * expected.r, "{margin} {expected}");
     }
+    // The floats of these hits are those of files.
+    let mut hits = FirstHits::nothing(37, 21);
+    let hit = &mut hits.pixels[50];
+    (hit.depth, hit.normal.y, hit.albedo.b, hit.triangle, hit.material) = (2.5, -0.75, 0.5, Some(7), Some(3));
+    data.first_hits = Some(hits);
+    let (bytes, read) = written_and_read(&data);
+    assert_eq!(read.first_hits, data.first_hits);
+    assert!(written_and_read(&read).0 == bytes, "first hits too");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-use globillum::integrator::{Estimates, PathReuse};
+use globillum::integrator::{Estimates, FirstHits, PathReuse};
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::Range;
@@ -61,6 +61,13 @@ impl Shown {
         if (width, height) != (estimates.width, estimates.height) {
             *estimates = estimates.crop(x - left..x - left + width, y - top..y - top + height);
         }
+    }
+
+    /// Cuts the pixels out of those of the whole picture.
+    pub(crate) fn cut_hits(&self, hits: FirstHits) -> FirstHits {
+        let Crop { x, y, width, height } = self.crop;
+        let is_whole = (width, height) == (hits.width, hits.height);
+        if is_whole { hits } else { hits.crop(x..x + width, y..y + height) }
     }
 }
 

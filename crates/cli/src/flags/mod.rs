@@ -104,6 +104,7 @@ impl RenderFlags {
             ("--out", !output.out.is_empty()),
             ("--stats", report.stats.is_some()),
             ("--preview", picture.preview),
+            ("--buffers", picture.buffers),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
             Some((flags, _)) => anyhow::bail!("{flags}: not for a picture that is planned as a whole"),

@@ -31,6 +31,11 @@ pub(crate) struct PictureFlags {
     /// to it.
     #[arg(long)]
     pub(crate) preview: bool,
+    /// Add depth, normal, albedo, and the indices of triangle and material to OpenEXR pictures
+    ///
+    /// The first three are means over the pixel, the indices those at its centre. Previews do not have them.
+    #[arg(long)]
+    pub(crate) buffers: bool,
 }
 
 impl PictureFlags {

@@ -36,7 +36,7 @@ fn seeds_are_equal_and_another_scene_is_different() {
     for name in ["z.png", "blocks.png"] {
         let map = image::open(folder.join(name)).expect("a picture").into_rgb8();
         assert_eq!(map.dimensions(), (32, 32), "{name}");
-        assert!(map.pixels().any(|pixel| pixel.0[0] == 255 && pixel.0[1] < 99), "{name}: is red somewhere");
+        assert!(map.pixels().any(|pixel| pixel.0[0] == 255 && pixel.0[1] < 200), "{name}: is red somewhere");
     }
 }
 

@@ -59,6 +59,23 @@ fn the_first_signal_keeps_complete_passes() {
     }
 }
 
+/// A preview is a whole picture of the passes so far.
+#[test]
+fn a_picture_is_there_before_its_render_ends() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let files = ["--out", "a.exr", "--out", "a.png", "--preview"];
+    let mut child = start(folder, &[&ENDLESS[..], &files, &["--pass-spp", "1"]].concat());
+    wait_for(folder, "a.png", &mut child);
+    let samples = || PictureData::read(&folder.join("a.exr")).expect("a picture").estimates.samples[0];
+    let before = samples();
+    send("-INT", &child);
+    let (output, said) = end(child);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(0 < before && before <= samples(), "{before}");
+    assert_eq!(names(folder), ["a.exr", "a.png"]);
+}
+
 #[test]
 fn a_signal_before_the_first_complete_pass_leaves_no_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -233,7 +233,17 @@ fn a_scene_becomes_several_pictures_and_figures() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fill(folder.path());
     let size = ["room.obj", "--width", "24", "--height", "16", "--spp", "4", "--exposure", "-1"];
-    let out = ["--out", "a.png", "--out", "a.exr", "--stats", "stats.json", "--environment", "0.5,0.5,0.25"];
+    let out = [
+        "--out",
+        "a.png",
+        "--out",
+        "a.exr",
+        "--stats",
+        "stats.json",
+        "--environment",
+        "0.5,0.5,0.25",
+        "--buffers",
+    ];
     let output = RENDER.run(folder.path(), &[&size[..], &out].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(String::from_utf8_lossy(&output.stderr), "", "there is nothing to warn of");
@@ -243,10 +253,13 @@ fn a_scene_becomes_several_pictures_and_figures() {
     let stats: serde_json::Value = serde_json::from_slice(&read("stats.json")).expect("it is JSON");
     assert_eq!(stats["triangles"], 4);
     assert_eq!(stats["camera_rays"], 24 * 16 * 4);
-    let exr = PictureData::read(&folder.path().join("a.exr")).expect("a picture").estimates;
+    let exr = PictureData::read(&folder.path().join("a.exr")).expect("a picture");
+    let hits = exr.first_hits.expect("they were asked for").pixels;
+    assert_eq!((hits[0].depth, hits[0].triangle), (f64::INFINITY, None));
+    assert!(hits.iter().any(|hit| hit.depth.is_finite() && hit.triangle.is_some() && hit.material.is_some()));
     let png = image::load_from_memory(&read("a.png")).expect("a picture").into_rgb8();
     // The corner sees the environment, which the PNG shows at half its brightness.
-    assert_eq!(exr.means[0], Rgb::new(0.5, 0.5, 0.25));
+    assert_eq!(exr.estimates.means[0], Rgb::new(0.5, 0.5, 0.25));
     assert_eq!(png.get_pixel(0, 0).0, [137, 137, 99]);
 }
 

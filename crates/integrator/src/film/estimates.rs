@@ -91,20 +91,14 @@ impl Estimates {
     #[must_use]
     pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
         assert!(columns.end <= self.width && rows.end <= self.height, "a crop lies within the picture");
-        let [left, right, width] = [columns.start, columns.end, self.width].map(|n| n as usize);
-        let lines = rows.start as usize..rows.end as usize;
-        fn cut<T: Copy>(pixels: &[T], lines: &Range<usize>, [left, right, width]: [usize; 3]) -> Vec<T> {
-            let line = |y: usize| &pixels[y * width + left..y * width + right];
-            lines.clone().flat_map(line).copied().collect()
-        }
-        let of = [left, right, width];
+        let within = (self.width, columns.clone(), rows.clone());
         Self {
             width: columns.end - columns.start,
             height: rows.end - rows.start,
-            means: cut(&self.means, &lines, of),
-            standard_errors: cut(&self.standard_errors, &lines, of),
-            samples: cut(&self.samples, &lines, of),
-            observations: cut(&self.observations, &lines, of),
+            means: crop(&self.means, &within),
+            standard_errors: crop(&self.standard_errors, &within),
+            samples: crop(&self.samples, &within),
+            observations: crop(&self.observations, &within),
             path_reuse: self.path_reuse,
         }
     }
@@ -131,6 +125,15 @@ impl Estimates {
         };
         (0..variances.len()).map(margin).collect()
     }
+}
+
+/// The pixels of these columns and rows, of a picture of this width.
+pub(crate) fn crop<T: Copy>(pixels: &[T], (width, columns, rows): &(u32, Range<u32>, Range<u32>)) -> Vec<T> {
+    let line = |y: u32| {
+        let [left, right] = [columns.start, columns.end].map(|x| y as usize * *width as usize + x as usize);
+        &pixels[left..right]
+    };
+    rows.clone().flat_map(line).copied().collect()
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ pub(crate) use block::Block;
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
 pub use error::{ImageError, PixelSums};
 pub use estimates::Estimates;
+pub(crate) use estimates::crop;
 #[cfg(any(test, feature = "fuzz"))]
 pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally};

@@ -30,7 +30,12 @@ pub struct Scene<A: ?Sized> {
 impl<A: ?Sized> Scene<A> {
     /// The material of triangle `index`.
     pub(crate) fn material(&self, index: u32) -> &Material {
-        &self.materials[self.material_ids[index as usize] as usize]
+        &self.materials[self.material_index(index) as usize]
+    }
+
+    /// The place of the material of triangle `index` in the model.
+    pub(crate) fn material_index(&self, index: u32) -> u32 {
+        self.material_ids[index as usize]
     }
 
     /// The triangles, in the order of the model.

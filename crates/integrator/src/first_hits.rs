@@ -1,0 +1,179 @@
+//! What a camera sees first, without its light.
+
+use crate::caught::caught;
+use crate::film::crop;
+use crate::{ElementSample, PathStart, RenderError, Scene, Sensor, Settings};
+use glam::DVec3;
+use globillum_geom::{Accel, Hit, Ray};
+use globillum_material::{Bsdf, Rgb};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Rays through a pixel in each direction, on a regular grid.
+const RAYS: u32 = 4;
+
+/// The first hits of every pixel, for denoisers and for picking.
+///
+/// ```
+/// use globillum_integrator::{FirstHits, Scene};
+/// # use globillum_integrator::{Camera, Model, Settings};
+/// # use glam::{DVec3, Vec3};
+/// # use globillum_geom::{KdOptions, KdTree, Triangle};
+/// # use globillum_material::{Material, Rgb};
+/// # let mut model = Model::default();
+/// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -2.0), Vec3::new(9.0, -9.0, -2.0), Vec3::new(0.0, 9.0, -2.0)];
+/// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
+/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+/// let hits = FirstHits::of(&scene, &camera, &Settings::new(8, 8, 1))?;
+/// assert_eq!((hits.pixels[9].triangle, hits.pixels[9].depth), (Some(0), 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FirstHits {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// The pixels, row by row from the top.
+    pub pixels: Vec<FirstHit>,
+}
+
+/// What a pixel shows. Depth, normal and albedo are means over its square (the box filter), by 16 rays on a regular
+/// grid; a mirror is a surface like others. The indices are those of the ray through its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FirstHit {
+    /// Mean distance in units of the scene of the rays that hit anything, along the view direction of a pinhole or an
+    /// orthographic camera, and from the eye of a spherical one; infinite if none does.
+    pub depth: f64,
+    /// Mean of the unit geometric normals in the world frame, on the side of the camera, where rays that hit nothing
+    /// count as 0: shorter than 1 where normals differ.
+    pub normal: DVec3,
+    /// Mean of the albedo of diffuse surfaces and of the reflectance of mirrors, where rays that hit nothing count
+    /// as 0.
+    pub albedo: Rgb,
+    /// Index of the triangle in the scene; `None` if the ray hits nothing.
+    pub triangle: Option<u32>,
+    /// Index of the triangle's material, in the order in which the model's were added; `None` if the ray hits nothing.
+    pub material: Option<u32>,
+}
+
+impl FirstHit {
+    /// What a pixel shows that no ray through it hits anything in.
+    pub const NOTHING: Self = Self {
+        depth: f64::INFINITY,
+        normal: DVec3::ZERO,
+        albedo: Rgb::BLACK,
+        triangle: None,
+        material: None,
+    };
+}
+
+impl FirstHits {
+    /// A picture that shows nothing.
+    pub fn nothing(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![FirstHit::NOTHING; width as usize * height as usize] }
+    }
+
+    /// The first hits of `scene` as seen by `camera`, in a picture of the size that `settings` say and on as many
+    /// threads; the other settings do not matter. The bits are the same for any number of threads and accelerator.
+    /// Elements of a sensor whose paths begin at points show nothing.
+    ///
+    /// # Errors
+    /// [`RenderError::Param`] for settings out of range, [`RenderError::SensorSize`] for settings of another size than
+    /// the sensor's, [`RenderError::Threads`] if no threads can be started,
+    /// [`RenderError::Worker`] for a panic in the accelerator.
+    pub fn of(
+        scene: &Scene<dyn Accel + '_>,
+        camera: &dyn Sensor,
+        settings: &Settings,
+    ) -> Result<Self, RenderError> {
+        let settings = &settings.for_sensor(camera)?;
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads(settings.threads)
+            .build()
+            .map_err(|error| RenderError::Threads(error.to_string()))?;
+        let &Settings { width, height, .. } = settings;
+        let view = View { scene, camera, width: f64::from(width), height: f64::from(height) };
+        let row = |y: u32| {
+            let pixels = || (0..width).map(|x| view.pixel(x, y)).collect::<Vec<FirstHit>>();
+            caught(pixels).map_err(|message| RenderError::Worker { x: 0, y, message })
+        };
+        let rows: Result<Vec<_>, RenderError> =
+            threads.install(|| (0..height).into_par_iter().map(row).collect());
+        Ok(Self { width, height, pixels: rows?.concat() })
+    }
+
+    /// The pixels of these columns and rows alone.
+    ///
+    /// # Panics
+    /// If they are not all within the picture.
+    #[must_use]
+    pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
+        assert!(columns.end <= self.width && rows.end <= self.height, "a crop lies within the picture");
+        let (width, height) = (columns.end - columns.start, rows.end - rows.start);
+        Self { width, height, pixels: crop(&self.pixels, &(self.width, columns, rows)) }
+    }
+}
+
+/// A scene as a camera sees it.
+struct View<'a> {
+    scene: &'a Scene<dyn Accel + 'a>,
+    camera: &'a dyn Sensor,
+    /// Size of the picture in pixels.
+    width: f64,
+    height: f64,
+}
+
+impl View<'_> {
+    fn pixel(&self, x: u32, y: u32) -> FirstHit {
+        let (mut depth, mut normal, mut albedo) = (0.0, DVec3::ZERO, Rgb::BLACK);
+        let mut hits = 0;
+        for at in 0..RAYS * RAYS {
+            let [dx, dy] = [at % RAYS, at / RAYS].map(|i| (f64::from(i) + 0.5) / f64::from(RAYS));
+            let Some((ray, hit)) = self.trace(f64::from(x) + dx, f64::from(y) + dy) else { continue };
+            let interaction = self.scene.interaction(&ray, &hit);
+            let front = interaction.point.normal;
+            // Directions of cameras end at depth 1.
+            depth += hit.t;
+            normal += if front.dot(ray.direction) > 0.0 { -front } else { front };
+            albedo += albedo_of(&interaction.material.bsdf);
+            hits += 1;
+        }
+        let all = f64::from(RAYS * RAYS);
+        let middle = self.trace(f64::from(x) + 0.5, f64::from(y) + 0.5).map(|(_, hit)| hit.triangle);
+        FirstHit {
+            depth: if hits == 0 { f64::INFINITY } else { depth / f64::from(hits) },
+            normal: normal / all,
+            albedo: albedo / all,
+            triangle: middle,
+            material: middle.map(|triangle| self.scene.material_index(triangle)),
+        }
+    }
+
+    /// The ray through a point of the picture, in pixels from its upper left corner, and its first hit.
+    fn trace(&self, x: f64, y: f64) -> Option<(Ray, Hit)> {
+        let Self { width, height, .. } = *self;
+        let sample = ElementSample {
+            column: x as u32,
+            row: y as u32,
+            x: 2.0 * x / width - 1.0,
+            y: 1.0 - 2.0 * y / height,
+            aspect: width / height,
+        };
+        let PathStart::Ray(ray) = self.camera.start(&sample) else { return None };
+        let hit = self.scene.accel().intersect(&ray)?;
+        Some((ray, hit))
+    }
+}
+
+fn albedo_of(bsdf: &Bsdf) -> Rgb {
+    match bsdf {
+        Bsdf::Lambert(albedo) => albedo.rgb(),
+        Bsdf::Mirror(reflectance) => reflectance.rgb(),
+        // Bsdf is non-exhaustive; a kind that is added needs a line here.
+        _ => Rgb::BLACK,
+    }
+}
