@@ -135,11 +135,11 @@ fn the_errors_of_seeds_are_their_spread() {
 
 #[test]
 fn what_is_equal_or_has_no_pictures_is_told() {
-    let a = noise(1, |_, _| 1.0);
-    let comparison = Comparison::between(&[a.clone()], &[a.clone()]).unwrap();
+    let one = &[noise(1, |_, _| 1.0)];
+    let comparison = Comparison::between(one, one).unwrap();
     assert_eq!((comparison.ratio, comparison.mean, comparison.p_value()), (1.0, 0.0, 1.0));
     assert!(comparison.chi_square.unwrap().z < -4.0, "equal pictures are not independent");
-    assert_eq!(Comparison::between(&[], &[a.clone()]), None);
-    assert_eq!(Comparison::between(&[a.clone()], &[]), None);
-    assert_eq!(Comparison::between(&[a], &[Estimates::unknown(62, 60)]), None);
+    assert_eq!(Comparison::between(&[], one), None);
+    assert_eq!(Comparison::between(one, &[]), None);
+    assert_eq!(Comparison::between(one, &[Estimates::unknown(62, 60)]), None);
 }

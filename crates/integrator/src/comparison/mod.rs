@@ -50,10 +50,11 @@ pub struct Comparison {
     pub ratio_95: [f64; 2],
     /// The ratio of each component.
     pub component_ratios: Rgb,
-    /// Test of the means: the sum of the differences of blocks in units of their errors. A standard normal deviate if pictures are equal.
+    /// Test of the means: the sum of the differences of blocks in units of their errors. A standard normal deviate if
+    /// pictures are equal.
     pub mean: f64,
-    /// Test of structure: the sum of the products of such differences of neighbouring blocks (Moran 1950), above 0 where
-    /// pictures differ alike in neighbouring blocks. A standard normal deviate if pictures are equal.
+    /// Test of structure: the sum of the products of such differences of neighbouring blocks (Moran 1950), above 0
+    /// where pictures differ alike in neighbouring blocks. A standard normal deviate if pictures are equal.
     pub neighbours: f64,
     /// Test of the errors; `None` if no errors are known.
     pub chi_square: Option<ChiSquare>,
