@@ -3,6 +3,7 @@
 use crate::measure::timed;
 use crate::obvhs::{layout_ray, layout_triangle};
 use crate::peer::{Build, Entry, Family, Found, Peer, Trial, one_by_one};
+use crate::rays::RaySet;
 use bvh::aabb::{Aabb, Bounded, IntersectsAabb};
 use bvh::bounding_hierarchy::BHShape;
 use bvh::bvh::{Bvh, BvhNode};
@@ -118,11 +119,11 @@ impl Tree {
 }
 
 impl Peer for Tree {
-    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn closest<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         one_by_one(rays, BothRays::new, |ray| self.nearest(ray))
     }
 
-    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn any<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         one_by_one(rays, BothRays::new, |ray| self.blocked(ray))
     }
 }

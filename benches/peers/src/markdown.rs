@@ -1,7 +1,9 @@
 //! A report as Markdown tables.
 
 use crate::measure::Differences;
-use crate::report::{Line, Machine, MeshReport, Ratio, Report, kinds, lines, structures};
+use crate::report::{
+    Line, Machine, MeshReport, Ratio, Report, SetReport, kinds, lines, structures, wavefront_lines,
+};
 use std::io::{Result, Write};
 
 const ABSENT: &str = "absent";
@@ -23,7 +25,30 @@ pub(crate) fn write(out: &mut impl Write, report: &Report) -> Result<()> {
     write_table(out, &means, report.ratios.iter().map(ratios).collect())?;
     write_table(out, &heads("missed + invented + elsewhere"), by_line(structures(meshes), differences))?;
     write_table(out, &heads("build: seconds, bytes per triangle"), by_line(structures(meshes), build))?;
+    for mesh in meshes.iter().filter(|mesh| !mesh.wavefronts.is_empty()) {
+        write_wavefronts(out, mesh, &wavefront_lines(meshes))?;
+    }
     write_machine(out, &report.machine)
+}
+
+/// The integrator's rays: million rays per second, and the ratios of the first line to the others in brackets.
+fn write_wavefronts(out: &mut impl Write, mesh: &MeshReport, lines: &[Line]) -> Result<()> {
+    let heads: Vec<_> = [format!("{}: rays of wavefronts", mesh.mesh), "thousand rays".to_owned()]
+        .into_iter()
+        .chain(lines.iter().map(|line| line.name.clone()))
+        .collect();
+    let row = |(at, set): (usize, &SetReport)| {
+        let ours = lines.first().and_then(|line| line.wavefront_speed(mesh, at));
+        let cell = |(i, line): (usize, &Line)| match (ours, line.wavefront_speed(mesh, at)) {
+            (_, None) => ABSENT.to_owned(),
+            (Some(ours), Some(speed)) if i > 0 => format!("{speed:.1} ({:.2})", ours / speed),
+            (_, Some(speed)) => format!("{speed:.1}"),
+        };
+        let flag = if set.is_small { " (few)" } else { "" };
+        let cells = lines.iter().enumerate().map(cell);
+        [set.name.clone(), format!("{}{flag}", set.rays / 1000)].into_iter().chain(cells).collect()
+    };
+    write_table(out, &heads, mesh.wavefronts.iter().enumerate().map(row).collect())
 }
 
 fn head(mesh: &MeshReport) -> String {

@@ -1,8 +1,7 @@
 //! Checks the answers of peers, and times them.
 
 use crate::peer::{Answer, Entry, Trial};
-use crate::rays::Kind;
-use globillum::geom::Ray;
+use crate::rays::RaySet;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -55,15 +54,9 @@ impl Differences {
 ///
 /// # Panics
 /// If two of this library's structures differ by a bit.
-pub(crate) fn measure(
-    entries: &[Entry],
-    kind: Kind,
-    rays: &[Ray],
-    rounds: usize,
-    tick: impl Fn(),
-) -> Vec<Outcome> {
-    let mut trials: Vec<_> = entries.iter().map(|entry| prepare(entry, kind, rays)).collect();
-    let differences = check(entries, &mut trials, kind);
+pub(crate) fn measure(entries: &[Entry], rays: &RaySet, rounds: usize, tick: impl Fn()) -> Vec<Outcome> {
+    let mut trials: Vec<_> = entries.iter().map(|entry| prepare(entry, rays)).collect();
+    let differences = check(entries, &mut trials, &rays.name);
     let mut seconds = vec![Vec::with_capacity(rounds); trials.len()];
     for _ in 0..rounds {
         for (trial, seconds) in trials.iter_mut().zip(&mut seconds) {
@@ -79,15 +72,12 @@ pub(crate) fn measure(
     seconds.into_iter().zip(differences).map(outcome).collect()
 }
 
-fn prepare<'a>(entry: &'a Entry, kind: Kind, rays: &[Ray]) -> Box<dyn Trial + 'a> {
-    match kind {
-        Kind::Camera | Kind::Bounce => entry.peer.closest(rays),
-        Kind::Shadow => entry.peer.any(rays),
-    }
+fn prepare<'a>(entry: &'a Entry, rays: &RaySet) -> Box<dyn Trial + 'a> {
+    if rays.is_any_hit { entry.peer.any(rays) } else { entry.peer.closest(rays) }
 }
 
 /// The differences of each entry's answers from the first entry's.
-fn check(entries: &[Entry], trials: &mut [Box<dyn Trial + '_>], kind: Kind) -> Vec<Differences> {
+fn check(entries: &[Entry], trials: &mut [Box<dyn Trial + '_>], set: &str) -> Vec<Differences> {
     let mut expected = None;
     let compare = |(entry, trial): (&Entry, &mut Box<dyn Trial + '_>)| {
         trial.trace();
@@ -96,7 +86,7 @@ fn check(entries: &[Entry], trials: &mut [Box<dyn Trial + '_>], kind: Kind) -> V
         let equal = !entry.family.is_ours() || *expected == answers;
         assert!(
             equal,
-            "{}, {}: the {kind:?} answers differ from the first structure's",
+            "{}, {}: the answers to {set} rays differ from the first structure's",
             entry.structure, entry.mode
         );
         Differences::between(expected, &answers)

@@ -2,6 +2,7 @@
 
 use crate::measure::timed;
 use crate::peer::{Build, Entry, Family, Found, Peer, Trial, one_by_one};
+use crate::rays::RaySet;
 use globillum::geom::{Ray, Triangles};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
@@ -76,11 +77,11 @@ impl<B: Hierarchy> Tree<B> {
 }
 
 impl<B: Hierarchy> Peer for Tree<B> {
-    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn closest<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         one_by_one(rays, layout_ray, |ray| self.nearest(ray))
     }
 
-    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn any<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         one_by_one(rays, layout_ray, |ray| !self.bvh.misses(*ray, &self.leaves))
     }
 }

@@ -2,19 +2,20 @@
 
 use crate::measure::timed;
 use crate::peer::{Answer, Build, Entry, Family, Peer, Trial, one_by_one};
+use crate::rays::RaySet;
 use anyhow::Result;
 use globillum::geom::{
-    Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, Triangles, UniformGrid, WideKdTree,
+    Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel, Triangles, UniformGrid, WideKdTree,
 };
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 
 /// Two entries for each structure: queried ray by ray, and in batches. All other entries are compared with the
-/// first.
-pub(crate) fn build(triangles: &Triangles) -> Result<Vec<Entry>> {
+/// first. The wide tree uses the instructions of `level` at most.
+pub(crate) fn build(triangles: &Triangles, level: SimdLevel) -> Result<Vec<Entry>> {
     let structures = [
         both("k-d tree", || KdTree::build(triangles, &KdOptions::default()))?,
-        both("wide tree", || WideKdTree::build(triangles))?,
+        both("wide tree", || Ok(WideKdTree::build(triangles)?.with_level(level)))?,
         both("uniform grid", || UniformGrid::build(triangles, &GridOptions::default()))?,
     ];
     Ok(structures.into_iter().flatten().collect())
@@ -38,11 +39,11 @@ fn both<A: Accel + 'static>(
 struct Single<A>(Arc<A>);
 
 impl<A: Accel> Peer for Single<A> {
-    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn closest<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         one_by_one(rays, Ray::clone, |ray| self.0.intersect(ray))
     }
 
-    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn any<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         one_by_one(rays, Ray::clone, |ray| self.0.occluded(ray))
     }
 }
@@ -50,29 +51,44 @@ impl<A: Accel> Peer for Single<A> {
 struct Batch<A>(Arc<A>);
 
 impl<A: Accel> Peer for Batch<A> {
-    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn closest<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         let query = |rays: &[Ray], hits: &mut Vec<Option<Hit>>| self.0.intersect_batch(rays, hits);
-        Box::new(BatchTrial { rays: rays.to_vec(), answers: Vec::new(), query })
+        Box::new(BatchTrial::new(rays, query))
     }
 
-    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn any<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         let query = |rays: &[Ray], occluded: &mut Vec<bool>| self.0.occluded_batch(rays, occluded);
-        Box::new(BatchTrial { rays: rays.to_vec(), answers: Vec::new(), query })
+        Box::new(BatchTrial::new(rays, query))
     }
 }
 
 struct BatchTrial<A, F> {
     rays: Vec<Ray>,
-    answers: Vec<A>,
+    /// The lengths of the batches.
+    batches: Vec<usize>,
+    answers: Vec<Vec<A>>,
     query: F,
+}
+
+impl<A, F: Fn(&[Ray], &mut Vec<A>)> BatchTrial<A, F> {
+    fn new(rays: &RaySet, query: F) -> Self {
+        let batches = rays.batches();
+        let answers = batches.iter().map(|&count| Vec::with_capacity(count)).collect();
+        Self { rays: rays.to_vec(), batches, answers, query }
+    }
 }
 
 impl<A: Copy + Into<Answer>, F: Fn(&[Ray], &mut Vec<A>)> Trial for BatchTrial<A, F> {
     fn trace(&mut self) {
-        (self.query)(&self.rays, &mut self.answers);
+        let mut rays = &*self.rays;
+        for (&count, answers) in self.batches.iter().zip(&mut self.answers) {
+            let (batch, rest) = rays.split_at(count);
+            (self.query)(batch, answers);
+            rays = rest;
+        }
     }
 
     fn answers(&self) -> Vec<Answer> {
-        self.answers.iter().map(|&answer| answer.into()).collect()
+        self.answers.iter().flatten().map(|&answer| answer.into()).collect()
     }
 }

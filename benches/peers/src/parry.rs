@@ -2,6 +2,7 @@
 
 use crate::measure::timed;
 use crate::peer::{Build, Entry, Family, Found, Peer, Trial, one_by_one};
+use crate::rays::RaySet;
 use crate::scenes::Indexed;
 use anyhow::Result;
 use globillum::geom::Ray;
@@ -40,11 +41,11 @@ impl Mesh {
 }
 
 impl Peer for Mesh {
-    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn closest<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         one_by_one(rays, layout_ray, |ray| self.nearest(ray))
     }
 
-    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn any<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         one_by_one(rays, layout_ray, |ray| self.blocked(ray))
     }
 }

@@ -1,5 +1,6 @@
 //! The interface of measured structures.
 
+use crate::rays::RaySet;
 use globillum::geom::{Hit, Ray};
 use serde::Serialize;
 
@@ -47,10 +48,10 @@ pub(crate) struct Build {
 /// timed.
 pub(crate) trait Peer {
     /// Prepares closest-hit queries.
-    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a>;
+    fn closest<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a>;
 
     /// Prepares any-hit queries.
-    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a>;
+    fn any<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a>;
 }
 
 /// Rays in a peer's own layout.

@@ -24,7 +24,8 @@ pub(crate) fn room() -> Result<Scene> {
         name: "room".to_owned(),
         triangles: Triangles::new(triangles)?,
         view: View { eye: p(0.5, 1.7, 4.6), target: p(3.2, 1.1, 1.8), width: 4.5 },
-        light: Light { center: p(3.0, 2.95, 2.5), side: 1.2 },
+        lights: vec![Light::facing_down(p(3.0, 2.95, 2.5), [1.2, 1.2])],
+        is_interior: true,
     })
 }
 
@@ -73,7 +74,8 @@ pub(crate) fn terrain(side: u32) -> Result<Scene> {
         name: "terrain".to_owned(),
         triangles: Triangles::new(cells.flat_map(split).collect())?,
         view: View { eye: DVec3::new(0.55, 0.5, 1.2), target: DVec3::new(0.5, 0.1, 0.55), width: 0.7 },
-        light: Light { center: DVec3::new(0.9, 0.6, 0.2), side: 0.3 },
+        lights: vec![Light::facing_down(DVec3::new(0.9, 0.6, 0.2), [0.3, 0.3])],
+        is_interior: false,
     })
 }
 
@@ -104,7 +106,7 @@ mod tests {
 
     #[test]
     fn the_procedural_scenes_have_their_stated_sizes() {
-        for (name, count) in PROCEDURAL.into_iter().zip([57_000_usize, 1_000_000, 70_000]) {
+        for (name, count) in PROCEDURAL.into_iter().zip([57_000_usize, 239_000, 239_000, 1_000_000, 70_000]) {
             let triangles = Scene::load(name).expect("it is procedural").triangles;
             assert!(triangles.len().abs_diff(count) < count / 50, "{name}: {}", triangles.len());
             assert_eq!(triangles.degenerate_count(), 0, "{name}");

@@ -9,8 +9,9 @@ use globillum::glam::DVec3;
 use globillum::integrator::Stream;
 use globillum::material::warp::CosineHemisphere;
 use serde::Serialize;
+use std::ops::Deref;
 
-/// The kinds of rays.
+/// The kinds of rays that every scene is traced by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Kind {
@@ -27,12 +28,112 @@ impl Kind {
 }
 
 /// Rays of every kind, in the order of [`Kind::ALL`].
-pub(crate) fn generate(scene: &Scene, accel: &dyn Accel, count: u32) -> [Vec<Ray>; 3] {
+pub(crate) fn generate(scene: &Scene, accel: &dyn Accel, count: u32) -> [RaySet; 3] {
     let camera = camera_rays(&scene.view, count);
-    let starts = starts(scene, accel, &camera);
+    let starts: Vec<_> = starts(scene, accel, &camera).into_iter().flatten().collect();
     let bounce = starts.iter().map(Start::bounce).collect();
-    let shadow = starts.iter().filter_map(|start| start.shadow(&scene.light)).collect();
-    [camera, bounce, shadow]
+    let shadow = starts.iter().filter_map(|start| start.shadow(&scene.lights[0])).collect();
+    let set = |kind: Kind, rays| {
+        let mut set = RaySet::new(&format!("{kind:?}").to_lowercase(), kind == Kind::Shadow);
+        set.push_batch(rays);
+        set
+    };
+    [set(Kind::Camera, camera), set(Kind::Bounce, bounce), set(Kind::Shadow, shadow)]
+}
+
+/// Rays that are traced in a row.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RaySet {
+    pub(crate) name: String,
+    /// Whether they query any hit instead of the closest.
+    pub(crate) is_any_hit: bool,
+    rays: Vec<Ray>,
+    /// Where batches end.
+    ends: Vec<usize>,
+}
+
+impl RaySet {
+    fn new(name: &str, is_any_hit: bool) -> Self {
+        Self { name: name.to_owned(), is_any_hit, rays: Vec::new(), ends: Vec::new() }
+    }
+
+    fn push_batch(&mut self, rays: Vec<Ray>) {
+        self.rays.extend(rays);
+        self.ends.push(self.rays.len());
+    }
+
+    /// The lengths of the batches.
+    pub(crate) fn batches(&self) -> Vec<usize> {
+        let starts = [0].into_iter().chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, end)| end - start).collect()
+    }
+}
+
+impl Deref for RaySet {
+    type Target = [Ray];
+
+    fn deref(&self) -> &[Ray] {
+        &self.rays
+    }
+}
+
+/// A tile's side in pixels and its samples per pixel, as the integrator has them.
+const WAVEFRONT_TILE: u32 = 16;
+const SAMPLES: u32 = 4;
+/// The bounces of a path.
+const BOUNCES: u32 = 3;
+
+/// The rays of the integrator's wavefronts: a batch holds all rays of one kind of a tile of 16 x 16 pixels with four
+/// samples each, pixel by pixel. Shadow rays go to each light from the first hits, and to one at random from the
+/// hits of bounce rays.
+pub(crate) fn wavefronts(scene: &Scene, accel: &dyn Accel, count: u32) -> Vec<RaySet> {
+    let side = (f64::from(count / SAMPLES).sqrt() / f64::from(WAVEFRONT_TILE)).ceil() as u32;
+    let lights = &scene.lights;
+    let mut camera = RaySet::new("camera", false);
+    let mut direct: Vec<_> =
+        (0..lights.len()).map(|light| RaySet::new(&format!("shadow of light {light}"), true)).collect();
+    let mut bounces: Vec<_> = (1..=BOUNCES)
+        .map(|i| {
+            [RaySet::new(&format!("bounce {i}"), false), RaySet::new(&format!("shadow of bounce {i}"), true)]
+        })
+        .collect();
+    for tile in 0..side * side {
+        let mut rays = tile_rays(&scene.view, side, tile);
+        camera.push_batch(rays.iter().map(|(ray, _)| *ray).collect());
+        let mut hits = path_starts(scene, accel, &rays, 0);
+        for (light, set) in lights.iter().zip(&mut direct) {
+            set.push_batch(hits.iter().filter_map(|start| start.shadow(light)).collect());
+        }
+        for (bounce, [closest, shadow]) in (1..).zip(&mut bounces) {
+            rays = hits.iter().map(|start| (start.bounce(), start.path)).collect();
+            closest.push_batch(rays.iter().map(|(ray, _)| *ray).collect());
+            hits = path_starts(scene, accel, &rays, bounce);
+            let any = |start: &Start| {
+                start.shadow(&lights[(start.stream.uniform(CHOICE) * lights.len() as f64) as usize])
+            };
+            shadow.push_batch(hits.iter().filter_map(any).collect());
+        }
+    }
+    [camera].into_iter().chain(direct).chain(bounces.into_iter().flatten()).collect()
+}
+
+/// The camera rays of a tile, with the numbers of their paths.
+fn tile_rays(view: &View, side: u32, tile: u32) -> Vec<(Ray, u64)> {
+    let pixels = WAVEFRONT_TILE * side;
+    let (left, top) = (tile % side * WAVEFRONT_TILE, tile / side * WAVEFRONT_TILE);
+    let place = |i: u32| (left + i % WAVEFRONT_TILE, top + i / WAVEFRONT_TILE);
+    let samples = (0..WAVEFRONT_TILE * WAVEFRONT_TILE).flat_map(|i| (0..SAMPLES).map(move |s| (place(i), s)));
+    let ray = |((x, y), sample): ((u32, u32), u32)| {
+        let path = u64::from(SAMPLES * (y * pixels + x) + sample);
+        (camera_ray(view, pixels, [x, y], path), path)
+    };
+    samples.map(ray).collect()
+}
+
+/// Where the rays of paths hit; paths without a hit end.
+fn path_starts(scene: &Scene, accel: &dyn Accel, rays: &[(Ray, u64)], bounce: u32) -> Vec<Start> {
+    let start = |&(ray, path): &(Ray, u64)| start(scene, accel, &ray, path, bounce + 2);
+    rays.iter().filter_map(start).collect()
 }
 
 const SEED: u64 = 5;
@@ -41,6 +142,7 @@ const SEED: u64 = 5;
 const PIXEL: u32 = 0;
 const DIRECTION: u32 = 2;
 const LIGHT: u32 = 4;
+const CHOICE: u32 = 6;
 
 /// A tile's side, in pixels.
 const TILE: u32 = 8;
@@ -48,22 +150,26 @@ const TILE: u32 = 8;
 /// One ray per pixel of a square picture of about `count` pixels, tile by tile.
 fn camera_rays(view: &View, count: u32) -> Vec<Ray> {
     let tiles = (f64::from(count).sqrt() / f64::from(TILE)).ceil() as u32;
-    let forward = view.target - view.eye;
-    let right = forward.cross(DVec3::Y).normalize() * view.width;
-    let down = forward.cross(right).normalize() * view.width;
-    let through = |x: u32, y: u32| {
-        let jitter = Stream::new(SEED, u64::from(y * tiles * TILE + x), 0).uniform_pair(PIXEL);
-        let at = |i: u32, u: f64| (f64::from(i) + u) / f64::from(tiles * TILE) - 0.5;
-        rounded(Ray::new(view.eye, forward + at(x, jitter[0]) * right + at(y, jitter[1]) * down))
-    };
     let square = |side: u32| (0..side * side).map(move |i| (i % side, i / side));
     let pixels =
         square(tiles).flat_map(|(i, j)| square(TILE).map(move |(x, y)| (TILE * i + x, TILE * j + y)));
-    pixels.map(|(x, y)| through(x, y)).collect()
+    let pixel = |x: u32, y: u32| u64::from(y * tiles * TILE + x);
+    pixels.map(|(x, y)| camera_ray(view, tiles * TILE, [x, y], pixel(x, y))).collect()
 }
 
-/// The hit point of a camera ray, the origin of bounce and shadow rays.
+/// A ray at random through a pixel of a picture of `side` by `side` pixels.
+fn camera_ray(view: &View, side: u32, [x, y]: [u32; 2], path: u64) -> Ray {
+    let forward = view.target - view.eye;
+    let right = forward.cross(DVec3::Y).normalize() * view.width;
+    let down = forward.cross(right).normalize() * view.width;
+    let jitter = Stream::new(SEED, path, 0).uniform_pair(PIXEL);
+    let at = |i: u32, u: f64| (f64::from(i) + u) / f64::from(side) - 0.5;
+    rounded(Ray::new(view.eye, forward + at(x, jitter[0]) * right + at(y, jitter[1]) * down))
+}
+
+/// The hit point of a ray, the origin of bounce and shadow rays.
 struct Start {
+    path: u64,
     position: DVec3,
     /// On the viewer's side.
     normal: DVec3,
@@ -74,16 +180,18 @@ struct Start {
 /// origin by at most `2^-24`, so no peer may hit the triangle that a ray starts on.
 const CLEARANCE: f64 = 1.0 / (1 << 17) as f64;
 
-fn starts(scene: &Scene, accel: &dyn Accel, rays: &[Ray]) -> Vec<Start> {
+fn starts(scene: &Scene, accel: &dyn Accel, rays: &[Ray]) -> Vec<Option<Start>> {
+    rays.iter().zip(0..).map(|(ray, pixel)| start(scene, accel, ray, pixel, 1)).collect()
+}
+
+/// The hit point of a ray, which has random numbers of its own.
+fn start(scene: &Scene, accel: &dyn Accel, ray: &Ray, path: u64, numbers: u32) -> Option<Start> {
     let clearance = CLEARANCE * scene.reach();
-    let start = |(ray, pixel): (&Ray, u64)| {
-        let Hit { triangle, u, v, .. } = accel.intersect(ray)?;
-        let point = scene.triangles.surface_point(triangle, u, v);
-        let normal = if point.normal.dot(ray.direction) < 0.0 { point.normal } else { -point.normal };
-        let position = point.leave_toward(normal) + clearance * normal;
-        Some(Start { position, normal, stream: Stream::new(SEED, pixel, 1) })
-    };
-    rays.iter().zip(0..).filter_map(start).collect()
+    let Hit { triangle, u, v, .. } = accel.intersect(ray)?;
+    let point = scene.triangles.surface_point(triangle, u, v);
+    let normal = if point.normal.dot(ray.direction) < 0.0 { point.normal } else { -point.normal };
+    let position = point.leave_toward(normal) + clearance * normal;
+    Some(Start { path, position, normal, stream: Stream::new(SEED, path, numbers) })
 }
 
 impl Start {
@@ -95,8 +203,8 @@ impl Start {
 
     /// A ray to a uniformly chosen point of the light; `None` if the surface faces away from it.
     fn shadow(&self, light: &Light) -> Option<Ray> {
-        let [a, b] = self.stream.uniform_pair(LIGHT).map(|u| (u - 0.5) * light.side);
-        let target = light.center + DVec3::new(a, 0.0, b);
+        let [a, b] = self.stream.uniform_pair(LIGHT).map(|u| u - 0.5);
+        let target = light.center + a * light.edges[0] + b * light.edges[1];
         let ray = Ray::segment(self.position, target);
         (ray.direction.dot(self.normal) > 0.0).then(|| rounded(ray))
     }
@@ -123,7 +231,7 @@ mod tests {
         let (scene, tree) = room();
         let kinds = generate(&scene, &tree, 4096);
         assert_eq!(kinds, generate(&scene, &tree, 4096));
-        for ray in kinds.iter().flatten() {
+        for ray in kinds.iter().flat_map(|set| set.iter()) {
             assert!(ray.is_traceable());
             assert_eq!(rounded(*ray), *ray);
             assert_eq!(ray.t_min, 0.0);
@@ -151,7 +259,7 @@ mod tests {
     fn bounce_rays_leave_their_triangle_cosine_distributed() {
         let (scene, tree) = room();
         let camera = camera_rays(&scene.view, 4096);
-        let starts = starts(&scene, &tree, &camera);
+        let starts: Vec<_> = starts(&scene, &tree, &camera).into_iter().flatten().collect();
         let mut cosines = 0.0;
         for (start, ray) in starts.iter().zip(&camera) {
             let origin = tree.intersect(ray).expect("the room is closed").triangle;

@@ -2,7 +2,7 @@
 
 use crate::measure::Outcome;
 use crate::peer::{Build, Entry, Family};
-use crate::rays::Kind;
+use crate::rays::{Kind, RaySet};
 use serde::Serialize;
 
 /// All figures of a run.
@@ -34,7 +34,27 @@ pub(crate) struct MeshReport {
     pub(crate) triangles: usize,
     /// The number of rays of each kind.
     pub(crate) rays: [usize; 3],
+    /// The integrator's rays; empty unless the scene is an interior.
+    pub(crate) wavefronts: Vec<SetReport>,
     pub(crate) rows: Vec<Row>,
+}
+
+/// A set of an integrator's rays.
+#[derive(Debug, Serialize)]
+pub(crate) struct SetReport {
+    pub(crate) name: String,
+    pub(crate) rays: usize,
+    /// Whether there are too few rays for the figures to be relied on.
+    pub(crate) is_small: bool,
+}
+
+impl SetReport {
+    /// Sets with fewer rays than this are small: they take less than a millisecond.
+    const SMALL: usize = 20_000;
+
+    pub(crate) fn of(set: &RaySet) -> Self {
+        Self { name: set.name.clone(), rays: set.len(), is_small: set.len() < Self::SMALL }
+    }
 }
 
 /// The figures of one entry over one mesh.
@@ -46,12 +66,14 @@ pub(crate) struct Row {
     pub(crate) build: Build,
     /// In the order of [`Kind::ALL`].
     pub(crate) outcomes: [Outcome; 3],
+    /// In the order of [`MeshReport::wavefronts`].
+    pub(crate) wavefronts: Vec<Outcome>,
 }
 
 impl Row {
-    pub(crate) fn new(entry: &Entry, outcomes: [Outcome; 3]) -> Self {
+    pub(crate) fn new(entry: &Entry, outcomes: [Outcome; 3], wavefronts: Vec<Outcome>) -> Self {
         let Entry { family, structure, mode, build, .. } = entry;
-        Self { family: *family, structure, mode: mode.clone(), build: *build, outcomes }
+        Self { family: *family, structure, mode: mode.clone(), build: *build, outcomes, wavefronts }
     }
 }
 
@@ -82,6 +104,11 @@ impl Line {
         speeds.reduce(|a, b| std::array::from_fn(|kind| a[kind].max(b[kind])))
     }
 
+    /// Million rays per second of one of the integrator's sets of rays; `None` if no row is covered.
+    pub(crate) fn wavefront_speed(&self, mesh: &MeshReport, set: usize) -> Option<f64> {
+        self.rows(mesh).map(|row| row.wavefronts[set].best).reduce(f64::max)
+    }
+
     fn mean_speed(&self, meshes: &[MeshReport]) -> f64 {
         geometric_mean(meshes.iter().filter_map(|mesh| self.speeds(mesh)).flatten()).unwrap_or(0.0)
     }
@@ -101,6 +128,16 @@ fn embree_lines() -> [Line; 2] {
         Line::new("Embree, best robust", |row| row.family == Family::EmbreeRobust),
         Line::new("Embree, best of all", |row| row.family.is_embree()),
     ]
+}
+
+/// What the integrator's rays are reported for: this library's fastest structure in batches, and its peers.
+pub(crate) fn wavefront_lines(meshes: &[MeshReport]) -> Vec<Line> {
+    best(Family::OursBatch, meshes).into_iter().chain(peer_lines()).collect()
+}
+
+fn peer_lines() -> impl Iterator<Item = Line> {
+    let crates = Line::new("fastest Rust crate", |row| row.family == Family::RustCrate);
+    embree_lines().into_iter().chain([crates])
 }
 
 /// A line for each structure, over all its modes.
@@ -124,8 +161,7 @@ pub(crate) struct Ratio {
 
 /// The ratios of this library's best structure, in batches and ray by ray, to Embree and to the fastest crate.
 pub(crate) fn ratios(meshes: &[MeshReport]) -> Vec<Ratio> {
-    let crates = Line::new("fastest Rust crate", |row| row.family == Family::RustCrate);
-    let peers: Vec<_> = embree_lines().into_iter().chain([crates]).collect();
+    let peers: Vec<_> = peer_lines().collect();
     let ours = [Family::OursBatch, Family::OursSingle].into_iter().filter_map(|family| best(family, meshes));
     let over = |ours| peers.iter().map(move |peer| ratio(&ours, peer, meshes));
     ours.flat_map(over).collect()
@@ -168,11 +204,18 @@ mod tests {
     fn row(family: Family, structure: &'static str, speeds: [f64; 3]) -> Row {
         let build = Build { seconds: 1.0, bytes: None };
         let outcome = |best| Outcome { best, median: best, differences: Differences::default() };
-        Row { family, structure, mode: String::new(), build, outcomes: speeds.map(outcome) }
+        Row {
+            family,
+            structure,
+            mode: String::new(),
+            build,
+            outcomes: speeds.map(outcome),
+            wavefronts: Vec::new(),
+        }
     }
 
     fn mesh(rows: Vec<Row>) -> MeshReport {
-        MeshReport { mesh: "mesh".to_owned(), triangles: 1, rays: [1; 3], rows }
+        MeshReport { mesh: "mesh".to_owned(), triangles: 1, rays: [1; 3], wavefronts: Vec::new(), rows }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The meshes with their cameras and lights.
 
-use crate::procedural;
+use crate::{apartment, procedural};
 use anyhow::{Result, ensure};
 use globillum::geom::{Aabb, Triangle, Triangles};
 use globillum::glam::{DVec3, UVec3, Vec3};
@@ -9,12 +9,15 @@ use globillum_testkit::shapes;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A mesh with a camera and a light. The light is the target of shadow rays and not part of the mesh.
+/// A mesh with a camera and lights. Lights are the targets of shadow rays and not part of the mesh.
 pub(crate) struct Scene {
     pub(crate) name: String,
     pub(crate) triangles: Triangles,
     pub(crate) view: View,
-    pub(crate) light: Light,
+    /// At least one. Only the first is the target of [`Kind::Shadow`](crate::rays::Kind::Shadow).
+    pub(crate) lights: Vec<Light>,
+    /// Whether camera and lights are inside, so that it is traced by an integrator's rays as well.
+    pub(crate) is_interior: bool,
 }
 
 /// A pinhole camera.
@@ -26,14 +29,29 @@ pub(crate) struct View {
     pub(crate) width: f64,
 }
 
-/// A horizontal square.
+impl View {
+    /// A camera with a full angle of view, in degrees.
+    pub(crate) fn of_angle(eye: DVec3, target: DVec3, degrees: f64) -> Self {
+        Self { eye, target, width: 2.0 * eye.distance(target) * (degrees.to_radians() / 2.0).tan() }
+    }
+}
+
+/// A parallelogram.
+#[derive(Clone, Copy)]
 pub(crate) struct Light {
     pub(crate) center: DVec3,
-    pub(crate) side: f64,
+    pub(crate) edges: [DVec3; 2],
+}
+
+impl Light {
+    /// A horizontal rectangle of some width and depth.
+    pub(crate) fn facing_down(center: DVec3, [width, depth]: [f64; 2]) -> Self {
+        Self { center, edges: [width * DVec3::X, depth * DVec3::Z] }
+    }
 }
 
 /// The procedural scenes, by name.
-pub(crate) const PROCEDURAL: [&str; 3] = ["room", "terrain", "statue"];
+pub(crate) const PROCEDURAL: [&str; 5] = ["room", "kitchen", "living-room", "terrain", "statue"];
 
 /// The folder of scanned meshes, which are traced by default if they exist.
 const SHARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/meshes");
@@ -50,6 +68,8 @@ impl Scene {
     pub(crate) fn load(name: &str) -> Result<Self> {
         match name {
             "room" => procedural::room(),
+            "kitchen" => apartment::kitchen(),
+            "living-room" => apartment::living_room(),
             "terrain" => procedural::terrain(708),
             "statue" => around("statue", shapes::statue(70_000).triangles()),
             path => {
@@ -60,11 +80,17 @@ impl Scene {
         }
     }
 
-    /// The largest coordinate in magnitude, of the mesh, the eye and the light.
+    /// The same mesh with a camera and a light of one's own inside.
+    pub(crate) fn seen_from(self, view: View, light: Light) -> Self {
+        Self { view, lights: vec![light], is_interior: true, ..self }
+    }
+
+    /// The largest coordinate in magnitude, of the mesh, the eye and the lights.
     pub(crate) fn reach(&self) -> f64 {
         let Aabb { min, max } = self.triangles.bounds();
-        let points = [min.as_dvec3(), max.as_dvec3(), self.view.eye, self.light.center];
-        points.into_iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
+        let points = [min.as_dvec3(), max.as_dvec3(), self.view.eye];
+        let lights = self.lights.iter().map(|light| light.center);
+        points.into_iter().chain(lights).map(|p| p.abs().max_element()).fold(0.0, f64::max)
     }
 }
 
@@ -80,7 +106,8 @@ fn around(name: &str, triangles: Vec<Triangle>) -> Result<Scene> {
         name: name.to_owned(),
         triangles,
         view: View { eye, target: middle, width: size },
-        light: Light { center: middle + 1.5 * size * DVec3::Y, side: size },
+        lights: vec![Light::facing_down(middle + 1.5 * size * DVec3::Y, [size, size])],
+        is_interior: false,
     })
 }
 

@@ -8,7 +8,7 @@
 use super::layout::{Aligned, Arguments, Coherence, Hits, INVALID, RayHits, Rays};
 use anyhow::{Result, ensure};
 use libloading::Library;
-use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
 use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::rc::Rc;
@@ -97,14 +97,14 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    /// Loads the library at `path`.
-    pub(crate) fn load(path: &Path) -> Result<Self> {
+    /// Loads the library at `path`, with a configuration of the device.
+    pub(crate) fn load(path: &Path, configuration: &CStr) -> Result<Self> {
         let api = Api::load(path)?;
         let bytes_held = Rc::new(AtomicIsize::new(0));
         let counter = Rc::as_ptr(&bytes_held).cast_mut().cast();
-        // SAFETY: the counter is kept beside the handle.
+        // SAFETY: the configuration ends with a zero, and the counter is kept beside the handle.
         unsafe {
-            let handle = (api.rtcNewDevice)(c"threads=1".as_ptr());
+            let handle = (api.rtcNewDevice)(configuration.as_ptr());
             ensure!(!handle.is_null(), "Embree has no device");
             (api.rtcSetDeviceMemoryMonitorFunction)(handle, count_bytes, counter);
             Ok(Self { api, handle, bytes_held })

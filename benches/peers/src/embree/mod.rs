@@ -6,11 +6,12 @@ mod layout;
 
 use crate::measure::timed;
 use crate::peer::{Answer, Build, Entry, Family, Packets, Peer, Trial};
+use crate::rays::RaySet;
 use crate::scenes::Indexed;
 use anyhow::{Context, Result, ensure};
 use ffi::{Device, Scene};
 use flush::FlushToZero;
-use globillum::geom::Ray;
+use globillum::geom::{Ray, SimdLevel};
 use layout::{Coherence, Rays};
 use std::path::Path;
 use std::rc::Rc;
@@ -22,13 +23,18 @@ pub(crate) struct Embree {
 }
 
 impl Embree {
-    /// Loads the library in `EMBREE_LIB`; `None` if that is unset or empty.
-    pub(crate) fn from_env() -> Result<Option<Self>> {
+    /// Loads the library in `EMBREE_LIB`; `None` if that is unset or empty. It uses the instructions of `level` at
+    /// most.
+    pub(crate) fn from_env(level: SimdLevel) -> Result<Option<Self>> {
         let Some(path) = std::env::var_os("EMBREE_LIB").filter(|path| !path.is_empty()) else {
             return Ok(None);
         };
-        let device =
-            Device::load(Path::new(&path)).context("EMBREE_LIB does not name a library of Embree 4")?;
+        let configuration = match level {
+            SimdLevel::Avx2 => c"threads=1,isa=avx2",
+            _ => c"threads=1",
+        };
+        let device = Device::load(Path::new(&path), configuration)
+            .context("EMBREE_LIB does not name a library of Embree 4")?;
         let version = device.version();
         // Functions of the same names take different arguments in other versions.
         ensure!(version.starts_with("4."), "EMBREE_LIB names Embree {version}, not 4");
@@ -77,12 +83,12 @@ struct Mode<const N: usize> {
 }
 
 impl<const N: usize> Peer for Mode<N> {
-    fn closest<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn closest<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         let query = |rays: &Rays<N>| self.scene.intersect(rays, self.coherence);
         Box::new(Flushed(Packets::new(layout(rays), rays.len(), query)))
     }
 
-    fn any<'a>(&'a self, rays: &[Ray]) -> Box<dyn Trial + 'a> {
+    fn any<'a>(&'a self, rays: &RaySet) -> Box<dyn Trial + 'a> {
         let query = |rays: &Rays<N>| self.scene.occluded(rays, self.coherence);
         Box::new(Flushed(Packets::new(layout(rays), rays.len(), query)))
     }
