@@ -18,6 +18,12 @@ pub(crate) trait Query: Copy {
     /// beyond it are skipped.
     fn t_end(&self) -> f64;
 
+    /// Whether no other hit can change the answer.
+    #[inline]
+    fn is_answered(&self) -> bool {
+        self.t_end() == f64::NEG_INFINITY
+    }
+
     /// The query after an unknown hit in the ray's range. This answers an any-hit query and does not change a
     /// closest-hit query.
     #[must_use]

@@ -65,6 +65,10 @@ pub(super) fn record<S: Simd, Q: Query>(
         traversal.candidates.add(starts[lane % LANES], index);
         if traversal.candidates.is_full() {
             traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, query);
+            if Q::ANY_HIT && query.is_answered() {
+                traversal.clear();
+                return;
+            }
         }
     }
     if filtered.certain != 0 {

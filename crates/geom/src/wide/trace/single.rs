@@ -29,7 +29,7 @@ pub(super) fn query_single<S: Simd, Q: Query, P: Probe>(
     while Child::is_end(traversal.child) == 0 {
         if Child::is_block(traversal.child) == 0 {
             probe.visit();
-            test_node(simd, &tree.nodes, traversal);
+            test_node::<S, Q>(simd, &tree.nodes, traversal);
             traversal.advance();
             continue;
         }

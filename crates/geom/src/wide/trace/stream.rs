@@ -141,7 +141,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     #[inline(always)]
     fn test_nodes<S: Simd>(&mut self, simd: S, nodes: RayMask) {
         for slot in Bits(nodes) {
-            test_node(simd, &self.tree.nodes, &mut self.traversals[slot]);
+            test_node::<S, Q>(simd, &self.tree.nodes, &mut self.traversals[slot]);
         }
     }
 
