@@ -2,6 +2,7 @@
 //!
 //! `cargo test --release -p globillum-tests --test suite -- --ignored --nocapture view_factors::` prints the figures of
 //! docs/measuring.md.
+#![allow(clippy::print_stdout, reason = "figures for docs/measuring.md, with --nocapture")]
 
 use glam::{DVec3, Vec3Swizzles};
 use globillum::geom::{Triangle, Triangles};
@@ -154,7 +155,7 @@ impl Cell {
     }
 
     /// The span along an axis, as distances from the wall at that end of it.
-    fn from_wall(&self, axis: usize, side: usize) -> Span {
+    fn span_from_wall(&self, axis: usize, side: usize) -> Span {
         let [a, b] = self.spans[axis];
         if side == 0 { [a, b] } else { [1.0 - b, 1.0 - a] }
     }
@@ -165,8 +166,8 @@ impl Cell {
             return if self.side == to.side { 0.0 } else { parallel(spans(self), spans(to), 1.0) };
         }
         let along = 3 - self.axis - to.axis;
-        let own = [self.spans[along], self.from_wall(to.axis, to.side)];
-        perpendicular(own, [to.spans[along], to.from_wall(self.axis, self.side)])
+        let own = [self.spans[along], self.span_from_wall(to.axis, to.side)];
+        perpendicular(own, [to.spans[along], to.span_from_wall(self.axis, self.side)])
     }
 }
 

@@ -68,10 +68,16 @@ impl PictureData {
     pub fn of_render(picture: &Picture, settings: &Settings, camera: Option<&Camera>) -> Self {
         let mut data = Self::of(&picture.film);
         data.set_key(picture.key);
-        data.set("seed", settings.seed);
-        data.set("settings", settings_text(settings));
-        data.camera = camera.map(frame);
+        data.set_settings(settings);
+        data.camera = camera.map(Self::frame);
         data
+    }
+
+    /// Sets the attributes `seed` and `settings`. Settings that do not change a sample, such as the number of threads,
+    /// are left out.
+    pub fn set_settings(&mut self, settings: &Settings) {
+        self.set("seed", settings.seed);
+        self.set("settings", settings_text(settings));
     }
 
     /// The estimates of a merged checkpoint with this header, with the attributes `key` and `path_reuse`, and, if all
@@ -103,6 +109,23 @@ impl PictureData {
             passes.iter().map(|range| format!("{}..{}", range.start, range.end)).collect();
         self.set("passes", ranges.join(", "));
         self.set("samples", samples);
+    }
+
+    /// [`PictureData::camera`] of a pinhole.
+    pub fn frame(camera: &Camera) -> ([f32; 16], f32) {
+        let [middle, right, up] = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| camera.ray(x, y, 1.0));
+        let (eye, forward) = (middle.origin, middle.direction);
+        let [right, up] = [right, up].map(|ray| ray.direction - forward);
+        let fov = 2.0 * (up.length() / forward.length()).atan();
+        let axes = [right, up, forward].map(|axis| axis.normalize());
+        let mut matrix = [0.0; 16];
+        for (column, axis) in axes.into_iter().enumerate() {
+            for (row, x) in axis.to_array().into_iter().chain([-eye.dot(axis)]).enumerate() {
+                matrix[4 * row + column] = x as f32;
+            }
+        }
+        matrix[15] = 1.0;
+        (matrix, fov.to_degrees() as f32)
     }
 
     /// Sets the attribute `name`.
@@ -141,23 +164,6 @@ fn kebab(variant: impl Debug) -> String {
     name
 }
 
-/// [`PictureData::camera`] of a pinhole.
-fn frame(camera: &Camera) -> ([f32; 16], f32) {
-    let [middle, right, up] = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| camera.ray(x, y, 1.0));
-    let (eye, forward) = (middle.origin, middle.direction);
-    let [right, up] = [right, up].map(|ray| ray.direction - forward);
-    let fov = 2.0 * (up.length() / forward.length()).atan();
-    let axes = [right, up, forward].map(|axis| axis.normalize());
-    let mut matrix = [0.0; 16];
-    for (column, axis) in axes.into_iter().enumerate() {
-        for (row, x) in axis.to_array().into_iter().chain([-eye.dot(axis)]).enumerate() {
-            matrix[4 * row + column] = x as f32;
-        }
-    }
-    matrix[15] = 1.0;
-    (matrix, fov.to_degrees() as f32)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,7 +174,7 @@ mod tests {
     fn the_camera_is_a_matrix_for_row_vectors() {
         let eye = DVec3::new(1.0, 2.0, 5.0);
         let camera = Camera::look_at(eye, DVec3::new(1.0, 2.0, 0.0), DVec3::Y, 1.0).expect("it is one");
-        let (matrix, fov) = frame(&camera);
+        let (matrix, fov) = PictureData::frame(&camera);
         // One to the right, two up, and three in front of the camera.
         let point = [2.0, 4.0, 2.0, 1.0];
         let seen = |column: usize| (0..4).map(|row| point[row] * matrix[4 * row + column]).sum::<f32>();

@@ -1,3 +1,4 @@
+use super::picture::Picture;
 use crate::exit::CODES;
 use crate::exit::Incomplete;
 use crate::farm::{Part, Plan, Task, part_file};
@@ -83,7 +84,11 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let Merged { header, error, estimates } = merged;
     let data_on_stdout = outputs.fill_stdout();
     if let Some(estimates) = estimates {
-        outputs.write(&PictureData::of_merged(&header, estimates), || Ok(String::new()))?;
+        let mut data = PictureData::of_merged(&header, estimates);
+        if let Some(expected) = &expected {
+            expected.describe(&mut data)?;
+        }
+        outputs.write(&data, || Ok(String::new()))?;
     }
     console::print_table(&summary::of_merged(&header, error), data_on_stdout)
 }
@@ -131,6 +136,14 @@ impl Expected {
             }
         }
         Ok(files)
+    }
+
+    /// Says of the picture what its checkpoints do not hold, as the render in one run does.
+    fn describe(&self, data: &mut PictureData) -> Result<()> {
+        let picture = Picture::parse(&self.plan.picture).with_context(|| self.job.display().to_string())?;
+        data.set_settings(&picture.flags().settings());
+        data.camera = self.plan.camera;
+        Ok(())
     }
 
     /// Whether a merge holds all tasks.

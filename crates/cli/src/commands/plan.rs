@@ -75,7 +75,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         None => (0..settings.passes(), settings.samples),
     };
     let division = Division::new(settings.width, settings.height, passes, options.tasks);
-    let plan = Plan::new(key, options.picture.clone(), samples, division);
+    let plan = Plan::new(key, options.picture.clone(), camera.pinhole(), samples, division);
     let json = plan.to_json()?;
     file.commit(|writer| writer.write_all(json.as_bytes()))?;
     console::print(table(job, &plan, &settings, options.max_array_size).as_bytes())

@@ -1,6 +1,8 @@
 use super::Division;
 use crate::summary::format_range;
 use anyhow::{Context, Result, anyhow, ensure};
+use globillum::integrator::Camera;
+use globillum::io::PictureData;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
@@ -18,6 +20,10 @@ pub(crate) struct Plan {
     pub(crate) picture: Vec<String>,
     /// Samples of a pixel, of all passes up to the last.
     pub(crate) samples: u32,
+    /// The camera as picture files have it, if it is a pinhole ([`PictureData::camera`]).
+    ///
+    /// [`PictureData::camera`]: globillum::io::PictureData::camera
+    pub(crate) camera: Option<([f32; 16], f32)>,
     /// How many tasks there are, for programs that read this file.
     tasks: u32,
     pub(crate) division: Division,
@@ -39,9 +45,16 @@ impl fmt::Display for Task {
 }
 
 impl Plan {
-    pub(crate) fn new(key: u64, picture: Vec<String>, samples: u32, division: Division) -> Self {
+    pub(crate) fn new(
+        key: u64,
+        picture: Vec<String>,
+        camera: Option<&Camera>,
+        samples: u32,
+        division: Division,
+    ) -> Self {
         let version = env!("CARGO_PKG_VERSION").into();
-        Self { version, key: format!("{key:016x}"), picture, samples, tasks: division.tasks(), division }
+        let (key, camera, tasks) = (format!("{key:016x}"), camera.map(PictureData::frame), division.tasks());
+        Self { version, key, picture, camera, samples, tasks, division }
     }
 
     /// Reads a job file.
