@@ -7,7 +7,8 @@
 use glam::{DVec3, Vec3Swizzles};
 use globillum::geom::{Triangle, Triangles};
 use globillum::integrator::view_factors::{
-    Factor, FactorError, FactorFormat, FactorRun, FactorSettings, FactorTable, Patches, Target, ViewFactors,
+    Factor, FactorError, FactorFormat, FactorRun, FactorSettings, FactorTable, Patches, Reciprocity, Target,
+    ViewFactors,
 };
 use globillum::integrator::{CheckpointError, Ending, Monitor, Progress};
 use globillum::material::Sides;
@@ -99,7 +100,7 @@ fn parallel_and_perpendicular_rectangles() {
         assert!(back.z(reverse).abs() < Z_LIMIT, "{what}, back: {back:?}, not {reverse}");
         let away = factors.factor(0, Surroundings);
         assert!((across.mean + away.value - 1.0).abs() < 1e-15 && factors.factor(0, Back).hits == 0);
-        assert!(factors.reciprocity().largest_z() < Z_LIMIT, "{what}");
+        assert!(Reciprocity::of(&factors).largest_z() < Z_LIMIT, "{what}");
     }
 }
 
@@ -116,7 +117,7 @@ fn concentric_spheres() {
     let itself = factors.factor(1, Patch(1));
     assert_eq!(itself.hits + factors.factor(1, Patch(0)).hits, factors.rays());
     assert!((ratio - 0.25).abs() < 1e-6, "two meshes of one shape");
-    assert!(factors.reciprocity().largest_z() < Z_LIMIT);
+    assert!(Reciprocity::of(&factors).largest_z() < Z_LIMIT);
 }
 
 /// A cell of a wall of the unit cube: the axis of its normal, the side, and the spans along the other two axes.
@@ -198,7 +199,7 @@ fn assert_cube(cells: [usize; 2], settings: &FactorSettings) -> f64 {
             largest = largest.max(z.abs());
         }
     }
-    let apart = factors.reciprocity().largest_z();
+    let apart = Reciprocity::of(&factors).largest_z();
     assert!(apart < Z_LIMIT, "{apart}");
     largest
 }
@@ -246,7 +247,7 @@ fn reciprocity_combines_both_directions() {
     let spans = [[0.5, 2.5], [-0.5, 0.5]];
     let scene = Scene::new(&[rectangle([[0.0, 1.0]; 2], 0.0), inside_out(rectangle(spans, 1.0))]);
     let factors = scene.factors(&FactorSettings::new(1 << 14));
-    let combined = factors.reciprocity();
+    let combined = Reciprocity::of(&factors);
     let factor = |patch: u32| combined.row(patch).next().expect("they see each other").1;
     let [there, back] = [factor(0), factor(1)];
     assert!((factors.area(0) * there.value - factors.area(1) * back.value).abs() < 1e-12);
@@ -447,7 +448,7 @@ fn tables_hold_every_factor() {
         away.value
     );
     assert_eq!(matrix, expected);
-    let combined = factors.reciprocity();
+    let combined = Reciprocity::of(&factors);
     assert_eq!(text(table().combined(&combined), FactorFormat::Csv), csv, "no pair sees each other");
 }
 
@@ -490,7 +491,7 @@ fn a_street_of_22000_facets() {
         million / seconds
     );
     println!("{} MB, {:?}", factors.bytes() / 1_000_000, factors.accuracy(1e-3));
-    let combined = factors.reciprocity();
+    let combined = Reciprocity::of(&factors);
     for (what, with_sky) in [("between facets", false), ("with the surroundings", true)] {
         let (mut count, mut mean, mut square, mut relative) = (0.0, 0.0, 0.0, 0.0);
         for patch in 0..factors.patches() {

@@ -133,7 +133,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         interrupt.check()?;
     }
 
-    let reciprocity = factors.reciprocity();
+    let reciprocity = Reciprocity::of(&factors);
     let table = FactorTable::new(&factors, |patch| name_of(&names, patch)).at_least(options.omit_below);
     let table = if options.reciprocity { table.combined(&reciprocity) } else { table };
     file.commit(|writer| table.write(format, writer))?;

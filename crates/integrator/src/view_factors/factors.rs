@@ -1,4 +1,3 @@
-use super::reciprocity::Reciprocity;
 use super::row::{Entry, Row};
 use crate::Ending;
 use crate::film::student::quantile_975;
@@ -161,11 +160,6 @@ impl ViewFactors {
             rms_of_relative: or_infinite((relative / count).sqrt()),
             largest_std_err,
         }
-    }
-
-    /// These view factors together with those of the opposite direction.
-    pub fn reciprocity(&self) -> Reciprocity<'_> {
-        Reciprocity::new(self)
     }
 
     pub(super) fn target(&self, column: u32) -> Target {

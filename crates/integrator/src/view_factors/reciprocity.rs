@@ -16,7 +16,8 @@ pub struct Reciprocity<'a> {
 }
 
 impl<'a> Reciprocity<'a> {
-    pub(super) fn new(factors: &'a ViewFactors) -> Self {
+    /// `factors` together with those of the opposite direction.
+    pub fn of(factors: &'a ViewFactors) -> Self {
         let mut columns = vec![(Row::default(), 0); factors.rows.len()];
         for (row, column) in factors.rows.iter().zip(0..) {
             for entry in row.entries() {
