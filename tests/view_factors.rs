@@ -508,8 +508,7 @@ fn a_street_of_22000_facets() {
     let accel = globillum::geom::WideKdTree::build(&triangles).expect("a tree");
     let patches = Patches::of_triangles(triangles.len() as u32);
     let rays = std::env::var("VIEW_FACTOR_RAYS").map_or(1 << 16, |rays| rays.parse().expect("a number"));
-    let mut settings = FactorSettings::new(rays);
-    settings.pass_rays = (rays / 16) as u32;
+    let settings = FactorSettings::new(rays);
     let start = std::time::Instant::now();
     let factors = FactorRun::new(&triangles, &accel, &patches, &settings).run(&()).expect("a street");
     let seconds = start.elapsed().as_secs_f64();
