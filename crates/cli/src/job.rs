@@ -83,14 +83,7 @@ impl Job {
             .preview
             .then(|| Preview::new(&flags.output, |picture| picture_data(picture, &settings, &camera, shown)));
         let monitor = RenderMonitor::new(checkpoint, &interrupt).with_preview(preview);
-        let start = Instant::now();
-        let picture = render.run(&monitor)?;
-        let render_seconds = start.elapsed().as_secs_f64();
-        let traced = monitor.finish(&picture)?;
-        if picture.samples == 0 {
-            interrupt.check()?;
-        }
-
+        let (picture, render_seconds, traced) = monitor.run(render)?;
         let timing = Timing { build_seconds, render_seconds, traced };
         let summary = Summary::new(&name, &flags, &settings, &scene, (camera, camera_by), &picture, timing);
         let data_on_stdout = outputs.fill_stdout();

@@ -3,9 +3,10 @@ use crate::interrupt::Interrupt;
 use crate::preview::Preview;
 use crate::progress::ProgressBar;
 use anyhow::Result;
-use globillum::integrator::{Monitor, Progress};
+use globillum::integrator::{Monitor, Picture, Progress, Render};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 /// Shows progress, saves checkpoints and previews between passes, and ends the render at a signal.
 pub(crate) struct RenderMonitor<'a> {
@@ -39,6 +40,19 @@ impl<'a> RenderMonitor<'a> {
     /// Shows pictures between passes too.
     pub(crate) fn with_preview(self, preview: Option<Preview<'a>>) -> Self {
         Self { preview: Mutex::new(preview), ..self }
+    }
+
+    /// Renders; returns the picture, the seconds that it took, and what was traced. Fails if a signal came before the
+    /// first pass was complete.
+    pub(crate) fn run(self, render: Render<'_>) -> Result<(Picture, f64, Traced)> {
+        let (interrupt, start) = (self.interrupt, Instant::now());
+        let picture = render.run(&self)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let traced = self.finish(&picture)?;
+        if picture.samples == 0 {
+            interrupt.check()?;
+        }
+        Ok((picture, seconds, traced))
     }
 
     /// Takes the bar off the terminal, and saves the checkpoint the last time if the result has any pass.

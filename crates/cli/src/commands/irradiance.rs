@@ -75,14 +75,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let settings = flags.settings(&points);
     let render = flags.render(&scene, &points, &settings)?;
     let monitor = RenderMonitor::new(checkpoint, &interrupt);
-    let start = Instant::now();
-    let picture = render.run(&monitor)?;
-    let render_seconds = start.elapsed().as_secs_f64();
-    let traced = monitor.finish(&picture)?;
-    if picture.samples == 0 {
-        interrupt.check()?;
-    }
-
+    let (picture, render_seconds, traced) = monitor.run(render)?;
     let timing = Timing { build_seconds, render_seconds, traced };
     let summary = of_points(&name, &flags, &scene, &picture, timing);
     let data_on_stdout = out.is_stdout() || stats.as_ref().is_some_and(TextOutput::is_stdout);

@@ -68,6 +68,7 @@ fn groups(lights: &mut [Light], level: u32) -> Vec<Group<'_>> {
     let cluster = union(lights);
     let mut groups = vec![Group { lights, cluster }];
     while groups.len() < WIDTH {
+        // It begins with one group, and a split adds one.
         let (index, costliest) =
             (0..).zip(groups.iter().map(cost)).max_by(|a, b| a.1.total_cmp(&b.1)).expect("there is a group");
         if costliest == f64::NEG_INFINITY {
@@ -139,5 +140,6 @@ fn join(a: Option<Cluster>, b: Option<Cluster>) -> Option<Cluster> {
 /// Bounds of one or more lights.
 fn union(lights: &[Light]) -> Cluster {
     let clusters = lights.iter().map(|(_, cluster)| *cluster);
+    // No group is empty: a split leaves a light on each side.
     clusters.reduce(|a, b| a.union(&b)).expect("a group has a light")
 }

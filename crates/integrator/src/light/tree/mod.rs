@@ -141,6 +141,7 @@ impl LightTree {
     }
 
     fn choose_far(&self, u: f64, far_prob: f64) -> (usize, f64) {
+        // Without far lights their probability is 0, and this is not called.
         let place =
             self.far_table.sample(u.min(1.0_f64.next_down())).expect("only called if there are far lights");
         let index = self.far[place] as usize;
