@@ -85,7 +85,7 @@ mod tests {
         let list = "\u{feff}x, y,z,nx,ny,nz\r\n# a comment\r\n\r\n0,1,-2.5e1, 0,0,1\r\n1,2,3,0,-1,0";
         let points = parse(list, "a.csv").expect("it is well-formed");
         let expected = [(DVec3::new(0.0, 1.0, -25.0), DVec3::Z), (DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Y)];
-        assert_eq!(points.points(), expected);
+        assert_eq!(points.points().collect::<Vec<_>>(), expected);
     }
 
     #[test]
