@@ -16,6 +16,7 @@ pub(crate) fn build(triangles: &Triangles, level: SimdLevel) -> Result<Vec<Entry
     let structures = [
         both("k-d tree", || KdTree::build(triangles, &KdOptions::default()))?,
         both("wide tree", || Ok(WideKdTree::build(triangles)?.with_level(level)))?,
+        both("wide tree, built quickly", || Ok(WideKdTree::build_quickly(triangles)?.with_level(level)))?,
         both("uniform grid", || UniformGrid::build(triangles, &GridOptions::default()))?,
     ];
     Ok(structures.into_iter().flatten().collect())

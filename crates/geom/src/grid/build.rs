@@ -1,4 +1,4 @@
-use super::lattice::Lattice;
+use super::lattice::{Lattice, MAX_CELLS, resolution_for};
 use super::uniform::UniformGrid;
 use crate::{Aabb, GeomError, Triangles};
 
@@ -19,9 +19,6 @@ impl Default for GridOptions {
         Self { density: 2.0, resolution: None }
     }
 }
-
-/// The largest number of cells.
-const MAX_CELLS: u64 = 1 << 27;
 
 impl UniformGrid {
     /// Builds the grid.
@@ -96,32 +93,6 @@ fn check_resolution(given: [u32; 3], bounds: &Aabb) -> Result<[u32; 3], GeomErro
     }
     let extent = bounds.extent();
     Ok([0, 1, 2].map(|axis| if extent[axis] > 0.0 { given[axis] } else { 1 }))
-}
-
-/// The resolution with nearly cubic cells, `density` for each of `count` triangles.
-fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> [u32; 3] {
-    let most = (8 * count as u64 + 64).min(MAX_CELLS) as f64;
-    let wanted = (density * count as f64).clamp(1.0, most);
-    // Shortest axes first: an axis too short for two cells leaves its share to the others.
-    let extent = bounds.extent();
-    let mut axes = [0, 1, 2];
-    axes.sort_by(|&a, &b| extent[a].total_cmp(&extent[b]));
-    let mut resolution = [1; 3];
-    let mut left = wanted;
-    for (done, &axis) in axes.iter().enumerate() {
-        let remaining = &axes[done..];
-        let longest = extent[axes[2]];
-        if longest <= 0.0 {
-            break;
-        }
-        // Extents relative to the longest axis prevent overflow at any scale.
-        let volume: f64 = remaining.iter().map(|&a| extent[a] / longest).product();
-        let cells_per_extent = (left / volume).powf(1.0 / remaining.len() as f64);
-        let cells = (extent[axis] / longest * cells_per_extent).clamp(1.0, left.max(1.0));
-        resolution[axis] = if cells.is_finite() { cells as u32 } else { 1 };
-        left /= f64::from(resolution[axis]);
-    }
-    resolution
 }
 
 fn cell_count(resolution: [u32; 3]) -> u64 {

@@ -1,10 +1,13 @@
 use crate::{Aabb, Triangle};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::ops::RangeInclusive;
+
+/// The largest number of cells.
+pub(super) const MAX_CELLS: u64 = 1 << 27;
 
 /// The geometry of the cells, in coordinates relative to the lower corner of the scene's bounds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lattice {
+pub(crate) struct Lattice {
     pub(super) corner: DVec3,
     pub(super) resolution: [u32; 3],
     cell_size: DVec3,
@@ -24,6 +27,21 @@ impl Lattice {
             cell_size,
             cells_per_length: cell_size.map(per_length),
         }
+    }
+
+    /// The lattice with nearly cubic cells over `bounds`, about `density` for each of `count` triangles.
+    pub(crate) fn with_density(bounds: &Aabb, count: usize, density: f64) -> Self {
+        Self::new(bounds, resolution_for(bounds, count, density))
+    }
+
+    /// The number of cells.
+    pub(crate) fn cell_count(&self) -> usize {
+        self.resolution.map(|r| r as usize).into_iter().product()
+    }
+
+    /// The linear index of the cell that contains a point, up to rounding; of the nearest one for a point outside.
+    pub(crate) fn cell_of(&self, point: Vec3) -> usize {
+        self.flat([0, 1, 2].map(|axis| self.index(axis, f64::from(point[axis]) - self.corner[axis])))
     }
 
     /// The relative coordinate of the lower face of cell `index`.
@@ -74,4 +92,30 @@ impl Lattice {
             }
         }
     }
+}
+
+/// The resolution with nearly cubic cells, `density` for each of `count` triangles.
+pub(super) fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> [u32; 3] {
+    let most = (8 * count as u64 + 64).min(MAX_CELLS) as f64;
+    let wanted = (density * count as f64).clamp(1.0, most);
+    // Shortest axes first: an axis too short for two cells leaves its share to the others.
+    let extent = bounds.extent();
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&a, &b| extent[a].total_cmp(&extent[b]));
+    let mut resolution = [1; 3];
+    let mut left = wanted;
+    for (done, &axis) in axes.iter().enumerate() {
+        let remaining = &axes[done..];
+        let longest = extent[axes[2]];
+        if longest <= 0.0 {
+            break;
+        }
+        // Extents relative to the longest axis prevent overflow at any scale.
+        let volume: f64 = remaining.iter().map(|&a| extent[a] / longest).product();
+        let cells_per_extent = (left / volume).powf(1.0 / remaining.len() as f64);
+        let cells = (extent[axis] / longest * cells_per_extent).clamp(1.0, left.max(1.0));
+        resolution[axis] = if cells.is_finite() { cells as u32 } else { 1 };
+        left /= f64::from(resolution[axis]);
+    }
+    resolution
 }

@@ -8,4 +8,5 @@ mod uniform;
 mod walk;
 
 pub use build::GridOptions;
+pub(crate) use lattice::Lattice;
 pub use uniform::UniformGrid;

@@ -24,7 +24,7 @@ type Polygon = ArrayVec<DVec3, 10>;
 
 impl Member {
     /// The whole triangle of this index.
-    pub(super) fn new(triangles: &Triangles, index: u32) -> Self {
+    pub(crate) fn new(triangles: &Triangles, index: u32) -> Self {
         Self { index, bounds: triangles.get(index).bounds() }
     }
 

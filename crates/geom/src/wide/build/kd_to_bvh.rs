@@ -91,9 +91,7 @@ impl BinaryTree {
     ///
     /// Leaves are split in parallel on the current rayon pool.
     pub(super) fn new(tree: &KdTree, members: &mut [Member]) -> Self {
-        let area = tree.bounds().half_area();
-        let area_scale = if area > 0.0 { power_of_two_inverse(power_of_two_below(area)) } else { 1.0 };
-        let few = FEW * area * area_scale;
+        let empty = Self::empty(&tree.bounds());
         let (mut leaves, mut rest) = (Vec::new(), members);
         for node in &tree.nodes {
             if let KdNode::Leaf { first, count: count @ 1.. } = *node {
@@ -103,7 +101,7 @@ impl BinaryTree {
             }
         }
         let subdivide = |(first, leaf): (u32, &mut [Member])| {
-            let mut below = Self { nodes: Vec::new(), area_scale, few };
+            let mut below = empty.without_nodes();
             below.add_members(first, leaf, MAX_LEVELS);
             below
         };
@@ -111,13 +109,25 @@ impl BinaryTree {
         // Each plane that is kept has something on both sides.
         let planes = leaves.len().saturating_sub(1);
         let count = planes + leaves.iter().map(|leaf| leaf.nodes.len()).sum::<usize>();
-        let mut this = Self { nodes: Vec::with_capacity(count), area_scale, few };
+        let mut this = Self { nodes: Vec::with_capacity(count), ..empty };
         if leaves.is_empty() {
             this.add_members(0, &mut [], MAX_LEVELS);
         } else {
             this.add_cell(tree, 0, &mut leaves.iter());
         }
         this
+    }
+
+    /// No nodes, of a scene within `bounds`.
+    pub(super) fn empty(bounds: &Aabb) -> Self {
+        let area = bounds.half_area();
+        let area_scale = if area > 0.0 { power_of_two_inverse(power_of_two_below(area)) } else { 1.0 };
+        Self { nodes: Vec::new(), area_scale, few: FEW * area * area_scale }
+    }
+
+    /// No nodes, of the same scene.
+    pub(super) fn without_nodes(&self) -> Self {
+        Self { nodes: Vec::new(), ..*self }
     }
 
     pub(super) fn node(&self, at: u32) -> &BinaryNode {
@@ -162,7 +172,7 @@ impl BinaryTree {
     }
 
     /// Adds all of `other`.
-    fn append(&mut self, other: &Self) {
+    pub(super) fn append(&mut self, other: &Self) {
         let start = self.nodes.len() as u32;
         self.nodes.extend(other.nodes.iter().map(|&node| {
             let upper = node.content.split().map_or(0, |split| split.upper + start);
@@ -171,7 +181,7 @@ impl BinaryTree {
     }
 
     /// Adds members, of which the first is number `first` of all, split down to leaf blocks.
-    fn add_members(&mut self, first: u32, members: &mut [Member], levels_left: u32) {
+    pub(super) fn add_members(&mut self, first: u32, members: &mut [Member], levels_left: u32) {
         if members.len() <= LANES {
             self.add_leaf(first, members);
             return;
@@ -210,20 +220,20 @@ impl BinaryTree {
     }
 
     /// Adds an inner node, and returns where it is.
-    fn begin(&mut self, axis: u8) -> usize {
+    pub(super) fn begin(&mut self, axis: u8) -> usize {
         let content = Content::Inner(Split { axis, upper: 0 });
         self.nodes.push(BinaryNode { bounds: Aabb::EMPTY, content, costs: CollapseCosts::default() });
         self.nodes.len() - 1
     }
 
     /// Makes the node that is added next the upper child of the one at `at`.
-    fn point_to_upper(&mut self, at: usize) {
+    pub(super) fn point_to_upper(&mut self, at: usize) {
         let next = self.nodes.len() as u32;
         self.nodes[at].content = self.nodes[at].content.with_upper(next);
     }
 
     /// Finds the bounds and the costs of the node at `at`, whose children are there.
-    fn finish(&mut self, at: usize) {
+    pub(super) fn finish(&mut self, at: usize) {
         let Some(split) = self.nodes[at].content.split() else { return };
         let bounds = self.nodes[at + 1].bounds.union(&self.node(split.upper).bounds);
         let [low, high] = self.child_costs(at as u32, split);

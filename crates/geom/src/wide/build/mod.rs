@@ -1,14 +1,16 @@
 //! Building: a [binary tree](kd_to_bvh) split by the [surface area heuristic](sah) is [collapsed](collapse) where
-//! the [costs of lanes](collapse_cost) are least.
+//! the [costs of lanes](collapse_cost) are least. [A grid](grid_to_bvh) may take the place of k-d planes.
 
 mod collapse;
 mod collapse_cost;
+mod grid_to_bvh;
 mod kd_to_bvh;
 mod sah;
 
 use super::tree::Tree;
 use super::tree::node::Child;
 use super::tree::normalize::NormalizedSpace;
+use crate::kdtree::Member;
 use crate::{GeomError, KdOptions, KdTree, Triangles};
 use collapse::Collapse;
 use kd_to_bvh::BinaryTree;
@@ -17,9 +19,23 @@ use kd_to_bvh::BinaryTree;
 pub(super) fn build(triangles: &Triangles, options: &KdOptions) -> Result<Tree, GeomError> {
     let (kd_tree, mut members) = KdTree::build_with_members(triangles, options)?;
     Child::check_references(kd_tree.references.len())?;
+    let binary = BinaryTree::new(&kd_tree, &mut members);
+    Ok(collapse(triangles, &binary, &members))
+}
+
+/// Builds the tree with the help of a grid instead of a k-d tree.
+pub(super) fn build_by_grid(triangles: &Triangles) -> Result<Tree, GeomError> {
+    let live = triangles.live();
+    Child::check_references(live.len())?;
+    let mut members: Vec<Member> = live.iter().map(|&i| Member::new(triangles, i)).collect();
+    let binary = BinaryTree::by_grid(&triangles.bounds(), &mut members);
+    Ok(collapse(triangles, &binary, &members))
+}
+
+/// The tree of a binary tree with these contents.
+fn collapse(triangles: &Triangles, binary: &BinaryTree, members: &[Member]) -> Tree {
     let triangles = triangles.clone();
     let space = NormalizedSpace::new(&triangles.bounds());
-    let binary = BinaryTree::new(&kd_tree, &mut members);
-    let Collapse { nodes, leaves, .. } = Collapse::run(&triangles, &binary, &members, space);
-    Ok(Tree { triangles, space, nodes, leaves })
+    let Collapse { nodes, leaves, .. } = Collapse::run(&triangles, binary, members, space);
+    Tree { triangles, space, nodes, leaves }
 }

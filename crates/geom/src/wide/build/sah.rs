@@ -5,32 +5,41 @@ use crate::Aabb;
 use crate::decide::main_axis;
 use crate::kdtree::Member;
 use crate::wide::simd::LANES;
-use glam::Vec3;
+use glam::Vec4;
 
 /// How many bins there are along an axis.
 const BINS: usize = 16;
+/// The least `f32` that is followed by integers only.
+const INTEGERS: f32 = 8_388_608.0;
 
-/// A box as its lower corner and its negated upper one, so that eight minima unite two boxes.
+/// A box as its lower corner and its negated upper one, so that minima unite two boxes.
 #[derive(Clone, Copy)]
-struct MinBox([f32; 8]);
+struct MinBox {
+    min: Vec4,
+    minus_max: Vec4,
+}
 
 impl MinBox {
-    const EMPTY: Self = Self([f32::INFINITY; 8]);
+    const EMPTY: Self = Self { min: Vec4::INFINITY, minus_max: Vec4::INFINITY };
 
+    #[inline(always)]
     fn of(bounds: &Aabb) -> Self {
-        let Aabb { min, max } = *bounds;
-        Self([min.x, min.y, min.z, 0.0, -max.x, -max.y, -max.z, 0.0])
-    }
-
-    fn unite(&mut self, other: &Self) {
-        for (least, &x) in self.0.iter_mut().zip(&other.0) {
-            *least = if x < *least { x } else { *least };
-        }
+        Self { min: bounds.min.extend(0.0), minus_max: (-bounds.max).extend(0.0) }
     }
 
     fn bounds(&self) -> Aabb {
-        let [x, y, z, _, minus_x, minus_y, minus_z, _] = self.0;
-        Aabb { min: Vec3::new(x, y, z), max: -Vec3::new(minus_x, minus_y, minus_z) }
+        Aabb { min: self.min.truncate(), max: -self.minus_max.truncate() }
+    }
+
+    #[inline(always)]
+    fn unite(&mut self, other: &Self) {
+        *self = Self { min: self.min.min(other.min), minus_max: self.minus_max.min(other.minus_max) };
+    }
+
+    /// [`Aabb::half_area`] of a box that is not empty.
+    fn half_area(&self) -> f64 {
+        let extent = -self.minus_max.truncate().as_dvec3() - self.min.truncate().as_dvec3();
+        extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
     }
 }
 
@@ -49,9 +58,10 @@ impl Bin {
         self.count += count;
     }
 
-    /// Leaf blocks that a ray which meets the scene visits here, times half the scene's surface.
+    /// Leaf blocks that a ray which meets the scene visits here, times half the scene's surface; of a bin that is not
+    /// empty.
     fn cost(&self) -> f64 {
-        self.bounds.bounds().half_area() * self.count.div_ceil(LANES) as f64
+        self.bounds.half_area() * self.count.div_ceil(LANES) as f64
     }
 }
 
@@ -63,73 +73,131 @@ struct BinSplit {
     cost: f64,
 }
 
-/// The bins along an axis, by the centers of boxes.
+/// What a split sends to one side or the other.
+pub(super) trait Boxed: Copy {
+    fn bounds(&self) -> Aabb;
+
+    /// The number of triangles.
+    fn count(&self) -> usize;
+}
+
+impl Boxed for Member {
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn count(&self) -> usize {
+        1
+    }
+}
+
+/// The bins along the three axes, by the centers of boxes.
 struct Bins {
-    axis: usize,
-    /// Where the first begins, and the number of bins for each unit of length.
-    start: f64,
-    rate: f64,
+    /// Where the first ones begin, and the number of bins for each unit of length.
+    start: Vec4,
+    rate: Vec4,
 }
 
 impl Bins {
-    fn new(axis: usize, centers: &Aabb) -> Self {
-        let extent = centers.extent()[axis];
-        let rate = if extent > 0.0 { BINS as f64 / extent } else { 0.0 };
-        Self { axis, start: centers.min[axis].into(), rate }
+    /// The bins for these boxes.
+    fn new(items: &[impl Boxed]) -> Self {
+        let centers = centers(items);
+        let extent = -centers.minus_max - centers.min;
+        let rate = extent.map(|extent| if extent > 0.0 { BINS as f32 / extent } else { 0.0 });
+        Self { start: centers.min, rate }
     }
 
-    fn of(&self, member: &Member) -> usize {
-        let along = (f64::from(center(member)[self.axis]) - self.start) * self.rate;
-        (along as usize).min(BINS - 1)
+    /// The bins of a box with this center. Rounding is monotone, so centers along an axis have bins in order.
+    #[inline(always)]
+    fn of(&self, center: Vec4) -> [usize; 4] {
+        let bins =
+            ((center - self.start) * self.rate - 0.5).clamp(Vec4::ZERO, Vec4::splat(BINS as f32 - 1.0));
+        // The last bits of the sum are the nearest integer.
+        let [x, y, z, w] = (bins + INTEGERS).to_array().map(|bin| bin.to_bits() as usize % BINS);
+        [x, y, z, w]
     }
 
-    /// The split of least cost; `None` if all are in one bin.
-    fn best(&self, members: &[Member]) -> Option<BinSplit> {
-        let mut bins = [Bin::EMPTY; BINS];
-        for member in members {
-            bins[self.of(member)].add(&MinBox::of(&member.bounds), 1);
-        }
-        let mut upper_costs = [0.0; BINS];
-        let (mut upper, mut upper_cost) = (Bin::EMPTY, 0.0);
-        for (bin, cost) in bins.iter().zip(&mut upper_costs).rev() {
-            if bin.count > 0 {
-                upper.add(&bin.bounds, bin.count);
-                upper_cost = upper.cost();
+    /// The split of least cost; `None` if all are in one bin along each axis.
+    fn best(&self, items: &[impl Boxed]) -> Option<BinSplit> {
+        let mut bins = [[Bin::EMPTY; BINS]; 3];
+        // Bit `bin` is set for a bin that is not empty.
+        let mut filled = [0_u32; 3];
+        for item in items {
+            let (bounds, count, of) = (MinBox::of(&item.bounds()), item.count(), self.of(center(item)));
+            for axis in 0..3 {
+                bins[axis][of[axis]].add(&bounds, count);
+                filled[axis] |= 1 << of[axis];
             }
-            *cost = upper_cost;
         }
-        let mut lower = Bin::EMPTY;
-        // A split above an empty bin is the same as the one below it.
-        let splits = (1..BINS).filter(|bin| bins[bin - 1].count > 0).filter_map(|bin| {
-            lower.add(&bins[bin - 1].bounds, bins[bin - 1].count);
-            let cost = lower.cost() + upper_costs[bin];
-            (lower.count < members.len()).then_some(BinSplit { axis: self.axis, bin, cost })
-        });
-        cheapest(splits)
+        cheapest((0..3).filter_map(|axis| best_along(axis, &bins[axis], filled[axis])))
     }
+}
+
+/// The split of least cost between the bins of one axis; `None` if only one is `filled`.
+fn best_along(axis: usize, bins: &[Bin; BINS], filled: u32) -> Option<BinSplit> {
+    let mut upper_costs = [0.0; BINS];
+    let (mut upper, mut left) = (Bin::EMPTY, filled);
+    while left != 0 {
+        let bin = left.ilog2() as usize;
+        upper.add(&bins[bin].bounds, bins[bin].count);
+        upper_costs[bin] = upper.cost();
+        left ^= 1 << bin;
+    }
+    let (mut lower, mut left) = (Bin::EMPTY, filled);
+    let splits = std::iter::from_fn(|| {
+        let last = left.trailing_zeros() as usize;
+        left &= left.wrapping_sub(1);
+        (left != 0).then(|| {
+            lower.add(&bins[last].bounds, bins[last].count);
+            let bin = left.trailing_zeros() as usize;
+            BinSplit { axis, bin, cost: lower.cost() + upper_costs[bin] }
+        })
+    });
+    cheapest(splits)
 }
 
 fn cheapest(splits: impl Iterator<Item = BinSplit>) -> Option<BinSplit> {
     splits.reduce(|best, next| if next.cost < best.cost { next } else { best })
 }
 
-/// The center of a member's box.
-fn center(member: &Member) -> Vec3 {
-    0.5 * (member.bounds.min + member.bounds.max)
+/// The center of a box, and 0.
+#[inline(always)]
+pub(super) fn center(item: &impl Boxed) -> Vec4 {
+    let Aabb { min, max } = item.bounds();
+    (0.5 * (min + max)).extend(0.0)
 }
 
-/// Reorders `members` so that those below the split of least expected cost come first. Returns its axis, and how
+/// The bounds of all centers.
+pub(super) fn center_bounds(items: &[impl Boxed]) -> Aabb {
+    centers(items).bounds()
+}
+
+fn centers(items: &[impl Boxed]) -> MinBox {
+    let mut all = MinBox::EMPTY;
+    for center in items.iter().map(center) {
+        all.unite(&MinBox { min: center, minus_max: -center });
+    }
+    all
+}
+
+/// Reorders `items` so that those below the split of least expected cost come first. Returns its axis, and how
 /// many these are; `None` if all are in one place.
-pub(super) fn split_in_bins(members: &mut [Member]) -> Option<(u8, usize)> {
-    let centers = Aabb::around(members.iter().map(center));
-    let splits = (0..3).filter_map(|axis| Bins::new(axis, &centers).best(members));
-    let BinSplit { axis, bin, .. } = cheapest(splits)?;
-    let bins = Bins::new(axis, &centers);
-    let (lower, upper): (Vec<_>, Vec<_>) = members.iter().partition(|m| bins.of(m) < bin);
-    let (first, second) = members.split_at_mut(lower.len());
-    first.copy_from_slice(&lower);
-    second.copy_from_slice(&upper);
-    Some((axis as u8, lower.len()))
+pub(super) fn split_in_bins(items: &mut [impl Boxed]) -> Option<(u8, usize)> {
+    let bins = Bins::new(items);
+    let BinSplit { axis, bin, .. } = bins.best(items)?;
+    let mut upper = Vec::with_capacity(items.len());
+    let mut lower = 0;
+    for at in 0..items.len() {
+        let item = items[at];
+        if bins.of(center(&item))[axis] < bin {
+            items[lower] = item;
+            lower += 1;
+        } else {
+            upper.push(item);
+        }
+    }
+    items[lower..].copy_from_slice(&upper);
+    Some((axis as u8, lower))
 }
 
 /// [`split_in_bins`] for more members than a leaf block holds. If `must_balance`, or if all are in one place, it
@@ -137,7 +205,7 @@ pub(super) fn split_in_bins(members: &mut [Member]) -> Option<(u8, usize)> {
 pub(super) fn split(members: &mut [Member], must_balance: bool) -> (u8, usize) {
     let split = if must_balance { None } else { split_in_bins(members) };
     split.unwrap_or_else(|| {
-        let axis = main_axis(Aabb::around(members.iter().map(center)).extent());
+        let axis = main_axis(center_bounds(members).extent());
         members.sort_by(|a, b| center(a)[axis].total_cmp(&center(b)[axis]));
         (axis as u8, members.len().div_ceil(2).next_multiple_of(LANES))
     })
@@ -146,6 +214,7 @@ pub(super) fn split(members: &mut [Member], must_balance: bool) -> (u8, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
     use proptest::prelude::*;
 
     fn member(index: usize, [x, y, z]: [i8; 3], size: u8) -> Member {
@@ -198,11 +267,11 @@ mod tests {
                 prop_assert_eq!(lower, before.len().div_ceil(2).next_multiple_of(LANES));
                 return Ok(());
             }
-            let centers = Aabb::around(before.iter().map(center));
+            let bins = Bins::new(&before);
             for axis in 0..3 {
-                let bins = Bins::new(axis, &centers);
                 for bin in 1..BINS {
-                    let (a, b): (Vec<_>, Vec<_>) = before.iter().partition(|m| bins.of(m) < bin);
+                    let (a, b): (Vec<_>, Vec<_>) =
+                        before.iter().partition(|m| bins.of(center(*m))[axis] < bin);
                     if !a.is_empty() && !b.is_empty() {
                         prop_assert!(cost(low) + cost(high) <= cost(&a) + cost(&b));
                     }

@@ -1,8 +1,9 @@
 //! Leaf blocks: up to eight triangles each, as rows of coordinates.
 
 use super::normalize::NormalizedSpace;
-use crate::Triangles;
 use crate::wide::simd::{LANES, Rows};
+use crate::{Triangle, Triangles};
+use arrayvec::ArrayVec;
 
 /// What a vector read at the last row may see beyond the end.
 const PADDING: usize = Rows::COUNT * LANES + LANES;
@@ -27,11 +28,17 @@ impl LeafBlocks {
     ) -> u32 {
         let first = self.indices.len();
         self.indices.extend(indices);
-        let indices = &self.indices[first..];
-        for axis in 0..3 {
-            for vertex in 0..3 {
-                let coordinate = |&i: &u32| space.coordinate(axis, triangles.get(i).vertices[vertex][axis]);
-                self.coordinates.extend(indices.iter().map(coordinate));
+        let (indices, start) = (&self.indices[first..], self.coordinates.len());
+        let count = indices.len();
+        self.coordinates.resize(start + Rows::COUNT * count, 0.0);
+        let rows = &mut self.coordinates[start..];
+        // All are read at once, so that the reads wait for memory together.
+        let block: ArrayVec<Triangle, LANES> = indices.iter().map(|&index| *triangles.get(index)).collect();
+        for (lane, triangle) in block.iter().enumerate() {
+            for (vertex, &position) in triangle.vertices.iter().enumerate() {
+                for (axis, x) in space.position(position).to_array().into_iter().enumerate() {
+                    rows[(3 * axis + vertex) * count + lane] = x;
+                }
             }
         }
         first as u32

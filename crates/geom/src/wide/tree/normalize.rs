@@ -22,19 +22,22 @@ impl NormalizedSpace {
         Self { center, scale: power_of_two_below(half).recip() * 0.5 }
     }
 
-    /// A coordinate in this space, with an absolute error of at most `2^-24`. Tiny ones become zero, since
-    /// denormal operands are slow.
-    pub(crate) fn coordinate(&self, axis: usize, x: f32) -> f32 {
-        let x = (f64::from(x) - self.center[axis]) * self.scale;
-        if x.abs() < 2.0_f64.powi(-60) { 0.0 } else { x as f32 }
+    /// A position in this space, each coordinate with an absolute error of at most `2^-24`. Tiny coordinates become
+    /// zero, since denormal operands are slow.
+    #[inline]
+    pub(crate) fn position(&self, position: Vec3) -> Vec3 {
+        let position = (position.as_dvec3() - self.center) * self.scale;
+        position.map(|x| if x.abs() < TINY { 0.0 } else { x }).as_vec3()
     }
 
     /// A box in this space, each coordinate with the same error.
     pub(crate) fn map(&self, bounds: &Aabb) -> Aabb {
-        let map = |v: Vec3| Vec3::from([0, 1, 2].map(|axis| self.coordinate(axis, v[axis])));
-        Aabb { min: map(bounds.min), max: map(bounds.max) }
+        Aabb { min: self.position(bounds.min), max: self.position(bounds.max) }
     }
 }
+
+/// Coordinates of smaller magnitude become zero.
+const TINY: f64 = f64::from_bits((1023 - 60) << 52);
 
 /// The power of two with the exponent of `x`, a normal number.
 #[inline]

@@ -1,0 +1,141 @@
+//! The binary tree with the help of a grid instead of a k-d tree: members are sorted by its cells in linear time, and
+//! upper levels are split between cells instead of members.
+
+use super::kd_to_bvh::BinaryTree;
+use super::sah::{Boxed, center, center_bounds, split_in_bins};
+use crate::Aabb;
+use crate::grid::Lattice;
+use crate::kdtree::Member;
+use crate::wide::tree::MAX_LEVELS;
+
+/// Cells for each member. Of a surface, which meets few of them, a cell then holds about ten triangles.
+const DENSITY: f64 = 0.5;
+
+/// Fewer members than this are not sorted into a grid.
+const GRID_MEMBERS: usize = 256;
+
+/// Cells with no more members than this are split by members.
+const CELL_MEMBERS: usize = 64;
+
+/// Halves with fewer members than this are not built in parallel.
+const PARALLEL_MEMBERS: usize = 4096;
+
+/// A cell with the members whose centers are in it.
+#[derive(Clone, Copy, Debug)]
+struct GridCell {
+    /// The bounds of its members, which may reach beyond the cell.
+    bounds: Aabb,
+    /// Where its members begin, and how many there are.
+    first: u32,
+    count: u32,
+}
+
+impl Boxed for GridCell {
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn count(&self) -> usize {
+        self.count as usize
+    }
+}
+
+impl BinaryTree {
+    /// The binary tree of a scene within `bounds`, without k-d planes: upper levels are split between the cells of a
+    /// grid. `members` are reordered.
+    ///
+    /// It is built in parallel on the current rayon pool.
+    pub(super) fn by_grid(bounds: &Aabb, members: &mut [Member]) -> Self {
+        let mut this = Self::empty(bounds);
+        this.add_by_grid(0, members, MAX_LEVELS);
+        this
+    }
+
+    /// Like [`BinaryTree::add_members`], with upper levels split between the cells of a grid.
+    fn add_by_grid(&mut self, first: u32, members: &mut [Member], levels_left: u32) {
+        if members.len() <= GRID_MEMBERS || levels_left <= MAX_LEVELS / 2 {
+            self.add_members(first, members, levels_left);
+        } else {
+            let (sorted, mut cells) = sort_by_cell(members);
+            self.add_cells(first, members, &sorted, &mut cells, levels_left);
+        }
+    }
+
+    /// Adds the members of these cells, which are ranges of `sorted`, after writing them to `members`.
+    fn add_cells(
+        &mut self,
+        first: u32,
+        members: &mut [Member],
+        sorted: &[Member],
+        cells: &mut [GridCell],
+        levels_left: u32,
+    ) {
+        let must_balance = levels_left <= MAX_LEVELS / 2;
+        let split = if members.len() <= CELL_MEMBERS || must_balance { None } else { split_in_bins(cells) };
+        let Some((axis, lower)) = split else {
+            let mut rest = &mut *members;
+            for cell in &*cells {
+                let (place, others) = rest.split_at_mut(cell.count as usize);
+                place.copy_from_slice(&sorted[cell.first as usize..][..cell.count as usize]);
+                rest = others;
+            }
+            // A cell that holds many members is divided by a grid of its own, unless this one did not divide them.
+            return match cells {
+                [_] if members.len() < sorted.len() => self.add_by_grid(first, members, levels_left),
+                _ => self.add_members(first, members, levels_left),
+            };
+        };
+        let (low_cells, high_cells) = cells.split_at_mut(lower);
+        let lower = low_cells.iter().map(|cell| cell.count).sum::<u32>();
+        let (low, high) = members.split_at_mut(lower as usize);
+        let at = self.begin(axis);
+        let levels_left = levels_left - 1;
+        if rayon::current_num_threads() == 1 || low.len().min(high.len()) < PARALLEL_MEMBERS {
+            self.add_cells(first, low, sorted, low_cells, levels_left);
+            self.point_to_upper(at);
+            self.add_cells(first + lower, high, sorted, high_cells, levels_left);
+        } else {
+            let (mut below, mut above) = (self.without_nodes(), self.without_nodes());
+            rayon::join(
+                || below.add_cells(first, low, sorted, low_cells, levels_left),
+                || above.add_cells(first + lower, high, sorted, high_cells, levels_left),
+            );
+            self.append(&below);
+            self.point_to_upper(at);
+            self.append(&above);
+        }
+        self.finish(at);
+    }
+}
+
+/// The members sorted by cells, and the cells that are not empty.
+fn sort_by_cell(members: &[Member]) -> (Vec<Member>, Vec<GridCell>) {
+    let centers = center_bounds(members);
+    let lattice = Lattice::with_density(&centers, members.len(), DENSITY);
+    let cells: Vec<u32> =
+        members.iter().map(|member| lattice.cell_of(center(member).truncate()) as u32).collect();
+    let mut ends = vec![0_u32; lattice.cell_count()];
+    cells.iter().for_each(|&cell| ends[cell as usize] += 1);
+    let mut end = 0;
+    for count in &mut ends {
+        end += *count;
+        *count = end;
+    }
+    // Cells are filled from their ends, which turns ends into starts.
+    let mut sorted = members.to_vec();
+    for (member, &cell) in members.iter().zip(&cells).rev() {
+        let start = &mut ends[cell as usize];
+        *start -= 1;
+        sorted[*start as usize] = *member;
+    }
+    let starts = ends;
+    let next = starts.iter().skip(1).copied().chain([members.len() as u32]);
+    let filled = starts.iter().zip(next).filter(|&(&first, next)| first < next);
+    let cell = |(&first, next): (&u32, u32)| {
+        let members = &sorted[first as usize..next as usize];
+        let bounds = members.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
+        GridCell { bounds, first, count: next - first }
+    };
+    let cells = filled.map(cell).collect();
+    (sorted, cells)
+}
