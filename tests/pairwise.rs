@@ -58,7 +58,7 @@ fn estimators_agree_in_pairs() {
             3,
             192,
         ),
-        ("kaleidoscope of mirrors", scenes::kaleidoscope(0.5, 0.8), box_floor, None, 24, 32),
+        ("kaleidoscope of mirrors", scenes::kaleidoscope(0.5, 0.8), box_floor, None, 24, 36),
         ("light beside a mirror", scenes::light_beside_mirror(), floor, Some(2), 3, 32),
         ("half-hidden light", scenes::light_half_hidden(), floor, Some(1), 3, 128),
     ];

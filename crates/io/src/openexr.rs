@@ -22,6 +22,10 @@ const SOFTWARE: &str = concat!("globillum ", env!("CARGO_PKG_VERSION"));
 /// What the names of attributes begin with.
 const PREFIX: &str = "globillum.";
 const COMPONENTS: [&str; 3] = ["R", "G", "B"];
+/// Errors of the means of blocks, each in all pixels of its block.
+const BLOCK_ERRORS: &str = "blockerr.";
+/// Pixels along a side of a block.
+const BLOCK: usize = 4;
 const SAMPLES: &str = "samples.X";
 const OBSERVATIONS: &str = "observations.X";
 /// The index of nothing.
@@ -31,10 +35,13 @@ const MAX_EXPANSION: u64 = 1032;
 
 /// The file of a picture. Equal pictures have equal bytes.
 pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
-    let Estimates { width, height, means, standard_errors, samples, observations, .. } = &data.estimates;
+    let Estimates { width, height, means, standard_errors, samples, observations, block_errors, .. } =
+        &data.estimates;
     let mut channels = triple("", means);
     if data.estimates.has_errors() || samples.iter().any(|&count| count > 0) {
         channels.extend(triple("stderr.", standard_errors));
+        let of_pixel = |at: usize| block_errors[block_of(at, *width as usize)];
+        channels.extend(triple(BLOCK_ERRORS, &(0..means.len()).map(of_pixel).collect::<Vec<Rgb>>()));
         channels.push(AnyChannel::new(SAMPLES, FlatSamples::U32(samples.clone())));
         channels.push(AnyChannel::new(OBSERVATIONS, FlatSamples::U32(observations.clone())));
     }
@@ -48,6 +55,11 @@ pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
     let mut bytes = file.into_inner();
     sort_attributes(&mut bytes);
     Ok(bytes)
+}
+
+/// The block of pixel `at` of a picture of this width.
+fn block_of(at: usize, width: usize) -> usize {
+    at / width / BLOCK * width.div_ceil(BLOCK) + at % width / BLOCK
 }
 
 /// The three components of `pixels`, in a layer.
@@ -157,14 +169,13 @@ fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
     if let Some(at) = estimates.means.iter().position(|mean| !mean.is_finite()) {
         return Err(format!("pixel ({}, {}) is not finite", at % width, at / width).into());
     }
-    if let Some(errors) = channels.triple("stderr.", pixels) {
-        let is_error = |error: &Rgb| error.to_array().into_iter().all(|x| x >= 0.0);
-        if let Some(at) = errors.iter().position(|error| !is_error(error)) {
-            return Err(
-                format!("standard error of pixel ({}, {}) is no error", at % width, at / width).into()
-            );
-        }
+    if let Some(errors) = channels.errors("stderr.", width, pixels)? {
         estimates.standard_errors = errors;
+    }
+    if let Some(errors) = channels.errors(BLOCK_ERRORS, width, pixels)? {
+        for (at, error) in errors.into_iter().enumerate() {
+            estimates.block_errors[block_of(at, width)] = error;
+        }
     }
     let known = [(SAMPLES, &mut estimates.samples), (OBSERVATIONS, &mut estimates.observations)];
     for (name, counts) in known {
@@ -244,6 +255,18 @@ impl Channels {
         set("IndexTriangle.X", |hit| &mut hit.triangle)?;
         set("IndexMA.X", |hit| &mut hit.material)?;
         Some(hits)
+    }
+
+    /// The standard errors of a layer.
+    fn errors(&self, layer: &str, width: usize, pixels: usize) -> Result<Option<Vec<Rgb>>, Error> {
+        let Some(errors) = self.triple(layer, pixels) else { return Ok(None) };
+        let is_error = |error: &Rgb| error.to_array().into_iter().all(|x| x >= 0.0);
+        match errors.iter().position(|error| !is_error(error)) {
+            Some(at) => {
+                Err(format!("standard error of pixel ({}, {}) is no error", at % width, at / width).into())
+            }
+            None => Ok(Some(errors)),
+        }
     }
 
     /// The three components of a layer.

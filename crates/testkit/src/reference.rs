@@ -1,6 +1,7 @@
 //! Reference pictures of an independent renderer: means over blocks of pixels with standard errors.
 
 use globillum_integrator::Film;
+use globillum_material::Rgb;
 use serde::Deserialize;
 
 /// The reference of one scene.
@@ -29,6 +30,9 @@ pub struct Blocks {
     /// Standard error of each block's mean.
     pub standard_error: Vec<Vec<[f64; 3]>>,
 }
+
+/// Pixels along each side of the squares whose variances a film knows.
+const SQUARE: u32 = 4;
 
 /// The deviation of a film from a reference.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,9 +64,10 @@ impl Reference {
         let side = (self.resolution / self.block) as usize;
         assert!(blocks.blocks.len() == side && blocks.blocks.iter().all(|row| row.len() == side));
         assert_eq!((film.width(), film.height()), (self.resolution, self.resolution));
+        let squares: Vec<Rgb> = film.block_variances_of_mean().collect();
         for (row, columns) in blocks.blocks.iter().enumerate() {
             for (column, expected) in columns.iter().enumerate() {
-                let (mean, variance) = self.block_of(film, column as u32, row as u32);
+                let (mean, variance) = self.block_of(film, &squares, column as u32, row as u32);
                 for c in 0..3 {
                     let reference_err = blocks.standard_error[row][column][c];
                     let independent =
@@ -85,18 +90,23 @@ impl Reference {
         deviation
     }
 
-    /// The mean of a block and the largest variance of that mean that its pixels' variances allow.
-    fn block_of(&self, film: &Film, column: u32, row: u32) -> ([f64; 3], [f64; 3]) {
+    /// The mean of a block and the variance of that mean, by the film's squares of 4 x 4 pixels, of which `squares` are the
+    /// variances.
+    fn block_of(&self, film: &Film, squares: &[Rgb], column: u32, row: u32) -> ([f64; 3], [f64; 3]) {
+        assert_eq!(self.block % SQUARE, 0, "a block has whole squares");
         let side = 0..self.block;
         let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
         let pixels = f64::from(self.block * self.block);
-        let dependent = f64::from(film.path_reuse().dependent_pixels());
+        let of_square = f64::from(SQUARE * SQUARE);
         for (x, y) in side.clone().flat_map(|y| side.clone().map(move |x| (x, y))) {
             let (x, y) = (column * self.block + x, row * self.block + y);
-            let (m, v) = (film.mean(x, y).to_array(), film.variance_of_mean(x, y).to_array());
+            let square =
+                squares[(y / SQUARE * film.width().div_ceil(SQUARE) + x / SQUARE) as usize].to_array();
+            let m = film.mean(x, y).to_array();
             for c in 0..3 {
                 mean[c] += m[c] / pixels;
-                variance[c] += v[c] * dependent / (pixels * pixels);
+                // Each pixel takes its share of the square.
+                variance[c] += square[c] * of_square / (pixels * pixels);
             }
         }
         (mean, variance)

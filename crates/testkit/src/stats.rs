@@ -20,6 +20,13 @@ pub fn independent_pixels(width: u32, height: u32, samples: u32) -> Settings {
     settings
 }
 
+/// The number of pixels of each block of 4 x 4.
+fn block_sizes(film: &Film) -> impl Iterator<Item = f64> {
+    let lengths = |size: u32| (0..size).step_by(4).map(move |start| f64::from((size - start).min(4)));
+    let columns = film.width();
+    lengths(film.height()).flat_map(move |height| lengths(columns).map(move |width| width * height))
+}
+
 /// A mean and its standard error.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate {
@@ -32,15 +39,19 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The mean of one colour component over all pixels of `film`, which must have the same expectation. With
-    /// path reuse, `std_err` is the largest that the pixels' variances allow.
+    /// The mean of one colour component over all pixels of `film`, which must have the same expectation. `std_err` follows
+    /// from the variances of independent pixels, or of blocks of dependent ones.
     pub fn of_film(film: &Film, component: impl Fn(Rgb) -> f64) -> Self {
         let pixels = || (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
         let n = pixels().count() as f64;
         let mean = pixels().map(|(x, y)| component(film.mean(x, y))).sum::<f64>() / n;
-        // The variances of independent pixels add up to that of the sum.
-        let within: f64 = pixels().map(|(x, y)| component(film.variance_of_mean(x, y))).sum();
-        let within = within * f64::from(film.path_reuse().dependent_pixels());
+        // The variances of independent terms add up to that of the sum.
+        let within: f64 = match film.path_reuse() {
+            PathReuse::Off => film.variances_of_mean().map(&component).sum(),
+            _ => {
+                block_sizes(film).zip(film.block_variances_of_mean()).map(|(n, v)| n * n * component(v)).sum()
+            }
+        };
         let count = n * film.samples() as f64;
         Self { mean, std_err: within.sqrt() / n, count }
     }

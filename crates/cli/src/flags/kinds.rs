@@ -102,7 +102,8 @@ impl From<MirrorSamplingKind> for MirrorSampling {
 pub(crate) enum PathReuseKind {
     /// Each pixel rests on its own paths; errors of pixels are independent
     Off,
-    /// Four pixels of a block share path suffixes from their second diffuse vertex
+    /// Four pixels of a block share path suffixes from their second diffuse vertex, and blocks of 4 x 4 the points of
+    /// the Sobol' sampler
     Fours,
 }
 

@@ -4,7 +4,7 @@ mod normal;
 mod side;
 
 use crate::Estimates;
-use crate::path::{REUSE_BLOCK_SIDE, Tile};
+use crate::path::{BLOCK_SIDE, Tile};
 use globillum_material::Rgb;
 use side::{Cell, Side, blocks, places};
 
@@ -41,8 +41,9 @@ pub struct Comparison {
     /// NaN if an error is unknown.
     pub pixels: Vec<Rgb>,
     /// The same for the blocks of 4 x 4 pixels. The error of a block of a side of several seeds is their spread.
-    /// That of a single picture is computed from the errors of its pixels; with path reuse it is an upper bound, up
-    /// to twice the true error, so that deviates are too small.
+    /// That of a single picture is computed from the errors of its pixels, times how much less or more the blocks around
+    /// it vary than if pixels were independent ([`Estimates::block_errors`]); where that is unknown, times the most that
+    /// it can be ([`PathReuse::dependent_pixels`](crate::PathReuse::dependent_pixels)), so that deviates are too small.
     pub blocks: Vec<Rgb>,
     /// The first side's mean radiance over the second's, all components together; NaN if the second is black.
     pub ratio: f64,
@@ -122,7 +123,7 @@ impl Comparison {
 
     /// Width of the grid of [`Comparison::blocks`].
     pub fn blocks_width(&self) -> u32 {
-        self.width.div_ceil(REUSE_BLOCK_SIDE)
+        self.width.div_ceil(BLOCK_SIDE)
     }
 }
 
@@ -167,7 +168,7 @@ impl Pair {
 
     /// [`Comparison::neighbours`], given the differences of blocks.
     fn neighbours(&self, apart: &[f64]) -> f64 {
-        let columns = self.width.div_ceil(REUSE_BLOCK_SIDE) as usize;
+        let columns = self.width.div_ceil(BLOCK_SIDE) as usize;
         let right = |at: usize| (!(at + 1).is_multiple_of(columns)).then_some(at + 1);
         let below = |at: usize| Some(at + columns).filter(|&at| at < apart.len());
         let pairs = (0..apart.len())
@@ -205,7 +206,7 @@ impl Pair {
     /// The inverse of the mean variance of the blocks around each, of which chance in the block itself is
     /// independent.
     fn weights(&self, variances: &[f64]) -> Vec<f64> {
-        let columns = self.width.div_ceil(REUSE_BLOCK_SIDE) as usize;
+        let columns = self.width.div_ceil(BLOCK_SIDE) as usize;
         let rows = variances.len() / columns;
         let floor = floor(variances);
         let near = |x: usize, size: usize| x.saturating_sub(1)..(x + 2).min(size);

@@ -1,5 +1,5 @@
 use crate::Estimates;
-use crate::path::{REUSE_BLOCK_SIDE, Tile};
+use crate::path::{BLOCK_SIDE, Tile};
 use globillum_material::Rgb;
 
 /// A mean with its variance: of a pixel, or of a block.
@@ -21,7 +21,7 @@ pub(super) struct Side {
 
 /// Blocks of 4 x 4 pixels, row by row: whatever the path reuse, blocks are independent of each other.
 pub(super) fn blocks(width: u32, height: u32) -> impl Iterator<Item = Tile> {
-    Tile::grid([width, height], [REUSE_BLOCK_SIDE; 2])
+    Tile::grid([width, height], [BLOCK_SIDE; 2])
 }
 
 /// Where the pixels of a block are in a picture.
@@ -47,9 +47,8 @@ impl Side {
             Cell { mean, variance: error * error + rounding(mean), dof: dof.max(1.0) }
         };
         let pixels: Vec<Cell> = (0..picture.means.len()).map(pixel).collect();
-        // The variance of a sum of dependent pixels is at most this many times the sum of their variances.
-        let dependent = f64::from(picture.path_reuse.dependent_pixels());
-        let block = |block: Tile| {
+        let dependence = dependence(picture, &pixels);
+        let block = |(block, dependence): (Tile, f64)| {
             let (mut mean, mut variance, mut uncertain, mut count) = (Rgb::BLACK, Rgb::BLACK, 0.0, 0.0);
             let mut least = f64::INFINITY;
             for pixel in places(block, picture.width).map(|at| pixels[at]) {
@@ -60,10 +59,11 @@ impl Side {
                 count += 1.0;
             }
             // Satterthwaite 1946; at least those of one pixel, also where squares underflow.
+            let dependent = f64::from(picture.path_reuse.dependent_pixels());
             let dof = f64::max(variance.mean().powi(2) / (uncertain * dependent), least);
-            Cell { mean: mean / count, variance: variance * (dependent / (count * count)), dof }
+            Cell { mean: mean / count, variance: variance * (dependence / (count * count)), dof }
         };
-        let blocks = blocks(picture.width, picture.height).map(block).collect();
+        let blocks = blocks(picture.width, picture.height).zip(dependence).map(block).collect();
         Self { pixels, blocks }
     }
 
@@ -83,6 +83,29 @@ impl Side {
             blocks: blocks(width, height).map(block).collect(),
         }
     }
+}
+
+/// For each block the variance of its mean over what it were if its pixels were independent, by the 3 x 3 blocks around
+/// it: a block's own error rests on a few observations only. The most that it can be where errors of blocks are unknown
+/// (Cauchy and Schwarz).
+fn dependence(picture: &Estimates, pixels: &[Cell]) -> Vec<f64> {
+    let independent = |block: Tile| {
+        let variance: f64 = places(block, picture.width).map(|at| pixels[at].variance.mean()).sum();
+        variance / (block.pixel_count() as f64).powi(2)
+    };
+    let independent: Vec<f64> = blocks(picture.width, picture.height).map(independent).collect();
+    let told = |at: usize| picture.block_errors[at].map(|error| error * error).mean();
+    let whole = Tile { x: 0, y: 0, width: picture.width, height: picture.height };
+    let all = whole.squares_in(&whole);
+    let near = |x: u32, size: u32| x.saturating_sub(1)..(x + 2).min(size);
+    let of_block = |(x, y)| {
+        let around = near(y, all.height).flat_map(|y| near(x, all.width).map(move |x| all.index(x, y)));
+        let (mut joint, mut alone) = (0.0, 0.0);
+        around.for_each(|at| (joint, alone) = (joint + told(at), alone + independent[at]));
+        let ratio = joint / alone;
+        if ratio.is_finite() { ratio } else { picture.path_reuse.dependent_pixels().into() }
+    };
+    all.pixels().map(of_block).collect()
 }
 
 /// The variance of what programs that sum in `f32` round: a millionth of the mean.

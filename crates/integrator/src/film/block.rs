@@ -1,5 +1,6 @@
 use super::dispersion::{Halves, Squares};
 use super::moments::{Moments, Tally};
+use globillum_material::Rgb;
 use std::fmt;
 use std::ops::Range;
 
@@ -61,28 +62,50 @@ impl BlockHeader {
 pub(crate) struct Block {
     pub(crate) header: BlockHeader,
     pub(crate) pixels: Vec<Moments>,
+    /// Squared deviations of the observations of each square of 4 x 4 pixels, which are means over its pixels.
+    pub(crate) squares: Vec<Rgb>,
     /// How its halves differ, for each row of tiles.
     pub(crate) halves: Vec<Halves>,
 }
 
 impl Block {
-    /// A block of one pass, which has no halves, in `tile_rows` rows of tiles.
-    pub(crate) fn of_pass(first: u32, tally: Tally, pixels: Vec<Moments>, tile_rows: usize) -> Self {
-        let halves = vec![Halves::default(); tile_rows];
-        Self { header: BlockHeader { first, passes: 1, tally }, pixels, halves }
+    /// A block of one pass of one observation, of pixels in rows of this width.
+    pub(crate) fn of_pass(first: u32, tally: Tally, pixels: Vec<Moments>, width: u32) -> Self {
+        let squares = vec![Rgb::BLACK; Squares::of_means(width).count(pixels.len())];
+        let halves = vec![Halves::default(); Squares::of_means(width).tile_rows(&pixels).len()];
+        Self { header: BlockHeader { first, passes: 1, tally }, pixels, squares, halves }
     }
 
-    /// Takes in the other half.
-    pub(crate) fn join(&mut self, next: &Self, squares: &Squares) {
+    /// Takes in the other half. The errors of `independent` squares do not depend on each other's.
+    pub(crate) fn join(&mut self, next: &Self, independent: &Squares) {
         let tallies = [self.header.tally, next.header.tally];
-        let rows = squares.tile_rows(&self.pixels).zip(squares.tile_rows(&next.pixels));
-        self.halves = rows.map(|(a, b)| Halves::between([a, b], tallies, squares)).collect();
-        let [n, m] = tallies.map(|tally| tally.samples);
+        let rows = independent.tile_rows(&self.pixels).zip(independent.tile_rows(&next.pixels));
+        self.halves = rows.map(|(a, b)| Halves::between([a, b], tallies, independent)).collect();
+        let samples = tallies.map(|tally| tally.samples);
+        let squares = Squares::of_means(independent.width).all(self.pixels.len());
+        for (square, (own, &other)) in squares.zip(self.squares.iter_mut().zip(&next.squares)) {
+            let sums = square_sums([&self.pixels, &next.pixels], square);
+            let [a, b] = [(sums[0], *own), (sums[1], other)].map(|(sum, spread)| Moments { sum, spread });
+            *own = a.joined(samples[0], &b, samples[1]).spread;
+        }
+        let [n, m] = samples;
         for (own, other) in self.pixels.iter_mut().zip(&next.pixels) {
             *own = own.joined(n, other, m);
         }
         self.header = self.header.joined(next.header);
     }
+}
+
+/// The mean over a square's pixels of the sums of their samples, in each of two sets.
+fn square_sums(sets: [&[Moments]; 2], square: impl Iterator<Item = usize>) -> [Rgb; 2] {
+    let (mut sums, mut count) = ([Rgb::BLACK; 2], 0.0);
+    for at in square {
+        for (sum, pixels) in sums.iter_mut().zip(sets) {
+            *sum += pixels[at].sum;
+        }
+        count += 1.0;
+    }
+    sums.map(|sum| sum / count)
 }
 
 impl AsRef<BlockHeader> for Block {

@@ -1,11 +1,11 @@
 //! How certain a picture's variance is.
 
 use super::moments::{Moments, Tally};
-use crate::path::{TILE_SIDE, Tile};
+use crate::path::{BLOCK_SIDE, TILE_SIDE, Tile};
 use globillum_material::Rgb;
 use std::slice::Chunks;
 
-/// The width of a film, and the side of the squares of pixels that are independent of each other.
+/// The width of a film, and the side of squares of pixels, by which it is divided from its upper left corner.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Squares {
     pub(crate) width: u32,
@@ -102,9 +102,26 @@ fn spread(moments: &Moments) -> f64 {
 }
 
 impl Squares {
+    /// The squares whose means a film of this width knows.
+    pub(crate) fn of_means(width: u32) -> Self {
+        Self { width, side: BLOCK_SIDE }
+    }
+
+    /// How many there are of `pixels` pixels of whole rows.
+    pub(crate) fn count(&self, pixels: usize) -> usize {
+        let [width, side] = [self.width, self.side].map(|x| x as usize);
+        width.div_ceil(side) * (pixels / width).div_ceil(side)
+    }
+
     /// `pixels`, a row of tiles at a time.
     pub(crate) fn tile_rows<'a, T>(&self, pixels: &'a [T]) -> Chunks<'a, T> {
         pixels.chunks(self.width as usize * TILE_SIDE as usize)
+    }
+
+    /// Those of `squares`, one for each square of a film, that are in a row of tiles.
+    pub(crate) fn of_tile_row<'a, T>(&self, squares: &'a [T], index: usize) -> &'a [T] {
+        let count = self.width.div_ceil(self.side) as usize * (TILE_SIDE / self.side) as usize;
+        &squares[count * index..squares.len().min(count * (index + 1))]
     }
 
     /// The spread of every square.
@@ -113,7 +130,7 @@ impl Squares {
     }
 
     /// The pixels of every square, as places among `pixels` pixels of whole rows.
-    fn all(self, pixels: usize) -> impl Iterator<Item = impl Iterator<Item = usize>> {
+    pub(crate) fn all(self, pixels: usize) -> impl Iterator<Item = impl Iterator<Item = usize>> {
         let width = self.width as usize;
         let place = move |(x, y): (u32, u32)| y as usize * width + x as usize;
         Tile::grid([self.width, (pixels / width) as u32], [self.side; 2])

@@ -1,12 +1,14 @@
+use super::dispersion::Squares;
 use super::{Film, margin};
 use crate::PathReuse;
+use crate::path::BLOCK_SIDE;
 use globillum_material::Rgb;
 use std::ops::Range;
 
 /// Mean radiance of a picture's pixels with its standard error, row by row from the top: what a picture file can
 /// hold of a [`Film`], in memory.
 ///
-/// All lists have one entry for each pixel.
+/// All lists but [`block_errors`](Estimates::block_errors) have one entry for each pixel.
 ///
 /// ```
 /// use globillum_integrator::{Estimates, Film};
@@ -29,6 +31,9 @@ pub struct Estimates {
     pub means: Vec<Rgb>,
     /// Standard errors of the means ([`Film::variance_of_mean`]); infinite if unknown.
     pub standard_errors: Vec<Rgb>,
+    /// Standard errors of the means over blocks of 4 x 4 pixels, row by row from the upper left corner
+    /// ([`Film::block_variances_of_mean`]): one entry for each block. Infinite if unknown.
+    pub block_errors: Vec<Rgb>,
     /// Samples; 0 if unknown.
     pub samples: Vec<u32>,
     /// Independent observations on which the standard error rests ([`Film::observations`]); 0 if unknown.
@@ -46,6 +51,7 @@ impl Estimates {
             height,
             means: vec![Rgb::BLACK; pixels],
             standard_errors: vec![Rgb::splat(f64::INFINITY); pixels],
+            block_errors: vec![Rgb::splat(f64::INFINITY); Squares::of_means(width).count(pixels)],
             samples: vec![0; pixels],
             observations: vec![0; pixels],
             path_reuse: PathReuse::Off,
@@ -79,12 +85,17 @@ impl Estimates {
         for (error, variance) in errors.zip(film.variances_of_mean()) {
             *error = variance.map(f64::sqrt);
         }
+        let squares = Squares::of_means(self.width);
+        let first = squares.count(pixels.start);
+        for (error, variance) in self.block_errors[first..].iter_mut().zip(film.block_variances_of_mean()) {
+            *error = variance.map(f64::sqrt);
+        }
         for (mean, known) in self.means[pixels].iter_mut().zip(film.means()) {
             *mean = known;
         }
     }
 
-    /// The pixels of these columns and rows alone.
+    /// The pixels of these columns and rows alone. Errors of blocks that are not blocks of the whole picture are unknown.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -100,7 +111,22 @@ impl Estimates {
             samples: crop(&self.samples, &within),
             observations: crop(&self.observations, &within),
             path_reuse: self.path_reuse,
+            ..Self::unknown(columns.end - columns.start, rows.end - rows.start)
         }
+        .with_blocks_of(self, columns, rows)
+    }
+
+    /// With the errors of blocks of `whole`, whose columns and rows these are, if they have the same blocks.
+    fn with_blocks_of(mut self, whole: &Self, columns: Range<u32>, rows: Range<u32>) -> Self {
+        let is_end = |at: u32, size: u32| at.is_multiple_of(BLOCK_SIDE) || at == size;
+        let are_blocks =
+            |range: &Range<u32>, size: u32| range.start.is_multiple_of(BLOCK_SIDE) && is_end(range.end, size);
+        if are_blocks(&columns, whole.width) && are_blocks(&rows, whole.height) {
+            let blocks = |range: Range<u32>| range.start / BLOCK_SIDE..range.end.div_ceil(BLOCK_SIDE);
+            let within = (whole.width.div_ceil(BLOCK_SIDE), blocks(columns), blocks(rows));
+            self.block_errors = crop(&whole.block_errors, &within);
+        }
+        self
     }
 
     /// Whether any pixel's standard error is known.
@@ -147,7 +173,7 @@ mod tests {
         let mut film = Film::new(3, rows, PathReuse::Fours);
         let pixel = |i: usize| Moments { sum: Rgb::splat(i as f64), spread: Rgb::splat(i as f64) };
         let pixels = (0..film.pixel_count()).map(pixel).collect();
-        film.insert(Block::of_pass(0, Tally { samples: 8, observations: 4 }, pixels, 1));
+        film.insert(Block::of_pass(0, Tally { samples: 8, observations: 4 }, pixels, 3));
         film
     }
 

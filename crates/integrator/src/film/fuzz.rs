@@ -88,8 +88,8 @@ mod tests {
         let good = checkpoint(&[(0, 1.0, 0.0)]);
         for number in [f64::NAN, -1.0, f64::INFINITY] {
             let mut bytes = good.clone();
-            // Before the pixel, the checksum and the end.
-            let at = bytes.len() - 64 - 8 - 48 - 24;
+            // Before the pixel, its square, the checksum and the end.
+            let at = bytes.len() - 64 - 8 - 24 - 48 - 24;
             bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
             let result = Picture::from_bytes(&resealed(&bytes).unwrap());
             assert_eq!(result, Err(CheckpointError::Malformed("dispersion")), "{number}");

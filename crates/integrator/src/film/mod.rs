@@ -15,6 +15,7 @@ pub(crate) mod student;
 
 pub(crate) use block::Block;
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
+pub(crate) use dispersion::Squares;
 pub use error::{ImageError, PixelSums};
 pub use estimates::Estimates;
 pub(crate) use estimates::crop;
@@ -26,7 +27,6 @@ pub use picture::{Ending, Picture};
 use crate::path::TILE_SIDE;
 use crate::{CheckpointError, PathReuse};
 use block::insert;
-use dispersion::Squares;
 use globillum_material::Rgb;
 use std::ops::Range;
 
@@ -39,11 +39,12 @@ use std::ops::Range;
 /// they were rendered and put together.
 ///
 /// Passes are kept as blocks, one for each digit 1 of their number in binary. A block takes 48 bytes a pixel, and 24
-/// bytes for each row of tiles.
+/// bytes for each square of 4 x 4 pixels and each row of tiles.
 ///
 /// The standard error comes from the spread of independent observations: of samples where those
 /// are independent, of the means of passes where the samples of a pass are stratified. Errors of
-/// different pixels are independent, unless their paths are shared ([`Film::path_reuse`]).
+/// different pixels are independent, unless they share paths and points ([`Film::path_reuse`]): then those of different
+/// blocks of 4 x 4 are.
 ///
 /// ```
 /// use globillum_integrator::Film;
@@ -93,8 +94,8 @@ impl Film {
         self.rows.clone()
     }
 
-    /// Whether pixels share paths in effect, so that their errors depend on each other: the variance of a sum
-    /// over pixels is then at most [`PathReuse::dependent_pixels`] times the sum of their variances.
+    /// Whether the errors of the pixels of a block depend on each other. [`Film::block_variances_of_mean`] allows for
+    /// that.
     pub fn path_reuse(&self) -> PathReuse {
         self.path_reuse
     }
@@ -171,6 +172,22 @@ impl Film {
         self.all_sums().map(|(moments, tally)| moments.variance_of_mean(tally))
     }
 
+    /// Variance of the mean over each block of 4 x 4 pixels, row by row from the upper left corner, where blocks at the
+    /// right and lower border may be smaller. Estimated, as [`Film::variance_of_mean`], from the spread of
+    /// [`Film::observations`], here of such means: it allows for errors that the pixels of a block have in common or
+    /// that cancel. Infinite for fewer than two observations.
+    pub fn block_variances_of_mean(&self) -> impl Iterator<Item = Rgb> + '_ {
+        let squares = Squares::of_means(self.width).all(self.pixel_count());
+        squares.enumerate().map(|(at, square)| {
+            let places: Vec<usize> = square.collect();
+            let (moments, tally) = self.joined(|block| Moments {
+                sum: mean(places.iter().map(|&place| block.pixels[place].sum)),
+                spread: block.squares[at],
+            });
+            moments.variance_of_mean(tally)
+        })
+    }
+
     /// [`Film::margin_95`] of every pixel, row by row from the top.
     pub fn margins_95(&self) -> impl Iterator<Item = Rgb> + '_ {
         let picture = self.mean_variance();
@@ -180,11 +197,7 @@ impl Film {
 
     /// Mean radiance of the whole picture.
     pub fn image_mean(&self) -> Rgb {
-        let mut sum = Rgb::BLACK;
-        for mean in self.means() {
-            sum += mean;
-        }
-        sum / self.pixel_count() as f64
+        mean(self.means())
     }
 
     /// Takes in the passes of `other`, a film of the same picture.
@@ -230,6 +243,7 @@ impl Film {
         for (block, more) in self.blocks.iter_mut().zip(below.blocks) {
             debug_assert_eq!(block.header, more.header);
             block.pixels.extend(more.pixels);
+            block.squares.extend(more.squares);
             block.halves.extend(more.halves);
         }
     }
@@ -250,9 +264,7 @@ impl Film {
 
     /// The mean of [`Film::variance_of_mean`] over all pixels.
     fn mean_variance(&self) -> Rgb {
-        let mut sum = Rgb::BLACK;
-        self.variances_of_mean().for_each(|variance| sum += variance);
-        sum / self.pixel_count() as f64
+        mean(self.variances_of_mean())
     }
 
     pub(crate) fn blocks(&self) -> &[Block] {
@@ -276,9 +288,14 @@ impl Film {
         (0..self.pixel_count()).map(|index| self.sums(index))
     }
 
-    /// All of a pixel's blocks as one set, in the order of their passes.
+    /// All of a pixel's blocks as one set.
     fn sums(&self, index: usize) -> (Moments, Tally) {
-        let mut blocks = self.blocks.iter().map(|block| (block.pixels[index], block.header.tally));
+        self.joined(|block| block.pixels[index])
+    }
+
+    /// What all blocks hold of something as one set, in the order of their passes.
+    fn joined(&self, of: impl Fn(&Block) -> Moments) -> (Moments, Tally) {
+        let mut blocks = self.blocks.iter().map(|block| (of(block), block.header.tally));
         let first = blocks.next().unwrap_or_default();
         blocks.fold(first, |(a, n), (b, m)| (a.joined(n.samples, &b, m.samples), n.joined(m)))
     }
@@ -287,6 +304,15 @@ impl Film {
         assert!(x < self.width && y < self.height(), "pixel ({x}, {y}) is outside the film");
         y as usize * self.width as usize + x as usize
     }
+}
+
+fn mean(values: impl Iterator<Item = Rgb>) -> Rgb {
+    let (mut sum, mut count) = (Rgb::BLACK, 0.0);
+    for value in values {
+        sum += value;
+        count += 1.0;
+    }
+    sum / count
 }
 
 #[cfg(test)]
@@ -317,6 +343,22 @@ mod tests {
         assert_relative_eq!(film.variance_of_mean(0, 0).g, spread / (36.0 * 37.0), max_relative = 1e-13);
     }
 
+    /// The errors of two pixels of a block cancel in each of 37 passes, and those of a pixel alone are its block's.
+    #[test]
+    fn errors_of_a_block_are_those_of_its_mean() {
+        let sum = |value: f64| Moments { sum: Rgb::splat(value), spread: Rgb::BLACK };
+        let values: Vec<f64> = (0..37).map(|i| 1.0 / f64::from(3 + i)).collect();
+        let mut film = Film::new(6, 0..1, PathReuse::Fours);
+        for (first, &x) in (0..).zip(&values) {
+            let pixels = [x, 1.0 - x, 0.5, 0.5, x, x].map(sum).to_vec();
+            film.insert(Block::of_pass(first, Tally { samples: 1, observations: 1 }, pixels, 6));
+        }
+        let variances: Vec<f64> = film.block_variances_of_mean().map(|variance| variance.g).collect();
+        assert_eq!(variances.len(), 2);
+        assert!(variances[0] < 1e-30, "{variances:?}");
+        assert_relative_eq!(variances[1], film.variance_of_mean(4, 0).g, max_relative = 1e-13);
+    }
+
     /// A last pass cut short is joined with the one before it, and weighs by its samples.
     #[test]
     fn a_short_last_pass_weighs_less() {
@@ -340,7 +382,7 @@ mod tests {
         let mut film = Film::new(5, 0..1, PathReuse::Off);
         let pixel = |spread| Moments { sum: Rgb::WHITE, spread: Rgb::splat(spread) };
         let pixels = [0.0, 240.0, 0.0, 0.0, 0.0].map(pixel).to_vec();
-        film.insert(Block::of_pass(0, Tally { samples: 16, observations: 16 }, pixels, 1));
+        film.insert(Block::of_pass(0, Tally { samples: 16, observations: 16 }, pixels, 5));
         let margins: Vec<Rgb> = film.margins_95().collect();
         let expected = [0.5, 0.0, 1.0 / 3.0, 0.2, 0.2].map(|variance: f64| 1.4 * variance.sqrt());
         for x in [0, 2, 3, 4] {

@@ -13,7 +13,6 @@ mod wavefront;
 
 pub use counters::Counters;
 pub use debug_sample::{Replay, Vertex, replay};
-pub(crate) use pixel_groups::SIDE as REUSE_BLOCK_SIDE;
 pub(crate) use render_context::RenderContext;
-pub(crate) use tile_bounds::{SIDE as TILE_SIDE, Tile};
+pub(crate) use tile_bounds::{BLOCK_SIDE, SIDE as TILE_SIDE, Tile};
 pub(crate) use wavefront::Wavefront;

@@ -1,5 +1,5 @@
 use crate::light::PlaneMirrors;
-use crate::{MirrorSampling, PathReuse, Scene, Sensor, Settings};
+use crate::{MirrorSampling, PathReuse, Sampler, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SimdLevel};
 
 /// What is rendered: a scene as a sensor measures it, with settings.
@@ -31,9 +31,16 @@ impl<'a> RenderContext<'a> {
 }
 
 impl RenderContext<'_> {
-    /// Whether pixels reuse the paths of their neighbours.
+    /// Whether pixels reuse the paths of their neighbours: not if paths have no second bounce or roulette begins at the
+    /// first.
     pub(super) fn reuses_paths(&self) -> bool {
-        self.settings.path_reuse_in_effect() == PathReuse::Fours
+        let Settings { max_bounces, roulette, path_reuse, .. } = *self.settings;
+        path_reuse == PathReuse::Fours && max_bounces.is_none_or(|max| max >= 2) && roulette.start > 0
+    }
+
+    /// Whether the samples of a block of pixels are one net.
+    pub(super) fn stratifies_blocks(&self) -> bool {
+        self.settings.path_reuse == PathReuse::Fours && self.settings.sampler == Sampler::Sobol
     }
 
     /// Whether a prefix may end at this bounce. Roulette, which could end the path there, would change

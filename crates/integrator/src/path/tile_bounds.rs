@@ -10,6 +10,10 @@ pub(crate) struct Tile {
 /// Pixels along a side: with four samples each, a wavefront of about a thousand rays.
 pub(crate) const SIDE: u32 = 16;
 
+/// Pixels along each side of the blocks within which errors depend on each other, and of the squares whose means are
+/// observed.
+pub(crate) const BLOCK_SIDE: u32 = 4;
+
 impl Tile {
     /// The tiles that `window`, a rectangle of pixels, is divided into, row by row. In one that is narrower than
     /// [`SIDE`], tiles are higher, for as many pixels.
@@ -26,6 +30,16 @@ impl Tile {
         starts(1).flat_map(move |y| {
             starts(0).map(move |x| Tile { x, y, width: length(0, x), height: length(1, y) })
         })
+    }
+
+    /// The tile in squares of 4 x 4 pixels of `window`, whose upper left corner is at 0; it begins with one.
+    pub(crate) fn squares_in(&self, window: &Tile) -> Tile {
+        Tile {
+            x: (self.x - window.x) / BLOCK_SIDE,
+            y: (self.y - window.y) / BLOCK_SIDE,
+            width: self.width.div_ceil(BLOCK_SIDE),
+            height: self.height.div_ceil(BLOCK_SIDE),
+        }
     }
 
     /// The number of pixels.

@@ -1,11 +1,12 @@
 use super::counters::Counters;
 use super::next_event::MirrorSample;
 use super::path_state::{Path, RadianceSums, Stage, Target};
+use super::pixel_groups::{member, members};
 use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::tile_bounds::Tile;
-use crate::sampler::{BounceNumbers, Numbers};
+use crate::sampler::{BounceNumbers, Member, Numbers};
 use crate::{ElementSample, Interaction, PathStart};
 use globillum_geom::{Hit, Ray, SimdLevel, SurfacePoint};
 use globillum_material::{Bsdf, Density, Emission, Material, Reflectance, Rgb};
@@ -134,10 +135,13 @@ impl Wavefront {
         let settings = context.settings;
         self.paths.clear();
         let pass = settings.pass_of(samples.start);
+        let members = context.stratifies_blocks().then(|| members(samples.start / settings.pass_samples));
         for (x, y) in tile.pixels() {
-            let pixel = u64::from(y) * u64::from(settings.width) + u64::from(x);
+            let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
+            let of_block = |members| member(x, y, settings.width, members);
+            let member = members.as_ref().map_or_else(alone, of_block);
             for sample in samples.clone() {
-                let numbers = settings.sampler.numbers(settings.seed, pixel, sample, &pass);
+                let numbers = settings.sampler.numbers(settings.seed, member, sample, &pass);
                 self.paths.push(Path::new(self.paths.len() as u32, numbers));
             }
         }

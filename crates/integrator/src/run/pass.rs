@@ -1,8 +1,8 @@
 use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
-use crate::film::{Block, Moments, Tally};
-use crate::path::{RenderContext, TILE_SIDE, Tile, Wavefront};
+use crate::film::{Block, Moments, Squares, Tally};
+use crate::path::{RenderContext, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_material::Rgb;
 use rayon::prelude::*;
@@ -20,7 +20,14 @@ pub(crate) struct PassRenderer<'a> {
     pub(crate) window: Tile,
 }
 
-type TileResult = (Tile, Vec<Moments>, Counters);
+/// What the samples of a tile add up to.
+struct TileResult {
+    tile: Tile,
+    pixels: Vec<Moments>,
+    /// The means of squares, where single samples are observations.
+    squares: Vec<Moments>,
+    counters: Counters,
+}
 
 impl PassRenderer<'_> {
     /// Samples in `passes`, all pixels together.
@@ -58,6 +65,8 @@ impl PassRenderer<'_> {
     ) -> Result<Option<TileResult>, RenderError> {
         let all = self.context.settings.samples_of(pass..pass + 1);
         let mut pixels = vec![Moments::default(); tile.pixel_count()];
+        let of_squares = Squares::of_means(tile.width);
+        let mut squares = vec![Moments::default(); of_squares.count(pixels.len())];
         let mut counters = Counters::default();
         for first in all.clone().step_by(WAVEFRONT_SAMPLES as usize) {
             if cancelled() {
@@ -76,35 +85,57 @@ impl PassRenderer<'_> {
                     pixel.add(radiance, u64::from(sample - all.start));
                 }
             }
+            if self.context.settings.sampler == Sampler::Independent {
+                let add =
+                    |(square, moments)| add_means(moments, square, wavefront.radiance(), &samples, all.start);
+                of_squares.all(pixels.len()).zip(&mut squares).for_each(add);
+            }
             counters += counted;
         }
         self.meter.add(pixels.len() as u64 * all.len() as u64, &counters);
         self.monitor.progress(self.meter.progress());
-        Ok(Some((tile, pixels, counters)))
+        Ok(Some(TileResult { tile, pixels, squares, counters }))
     }
 
     /// Puts the tiles of a pass together as a block of the film.
     fn block(&self, pass: u32, tiles: Vec<TileResult>) -> (Block, Counters) {
         let settings = self.context.settings;
         let samples = settings.samples_of(pass..pass + 1).len() as u64;
-        let mut pixels = vec![Moments::default(); self.window.pixel_count()];
-        let mut counters = Counters::default();
-        for (tile, moments, counted) in tiles {
-            for ((x, y), moments) in tile.pixels().zip(moments) {
-                pixels[self.window.index(x, y)] = moments;
-            }
-            counters += counted;
-        }
         let observations = match settings.sampler {
             Sampler::Independent => samples,
             // The samples of a pass are dependent: only their mean is an observation.
-            Sampler::Sobol => {
-                pixels.iter_mut().for_each(|pixel| pixel.spread = Rgb::BLACK);
-                1
-            }
+            Sampler::Sobol => 1,
         };
-        let tally = Tally { samples, observations };
-        let tile_rows = self.window.height.div_ceil(TILE_SIDE) as usize;
-        (Block::of_pass(pass, tally, pixels, tile_rows), counters)
+        let pixels = vec![Moments::default(); self.window.pixel_count()];
+        let mut block = Block::of_pass(pass, Tally { samples, observations }, pixels, self.window.width);
+        let mut counters = Counters::default();
+        for TileResult { tile, pixels, squares, counters: counted } in tiles {
+            for ((x, y), moments) in tile.pixels().zip(pixels) {
+                let spread = if observations > 1 { moments.spread } else { Rgb::BLACK };
+                block.pixels[self.window.index(x, y)] = Moments { spread, ..moments };
+            }
+            let [all, part] = [&self.window, &tile].map(|tile| tile.squares_in(&self.window));
+            for ((x, y), moments) in part.pixels().zip(squares) {
+                block.squares[all.index(x, y)] = moments.spread;
+            }
+            counters += counted;
+        }
+        (block, counters)
+    }
+}
+
+/// Adds the means of a square's `radiance`, of all samples of a tile, to the mean of those from `start` on.
+fn add_means(
+    moments: &mut Moments,
+    square: impl Iterator<Item = usize>,
+    radiance: &[Rgb],
+    samples: &Range<u32>,
+    start: u32,
+) {
+    let places: Vec<usize> = square.collect();
+    for (i, sample) in samples.clone().enumerate() {
+        let mut sum = Rgb::BLACK;
+        places.iter().for_each(|place| sum += radiance[place * samples.len() + i]);
+        moments.add(sum / places.len() as f64, u64::from(sample - start));
     }
 }

@@ -85,7 +85,7 @@ impl<'a> Render<'a> {
     /// Renders only these columns and rows of the picture, as a smaller picture of its own, whose pixels have the
     /// bits of the whole one's. Column and row 0 are at the upper left.
     ///
-    /// Where [paths are reused](crate::PathReuse), columns and rows begin at a multiple of
+    /// Where [pixels depend on each other](crate::PathReuse), columns and rows begin at a multiple of
     /// [`PathReuse::block_side`](crate::PathReuse::block_side), and end at one or with the picture. Passes and strips
     /// of equal crops can be merged.
     ///
@@ -176,7 +176,7 @@ impl<'a> Render<'a> {
     fn checked_crop(&self, settings: &Settings) -> Result<Tile, RenderError> {
         let Settings { width, height, .. } = *settings;
         let Some([columns, rows]) = &self.crop else { return Ok(Tile { x: 0, y: 0, width, height }) };
-        let step = settings.path_reuse_in_effect().block_side();
+        let step = settings.path_reuse.block_side();
         let range = match step {
             1 => "the columns and rows of the picture, of which at least one must be asked for",
             _ => "the multiples of 4 and the size, of which start and end are two",
@@ -211,7 +211,7 @@ impl<'a> Render<'a> {
     fn start(&mut self, crop: Tile, rows: Range<u32>, settings: &Settings) -> Result<Picture, RenderError> {
         let key = self.key();
         let Some(picture) = self.before.take() else {
-            let film = Film::new(crop.width, rows, settings.path_reuse_in_effect());
+            let film = Film::new(crop.width, rows, settings.path_reuse);
             return Ok(Picture::new(film, crop.height, settings.pass_samples, key));
         };
         if picture.key != key {

@@ -1,6 +1,7 @@
 //! Random numbers, addressed by (seed, pixel, sample, dimension).
 
 mod decision;
+mod member;
 mod nested;
 mod sobol;
 mod stream;
@@ -8,6 +9,7 @@ mod stream;
 pub use stream::Stream;
 
 use decision::Decision;
+pub(crate) use member::Member;
 pub(crate) use sobol::SobolPoint;
 use sobol::SobolPoints;
 use std::ops::Range;
@@ -19,8 +21,9 @@ pub enum Sampler {
     /// Independent numbers, hashes of their address. The error falls with the square root of the number of
     /// samples, and is estimated from their variance.
     Independent,
-    /// Sobol' points with Owen scrambling, stratified over each pass of a pixel. Passes are independent
-    /// replicates; the error is estimated from their variance.
+    /// Sobol' points with Owen scrambling, stratified over each pass of a pixel, and of a block of pixels where these
+    /// depend on each other anyway ([`PathReuse::Fours`](crate::PathReuse)). Passes are independent replicates; the
+    /// error is estimated from their variance.
     #[default]
     Sobol,
 }
@@ -39,15 +42,15 @@ impl Sampler {
     /// The most samples in a pass.
     pub(crate) const MAX_PASS: u32 = 1 << SobolPoint::MAX_DIGITS;
 
-    /// The numbers of sample `sample` of pixel `pixel` (counted row by row), one of the samples
-    /// `pass` that are stratified together.
-    pub(crate) fn numbers(self, seed: u64, pixel: u64, sample: u32, pass: &Range<u32>) -> Numbers {
+    /// The numbers of sample `sample` of a member, one of the samples `pass` that are stratified together. Independent
+    /// numbers know no nets: members are alone.
+    pub(crate) fn numbers(self, seed: u64, member: Member, sample: u32, pass: &Range<u32>) -> Numbers {
         debug_assert!(pass.contains(&sample));
         match self {
-            Self::Independent => Numbers::Independent(Stream::new(seed, pixel, sample)),
+            Self::Independent => Numbers::Independent(Stream::new(seed, member.net, sample)),
             Self::Sobol => {
                 let digits = pass.len().next_power_of_two().trailing_zeros();
-                Numbers::Sobol(SobolPoint::new(seed, pixel, pass.start, sample - pass.start, digits))
+                Numbers::Sobol(SobolPoint::new(seed, member, pass.start, sample - pass.start, digits))
             }
         }
     }
@@ -185,7 +188,7 @@ mod tests {
     /// The numbers of one sample, in passes of [`PASS`].
     fn numbers(sampler: Sampler, pixel: u64, sample: u32) -> Numbers {
         let first = sample / PASS * PASS;
-        sampler.numbers(1, pixel, sample, &(first..first + PASS))
+        sampler.numbers(1, Member::alone(pixel), sample, &(first..first + PASS))
     }
 
     const BOTH: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
@@ -303,7 +306,7 @@ mod tests {
         for (sampler, length) in BOTH.into_iter().flat_map(|s| [1, 3, 16, 100, 5000].map(|n| (s, n))) {
             let pass = 7 * length..8 * length;
             let samples: [Numbers; 8] = std::array::from_fn(|i| {
-                sampler.numbers(3, 11 * i as u64, pass.start + i as u32 * 997 % length, &pass)
+                sampler.numbers(3, Member::alone(11 * i as u64), pass.start + i as u32 * 997 % length, &pass)
             });
             let films = samples.map(|numbers| numbers.film());
             assert_eq!(Numbers::films(&samples), films, "{sampler:?}, {length}");
@@ -324,7 +327,8 @@ mod tests {
         {
             for first in [0, u32::MAX - length] {
                 for sample in [first, first + length - 1] {
-                    let numbers = sampler.numbers(u64::MAX, u64::MAX, sample, &(first..first + length));
+                    let numbers =
+                        sampler.numbers(u64::MAX, Member::alone(u64::MAX), sample, &(first..first + length));
                     let [x, y] = numbers.uniform(Decision::scatter(1 << 28));
                     assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y));
                 }

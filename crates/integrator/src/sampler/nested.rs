@@ -3,13 +3,17 @@ use crate::hash::nth;
 /// `N` nested random permutations of binary numbers: each digit is flipped by a random bit that depends on
 /// all digits before it (Owen, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences", 1995).
 ///
-/// The random bits belong to the nodes of a binary tree in heap order, 64 to a hash. This is exact Owen
-/// scrambling at one hash for up to six digits. The loops over `N` are vectorised by the compiler.
+/// The random bits belong to the nodes of a binary tree. A hash has those of the six levels that begin at a node, in
+/// heap order: this is exact Owen scrambling at one hash for every six digits. The loops over `N` are vectorised by
+/// the compiler.
 #[derive(Clone, Copy)]
 pub(super) struct NestedPermutations<const N: usize> {
     keys: [u64; N],
     purpose: u64,
 }
+
+/// Digits whose random bits are in one hash.
+const LEVELS: u32 = 6;
 
 impl<const N: usize> NestedPermutations<N> {
     /// A permutation for each key; keys have independent permutations for each `purpose`.
@@ -21,27 +25,18 @@ impl<const N: usize> NestedPermutations<N> {
     /// The images of `x`, numbers of `digits` binary digits (at most 31).
     #[inline(always)]
     pub(super) fn apply(&self, x: [u64; N], digits: u32) -> [u64; N] {
-        let coins = self.hashes([0; N]);
         let mut flips = [0; N];
-        for level in 0..digits.min(6) {
-            for i in 0..N {
-                flips[i] = flips[i] << 1 | coins[i] >> node(x[i], digits, level) & 1;
-            }
-        }
-        for level in 6..digits {
+        for root in (0..digits).step_by(LEVELS as usize) {
             let mut words = [0; N];
-            for i in 0..N {
-                words[i] = node(x[i], digits, level) / 64;
+            if root > 0 {
+                for i in 0..N {
+                    words[i] = below(x[i], digits) >> (digits - root);
+                }
             }
             let coins = self.hashes(words);
-            for i in 0..N {
-                flips[i] = flips[i] << 1 | coins[i] >> (node(x[i], digits, level) % 64) & 1;
-            }
+            append_flips(&mut flips, coins, x, root, digits);
         }
-        for i in 0..N {
-            flips[i] ^= x[i];
-        }
-        flips
+        flipped(x, flips)
     }
 
     /// 64 random bits for each image `x`.
@@ -59,10 +54,43 @@ impl<const N: usize> NestedPermutations<N> {
     }
 }
 
-/// The heap index of a digit's node: a one followed by the digits before it.
+/// The images of `x`, numbers of up to six binary digits, by permutations whose random bits are `coins`: those of `k`
+/// digits are the bits 1 to `2^k - 1`.
 #[inline(always)]
-fn node(x: u64, digits: u32, level: u32) -> u64 {
-    (1 << digits | x) >> (digits - level)
+pub(super) fn permuted<const N: usize>(coins: [u64; N], x: [u64; N], digits: u32) -> [u64; N] {
+    let mut flips = [0; N];
+    append_flips(&mut flips, coins, x, 0, digits);
+    flipped(x, flips)
+}
+
+/// Appends to `flips` the random bits of the levels from `root` on that are in one word.
+#[inline(always)]
+fn append_flips<const N: usize>(flips: &mut [u64; N], coins: [u64; N], x: [u64; N], root: u32, digits: u32) {
+    let mut tails = x;
+    for tail in &mut tails {
+        *tail = below(*tail, digits - root);
+    }
+    for level in root..digits.min(root + LEVELS) {
+        for i in 0..N {
+            flips[i] = flips[i] << 1 | coins[i] >> (tails[i] >> (digits - level)) & 1;
+        }
+    }
+}
+
+#[inline(always)]
+fn flipped<const N: usize>(mut x: [u64; N], flips: [u64; N]) -> [u64; N] {
+    for (x, flips) in x.iter_mut().zip(flips) {
+        *x ^= flips;
+    }
+    x
+}
+
+/// A one followed by the last `digits` of `x`. Without its own last digits it is the heap index of the node of a digit,
+/// in the tree below the digits that are left out.
+#[inline(always)]
+fn below(x: u64, digits: u32) -> u64 {
+    let first = 1 << digits;
+    first | x & (first - 1)
 }
 
 #[cfg(test)]

@@ -1,21 +1,37 @@
-use super::nested::NestedPermutations;
+use super::member::Member;
+use super::nested::{NestedPermutations, permuted};
 use crate::hash::{fold, nth, unit};
 
-/// A point of a replicate, which has `2^digits` points for each decision of a path, stratified in all
-/// dimensions of the decision.
+/// A point of a replicate: a net for each decision of a path, stratified in all dimensions of the decision.
 ///
 /// Each decision uses the first dimensions of Sobol's sequence (1967) with a scrambling (Owen 1995) and an
 /// order of its own (padding, Kollig and Keller 2002, Burley 2020). Padding needs no table and serves paths of
 /// any length, but does not stratify across decisions.
 ///
+/// The members of a net have equal aligned parts of the sequence, in an order of their own for each decision. So the
+/// samples of a member are a net too, and those of the members whose numbers have the first digits in common
+/// (Ahmed and Wonka 2020, who number pixels in Morton order).
+///
 /// Each point is uniform in the unit cube, so the mean over a replicate is unbiased. Points of one replicate
 /// are dependent, replicates are independent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SobolPoint {
-    /// Hashed from seed, pixel and replicate.
+    /// Hashed from seed, net and replicate.
     key: u64,
+    /// Hashed from these and the member.
+    member_key: u64,
+    /// The member's number, followed by that of the sample.
     index: u32,
+    shape: Shape,
+}
+
+/// How many points a replicate has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Shape {
+    /// Binary digits of an index.
     digits: u32,
+    /// The last ones of these, which number the samples of a member.
+    sample_digits: u32,
 }
 
 /// Purposes of permutations: two for the order of the points, and one for each [`Axis`].
@@ -47,15 +63,19 @@ impl Axis {
 }
 
 impl SobolPoint {
-    /// The largest number of digits: `2^16` points in a replicate.
+    /// The largest number of digits: `2^16` points of a member in a replicate.
     pub(crate) const MAX_DIGITS: u32 = 16;
 
-    /// Point `index` of the `2^digits` of replicate `replicate`, for a pixel and a seed.
-    pub(crate) fn new(seed: u64, pixel: u64, replicate: u32, index: u32, digits: u32) -> Self {
-        debug_assert!(digits <= Self::MAX_DIGITS && index >> digits == 0);
+    /// Point `sample` of the `2^sample_digits` of a member in replicate `replicate`, for a seed.
+    pub(crate) fn new(seed: u64, member: Member, replicate: u32, sample: u32, sample_digits: u32) -> Self {
+        debug_assert!(sample_digits <= Self::MAX_DIGITS && sample >> sample_digits == 0);
+        let Member { net, number, digits } = member;
         // The salt makes these keys differ from those of `Stream`.
-        let parts = [seed, pixel, u64::from(replicate), u64::from(digits), SALT];
-        Self { key: parts.into_iter().fold(0, fold), index, digits }
+        let parts = [seed, net, u64::from(replicate), u64::from(sample_digits), SALT];
+        let key = parts.into_iter().fold(0, fold);
+        let member_key = if digits == 0 { key } else { fold(key, number.into()) };
+        let shape = Shape { digits: digits + sample_digits, sample_digits };
+        Self { key, member_key, index: number << sample_digits | sample, shape }
     }
 
     /// The first `D` coordinates, up to three, of the point of `dimension`.
@@ -72,32 +92,33 @@ impl SobolPoint {
             #[inline(always)]
             |i| u64::from(self.index) + i as u64,
         );
-        let points = SobolPoints { keys: [self.key; N], indices, digits: self.digits };
+        let points = SobolPoints { indices, ..SobolPoints::from(&[*self; N]) };
         points.coordinates(points.keys, points.indices)
     }
 }
 
-/// Points with the same number of digits, computed in loops that the compiler vectorises.
+/// Points of replicates of one shape, computed in loops that the compiler vectorises.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SobolPoints<const N: usize> {
     keys: [u64; N],
+    member_keys: [u64; N],
     indices: [u64; N],
-    digits: u32,
+    shape: Shape,
 }
 
 impl<const N: usize> SobolPoints<N> {
-    /// `None` unless all have the same number of digits.
+    /// `None` unless all have the same shape.
     #[inline(always)]
     pub(super) fn new(points: &[SobolPoint; N]) -> Option<Self> {
         let this = Self::from(points);
-        points.iter().all(|point| point.digits == this.digits).then_some(this)
+        points.iter().all(|point| point.shape == this.shape).then_some(this)
     }
 
-    /// Takes the number of digits from the first point.
+    /// Takes the shape from the first point.
     #[inline(always)]
     fn from(points: &[SobolPoint; N]) -> Self {
-        let (keys, indices) = (points.map(|p| p.key), points.map(|p| u64::from(p.index)));
-        Self { keys, indices, digits: points[0].digits }
+        let (keys, member_keys) = (points.map(|p| p.key), points.map(|p| p.member_key));
+        Self { keys, member_keys, indices: points.map(|p| p.index.into()), shape: points[0].shape }
     }
 
     /// The first `D` coordinates, up to three, of the points of `dimension`.
@@ -114,30 +135,34 @@ impl<const N: usize> SobolPoints<N> {
         for (axis, coordinates) in AXES.into_iter().zip(&mut all) {
             let mut digits = places;
             for digit in &mut digits {
-                *digit = axis.digits_of(*digit, self.digits);
+                *digit = axis.digits_of(*digit, self.shape.digits);
             }
             *coordinates = self.scrambled(keys, axis, digits);
         }
         all
     }
 
-    /// The keys of a dimension, and the indices of the points in the sequence, randomly permuted.
-    ///
-    /// With a single nested permutation, as in Burley (2020), two samples whose indices differ in the last
-    /// digit fall into opposite halves in every dimension, and the integral of a product of two dimensions
-    /// has nearly twice the variance. A permutation nested by last digits prevents this.
+    /// The keys of a dimension, and the indices of the points in the sequence: members in a random order, and in each
+    /// its samples in another.
     #[inline(always)]
     fn places(&self, dimension: u32) -> ([u64; N], [u64; N]) {
-        let (mut keys, mut places) = (self.keys, self.indices);
-        for (key, place) in keys.iter_mut().zip(&mut places) {
-            *key = nth(*key, u64::from(dimension));
-            *place = reversed(*place, self.digits);
+        let Shape { digits, sample_digits } = self.shape;
+        let keys = of_dimension(self.keys, dimension);
+        if digits == sample_digits {
+            return (keys, shuffled(keys, self.indices, digits));
         }
-        places = NestedPermutations::new(keys, MIXING).apply(places, self.digits);
-        for place in &mut places {
-            *place = reversed(*place, self.digits);
+        let (mut members, mut samples) = (self.indices, self.indices);
+        for (member, sample) in members.iter_mut().zip(&mut samples) {
+            *member >>= sample_digits;
+            *sample &= (1 << sample_digits) - 1;
         }
-        (keys, NestedPermutations::new(keys, ORDER).apply(places, self.digits))
+        // The keys' own bits: members are few.
+        members = permuted(keys, members, digits - sample_digits);
+        let mut places = shuffled(of_dimension(self.member_keys, dimension), samples, sample_digits);
+        for (place, member) in places.iter_mut().zip(members) {
+            *place |= member << sample_digits;
+        }
+        (keys, places)
     }
 
     /// Owen scrambling of numbers given by their first digits. These differ for all points of the replicate,
@@ -145,17 +170,56 @@ impl<const N: usize> SobolPoints<N> {
     #[inline(always)]
     fn scrambled(&self, keys: [u64; N], axis: Axis, digits: [u64; N]) -> [f64; N] {
         let permutations = NestedPermutations::new(keys, axis as u64);
-        let prefixes = permutations.apply(digits, self.digits);
+        let count = self.shape.digits;
+        let prefixes = permutations.apply(digits, count);
         let random = permutations.below(prefixes);
         let mut uniform = [0.0; N];
         for i in 0..N {
-            uniform[i] = unit((prefixes[i] << (63 - self.digits) << 1) | random[i] >> self.digits);
+            uniform[i] = unit((prefixes[i] << (63 - count) << 1) | random[i] >> count);
         }
         uniform
     }
 }
 
 const SALT: u64 = 0x736f_626f_6c27;
+
+/// The most digits of a permutation whose random bits are half of a key's.
+const FEW_DIGITS: u32 = 5;
+
+/// A random order of `2^digits` samples: two nested permutations.
+///
+/// With a single one, as in Burley (2020), two samples whose indices differ in the last digit fall into opposite
+/// halves in every dimension, and the integral of a product of two dimensions has nearly twice the variance. A
+/// permutation nested by last digits prevents this.
+#[inline(always)]
+fn shuffled<const N: usize>(keys: [u64; N], indices: [u64; N], digits: u32) -> [u64; N] {
+    if digits <= FEW_DIGITS {
+        let mixed = permuted(keys, backward(indices, digits), digits);
+        let mut others = keys;
+        for key in &mut others {
+            *key >>= 32;
+        }
+        return permuted(others, backward(mixed, digits), digits);
+    }
+    let mixed = NestedPermutations::new(keys, MIXING).apply(backward(indices, digits), digits);
+    NestedPermutations::new(keys, ORDER).apply(backward(mixed, digits), digits)
+}
+
+#[inline(always)]
+fn backward<const N: usize>(mut indices: [u64; N], digits: u32) -> [u64; N] {
+    for index in &mut indices {
+        *index = reversed(*index, digits);
+    }
+    indices
+}
+
+#[inline(always)]
+fn of_dimension<const N: usize>(mut keys: [u64; N], dimension: u32) -> [u64; N] {
+    for key in &mut keys {
+        *key = nth(*key, dimension.into());
+    }
+    keys
+}
 
 /// The last `digits` binary digits in reverse order: the first Sobol' dimension, van der Corput's radical
 /// inverse.
@@ -226,16 +290,41 @@ mod tests {
             [(0, 0, 1), (1, 3, 0), (4, 0, 7), (6, 1, 2), (8, 2, 600), (11, 0, 3)]
         {
             let points: Vec<_> = (0..1_u32 << digits)
-                .map(|i| SobolPoint::new(5, 77, replicate, i, digits).uniform::<2>(dimension))
+                .map(|i| SobolPoint::new(5, Member::alone(77), replicate, i, digits).uniform::<2>(dimension))
                 .collect();
-            for across in 0..=digits {
-                let (columns, rows) = (1_usize << across, 1_usize << (digits - across));
-                let mut seen = vec![false; columns * rows];
-                for [x, y] in &points {
-                    let cell = (x * columns as f64) as usize * rows + (y * rows as f64) as usize;
-                    assert!(!std::mem::replace(&mut seen[cell], true), "{digits} digits, {columns} columns");
-                }
+            assert!(is_net(&points, digits), "{digits} digits");
+        }
+    }
+
+    /// Whether each elementary interval, whatever its shape, holds one of `2^digits` points.
+    fn is_net(points: &[[f64; 2]], digits: u32) -> bool {
+        (0..=digits).all(|across| {
+            let (columns, rows) = (1_usize << across, 1_usize << (digits - across));
+            let mut seen = vec![false; columns * rows];
+            points.iter().all(|[x, y]| {
+                let cell = (x * columns as f64) as usize * rows + (y * rows as f64) as usize;
+                !std::mem::replace(&mut seen[cell], true)
+            })
+        })
+    }
+
+    /// The samples of all members are a net, those of one are, and those of four whose numbers have the first digits in
+    /// common.
+    #[test]
+    fn members_share_a_net_and_have_nets_of_their_own() {
+        for (sample_digits, dimension) in [(0, 3), (2, 0), (4, 7), (6, 1)] {
+            let point = |number, sample| {
+                let member = Member { net: 77, number, digits: 4 };
+                SobolPoint::new(5, member, 2, sample, sample_digits).uniform::<2>(dimension)
+            };
+            let of_members = |members: std::ops::Range<u32>| -> Vec<[f64; 2]> {
+                members.flat_map(|m| (0..1 << sample_digits).map(move |sample| point(m, sample))).collect()
+            };
+            assert!(is_net(&of_members(0..16), sample_digits + 4), "{sample_digits} digits");
+            for first in [0, 4, 8, 12] {
+                assert!(is_net(&of_members(first..first + 4), sample_digits + 2), "{sample_digits} digits");
             }
+            assert!((0..16).all(|m| is_net(&of_members(m..m + 1), sample_digits)), "{sample_digits} digits");
         }
     }
 
@@ -243,8 +332,9 @@ mod tests {
     #[test]
     fn every_elementary_box_holds_two_points() {
         for digits in [1, 2, 4, 6, 9] {
-            let points: Vec<_> =
-                (0..1_u32 << digits).map(|i| SobolPoint::new(5, 77, 3, i, digits).uniform::<3>(8)).collect();
+            let points: Vec<_> = (0..1_u32 << digits)
+                .map(|i| SobolPoint::new(5, Member::alone(77), 3, i, digits).uniform::<3>(8))
+                .collect();
             for (along, across) in (0..digits).flat_map(|i| (0..digits - i).map(move |j| (i, j))) {
                 let sides = [along, across, digits - 1 - along - across].map(|d| 1_usize << d);
                 let mut counts = vec![0; sides.iter().product()];
@@ -263,7 +353,7 @@ mod tests {
     fn every_elementary_box_of_four_dimensions_holds_eight_points() {
         for digits in [4, 6, 9] {
             let points: Vec<[f64; 4]> = (0..1_u32 << digits)
-                .map(|i| SobolPoint::new(5, 77, 3, i, digits).hypercube::<1>().map(|[u]| u))
+                .map(|i| SobolPoint::new(5, Member::alone(77), 3, i, digits).hypercube::<1>().map(|[u]| u))
                 .collect();
             let most = digits - 3;
             let splits = (0..=most).flat_map(|a| (0..=most - a).map(move |b| (a, b)));
@@ -282,9 +372,9 @@ mod tests {
 
     #[test]
     fn points_side_by_side_are_the_points_one_by_one() {
-        let together = SobolPoint::new(1, 2, 3, 40, 7).hypercube::<8>();
+        let together = SobolPoint::new(1, Member::alone(2), 3, 40, 7).hypercube::<8>();
         for i in 0..8 {
-            let alone = SobolPoint::new(1, 2, 3, 40 + i, 7).hypercube::<1>().map(|[u]| u);
+            let alone = SobolPoint::new(1, Member::alone(2), 3, 40 + i, 7).hypercube::<1>().map(|[u]| u);
             assert_eq!(together.map(|axis| axis[i as usize]), alone);
         }
     }

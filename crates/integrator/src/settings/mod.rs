@@ -6,7 +6,7 @@ mod pixel_filter;
 pub use estimator::Estimator;
 pub use pixel_filter::PixelFilter;
 
-use crate::path::REUSE_BLOCK_SIDE;
+use crate::path::BLOCK_SIDE;
 use crate::{LightSampling, RenderError, Sampler, Sensor};
 use std::ops::Range;
 
@@ -63,8 +63,8 @@ pub struct Settings {
     pub roulette: Roulette,
 }
 
-/// Whether pixels reuse the paths of their neighbours. This changes the variance and the correlation of
-/// pixels, not the mean.
+/// Whether pixels reuse the paths of their neighbours and share their points. This changes the variance and the
+/// correlation of pixels, not the mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PathReuse {
@@ -74,10 +74,16 @@ pub enum PathReuse {
     /// balance heuristic (Bekaert, Sbert and Halton 2002), for three more shadow rays per sample. A suffix
     /// begins at the vertex after the first diffuse one, if it is diffuse too. The groups change with each pass.
     ///
-    /// The errors of a group are correlated: the variance of a mean over many pixels does not fall, and is
-    /// up to four times that computed as if they were independent.
+    /// With [`Sampler::Sobol`] the samples of a block in a pass are one set of points (Ahmed and Wonka 2020), of which
+    /// those of a group, and those of a pixel, are well distributed by themselves.
+    ///
+    /// The errors of a block are correlated: positively in a group, which shares suffixes, and on the whole negatively
+    /// where points are shared. The variance of a block's mean is measured ([`Film::block_variances_of_mean`]). Blocks
+    /// are independent of each other.
     ///
     /// A prefix that Russian roulette could have ended ([`Roulette::start`]) is not shared.
+    ///
+    /// [`Film::block_variances_of_mean`]: crate::Film::block_variances_of_mean
     #[default]
     Fours = 1,
 }
@@ -93,22 +99,19 @@ impl PathReuse {
         self as u32
     }
 
-    /// Pixels along each side of the blocks within which paths are reused: a [crop](crate::Render::crop) begins at
-    /// multiples of it.
+    /// Pixels along each side of the blocks within which errors depend on each other: a
+    /// [crop](crate::Render::crop) begins at multiples of it.
     pub fn block_side(self) -> u32 {
         match self {
             Self::Off => 1,
-            Self::Fours => REUSE_BLOCK_SIDE,
+            Self::Fours => BLOCK_SIDE,
         }
     }
 
-    /// The number of pixels of a pass with correlated errors. The variance of a sum over pixels is at most
+    /// The number of pixels whose errors depend on each other. The variance of a sum over pixels is at most
     /// this many times the sum of their variances (Cauchy-Schwarz inequality).
     pub fn dependent_pixels(self) -> u32 {
-        match self {
-            Self::Off => 1,
-            Self::Fours => 4,
-        }
+        self.block_side() * self.block_side()
     }
 }
 
@@ -195,12 +198,6 @@ impl Settings {
     pub(crate) fn pass_of(&self, sample: u32) -> Range<u32> {
         let pass = sample / self.pass_samples;
         self.samples_of(pass..pass + 1)
-    }
-
-    /// [`Settings::path_reuse`], but `Off` if paths have no second bounce or roulette begins at the first.
-    pub(crate) fn path_reuse_in_effect(&self) -> PathReuse {
-        let shared = self.max_bounces.is_none_or(|max| max >= 2) && self.roulette.start > 0;
-        if shared { self.path_reuse } else { PathReuse::Off }
     }
 
     /// The number of bounces that roulette cannot prevent.

@@ -1,6 +1,6 @@
 use super::row::{Entry, Row};
 use super::{FactorSettings, Patches};
-use crate::sampler::SobolPoint;
+use crate::sampler::{Member, SobolPoint};
 use glam::DVec3;
 use globillum_geom::{Accel, Frame, Hit, Ray, SimdLevel, Triangle, Triangles};
 use globillum_material::Sides;
@@ -104,12 +104,13 @@ impl<'a, A: Accel> Tracer<'a, A> {
     /// Appends the rays of these samples of a pass.
     fn spawn(&self, patch: u32, pass: u32, samples: std::ops::Range<u32>, rays: &mut Vec<Ray>) {
         let digits = self.settings.pass_rays.trailing_zeros();
+        let member = Member::alone(patch.into());
         let faces = &self.faces[self.starts[patch as usize]..self.starts[patch as usize + 1]];
         self.simd.run(
             #[inline(always)]
             || {
                 for first in samples.clone().step_by(AT_ONCE) {
-                    let point = SobolPoint::new(self.settings.seed, patch.into(), pass, first, digits);
+                    let point = SobolPoint::new(self.settings.seed, member, pass, first, digits);
                     let numbers = point.hypercube::<AT_ONCE>();
                     for i in 0..AT_ONCE.min((samples.end - first) as usize) {
                         rays.push(self.ray(faces, numbers.map(|axis| axis[i])));

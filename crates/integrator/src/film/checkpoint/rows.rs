@@ -1,10 +1,10 @@
 //! A row of tiles as bytes: for each block how its halves differ, then for each pixel the sum of three components
-//! and, if there are several observations, their spread; then a checksum.
+//! and, if there are several observations, their spread, and then that of each square of 4 x 4 pixels; then a checksum.
 
 use super::bytes::{self, Numbers, sealed};
 use crate::CheckpointError;
 use crate::film::block::{Block, BlockHeader};
-use crate::film::dispersion::Halves;
+use crate::film::dispersion::{Halves, Squares};
 use crate::film::{Film, Moments};
 use globillum_material::Rgb;
 
@@ -14,8 +14,9 @@ const TRIPLE_BYTES: u64 = 24;
 /// The bytes of a film of one row of tiles with these blocks.
 pub(super) fn length(rows: &Film, blocks: &[BlockHeader]) -> u64 {
     let pixels = rows.pixel_count() as u64;
-    blocks.iter().map(|block| TRIPLE_BYTES * (1 + pixels * (1 + u64::from(has_spread(block))))).sum::<u64>()
-        + 8
+    let squares = Squares::of_means(rows.width()).count(rows.pixel_count()) as u64;
+    let triples = |block| 1 + pixels + if has_spread(block) { pixels + squares } else { 0 };
+    TRIPLE_BYTES * blocks.iter().map(triples).sum::<u64>() + 8
 }
 
 /// One observation does not spread.
@@ -26,15 +27,20 @@ fn has_spread(block: &BlockHeader) -> bool {
 /// Row `index` of the rows of tiles of `film`.
 pub(super) fn to_bytes(film: &Film, index: usize, seed: u64) -> Vec<u8> {
     let mut bytes = Vec::new();
+    let means = Squares::of_means(film.width());
     for block in film.blocks() {
         let Halves { spread, squared, fourths } = block.halves[index];
         bytes.extend([spread, squared, fourths].into_iter().flat_map(f64::to_le_bytes));
-        let Some(pixels) = film.squares().tile_rows(&block.pixels).nth(index) else { continue };
+        let Some(pixels) = means.tile_rows(&block.pixels).nth(index) else { continue };
         for Moments { sum, spread } in pixels {
             bytes.extend(sum.to_array().into_iter().flat_map(f64::to_le_bytes));
             if has_spread(&block.header) {
                 bytes.extend(spread.to_array().into_iter().flat_map(f64::to_le_bytes));
             }
+        }
+        if has_spread(&block.header) {
+            let squares = means.of_tile_row(&block.squares, index).iter();
+            bytes.extend(squares.flat_map(|spread| spread.to_array()).flat_map(f64::to_le_bytes));
         }
     }
     sealed(seed, bytes).0
@@ -67,7 +73,16 @@ pub(super) fn from_bytes(
             }
             pixels.push(moments);
         }
-        rows.insert(Block { header, pixels, halves: vec![halves] });
+        let mut squares = vec![Rgb::BLACK; Squares::of_means(rows.width()).count(pixels.len())];
+        if has_spread(&header) {
+            for spread in &mut squares {
+                *spread = numbers.rgb()?;
+                if !(Moments { sum: Rgb::BLACK, spread: *spread }).are_possible() {
+                    return Err(CheckpointError::Malformed("radiance"));
+                }
+            }
+        }
+        rows.insert(Block { header, pixels, squares, halves: vec![halves] });
     }
     Ok(rows)
 }
