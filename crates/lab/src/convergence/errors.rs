@@ -2,6 +2,10 @@
 
 use globillum::integrator::Film;
 use globillum::material::Rgb;
+use std::collections::BTreeMap;
+
+/// Pixels along each side of the blocks whose means are compared too.
+const SQUARE: u32 = 4;
 
 /// The true or reference picture.
 #[derive(Clone, Debug)]
@@ -11,23 +15,23 @@ pub(crate) struct Truth {
     variances: Vec<Rgb>,
     /// The pixels that are compared.
     counted: Vec<bool>,
-    /// The largest number of pixels whose errors depend on each other; 1 if all are independent.
-    dependent_pixels: u32,
+    /// Pixels along each side of the blocks within which errors depend on each other; 1 if all are independent.
+    block_side: u32,
 }
 
 impl Truth {
     /// A closed form, pixel by pixel.
     pub(crate) fn exact(means: Vec<Rgb>) -> Self {
         let (variances, counted) = (vec![Rgb::BLACK; means.len()], vec![true; means.len()]);
-        Self { means, variances, counted, dependent_pixels: 1 }
+        Self { means, variances, counted, block_side: 1 }
     }
 
     /// The result of a long run: the film's means and its estimates of their variances.
     pub(crate) fn of_film(film: &Film) -> Self {
         let means: Vec<Rgb> = film.means().collect();
         let counted = vec![true; means.len()];
-        let dependent_pixels = film.path_reuse().dependent_pixels();
-        Self { means, variances: film.variances_of_mean().collect(), counted, dependent_pixels }
+        let block_side = film.path_reuse().block_side();
+        Self { means, variances: film.variances_of_mean().collect(), counted, block_side }
     }
 
     /// Restricts the comparison to the pixels whose entry in `counted` is true.
@@ -74,6 +78,26 @@ impl Truth {
     }
 }
 
+/// The block that each pixel of a picture belongs to, row by row.
+fn blocks_of_pixels(width: u32, height: u32, side: u32) -> impl Iterator<Item = u32> {
+    (0..height).flat_map(move |y| (0..width).map(move |x| y / side * width.div_ceil(side) + x / side))
+}
+
+/// The mean of some numbers, each with its block, and its standard error, if blocks are independent of each other.
+fn mean_of_blocks(numbers: impl Iterator<Item = (u32, f64)>) -> (f64, f64) {
+    let numbers: Vec<(u32, f64)> = numbers.collect();
+    let (mean, _) = mean(numbers.iter().map(|(_, x)| *x));
+    let mut deviations = BTreeMap::new();
+    let mut count = 0.0;
+    for (block, x) in numbers {
+        *deviations.entry(block).or_insert(0.0) += x - mean;
+        count += 1.0;
+    }
+    let squares: f64 = deviations.values().map(|deviation: &f64| deviation * deviation).sum();
+    let blocks = deviations.len() as f64;
+    (mean, (squares * blocks / (blocks - 1.0)).sqrt() / count)
+}
+
 /// The mean of some numbers and its standard error, by their sample variance.
 fn mean(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let (mut count, mut mean, mut squares) = (0.0, 0.0, 0.0);
@@ -92,9 +116,11 @@ pub(crate) struct Errors {
     /// Mean squared error over pixels and components, minus the truth's own mean squared error. It may be
     /// negative if the film's error is small beside the truth's.
     pub(crate) mse: f64,
-    /// Standard error of `mse`, by the sample variance over the pixels. With path reuse it is an upper bound.
+    /// The same over the means of blocks of 4 x 4 pixels, of those that are compared.
+    pub(crate) block_mse: f64,
+    /// Standard error of `mse`, by the sample variance over the pixels, or over blocks of dependent ones.
     pub(crate) mse_std_err: f64,
-    /// Mean error over its standard error, both over pixels. It contains the errors of the film and of the
+    /// Mean error over its standard error, by the sample variance as well. It contains the errors of the film and of the
     /// truth. It is normally distributed for an unbiased film of many pixels.
     pub(crate) z: f64,
     /// The share of the pixel with the largest error in the sum of squared errors. Near 1 that pixel alone
@@ -118,15 +144,28 @@ impl Errors {
         let square = |x: f64| x * x;
         let squares = || differences().map(|e| e.map(square).mean());
         let own = || truth.of_counted(truth.variances.iter()).map(|v| v.mean() / square(scale));
-        let dependent_pixels = film.path_reuse().dependent_pixels().max(truth.dependent_pixels);
-        let widening = f64::from(dependent_pixels).sqrt();
-        let (mse, mse_std_err) = mean(squares().zip(own()).map(|(square, own)| square - own));
-        let (error, std_err) = mean(differences().map(|e| e.mean()));
-        let (mse_std_err, std_err) = (widening * mse_std_err, widening * std_err);
+        let side = film.path_reuse().block_side().max(truth.block_side);
+        let blocks = || truth.of_counted(blocks_of_pixels(film.width(), film.height(), side));
+        let (mse, mse_std_err) = mean_of_blocks(blocks().zip(squares().zip(own()).map(|(e, own)| e - own)));
+        let (error, std_err) = mean_of_blocks(blocks().zip(differences().map(|e| e.mean())));
+        let in_blocks = |values: Vec<f64>| {
+            let blocks = truth.of_counted(blocks_of_pixels(film.width(), film.height(), SQUARE));
+            let mut sums = BTreeMap::new();
+            for (block, value) in blocks.zip(values) {
+                let (sum, count) = sums.entry(block).or_insert((0.0, 0.0));
+                (*sum, *count) = (*sum + value, *count + 1.0);
+            }
+            sums.into_values()
+        };
+        let component = |c: usize| in_blocks(differences().map(|e| e.to_array()[c]).collect());
+        let block_squares = (0..3).flat_map(component).map(|(sum, count)| square(sum / count));
+        let block_own = in_blocks(own().collect()).map(|(sum, count)| sum / square(count));
+        let block_mse = mean(block_squares).0 - mean(block_own).0;
         let (sum, largest) = squares().fold((0.0, 0.0_f64), |(sum, max), e| (sum + e, max.max(e)));
         let over = |x: f64, y: f64| if x == 0.0 { 0.0 } else { x / y };
         Self {
             mse,
+            block_mse,
             mse_std_err,
             z: over(error, std_err),
             largest_share: over(largest, sum),
@@ -137,6 +176,11 @@ impl Errors {
     /// The root of [`Errors::mse`]; 0 if that is negative.
     pub(crate) fn rmse(&self) -> f64 {
         self.mse.max(0.0).sqrt()
+    }
+
+    /// The root of [`Errors::block_mse`]; 0 if that is negative.
+    pub(crate) fn block_rmse(&self) -> f64 {
+        self.block_mse.max(0.0).sqrt()
     }
 
     /// The 95 % confidence interval of [`Errors::rmse`].

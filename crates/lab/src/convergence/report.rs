@@ -85,7 +85,18 @@ fn by_samples(plan: &Plan, study: &Study) -> Table {
     let shown = [0, plan.samples.len() / 2, plan.samples.len() - 1];
     let [first, middle, last] = shown.map(|i| format!("RMSE %, {} spp", plan.samples[i]));
     let last = format!("{last} (95 %)");
-    let mut table = table(&["estimator", "sampler", &first, &middle, &last, "slope", "z", "verdict", "hash"]);
+    let mut table = table(&[
+        "estimator",
+        "sampler",
+        &first,
+        &middle,
+        &last,
+        "4 x 4 means",
+        "slope",
+        "z",
+        "verdict",
+        "hash",
+    ]);
     for ladder in study.ladders_of_first() {
         let [first, middle, _] = shown.map(|i| percent(ladder.levels[i].errors.rmse()));
         let top = &ladder.top().errors;
@@ -96,6 +107,7 @@ fn by_samples(plan: &Plan, study: &Study) -> Table {
             first,
             middle,
             with_interval(top.rmse(), top.interval_95()),
+            percent(top.block_rmse()),
             slope.map_or("".to_owned(), |s| format!("{:.3} +- {:.3}", s.value, s.std_err)),
             format!("{:.1}", top.z),
             ladder.verdict().to_string(),
@@ -116,6 +128,7 @@ fn by_time(plan: &Plan, study: &Study) -> Table {
         "MSE x s",
         &equal,
         "RMSE % (95 %)",
+        "4 x 4 means",
         "estimated %",
     ]);
     for race in &study.races {
@@ -129,6 +142,7 @@ fn by_time(plan: &Plan, study: &Study) -> Table {
             ladder.map_or(String::new(), |ladder| format!("{:.1e}", ladder.mse_seconds())),
             race.samples.to_string(),
             with_interval(race.errors.rmse(), race.errors.interval_95()),
+            percent(race.errors.block_rmse()),
             if race.estimated_rmse.is_finite() { percent(race.estimated_rmse) } else { "unknown".to_owned() },
         ]);
     }

@@ -21,6 +21,7 @@ struct SampleRow<'a> {
     rmse: f64,
     rmse_low_95: f64,
     rmse_high_95: f64,
+    block_rmse: f64,
     mse_seconds: f64,
     z: f64,
     largest_share: f64,
@@ -39,6 +40,7 @@ struct TimeRow<'a> {
     rmse: f64,
     rmse_low_95: f64,
     rmse_high_95: f64,
+    block_rmse: f64,
     rmse_estimated: Option<f64>,
     z: f64,
 }
@@ -68,6 +70,7 @@ fn sample_row<'a>(scene: &'a str, ladder: &Ladder, level: &Level) -> SampleRow<'
         rmse: errors.rmse(),
         rmse_low_95,
         rmse_high_95,
+        block_rmse: errors.block_rmse(),
         mse_seconds: errors.mse * level.seconds,
         z: errors.z,
         largest_share: errors.largest_share,
@@ -87,6 +90,7 @@ fn time_row<'a>(scene: &'a str, race: &Race) -> TimeRow<'a> {
         rmse: race.errors.rmse(),
         rmse_low_95,
         rmse_high_95,
+        block_rmse: race.errors.block_rmse(),
         rmse_estimated: Some(race.estimated_rmse).filter(|rmse| rmse.is_finite()),
         z: race.errors.z,
     }

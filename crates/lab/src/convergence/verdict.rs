@@ -65,8 +65,14 @@ mod tests {
 
     #[test]
     fn each_flaw_has_its_verdict() {
-        let errors =
-            |z, largest_share| Errors { mse: 1e-4, mse_std_err: 1e-6, z, largest_share, truth_share: 0.0 };
+        let errors = |z, largest_share| Errors {
+            mse: 1e-4,
+            block_mse: 1e-5,
+            mse_std_err: 1e-6,
+            z,
+            largest_share,
+            truth_share: 0.0,
+        };
         let slope = |value| Some(Slope { value, std_err: 0.01 });
         let fine = errors(3.0, 0.001);
         for (sampler, slope, errors, verdict) in [
