@@ -253,8 +253,8 @@ fn a_scene_of_both_kinds_is_the_sum_of_two() {
     let camera = Camera::look_at(DVec3::new(0.2, 0.9, 0.1), DVec3::ZERO, DVec3::Z, 1.0).unwrap();
     for (estimator, mirror_sampling) in [
         (Estimator::Bsdf, MirrorSampling::Off),
-        (Estimator::Light, MirrorSampling::Planes),
-        (Estimator::Mis, MirrorSampling::Planes),
+        (Estimator::Light, MirrorSampling::Images),
+        (Estimator::Mis, MirrorSampling::Images),
     ] {
         let [areas, deltas, both] = [(&of_areas, 1), (&of_deltas, 2), (&of_both, 3)].map(|(model, seed)| {
             let mut settings = independent_pixels(64, 64, 128);
@@ -283,7 +283,7 @@ fn mirrors_make_no_caustics_of_delta_lights() {
     let eye = p(-0.5, 0.5, 0.0);
     for (target, truth) in [(DVec3::ZERO, direct), (p(2.0, 0.0, 0.0), direct * 0.8)] {
         for mut settings in each_setting(8, 8) {
-            for mirror_sampling in [MirrorSampling::Off, MirrorSampling::Planes] {
+            for mirror_sampling in [MirrorSampling::Off, MirrorSampling::Images] {
                 settings.mirror_sampling = mirror_sampling;
                 let film = film(&model, &stare(eye, target), &settings);
                 for mean in film.means() {

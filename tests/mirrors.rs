@@ -9,11 +9,11 @@ use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::{ACCELERATORS, Builder};
 use globillum_testkit::polygon::form_factor;
 use globillum_testkit::scenes::{self, stare};
-use globillum_testkit::shapes::{inside_out, quad};
+use globillum_testkit::shapes::{icosphere, inside_out, quad};
 use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels};
 
 use Estimator::{Bsdf, Light, Mis};
-use MirrorSampling::{Off, Planes};
+use MirrorSampling::{Images, Off};
 
 /// The albedo of the floor, and the reflectance of mirrors.
 const ALBEDO: f64 = 0.5;
@@ -112,7 +112,7 @@ fn estimate(model: &Model, turn: usize, settings: &Settings) -> Estimate {
 /// Asserts the radiance of the target by these estimators and numbers of samples, each in another accelerator.
 fn assert_radiance(what: &str, model: &Model, truth: f64, estimators: &[(Estimator, u32)]) {
     for (turn, &(estimator, samples)) in estimators.iter().enumerate() {
-        let found = estimate(model, turn + 1, &settings(estimator, Planes, samples));
+        let found = estimate(model, turn + 1, &settings(estimator, Images, samples));
         found.assert_is(truth, &format!("{what}, {estimator:?}"));
     }
 }
@@ -136,7 +136,7 @@ fn a_light_and_its_whole_image() {
 #[test]
 fn pictures_with_mirrors_are_the_same_in_all_accelerators() {
     let model = model(&whole_light(), &wall(), &shade());
-    let [first, others @ ..] = ACCELERATORS.map(|(_, build)| film(&model, build, &settings(Mis, Planes, 16)));
+    let [first, others @ ..] = ACCELERATORS.map(|(_, build)| film(&model, build, &settings(Mis, Images, 16)));
     assert!(others.iter().all(|other| *other == first));
 }
 
@@ -187,7 +187,7 @@ fn a_tilted_mirror_agrees_with_bsdf_sampling() {
     let model = model(&whole_light(), &tilted, &shade());
     let scattered = estimate(&model, 1, &settings(Bsdf, Off, 1024));
     for (turn, estimator) in [(2, Light), (3, Mis)] {
-        let mut settings = settings(estimator, Planes, 256);
+        let mut settings = settings(estimator, Images, 256);
         settings.seed = 1;
         let found = estimate(&model, turn, &settings);
         let margin = Z_LIMIT * found.std_err.hypot(scattered.std_err);
@@ -238,12 +238,46 @@ fn either_segment_of_a_mirrored_path_can_be_blocked() {
     assert_radiance("a mirror under a sheet", &light_and_wall(&wall()), direct, &[(Light, 128), (Mis, 128)]);
 }
 
+/// Curved mirrors and hard lights: next event estimation by way of mirrors changes no mean.
+#[test]
+fn mirror_sampling_changes_no_mean() {
+    let ball = || icosphere(2).placed(0.3, DVec3::new(0.65, 0.4, -0.2)).triangles();
+    let walls = || [0.6, -0.4].map(|x| upright(x, [0.0, 0.9], [-3.0, 3.0])).concat();
+    // The target and the light are close to the centre of a dish.
+    let dish = inside_out(icosphere(3).placed(1.0, TARGET).triangles());
+    let dish: Vec<_> = dish.into_iter().filter(|t| t.vertices.iter().all(|v| v.y > 0.3)).collect();
+    let at_focus = inside_out(level(0.1, [0.13, 0.19], [-0.25, -0.15]));
+    let edge_on = inside_out(upright(TARGET.x, [0.3, 0.8], [-0.5, 0.5]));
+    let shade = shade();
+    let cases: [(&str, Model, u32); 5] = [
+        ("a ball", model(&whole_light(), &ball(), &shade), 2),
+        ("a ball and a light edge-on", model(&edge_on, &ball(), &[]), 2),
+        ("mirrors facing mirrors", model(&light([-0.3, 0.45]), &[walls(), ball()].concat(), &shade), 3),
+        ("a ball, one bounce more than its light needs", model(&whole_light(), &ball(), &shade), 3),
+        ("a concave mirror", model(&at_focus, &dish, &[]), 2),
+    ];
+    for (what, model, max_bounces) in cases {
+        let estimate = |seed, estimator, mirror_sampling, samples| {
+            let mut settings = settings(estimator, mirror_sampling, samples);
+            (settings.seed, settings.max_bounces) = (seed, Some(max_bounces));
+            estimate(&model, 3, &settings)
+        };
+        let off = estimate(0, Bsdf, Off, 256);
+        for (seed, estimator) in [(1, Light), (2, Mis)] {
+            let on = estimate(seed, estimator, Images, 256);
+            let margin = Z_LIMIT * on.std_err.hypot(off.std_err);
+            assert!(margin < 0.1 * off.mean, "{what}, {estimator:?} is too wide: {on:?}, {off:?}");
+            assert!((on.mean - off.mean).abs() < margin, "{what}, {estimator:?}: {on:?}, {off:?}");
+        }
+    }
+}
+
 /// Light by way of a mirror takes two bounces.
 #[test]
 fn a_limit_on_bounces_counts_the_mirror() {
     let model = model(&whole_light(), &wall(), &shade());
     for (max_bounces, is_dark) in [(1, true), (2, false)] {
-        for mirror_sampling in [Off, Planes] {
+        for mirror_sampling in [Off, Images] {
             let mut settings = settings(Mis, mirror_sampling, 64);
             settings.max_bounces = Some(max_bounces);
             let film = film(&model, ACCELERATORS[3].1, &settings);

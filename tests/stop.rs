@@ -3,8 +3,8 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray};
 use globillum::integrator::{
-    Camera, Ending, Estimator, MirrorSampling, Model, Monitor, Picture, PixelGoal, Progress, Render,
-    RenderError, Scene, Settings, Stop, render,
+    Camera, Ending, Estimator, Model, Monitor, Picture, PixelGoal, Progress, Render, RenderError, Scene,
+    Settings, Stop, render,
 };
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
@@ -378,40 +378,4 @@ fn path_reuse_does_not_spread_a_nan() {
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
     assert_eq!(error, RenderError::NonFinite { x: 2, y: 1, sample: 2 });
-}
-
-/// Has nothing, and panics when asked for visibility.
-#[derive(Debug)]
-struct Blind;
-
-impl Accel for Blind {
-    fn intersect(&self, _: &Ray) -> Option<Hit> {
-        None
-    }
-
-    fn occluded(&self, _: &Ray) -> bool {
-        panic!("no visibility")
-    }
-
-    fn bounds(&self) -> Aabb {
-        Aabb::EMPTY
-    }
-
-    fn bytes(&self) -> usize {
-        0
-    }
-}
-
-/// The visibility between mirrors and lights is asked for by a render that samples lights in mirrors, not when
-/// the scene is built.
-#[test]
-fn only_mirror_sampling_asks_for_the_visibility_of_mirrors() {
-    let scene = Scene::build(scenes::light_beside_mirror(), |_| Ok(Blind)).expect("no ray is traced");
-    let camera = light_over_floor().1;
-    let mut settings = Settings::new(4, 4, 1);
-    settings.mirror_sampling = MirrorSampling::Off;
-    assert!(render(&scene, &camera, &settings, &()).is_ok());
-    settings.mirror_sampling = MirrorSampling::Planes;
-    let error = RenderError::Worker { x: 0, y: 0, message: "no visibility".to_owned() };
-    assert_eq!(render(&scene, &camera, &settings, &()), Err(error));
 }

@@ -84,15 +84,15 @@ impl From<LightSamplingKind> for LightSampling {
 pub(crate) enum MirrorSamplingKind {
     /// Only by scattering
     Off,
-    /// In ideal mirrors that lie in at most 64 planes
-    Planes,
+    /// In all ideal mirrors, plane or curved, but not in the mirror of a mirror
+    Images,
 }
 
 impl From<MirrorSamplingKind> for MirrorSampling {
     fn from(kind: MirrorSamplingKind) -> Self {
         match kind {
             MirrorSamplingKind::Off => Self::Off,
-            MirrorSamplingKind::Planes => Self::Planes,
+            MirrorSamplingKind::Images => Self::Images,
         }
     }
 }

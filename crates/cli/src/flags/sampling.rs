@@ -34,8 +34,8 @@ pub(crate) struct SamplingFlags {
     /// How next event estimation chooses a point on a light
     #[arg(long, value_enum, default_value_t = LightSamplingKind::SolidAngle)]
     light_sampling: LightSamplingKind,
-    /// Whether next event estimation also reaches lights by way of plane mirrors
-    #[arg(long, value_enum, default_value_t = MirrorSamplingKind::Planes)]
+    /// Whether next event estimation also reaches lights by way of mirrors
+    #[arg(long, value_enum, default_value_t = MirrorSamplingKind::Images)]
     mirror_sampling: MirrorSamplingKind,
     /// Path reuse: whether neighbouring pixels share path suffixes
     #[arg(long, value_enum, default_value_t = PathReuseKind::Fours)]

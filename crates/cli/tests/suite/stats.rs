@@ -21,7 +21,7 @@ fn figures_say_how_the_picture_was_made() {
     let expected = serde_json::json!({
         "version": env!("CARGO_PKG_VERSION"), "scene": "cornell 1",
         "width": 12, "height": 8, "seed": 7, "threads": 1, "accel": "kd", "sampler": "independent",
-        "estimator": "mis", "light_sampling": "solid-angle", "mirror_sampling": "planes",
+        "estimator": "mis", "light_sampling": "solid-angle", "mirror_sampling": "images",
         "path_reuse": "fours", "filter": "box", "max_bounces": 5, "pass_spp": 2, "spp": 6, "exposure": 0.0,
         "passes": "1..3", "passes_held": [[1, 3]], "samples_per_pixel": 4, "camera_rays": 12 * 8 * 4,
         "error": null, "seconds": null, "pilot": null, "resume": false,

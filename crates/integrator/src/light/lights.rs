@@ -153,6 +153,11 @@ impl Lights {
         self.areas.iter().map(|light| light.triangle)
     }
 
+    /// The emitted powers of the triangles that emit, as luminance, in ascending order of their indices.
+    pub(super) fn area_powers(&self) -> impl Iterator<Item = f64> {
+        self.areas.iter().map(|light| light.area * light.emission.exitance().luminance())
+    }
+
     /// The delta lights that are not black, in the order of the model. In a scene without triangles that can be
     /// hit, a directional light has no power and is left out.
     pub fn delta_lights(&self) -> impl Iterator<Item = &DeltaLight> {

@@ -1,325 +1,208 @@
-//! The plane mirrors in which area lights are sampled.
+//! The mirrors by way of which area lights are sampled.
 
-use super::lights::{AreaLight, Light, Lights};
-use super::mirror_plane::{PlaneMirror, Sphere};
-use crate::Stream;
-use glam::DVec3;
-use globillum_geom::{Accel, Triangle, Triangles};
+use super::facet::Facet;
+use super::facets::Facets;
+use super::image_mirrors::ImageMirrors;
+use super::light_bounds::LightBounds;
+use super::light_clusters::LightClusters;
+use super::lights::Lights;
+use super::mirror_tree::FacetBounds;
+use super::window_mirrors::WindowMirrors;
+use globillum_geom::Triangles;
 
-/// The plane mirrors of a scene in which area lights are sampled. Delta lights are not: BSDF sampling finds them
-/// in a mirror with probability zero, so the mean would depend on whether mirrors are sampled.
-///
-/// A point `x` sees in a plane mirror what its image `x'`, on the other side of the plane, sees through
-/// the mirror's triangles. Reflection is an isometry: the density of a direction at `x'` is that of the
-/// reflected direction at `x`.
-#[derive(Clone, Debug)]
-pub(crate) struct PlaneMirrors {
-    planes: Vec<PlaneMirror>,
-    /// The triangles of all planes in ascending order, each with its plane.
-    members: Vec<(u32, usize)>,
-    /// Bounds all area lights.
-    light_bounds: Sphere,
+/// The mirrors of a scene, by way of which area lights are sampled. Delta lights are not: BSDF sampling finds them in a
+/// mirror with probability zero, so the mean would depend on whether mirrors are sampled.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Mirrors {
+    /// `None` if there are no large facets.
+    pub(crate) images: Option<ImageMirrors>,
+    /// `None` if there are no small facets.
+    pub(crate) windows: Option<WindowMirrors>,
 }
 
-/// The image of a shading point in a plane mirror.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Image<'a> {
-    pub(crate) mirror: &'a PlaneMirror,
-    /// The index of the mirror.
-    pub(crate) plane: usize,
-    /// The position of the image.
-    pub(crate) position: DVec3,
-    /// The probability of choosing this mirror at the shading point, above zero.
-    pub(crate) choice_prob: f64,
-}
+impl Mirrors {
+    /// The smallest area of a large facet, over that of all lights: those of the scene are then about as large, seen
+    /// from the middle between a facet and a light.
+    const LARGE: f64 = 0.25;
 
-/// A set of mirrors, one bit each.
-#[derive(Clone, Copy)]
-struct MirrorSet(u64);
-
-impl PlaneMirrors {
-    /// The smallest area of a plane's triangles as a share of all mirrors' area, so that there are at most
-    /// [`MirrorSet::MAX`] planes. Smaller ones and curved mirrors, whose planes are small, are left to
-    /// scattering.
-    const LEAST_PLANE: f64 = 1.0 / MirrorSet::MAX as f64;
-
-    /// The smallest area of a triangle as a share of all mirrors' area, so that a sample tests at most 256.
-    const LEAST_TRIANGLE: f64 = 1.0 / 256.0;
-
-    /// Groups the triangles for which `is_mirror` holds by planes; none if there are no area lights. Traces up to
-    /// 128 segments for each plane.
-    pub(crate) fn of<A: Accel + ?Sized>(
-        triangles: &Triangles,
-        is_mirror: impl Fn(u32) -> bool,
-        lights: &Lights,
-        accel: &A,
-    ) -> Self {
-        let emitting = lights.triangles().flat_map(|index| triangles.get(index).vertices);
-        let light_bounds = Sphere::around(emitting);
-        if lights.triangles().next().is_none() {
-            return Self { planes: Vec::new(), members: Vec::new(), light_bounds };
+    /// The triangles for which `is_mirror` holds.
+    pub(crate) fn of(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool, lights: &Lights) -> Self {
+        let has_area_lights = lights.triangles().next().is_some();
+        let mirrors = triangles.live().iter().copied().filter(|&index| has_area_lights && is_mirror(index));
+        let mirrors: Vec<_> = mirrors.collect();
+        if mirrors.is_empty() {
+            return Self::default();
         }
-        let mut planes = Vec::new();
-        let mut members = Vec::new();
-        for mut group in coplanar_mirrors(triangles, is_mirror) {
-            group.plane.lit = lit(&group, triangles, lights, accel);
-            members.extend(group.members.iter().map(|&index| (index, planes.len())));
-            planes.push(group.plane);
-        }
-        members.sort_unstable();
-        Self { planes, members, light_bounds }
+        let Facets { facets, bodies } = Facets::of(triangles, &mirrors);
+        let clusters = LightClusters::of(triangles, lights);
+        let light_area: f64 = lights.triangles().map(|index| triangles.get(index).area()).sum();
+        let least = Self::LARGE * light_area / clusters.len() as f64;
+        let (large, small): (Vec<_>, Vec<_>) =
+            facets.into_iter().partition(|facet| facet.area(triangles) >= least);
+        let window = |facet: &Facet, index: u32| {
+            let triangle = triangles.get(index);
+            let (normal, area) = (facet.normal, triangle.area());
+            (index, FacetBounds { bounds: triangle.bounds(), normal, area, body: facet.body })
+        };
+        let windows: Vec<_> = small
+            .iter()
+            .flat_map(|facet| facet.triangles.iter().map(move |&index| window(facet, index)))
+            .collect();
+        let all_lights = LightBounds::around(triangles, lights.triangles());
+        let of_large = || ImageMirrors::new(triangles, &large, bodies.clone(), all_lights);
+        let of_small = || WindowMirrors::new(triangles, &windows, bodies.clone(), clusters);
+        Self { images: (!large.is_empty()).then(of_large), windows: (!windows.is_empty()).then(of_small) }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.planes.is_empty()
+        self.images.is_none() && self.windows.is_none()
     }
-
-    /// The index of the mirror that triangle `index` belongs to.
-    pub(crate) fn plane_of(&self, index: u32) -> Option<usize> {
-        let place = self.members.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
-        Some(self.members[place].1)
-    }
-
-    /// Chooses uniformly among the mirrors in which `from` may see a light, by `u` in `[0, 1)`; `None` if
-    /// there is none.
-    pub(crate) fn choose(&self, from: DVec3, u: impl FnOnce() -> f64) -> Option<Image<'_>> {
-        let candidates = self.candidates(from);
-        let plane = match candidates.count() {
-            0 => return None,
-            1 => candidates.nth(0),
-            count => candidates.nth((u() * f64::from(count)) as u32),
-        };
-        Some(self.image(from, plane, candidates))
-    }
-
-    /// The image of `from` in mirror `plane`; `None` if that mirror is never chosen at `from`.
-    pub(crate) fn image_in(&self, plane: usize, from: DVec3) -> Option<Image<'_>> {
-        let candidates = self.candidates(from);
-        candidates.contains(plane).then(|| self.image(from, plane, candidates))
-    }
-
-    fn image(&self, from: DVec3, plane: usize, candidates: MirrorSet) -> Image<'_> {
-        let mirror = &self.planes[plane];
-        let choice_prob = 1.0 / f64::from(candidates.count());
-        Image { mirror, plane, position: mirror.image_of(from), choice_prob }
-    }
-
-    /// The mirrors in which `from` may see a light.
-    fn candidates(&self, from: DVec3) -> MirrorSet {
-        let may_show = |mirror: &PlaneMirror| u64::from(mirror.may_show(&self.light_bounds, from));
-        let shifted = (0..).zip(&self.planes).map(|(plane, mirror)| may_show(mirror) << plane);
-        MirrorSet(shifted.fold(0, |all, one| all | one))
-    }
-}
-
-impl MirrorSet {
-    const MAX: usize = u64::BITS as usize;
-
-    fn count(self) -> u32 {
-        self.0.count_ones()
-    }
-
-    fn contains(self, plane: usize) -> bool {
-        self.0 >> plane & 1 == 1
-    }
-
-    /// The mirror at position `n`, counted from 0.
-    fn nth(self, n: u32) -> usize {
-        let rest = (0..n).fold(self.0, |rest, _| rest & (rest - 1));
-        rest.trailing_zeros() as usize
-    }
-}
-
-/// A plane mirror and the indices of its triangles.
-struct CoplanarMirrors {
-    plane: PlaneMirror,
-    members: Vec<u32>,
-}
-
-/// The large mirror triangles grouped by plane, without small planes.
-fn coplanar_mirrors(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool) -> Vec<CoplanarMirrors> {
-    let mirrors = triangles.live().iter().copied().filter(|&index| is_mirror(index));
-    let mut mirrors: Vec<(u32, f64)> = mirrors.map(|index| (index, triangles.get(index).area())).collect();
-    let total: f64 = mirrors.iter().map(|(_, area)| area).sum();
-    mirrors.retain(|&(_, area)| area >= PlaneMirrors::LEAST_TRIANGLE * total);
-    // Larger triangles determine their plane more precisely.
-    mirrors.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let mut groups: Vec<CoplanarMirrors> = Vec::new();
-    for (index, _) in mirrors {
-        let triangle = triangles.get(index);
-        match groups.iter_mut().find(|group| group.plane.contains(triangle)) {
-            Some(group) => {
-                group.plane.add(triangle);
-                group.members.push(index);
-            }
-            None => {
-                groups.push(CoplanarMirrors { plane: PlaneMirror::through(triangle), members: vec![index] })
-            }
-        }
-    }
-    groups.retain(|group| group.plane.area >= PlaneMirrors::LEAST_PLANE * total);
-    // Rounding of the sums may admit one more.
-    groups.truncate(MirrorSet::MAX);
-    groups
-}
-
-/// Whether lights are visible from the back of the plane, and from its front: whether one of 128 segments
-/// between random points of mirror and lights is unoccluded. This excludes the inside of closed mirrors. A
-/// side that sees a light nevertheless is left to scattering.
-fn lit<A: Accel + ?Sized>(
-    group: &CoplanarMirrors,
-    triangles: &Triangles,
-    lights: &Lights,
-    accel: &A,
-) -> [bool; 2] {
-    let mut lit = [false; 2];
-    for (i, &member) in (0..128).zip(group.members.iter().cycle()) {
-        let numbers = Stream::new(0, group.members[0].into(), i);
-        let place = |index: u32, u: [f64; 2]| {
-            let (u, v) = Triangle::sample_uniform(u);
-            triangles.surface_point(index, u, v)
-        };
-        let mirror = place(member, numbers.uniform_pair(1));
-        let Some(Light::Area(light, _)) = lights.choose(mirror.position, numbers.uniform(0)) else {
-            continue;
-        };
-        let AreaLight { triangle, emission, .. } = *light;
-        let light = place(triangle, numbers.uniform_pair(3));
-        let side = usize::from(group.plane.height(light.position) > 0.0);
-        let shines = !emission.toward(light.normal.dot(mirror.position - light.position)).is_black();
-        let is_free = |segment| !accel.occluded(&segment);
-        lit[side] = lit[side] || shines && mirror.segment_to(&light).is_some_and(is_free);
-    }
-    lit
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
-    use globillum_geom::conformance::shapes::{cuboid, icosphere, quad};
-    use globillum_geom::{KdOptions, KdTree, Ray};
+    use crate::Stream;
+    use glam::{DVec3, Vec3};
+    use globillum_geom::conformance::shapes::{cuboid, icosphere, quad, torus};
+    use globillum_geom::{Ray, Triangle};
     use globillum_material::{Emission, Rgb, Sides};
 
-    /// The mirrors among `mirrors` that may show a light that faces down.
-    fn under_a_light(mirrors: impl IntoIterator<Item = Triangle>) -> (Triangles, Lights, PlaneMirrors) {
+    /// The mirrors above a floor and below two lights of this size, with lengths times `unit`.
+    fn scene(mirrors: &[Triangle], size: f64, unit: f32) -> (Triangles, Mirrors) {
         let p = DVec3::new;
-        let light = quad(p(-1.0, 4.0, -1.0), p(1.0, 4.0, -1.0), p(1.0, 4.0, 1.0), p(-1.0, 4.0, 1.0));
-        let triangles = Triangles::new(light.into_iter().chain(mirrors).collect()).unwrap();
-        let glow = Emission::new(Rgb::WHITE, Sides::Front).unwrap();
-        let lights = Lights::of(&triangles, |index| if index < 2 { glow } else { Emission::NONE }, &[]);
-        let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
-        let mirrors = PlaneMirrors::of(&triangles, |index| index >= 2, &lights, &tree);
-        (triangles, lights, mirrors)
+        let floor = quad(p(-2.0, -1.0, 2.0), p(2.0, -1.0, 2.0), p(2.0, -1.0, -2.0), p(-2.0, -1.0, -2.0));
+        let [light, other] = [-1.0, 3.8 * size - 1.0].map(|x| {
+            let (near, far) = (0.1 + size, x + size);
+            quad(p(x, 3.0, 0.1), p(far, 3.0, 0.1), p(far, 3.0, near), p(x, 3.0, near))
+        });
+        let all = [&light, &other, &floor, mirrors].map(<[Triangle]>::to_vec).concat();
+        let scaled = |triangle: &Triangle| Triangle { vertices: triangle.vertices.map(|v| unit * v) };
+        let triangles = Triangles::new(all.iter().map(scaled).collect()).unwrap();
+        let glow = Emission::new(Rgb::WHITE, Sides::Both).unwrap();
+        let lights = Lights::of(&triangles, |index| if index < 4 { glow } else { Emission::NONE }, &[]);
+        let mirrors = Mirrors::of(&triangles, |index| index >= 6, &lights);
+        (triangles, mirrors)
     }
 
-    fn block() -> Vec<Triangle> {
-        cuboid(DVec3::new(0.3, 0.1, -0.2), DVec3::new(0.3, 0.6, 0.4), 0.32).to_vec()
+    fn shapes() -> [(&'static str, Vec<Triangle>); 3] {
+        [
+            ("a block", cuboid(DVec3::new(0.3, 0.4, -0.2), DVec3::new(0.3, 0.6, 0.4), 0.32).to_vec()),
+            ("a ball", icosphere(3).placed(0.7, DVec3::new(0.2, 0.3, 0.0)).triangles()),
+            ("a ring", torus(40, 20).triangles()),
+        ]
     }
 
-    /// A square of `n` by `n` squares, each of two triangles.
-    fn tiles(n: u32) -> Vec<Triangle> {
-        let corner = |i: u32, j: u32| {
-            // Turned, so that vertices are rounded.
-            let (x, z) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
-            glam::DQuat::from_rotation_z(0.3) * DVec3::new(x, 0.0, z)
+    /// A point of the floor, and one of a light.
+    fn ends(triangles: &Triangles, numbers: Stream) -> (DVec3, u32, DVec3) {
+        let point = |index: u32, k: u32| {
+            let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(k));
+            triangles.surface_point(index, u, v).position
         };
-        let tile = |i, j| quad(corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j), corner(i, j));
-        (0..n).flat_map(|i| (0..n).flat_map(move |j| tile(i, j))).collect()
+        let [floor, light] = [4, 0].map(|first| first + (4.0 * numbers.uniform(first)) as u32);
+        (point(4 + floor % 2, 8), light, point(light, 10))
     }
 
-    /// A concave mirror of `n` strips, each turned by `step` from the one before.
-    fn strips(n: u32, step: f64) -> Vec<Triangle> {
-        let width = 1.0 / f64::from(n);
-        let mut edge = DVec3::ZERO;
-        let strip = |i: u32| {
-            let (sin, cos) = (step * f64::from(i)).sin_cos();
-            let next = edge + width * DVec3::new(cos, sin, 0.0);
-            let depth = DVec3::Z;
-            let strip = quad(edge + depth, next + depth, next, edge);
-            edge = next;
-            strip
-        };
-        (0..n).flat_map(strip).collect()
+    /// Whether the triangle reflects a ray from `from` to `to`, both outside of its body, on its front.
+    fn reflects(triangles: &Triangles, index: u32, from: DVec3, to: DVec3) -> bool {
+        let triangle = triangles.get(index);
+        let (normal, corner) = (triangle.normal(), triangle.vertices[0].as_dvec3());
+        let heights = [from, to].map(|end| normal.dot(end - corner));
+        let image = from - 2.0 * heights[0] * normal;
+        let toward = to - image;
+        let reflected = toward - 2.0 * normal.dot(toward) * normal;
+        let ray = Ray::new(from, reflected);
+        let is_hit = Facet::of(index, triangle).may_be_hit_by(triangles, &ray);
+        heights[0] > 1e-3 * triangle.area().sqrt() && heights[1] > 0.0 && is_hit
     }
 
+    /// No bound is too small: a mirror that reflects a point of a light to the shading point has a probability above
+    /// zero there.
     #[test]
-    fn planes_are_found_and_curved_mirrors_are_not() {
-        let statue = icosphere(3).placed(0.5, DVec3::new(3.0, 0.0, 0.0)).triangles();
-        let with_statue = || tiles(1).into_iter().chain(statue.clone());
-        let cases = [
-            ("a block", block(), 6, 12),
-            ("tiles", tiles(8), 1, 128),
-            ("tiles too small", tiles(16), 0, 0),
-            ("a curved mirror", statue.clone(), 0, 0),
-            ("a wall and a curved mirror", with_statue().collect(), 1, 2),
-            ("a mirror all but plane", strips(32, 1.2e-4), 32, 64),
-            ("a die of twenty faces", icosphere(0).triangles(), 20, 20),
-        ];
-        for (what, mirrors, planes, members) in cases {
-            let (.., found) = under_a_light(mirrors);
-            assert_eq!((found.planes.len(), found.members.len()), (planes, members), "{what}");
-        }
-        let triangles = Triangles::new(block()).unwrap();
-        let tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
-        let dark = Lights::of(&triangles, |_| Emission::NONE, &[]);
-        let found = PlaneMirrors::of(&triangles, |_| true, &dark, &tree);
-        assert!(found.is_empty());
-    }
-
-    /// Of the block's faces those that face down see no light, and none does from within.
-    #[test]
-    fn sides_that_see_lights_are_found() {
-        let (_, _, mirrors) = under_a_light(block());
-        let lit: usize = mirrors.planes.iter().flat_map(|plane| plane.lit).map(usize::from).sum();
-        assert_eq!(lit, 5);
-        for plane in &mirrors.planes {
-            assert!(!plane.lit[usize::from(plane.height(DVec3::new(0.3, 0.1, -0.2)) > 0.0)]);
-        }
-    }
-
-    /// No point that sees a light in a mirror is told that it sees none there, each mirror is chosen as
-    /// often as is told, and in all with certainty.
-    #[test]
-    fn what_may_show_a_light_is_chosen_as_often_as_told() {
-        let (triangles, lights, mirrors) = under_a_light(block());
-        let mut seen = 0;
-        for i in 0..100_000 {
-            let numbers = Stream::new(5, 0, i);
-            let from = DVec3::from_array([0, 1, 2].map(|axis| 6.0 * numbers.uniform(axis) - 3.0));
-            let images = || (0..mirrors.planes.len()).filter_map(|plane| mirrors.image_in(plane, from));
-            let total: f64 = images().map(|image| image.choice_prob).sum();
-            assert!(total == 0.0 || (total - 1.0).abs() < 1e-15);
-            // As many strata as there are candidates, each of which is chosen once.
-            let count = images().count();
-            let chosen = (0..count).map(|k| {
-                let u = || (k as f64 + numbers.uniform(3)) / count as f64;
-                mirrors.choose(from, u).unwrap().plane
-            });
-            assert!(chosen.eq(images().map(|image| image.plane)));
-            let Some(Light::Area(&AreaLight { triangle: light, .. }, _)) =
-                lights.choose(from, numbers.uniform(4))
-            else {
-                panic!("the only lights are triangles");
-            };
-            let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(5));
-            let light = triangles.surface_point(light, u, v).position;
-            for (plane, mirror) in mirrors.planes.iter().enumerate() {
-                let toward = mirror.reflect(light - mirror.image_of(from));
-                let shown = mirror.same_side(from, light) && mirror.is_hit_by(&Ray::new(from, toward));
-                if shown && mirror.lit[usize::from(mirror.height(from) > 0.0)] {
-                    seen += 1;
-                    assert!(mirrors.image_in(plane, from).is_some(), "{from} {plane}");
+    fn every_mirror_that_shows_a_light_is_sampled() {
+        for (what, shape) in shapes() {
+            // Bounds are tightest around small lights.
+            let stages = [(0.5, 1.0), (0.5, 2.0_f32.powi(40)), (0.5, 2.0_f32.powi(-40)), (1e-3, 1.0)];
+            for (size, unit) in stages {
+                let (triangles, mirrors) = scene(&shape, size, unit);
+                let mut shown = 0;
+                for i in 0..400 {
+                    let (from, light, to) = ends(&triangles, Stream::new(1, 0, i));
+                    for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
+                        shown += 1;
+                        let by_image = mirrors.images.as_ref().and_then(|images| {
+                            images.choice(&triangles, from, Vec3::Y, images.facet_of(index)?)
+                        });
+                        let by_window = mirrors.windows.as_ref().and_then(|windows| {
+                            windows.choice_prob(from, Vec3::Y, index, light, f64::INFINITY)
+                        });
+                        assert!(
+                            by_image.is_some() || by_window.is_some(),
+                            "{what}, {size}, {unit}, {i}: {index}"
+                        );
+                    }
                 }
+                assert!(shown > 8, "{what}: {shown}");
             }
         }
-        assert!(seen > 1000, "{seen}");
+    }
+
+    /// Each facet is chosen as often as its probability says: by so many of `n` evenly spaced numbers, but for one.
+    #[test]
+    fn facets_are_chosen_as_often_as_told() {
+        let n = 4096;
+        let numbers = || (0..n).map(|k| (f64::from(k) + 0.5) / f64::from(n));
+        for (what, shape) in shapes() {
+            let (triangles, mirrors) = scene(&shape, 0.5, 1.0);
+            let mut seen = 0;
+            for i in 0..12 {
+                let (from, light, _) = ends(&triangles, Stream::new(2, 0, i));
+                let mut times = vec![0_u32; triangles.len()];
+                let mut probs = vec![0.0; triangles.len()];
+                if let Some(images) = &mirrors.images {
+                    for chosen in numbers().filter_map(|u| images.choose(&triangles, from, Vec3::Y, || u)) {
+                        let again = images.choice(&triangles, from, Vec3::Y, chosen.index).unwrap();
+                        assert_eq!(again.prob, chosen.prob, "{what}");
+                        times[chosen.index as usize] += 1;
+                        probs[chosen.index as usize] = chosen.prob;
+                    }
+                }
+                if let Some(windows) = &mirrors.windows {
+                    let attempts = [30.0, f64::INFINITY][i as usize % 2];
+                    for (index, prob) in
+                        numbers().filter_map(|u| windows.choose(from, Vec3::Y, light, attempts, u))
+                    {
+                        let again = windows.choice_prob(from, Vec3::Y, index, light, attempts);
+                        assert_eq!(again, Some(prob), "{what}");
+                        times[index as usize] += 1;
+                        probs[index as usize] = prob;
+                    }
+                }
+                for (&times, prob) in times.iter().zip(probs).filter(|(times, _)| **times > 0) {
+                    seen += 1;
+                    assert!((f64::from(times) - prob * f64::from(n)).abs() <= 1.0, "{what}: {times}, {prob}");
+                }
+            }
+            assert!(seen > 8, "{what}: {seen}");
+        }
     }
 
     #[test]
     fn a_point_in_a_mirrors_plane_has_no_image_in_it() {
-        let (.., mirrors) = under_a_light([Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)]);
-        let at = |y: f64| mirrors.choose(DVec3::new(0.2, y, 0.2), || 0.5).map(|image| image.position.y);
+        let (triangles, mirrors) = scene(&[Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)], 0.5, 1.0);
+        let images = mirrors.images.unwrap();
+        let at = |y: f64| {
+            let from = DVec3::new(0.2, y, 0.2);
+            let chosen = images.choose(&triangles, from, -Vec3::Y * y.signum() as f32, || 0.5)?;
+            Some(chosen.facet.image_of(from).y)
+        };
         assert_eq!((at(0.0), at(1e-7), at(-1.0), at(1.0)), (None, None, None, Some(-1.0)));
+    }
+
+    #[test]
+    fn a_scene_without_area_lights_has_no_mirrors_to_sample() {
+        let triangles = Triangles::new(shapes()[0].1.clone()).unwrap();
+        let dark = Lights::of(&triangles, |_| Emission::NONE, &[]);
+        assert!(Mirrors::of(&triangles, |_| true, &dark).is_empty());
     }
 }

@@ -1,14 +1,22 @@
-//! The lights of a scene, and how they and points on them are chosen, directly and in plane mirrors.
+//! The lights of a scene, and how they and points on them are chosen, directly and by way of mirrors.
 
 mod alias_table;
 mod delta;
+mod facet;
+mod facets;
+mod image_mirrors;
+mod light_bounds;
+mod light_clusters;
 mod lights;
-mod mirror_plane;
+mod mirror_tree;
 mod mirrors;
 mod sampling;
 mod tree;
+mod window_mirrors;
 
 pub use delta::{DeltaLight, DeltaLightSample};
+pub(crate) use image_mirrors::ImageMirrors;
 pub use lights::Lights;
-pub(crate) use mirrors::{Image, PlaneMirrors};
+pub(crate) use mirrors::Mirrors;
 pub use sampling::{AreaLightSample, LightSample, LightSampler, LightSampling};
+pub(crate) use window_mirrors::{WindowMirrors, WindowSample};

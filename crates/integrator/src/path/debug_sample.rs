@@ -42,7 +42,7 @@ pub struct Vertex {
     pub emitted: Rgb,
     /// What next event estimation at the vertex adds; black if the light sample is occluded.
     pub direct: Rgb,
-    /// What next event estimation by way of a plane mirror adds; black if the segment to the mirror, or
+    /// What next event estimation by way of a mirror adds; black if the segment to the mirror, or
     /// the one from there to the light, is occluded.
     pub mirrored: Rgb,
 }

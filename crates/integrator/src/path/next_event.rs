@@ -2,21 +2,38 @@ use super::path_state::Path;
 use super::render_context::RenderContext;
 use super::shading_point::{MisContext, ShadingPoint};
 use crate::Interaction;
-use crate::light::{AreaLightSample, Image, LightSample, LightSampler};
+use crate::light::{
+    AreaLightSample, ImageMirrors, LightSample, LightSampler, Mirrors, WindowMirrors, WindowSample,
+};
 use glam::DVec3;
-use globillum_geom::{Hit, Ray, SurfacePoint};
+use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 
-/// A light sample by way of a plane mirror. It counts if its ray hits the mirror first and the segment from
-/// there to the light is not occluded.
+/// A light sample by way of a mirror. It counts if its ray hits the mirror first, and the light follows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MirrorSample {
-    /// The index of the mirror.
-    pub(super) plane: usize,
-    /// The point on the light.
-    pub(super) light: SurfacePoint,
-    /// The contribution to the sample if the mirror reflects all light.
+    pub(super) by: MirrorSampleKind,
+    /// The contribution to the sample if the mirror reflects all light; for each unit of the light's radiance if a point
+    /// of the mirror was sampled.
     pub(super) radiance: Rgb,
+}
+
+/// What was sampled.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum MirrorSampleKind {
+    /// A point on a light, as the facet of this index shows it.
+    Light(u32, SurfacePoint),
+    /// A point on the mirror triangle of this index, to show a light of the cluster of this index.
+    Window { triangle: u32, cluster: u32 },
+}
+
+/// What follows a mirror sample whose ray has hit its mirror.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Reflected {
+    /// The shadow ray to the sampled point of a light.
+    ShadowRay(Ray),
+    /// The ray whose hit may be on a light of the cluster of this index.
+    Ray(Ray, u32),
 }
 
 impl RenderContext<'_> {
@@ -27,9 +44,41 @@ impl RenderContext<'_> {
         if emitted.is_black() {
             return emitted;
         }
-        let MisContext { density, from, from_prob, .. } = path.mis;
-        let by_light_sample = || self.light_sampler(from).pdf(hit, at).chosen_with(from_prob);
-        emitted * self.settings.estimator.weight_of_emission(density, by_light_sample)
+        let MisContext { density, from, mirror, .. } = path.mis;
+        let weight =
+            |light: &dyn Fn() -> PdfSolidAngle| self.settings.estimator.weight_of_emission(density, light);
+        match mirror {
+            None => emitted * weight(&|| self.light_sampler(from).pdf(hit, at)),
+            // Where the mirror is not sampled, scattering alone finds the light.
+            Some(mirror) => match self.pdf_by_mirror(&path.mis, mirror, hit, at) {
+                None => emitted,
+                Some(pdf) => emitted * weight(&|| pdf),
+            },
+        }
+    }
+
+    /// The density of a light sample by way of the triangle `mirror` that hits a light as told; `None` if this mirror is
+    /// not sampled.
+    #[inline(never)]
+    fn pdf_by_mirror(
+        &self,
+        mis: &MisContext,
+        mirror: u32,
+        hit: &Hit,
+        at: &Interaction<'_>,
+    ) -> Option<PdfSolidAngle> {
+        let MisContext { from, side, .. } = *mis;
+        let Mirrors { images, windows } = self.mirrors?;
+        let triangles = self.scene.triangles();
+        let by_window = |windows: &WindowMirrors| {
+            windows.pdf(triangles, from, side, mirror, (hit.triangle, at.point.position))
+        };
+        let by_image = |images: &ImageMirrors| {
+            let chosen = images.choice(triangles, from, side, images.facet_of(mirror)?)?;
+            let image = chosen.facet.image_of(from);
+            Some(self.light_sampler(image).pdf(hit, at).chosen_with(chosen.prob))
+        };
+        windows.as_ref().and_then(by_window).or_else(|| by_image(images.as_ref()?))
     }
 
     fn light_sampler(&self, from: DVec3) -> LightSampler<'_> {
@@ -48,36 +97,76 @@ impl RenderContext<'_> {
         Some((light.shadow_ray(&at.point)?, radiance))
     }
 
-    /// Samples a point on an area light as a plane mirror shows it, with the ray that must hit the mirror.
-    pub(super) fn next_event_in_mirror(
+    /// Samples area lights as mirrors show them, and calls `add` with each ray that must hit a mirror.
+    pub(super) fn next_event_in_mirrors(
         &self,
         path: &Path,
         vertex: &ShadingPoint<'_>,
-    ) -> Option<(Ray, MirrorSample)> {
+        mut add: impl FnMut(Ray, MirrorSample),
+    ) {
         let ShadingPoint { at, bounce, .. } = vertex;
-        let mirrors = self.mirrors?;
+        let Some(Mirrors { images, windows }) = self.mirrors else { return };
         // Two bounces: at this vertex, and at the mirror.
         let within_limit = self.settings.max_bounces.is_none_or(|max| *bounce + 1 < max);
         if !within_limit || at.material.bsdf.is_delta() {
-            return None;
+            return;
         }
-        let position = at.point.position;
-        let image = mirrors.choose(position, || path.numbers.mirror(*bounce))?;
-        let Image { mirror, plane, choice_prob, .. } = image;
-        let (choice, u) = path.numbers.light_in_mirror(*bounce);
-        let light = match self.light_sampler(image.position).sample(choice, u)? {
+        let mut add_seen = |seen: AreaLightSample, by: MirrorSampleKind| {
+            let Some(radiance) = self.scattered(path, vertex, &LightSample::Area(seen)) else { return };
+            add(at.point.spawn(seen.direction), MirrorSample { by, radiance });
+        };
+        // Two kinds of samples, each with random numbers of its own.
+        if let Some((by, seen)) = images.as_ref().and_then(|images| self.image_sample(images, path, vertex)) {
+            add_seen(seen, by);
+        }
+        if let Some((by, seen)) =
+            windows.as_ref().and_then(|windows| self.window_sample(windows, path, vertex))
+        {
+            add_seen(seen, by);
+        }
+    }
+
+    /// A point on a light, sampled from the image of the shading point in a facet (image method).
+    fn image_sample(
+        &self,
+        images: &ImageMirrors,
+        path: &Path,
+        vertex: &ShadingPoint<'_>,
+    ) -> Option<(MirrorSampleKind, AreaLightSample)> {
+        let ShadingPoint { at, bounce, .. } = vertex;
+        let (triangles, position) = (self.scene.triangles(), at.point.position);
+        let decision = 2 * bounce;
+        let chosen = images.choose(triangles, position, vertex.side(), || path.numbers.mirror(decision))?;
+        let facet = chosen.facet;
+        let (choice, u) = path.numbers.light_in_mirror(decision);
+        let light = match self.light_sampler(facet.image_of(position)).sample(choice, u)? {
             LightSample::Area(light) => light,
             LightSample::Delta(_) => return None,
         };
-        if !mirror.same_side(position, light.point.position) {
+        if !facet.same_side(position, light.point.position) {
             return None;
         }
-        let direction = mirror.reflect(light.direction);
-        let pdf = light.pdf.chosen_with(choice_prob);
-        let reflected = LightSample::Area(AreaLightSample { direction, pdf, ..light });
-        let radiance = self.scattered(path, vertex, &reflected)?;
-        let ray = at.point.spawn(direction);
-        mirror.is_hit_by(&ray).then_some((ray, MirrorSample { plane, light: light.point, radiance }))
+        let (direction, pdf) = (facet.reflect(light.direction), light.pdf.chosen_with(chosen.prob));
+        let is_hit = facet.may_be_hit_by(triangles, &at.point.spawn(direction));
+        let by = MirrorSampleKind::Light(chosen.index, light.point);
+        is_hit.then_some((by, AreaLightSample { direction, pdf, ..light }))
+    }
+
+    /// A point on a small mirror triangle, which may show a light of radiance 1.
+    fn window_sample(
+        &self,
+        windows: &WindowMirrors,
+        path: &Path,
+        vertex: &ShadingPoint<'_>,
+    ) -> Option<(MirrorSampleKind, AreaLightSample)> {
+        let ShadingPoint { at, bounce, .. } = vertex;
+        let decision = 2 * bounce + 1;
+        let (from, number) = (at.point.position, || path.numbers.mirror(decision));
+        let others = || path.numbers.light_in_mirror(decision);
+        let sample = windows.sample(self.scene.triangles(), from, vertex.side(), number, others)?;
+        let WindowSample { triangle, point, direction, pdf, cluster } = sample;
+        let seen = AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf };
+        Some((MirrorSampleKind::Window { triangle, cluster }, seen))
     }
 
     /// The contribution of a light sample: what arrives from it, scattered along the path, times its multiple
@@ -98,34 +187,51 @@ impl RenderContext<'_> {
         (!radiance.is_black()).then_some(radiance)
     }
 
-    /// The shadow ray from the mirror to the light, and the contribution if it is not occluded; `None` if
-    /// `hit`, where the ray of the sample ended, is not on the mirror.
-    pub(super) fn reflected(&self, sample: &MirrorSample, hit: Option<Hit>) -> Option<(Ray, Rgb)> {
-        let mirrors = self.mirrors?;
-        let hit = hit.filter(|hit| mirrors.plane_of(hit.triangle) == Some(sample.plane))?;
+    /// What follows `ray` of a mirror sample, and the contribution if that reaches the light; `None` if `hit`, where the
+    /// ray ended, is not on the mirror.
+    pub(super) fn reflected(
+        &self,
+        sample: &MirrorSample,
+        ray: &Ray,
+        hit: Option<Hit>,
+    ) -> Option<(Reflected, Rgb)> {
+        let images = &self.mirrors?.images;
+        let facet_of = |index: u32| images.as_ref()?.facet_of(index);
+        let is_on_mirror = |hit: &Hit| match sample.by {
+            MirrorSampleKind::Light(facet, _) => facet_of(hit.triangle) == Some(facet),
+            MirrorSampleKind::Window { triangle, .. } => hit.triangle == triangle,
+        };
+        let hit = hit.filter(is_on_mirror)?;
         let Bsdf::Mirror(reflectance) = self.scene.material(hit.triangle).bsdf else { return None };
         let radiance = sample.radiance * reflectance.rgb();
         if radiance.is_black() {
             return None;
         }
         let point = self.scene.triangles().surface_point(hit.triangle, hit.u, hit.v);
-        Some((point.segment_to(&sample.light)?, radiance))
+        let next = match sample.by {
+            MirrorSampleKind::Light(_, light) => Reflected::ShadowRay(point.segment_to(&light)?),
+            MirrorSampleKind::Window { cluster, .. } => {
+                let direction = ray.direction - 2.0 * point.normal.dot(ray.direction) * point.normal;
+                Reflected::Ray(point.spawn(direction), cluster)
+            }
+        };
+        Some((next, radiance))
+    }
+
+    /// The radiance from where a ray from a mirror has hit; black if that is not on a light of `cluster`.
+    pub(super) fn shown(&self, ray: &Ray, hit: &Hit, cluster: u32) -> Rgb {
+        let emitted = self.scene.interaction(ray, hit).emitted();
+        let windows = self.mirrors.and_then(|mirrors| mirrors.windows.as_ref());
+        let of_cluster = || windows.and_then(|windows| windows.cluster_of(hit.triangle)) == Some(cluster);
+        if !emitted.is_black() && of_cluster() { emitted } else { Rgb::BLACK }
     }
 
     /// `mis` after the path was reflected by the ideal mirror of triangle `index`.
     pub(super) fn mis_after_mirror(&self, mis: MisContext, index: u32) -> MisContext {
-        match self.image_of(mis, index) {
-            Some(Image { position, choice_prob, .. }) => {
-                MisContext { from: position, from_prob: choice_prob, in_mirror: true, ..mis }
-            }
-            None => MisContext { density: Density::Delta, ..mis },
+        let is_first_mirror = mis.density != Density::Delta && mis.mirror.is_none();
+        match self.mirrors.filter(|_| is_first_mirror) {
+            Some(_) => MisContext { mirror: Some(index), ..mis },
+            None => MisContext { density: Density::Delta, mirror: None, ..mis },
         }
-    }
-
-    /// The image, in the mirror of triangle `index`, from which a light sample could have been taken.
-    fn image_of(&self, mis: MisContext, index: u32) -> Option<Image<'_>> {
-        let is_first_mirror = mis.density != Density::Delta && !mis.in_mirror;
-        let mirrors = self.mirrors.filter(|_| is_first_mirror)?;
-        mirrors.image_in(mirrors.plane_of(index)?, mis.from)
     }
 }

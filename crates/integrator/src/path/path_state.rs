@@ -1,7 +1,7 @@
 use super::shading_point::MisContext;
 use crate::Roulette;
 use crate::sampler::Numbers;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use globillum_material::{Density, Rgb};
 
 /// The state of a path between two bounces.
@@ -54,7 +54,7 @@ impl Path {
             numbers,
             throughput: Rgb::WHITE,
             prefix_throughput: Rgb::WHITE,
-            mis: MisContext::new(Density::Delta, DVec3::ZERO),
+            mis: MisContext::new(Density::Delta, DVec3::ZERO, Vec3::ZERO),
         }
     }
 

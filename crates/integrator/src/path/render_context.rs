@@ -1,4 +1,4 @@
-use crate::light::PlaneMirrors;
+use crate::light::Mirrors;
 use crate::{MirrorSampling, PathReuse, Sampler, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SimdLevel};
 
@@ -11,7 +11,7 @@ pub(crate) struct RenderContext<'a> {
     /// Whether next event estimation samples lights.
     pub(super) samples_lights: bool,
     /// The mirrors in which area lights are sampled; `None` if there are none or the settings rule it out.
-    pub(super) mirrors: Option<&'a PlaneMirrors>,
+    pub(super) mirrors: Option<&'a Mirrors>,
     /// The instructions that shade; they change no bit.
     pub(super) simd: SimdLevel,
 }
@@ -24,7 +24,7 @@ impl<'a> RenderContext<'a> {
     ) -> Self {
         let samples_areas = settings.estimator.samples_area_lights();
         let samples_lights = samples_areas || scene.lights().delta_lights().next().is_some();
-        let samples_mirrors = samples_areas && settings.mirror_sampling == MirrorSampling::Planes;
+        let samples_mirrors = samples_areas && settings.mirror_sampling == MirrorSampling::Images;
         let mirrors = samples_mirrors.then(|| scene.mirrors()).filter(|mirrors| !mirrors.is_empty());
         Self { scene, sensor, settings, samples_lights, mirrors, simd: SimdLevel::best() }
     }

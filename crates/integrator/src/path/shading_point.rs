@@ -1,6 +1,6 @@
 use crate::Interaction;
 use crate::sampler::BounceNumbers;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use globillum_geom::Frame;
 use globillum_material::Density;
 
@@ -22,6 +22,12 @@ impl<'a> ShadingPoint<'a> {
         let frame = Frame::around(at.point.normal);
         Self { at, frame, wo: frame.to_local(at.wo), bounce, numbers }
     }
+
+    /// The normal on the side of the surface from which the path came.
+    #[inline(always)]
+    pub(super) fn side(&self) -> Vec3 {
+        (self.at.point.normal * 1.0_f64.copysign(self.wo.z)).as_vec3()
+    }
 }
 
 /// The density of a path's current direction, and where a light sample of the same direction would have
@@ -31,18 +37,17 @@ pub(super) struct MisContext {
     /// A delta if no light sample could have found what the ray hits: after the camera and most mirrors. The rest is
     /// then of no account.
     pub(super) density: Density,
-    /// The point from which lights would have been sampled: the last diffuse vertex, or its image in the
-    /// mirror that the path hit since.
+    /// The point from which lights would have been sampled: the last diffuse vertex.
     pub(super) from: DVec3,
-    /// The probability of that light sample.
-    pub(super) from_prob: f64,
-    /// Whether `from` is an image in a mirror.
-    pub(super) in_mirror: bool,
+    /// The normal on the side of its surface from which the path came.
+    pub(super) side: Vec3,
+    /// The mirror triangle that the path hit since.
+    pub(super) mirror: Option<u32>,
 }
 
 impl MisContext {
-    /// A direction of this density that starts at `from`.
-    pub(super) fn new(density: Density, from: DVec3) -> Self {
-        Self { density, from, from_prob: 1.0, in_mirror: false }
+    /// A direction of this density that starts at `from`, on this side of its surface.
+    pub(super) fn new(density: Density, from: DVec3, side: Vec3) -> Self {
+        Self { density, from, side, mirror: None }
     }
 }

@@ -1,5 +1,5 @@
 use super::counters::Counters;
-use super::next_event::MirrorSample;
+use super::next_event::{MirrorSample, Reflected};
 use super::path_state::{Path, RadianceSums, Stage, Target};
 use super::pixel_groups::{member, members};
 use super::render_context::RenderContext;
@@ -39,6 +39,10 @@ pub(crate) struct Wavefront {
     /// The ray of each mirror sample that must hit the mirror.
     mirror_rays: Vec<Ray>,
     mirror_hits: Vec<Option<Hit>>,
+    /// The rays from mirrors whose hits may be on lights, with the cluster of lights that counts, and with what each
+    /// unit of their radiance adds.
+    reflected: Vec<(Contribution, u32)>,
+    reflected_rays: Vec<Ray>,
     pub(super) radiance: RadianceSums,
     pub(super) prefixes: Prefixes,
 }
@@ -99,7 +103,8 @@ impl Wavefront {
         self.shade(context, bounce, counters);
         self.trace_mirror_rays(context);
         self.trace_shadow_rays(context);
-        counters.shadow_rays += (self.mirror_rays.len() + self.shadow_rays.len()) as u64;
+        let of_mirrors = self.mirror_rays.len() + self.reflected_rays.len();
+        counters.shadow_rays += (of_mirrors + self.shadow_rays.len()) as u64;
         counters.bounce_rays += self.rays.len() as u64;
     }
 
@@ -107,22 +112,43 @@ impl Wavefront {
         context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
     }
 
-    /// Turns each mirror sample whose ray hits its mirror into a contribution.
+    /// Turns each mirror sample whose ray hits its mirror into a contribution. Those without a shadow ray follow all
+    /// others.
     pub(super) fn trace_mirror_rays(&mut self, context: &RenderContext<'_>) {
         if self.mirror_samples.is_empty() {
             return;
         }
         context.scene.accel().intersect_batch(&self.mirror_rays, &mut self.mirror_hits);
-        for ((target, sample), &hit) in self.mirror_samples.iter().zip(&self.mirror_hits) {
-            let Some((shadow_ray, radiance)) = context.reflected(sample, hit) else { continue };
-            self.shadow_rays.push(shadow_ray);
-            self.contributions.push(Contribution { target: *target, radiance });
+        let rays = self.mirror_rays.iter().zip(&self.mirror_hits);
+        for (&(target, ref sample), (ray, &hit)) in self.mirror_samples.iter().zip(rays) {
+            let Some((next, radiance)) = context.reflected(sample, ray, hit) else { continue };
+            let contribution = Contribution { target, radiance };
+            match next {
+                Reflected::ShadowRay(ray) => {
+                    self.shadow_rays.push(ray);
+                    self.contributions.push(contribution);
+                }
+                Reflected::Ray(ray, cluster) => {
+                    self.reflected_rays.push(ray);
+                    self.reflected.push((contribution, cluster));
+                }
+            }
+        }
+        context.scene.accel().intersect_batch(&self.reflected_rays, &mut self.mirror_hits);
+        let rays = self.reflected_rays.iter().zip(&self.mirror_hits);
+        for (&(Contribution { target, radiance }, cluster), (ray, hit)) in self.reflected.iter().zip(rays) {
+            let Some(hit) = hit else { continue };
+            let shown = context.shown(ray, hit, cluster);
+            if !shown.is_black() {
+                self.contributions.push(Contribution { target, radiance: radiance * shown });
+            }
         }
     }
 
     /// Adds the contributions that are not occluded.
     pub(super) fn trace_shadow_rays(&mut self, context: &RenderContext<'_>) {
         context.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
+        self.occluded.resize(self.contributions.len(), false);
         for (contribution, &occluded) in self.contributions.iter().zip(&self.occluded) {
             if !occluded {
                 *self.radiance.at(contribution.target) += contribution.radiance;
@@ -194,6 +220,8 @@ impl Wavefront {
         self.shadow_rays.clear();
         self.mirror_samples.clear();
         self.mirror_rays.clear();
+        self.reflected.clear();
+        self.reflected_rays.clear();
         context.simd.run(
             #[inline(always)]
             || self.shade_paths(context, bounce, counters),
@@ -275,10 +303,10 @@ impl Wavefront {
             self.shadow_rays.push(shadow_ray);
             self.contributions.push(Contribution { target: path.target, radiance });
         }
-        if let Some((mirror_ray, sample)) = context.next_event_in_mirror(path, vertex) {
+        context.next_event_in_mirrors(path, vertex, |mirror_ray, sample| {
             self.mirror_rays.push(mirror_ray);
             self.mirror_samples.push((path.target, sample));
-        }
+        });
         let next = path.scatter(context, hit, vertex)?;
         let is_diffuse = vertex.at.material.bsdf.is_diffuse();
         if path.stage == Stage::Prefix && context.may_end_prefix(vertex.bounce) && is_diffuse {
@@ -352,7 +380,7 @@ impl Path {
         let sample = at.material.bsdf.sample(*wo, numbers.scatter)?;
         self.throughput *= sample.weight;
         self.mis = match sample.density {
-            Density::SolidAngle(_) => MisContext::new(sample.density, at.point.position),
+            Density::SolidAngle(_) => MisContext::new(sample.density, at.point.position, vertex.side()),
             Density::Delta => context.mis_after_mirror(self.mis, hit?.triangle),
         };
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))

@@ -7,7 +7,7 @@ pub use interaction::Interaction;
 pub use model::{MaterialId, Model};
 
 use crate::RenderError;
-use crate::light::{LightSampler, LightSampling, Lights, PlaneMirrors};
+use crate::light::{LightSampler, LightSampling, Lights, Mirrors};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, Triangles};
 use globillum_material::{Bsdf, Emission, Material, Rgb, Sides};
@@ -22,7 +22,7 @@ pub struct Scene<A: ?Sized> {
     material_ids: Vec<u32>,
     materials: Vec<Material>,
     lights: Lights,
-    mirrors: OnceLock<PlaneMirrors>,
+    mirrors: OnceLock<Mirrors>,
     environment: Rgb,
     accel: A,
 }
@@ -96,14 +96,10 @@ impl<A: Accel> Scene<A> {
 }
 
 impl<A: Accel + ?Sized> Scene<A> {
-    /// The plane mirrors in which area lights are sampled.
-    ///
-    /// The first call finds them. Where there are lights and plane mirrors, it asks the accelerator whether up
-    /// to 128 segments for each of at most 64 planes are occluded.
-    pub(crate) fn mirrors(&self) -> &PlaneMirrors {
+    /// The mirrors by way of which area lights are sampled. The first call builds a tree over them.
+    pub(crate) fn mirrors(&self) -> &Mirrors {
         let is_mirror = |index| matches!(self.material(index).bsdf, Bsdf::Mirror(_));
-        let find = || PlaneMirrors::of(&self.triangles, is_mirror, &self.lights, &self.accel);
-        self.mirrors.get_or_init(find)
+        self.mirrors.get_or_init(|| Mirrors::of(&self.triangles, is_mirror, &self.lights))
     }
 
     /// The accelerator.

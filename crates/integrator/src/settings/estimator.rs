@@ -6,15 +6,15 @@ use globillum_material::Density;
 ///
 /// Delta lights, which no path hits, are found by next event estimation with any of them.
 ///
-/// Scattering alone finds a constant environment, what the camera sees in a mirror, and caustics, except
-/// those of plane mirrors ([`MirrorSampling`](crate::MirrorSampling)).
+/// Scattering alone finds a constant environment, what the camera sees in a mirror, and caustics by way
+/// of more than one mirror ([`MirrorSampling`](crate::MirrorSampling)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Estimator {
     /// BSDF sampling only: paths that hit a light. Low variance for large lights.
     Bsdf,
     /// Next event estimation only: a point on a light is sampled at every diffuse vertex, and another one
-    /// by way of a plane mirror. Low variance for small lights, high very near to large ones.
+    /// by way of a mirror. Low variance for small lights, high very near to large ones.
     Light,
     /// Multiple importance sampling: both, weighted by the balance heuristic (Veach and Guibas 1995).
     #[default]

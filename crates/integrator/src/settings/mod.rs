@@ -55,7 +55,7 @@ pub struct Settings {
     pub estimator: Estimator,
     /// The distribution of light samples on a triangle.
     pub light_sampling: LightSampling,
-    /// Whether lights are sampled in plane mirrors.
+    /// Whether lights are sampled by way of mirrors.
     pub mirror_sampling: MirrorSampling,
     /// Whether pixels reuse the paths of their neighbours.
     pub path_reuse: PathReuse,
@@ -115,18 +115,17 @@ impl PathReuse {
     }
 }
 
-/// Whether next event estimation samples triangles that emit in plane mirrors, whose caustics it then finds.
+/// Whether next event estimation samples triangles that emit by way of mirrors, whose caustics it then finds.
 /// This changes the variance, not the mean. Light from delta lights by way of a mirror is never found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MirrorSampling {
     /// Scattering alone finds light by way of mirrors.
     Off,
-    /// In the planes of ideal mirrors that have at least a 64th of the area of all mirrors, not counting
-    /// triangles of less than a 256th. Scattering alone finds light by way of other mirrors or of more than
-    /// one. A scene without such planes costs nothing.
+    /// By way of all ideal mirrors, plane or of many triangles. Scattering alone finds light by way of more than one. A
+    /// scene without mirrors costs nothing.
     #[default]
-    Planes,
+    Images,
 }
 
 /// Russian roulette: ends paths at random and divides the throughput of the others by their probability

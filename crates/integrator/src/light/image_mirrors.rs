@@ -1,0 +1,100 @@
+use super::facet::Facet;
+use super::light_bounds::LightBounds;
+use super::mirror_tree::{FacetBounds, MirrorTree, Viewpoint};
+use glam::{DVec3, Vec3};
+use globillum_geom::{Aabb, Triangles};
+
+/// Facets in which lights are sampled by the image method.
+///
+/// A point `x` sees in a facet, a plane mirror, what its image `x'`, on the other side of the plane, sees through the
+/// facet's triangles. Reflection is an isometry: the density of a direction at `x'` is that of the reflected direction
+/// at `x`.
+#[derive(Clone, Debug)]
+pub(crate) struct ImageMirrors {
+    tree: MirrorTree,
+    facets: Vec<Facet>,
+    /// The triangles of all facets in ascending order, each with its facet.
+    members: Vec<(u32, u32)>,
+    /// Around all area lights.
+    lights: LightBounds,
+}
+
+/// A facet, chosen for a shading point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChosenFacet<'a> {
+    pub(crate) facet: &'a Facet,
+    /// The index of the facet.
+    pub(crate) index: u32,
+    /// The probability of the choice, above zero.
+    pub(crate) prob: f64,
+}
+
+impl ImageMirrors {
+    /// Of one or more `facets`.
+    pub(super) fn new(
+        triangles: &Triangles,
+        facets: &[Facet],
+        bodies: Vec<Aabb>,
+        lights: LightBounds,
+    ) -> Self {
+        let bounds = |facet: &Facet| FacetBounds {
+            bounds: Aabb::around(facet.triangles.iter().flat_map(|&index| triangles.get(index).vertices)),
+            normal: facet.normal,
+            area: facet.area(triangles),
+            body: facet.body,
+        };
+        let bounds: Vec<_> = facets.iter().map(bounds).collect();
+        let (tree, order) = MirrorTree::new(triangles, &bounds, bodies);
+        let facets: Vec<_> = order.iter().map(|&facet| facets[facet as usize].clone()).collect();
+        let of_facet =
+            |(place, facet): (u32, &Facet)| facet.triangles.clone().into_iter().map(move |t| (t, place));
+        let mut members: Vec<_> = (0..).zip(&facets).flat_map(of_facet).collect();
+        members.sort_unstable();
+        Self { tree, facets, members, lights }
+    }
+
+    /// The index of the facet that triangle `index` belongs to.
+    pub(crate) fn facet_of(&self, index: u32) -> Option<u32> {
+        let place = self.members.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
+        Some(self.members[place].1)
+    }
+
+    /// Chooses a facet that may show a light to `from`, on the side of its surface to which `side` points, by
+    /// `draw`, which returns a number in `[0, 1)`; `None` if there is none.
+    #[inline(never)]
+    pub(crate) fn choose(
+        &self,
+        triangles: &Triangles,
+        from: DVec3,
+        side: Vec3,
+        draw: impl Fn() -> f64,
+    ) -> Option<ChosenFacet<'_>> {
+        let shows = |place| self.may_show(triangles, from, place);
+        let (index, prob) = self.tree.choose(&self.viewpoint(from, side), f64::INFINITY, draw, shows)?;
+        Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
+    }
+
+    /// What [`ImageMirrors::choose`] returns if it chooses this facet; `None` if it never does.
+    #[inline(never)]
+    pub(crate) fn choice(
+        &self,
+        triangles: &Triangles,
+        from: DVec3,
+        side: Vec3,
+        index: u32,
+    ) -> Option<ChosenFacet<'_>> {
+        let shows = |place| self.may_show(triangles, from, place);
+        let prob = self.tree.prob(&self.viewpoint(from, side), f64::INFINITY, index, shows)?;
+        Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
+    }
+
+    fn may_show(&self, triangles: &Triangles, from: DVec3, place: u32) -> bool {
+        let facet = &self.facets[place as usize];
+        let is_outside = facet.body.is_some_and(|body| self.tree.is_outside(body, from));
+        facet.may_show(triangles, &self.lights, from, is_outside)
+    }
+
+    fn viewpoint(&self, from: DVec3, side: Vec3) -> Viewpoint {
+        Viewpoint { from, side, lights: self.lights }
+    }
+}

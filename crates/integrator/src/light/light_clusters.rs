@@ -1,0 +1,93 @@
+use super::alias_table::AliasTable;
+use super::facets::{connected, neighbours};
+use super::light_bounds::LightBounds;
+use super::lights::Lights;
+use glam::DVec3;
+use globillum_geom::Triangles;
+
+/// Area lights in a few groups, each of which is chosen by its power.
+#[derive(Clone, Debug)]
+pub(super) struct LightClusters {
+    clusters: Vec<Cluster>,
+    by_power: AliasTable,
+    /// The light triangles in ascending order, each with its cluster.
+    members: Vec<(u32, u32)>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Cluster {
+    bounds: LightBounds,
+    prob: f64,
+}
+
+impl LightClusters {
+    /// The most clusters.
+    const MOST: usize = 64;
+
+    /// Of one or more area lights. Triangles that share an edge are in one cluster.
+    pub(super) fn of(triangles: &Triangles, lights: &Lights) -> Self {
+        let emitting: Vec<_> = lights.triangles().collect();
+        let powers: Vec<_> = lights.area_powers().collect();
+        let mut groups = connected(&neighbours(triangles, &emitting), |_, _| true, 0..emitting.len() as u32);
+        let centre = |group: &[u32]| {
+            LightBounds::around(triangles, group.iter().map(|&i| emitting[i as usize])).centre
+        };
+        if groups.len() > Self::MOST {
+            let mut centred: Vec<_> = groups.into_iter().map(|group| (centre(&group), group)).collect();
+            groups = Vec::new();
+            halve(&mut centred, Self::MOST, &mut groups);
+        }
+        let power = |group: &Vec<u32>| group.iter().map(|&i| powers[i as usize]).sum::<f64>();
+        let group_powers: Vec<_> = groups.iter().map(power).collect();
+        let total: f64 = group_powers.iter().sum();
+        let cluster = |(group, power): (&Vec<u32>, &f64)| Cluster {
+            bounds: LightBounds::around(triangles, group.iter().map(|&i| emitting[i as usize])),
+            prob: power / total,
+        };
+        let clusters = groups.iter().zip(&group_powers).map(cluster).collect();
+        let mut members = Vec::with_capacity(emitting.len());
+        for (cluster, group) in (0..).zip(&groups) {
+            members.extend(group.iter().map(|&i| (emitting[i as usize], cluster)));
+        }
+        members.sort_unstable();
+        Self { clusters, by_power: AliasTable::new(&group_powers), members }
+    }
+
+    /// The cluster of the light triangle `index`.
+    pub(super) fn of_light(&self, index: u32) -> Option<u32> {
+        let place = self.members.binary_search_by_key(&index, |&(light, _)| light).ok()?;
+        Some(self.members[place].1)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.clusters.len()
+    }
+
+    /// Chooses a cluster by `u` in `[0, 1)`: its index, the probability of the choice, and its bounds.
+    pub(super) fn choose(&self, u: f64) -> Option<(u32, f64, LightBounds)> {
+        let index = self.by_power.sample(u)?;
+        let Cluster { bounds, prob } = self.clusters[index];
+        Some((index as u32, prob, bounds))
+    }
+
+    /// The probability of a cluster, and its bounds.
+    pub(super) fn bounds(&self, index: u32) -> (f64, LightBounds) {
+        let Cluster { bounds, prob } = self.clusters[index as usize];
+        (prob, bounds)
+    }
+}
+
+/// Joins groups, each with its centre, into at most `count`.
+fn halve(groups: &mut [(DVec3, Vec<u32>)], count: usize, joined: &mut Vec<Vec<u32>>) {
+    if count == 1 || groups.len() == 1 {
+        joined.push(groups.iter().flat_map(|(_, group)| group.iter().copied()).collect());
+        return;
+    }
+    let min = groups.iter().fold(DVec3::INFINITY, |min, (centre, _)| min.min(*centre));
+    let max = groups.iter().fold(DVec3::NEG_INFINITY, |max, (centre, _)| max.max(*centre));
+    let axis = (max - min).max_position();
+    groups.sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
+    let (before, after) = groups.split_at_mut(groups.len() / 2);
+    halve(before, count / 2, joined);
+    halve(after, count / 2, joined);
+}

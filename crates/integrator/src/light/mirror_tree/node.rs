@@ -1,0 +1,154 @@
+use super::bounds::Bounds;
+use glam::{DVec3, Vec3};
+
+/// The number of children of a node.
+pub(super) const WIDTH: usize = 8;
+
+/// The bits of a lane in a path.
+pub(super) const LANE_BITS: u32 = WIDTH.trailing_zeros();
+
+/// A number for each child. Single precision is enough for bounds that only guide sampling.
+pub(super) type Lanes = [f32; WIDTH];
+
+/// A shading point and the lights, in the tree's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Query {
+    pub(super) from: Vec3,
+    /// The unit normal on the side of the surface where mirrors count.
+    pub(super) side: Vec3,
+    /// The centre of the sphere around the lights, and its radius.
+    pub(super) lights: Vec3,
+    pub(super) lights_radius: f32,
+    /// The bits of the bodies that the shading point may be within, and of mirrors that are in no body.
+    pub(super) around: u32,
+}
+
+/// A node of the mirror tree: the bounds of its children, by component.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    centre: [Lanes; 3],
+    radius: Lanes,
+    axis: [Lanes; 3],
+    /// The two directions orthogonal to the axis, times the cosine of the angle; zero for wide cones.
+    sides: [[Lanes; 3]; 2],
+    /// The sines of the two angles; 1 for wide cones.
+    sines: [Lanes; 2],
+    /// 0 where there is no child.
+    area: Lanes,
+    bodies: [u32; WIDTH],
+    /// The index of the first child; the others follow.
+    pub(super) first: u32,
+}
+
+impl Node {
+    /// The angle, in radians, from which on a cone is wide.
+    const WIDE: f64 = 1.5;
+
+    /// A node of one to `WIDTH` children, of which the first has the index `first`.
+    pub(super) fn new(children: &[Bounds], first: u32) -> Self {
+        let lanes = |value: &dyn Fn(&Bounds) -> f64| -> Lanes {
+            std::array::from_fn(|lane| children.get(lane).map_or(0.0, |child| value(child) as f32))
+        };
+        let vectors = |value: &dyn Fn(&Bounds) -> DVec3| [0, 1, 2].map(|k| lanes(&|child| value(child)[k]));
+        let is_wide = |bounds: &Bounds| bounds.angles[0].max(bounds.angles[1]) >= Self::WIDE;
+        let side = |bounds: &Bounds, k: usize| {
+            let (sin, cos) = libm::sincos(bounds.angles[k]);
+            if is_wide(bounds) { (1.0, DVec3::ZERO) } else { (sin, cos * bounds.frame[1 + k]) }
+        };
+        // Both sides of a wide cone count.
+        let bodies = |bounds: &Bounds| if is_wide(bounds) { u32::MAX } else { bounds.bodies };
+        Self {
+            centre: vectors(&|bounds| bounds.centre),
+            radius: lanes(&|bounds| bounds.radius),
+            axis: vectors(&|bounds| bounds.frame[0]),
+            sides: [0, 1].map(|k| vectors(&|bounds| side(bounds, k).1)),
+            sines: [0, 1].map(|k| lanes(&|bounds| side(bounds, k).0)),
+            area: lanes(&|bounds| bounds.area),
+            bodies: std::array::from_fn(|lane| children.get(lane).map_or(0, bodies)),
+            first,
+        }
+    }
+
+    /// The importance of each child: the solid angle that it takes up, times the share of its normals for which a ray
+    /// goes on to the lights, times the largest cosine at the shading point.
+    ///
+    /// A facet reflects light from its source to the shading point if its normal is parallel to the half vector
+    /// `wi + wo`. Normals, positions and lights vary within their bounds; the difference of normal and half vector is
+    /// taken as uniform in the interval that follows from this, for each side of the cone by itself.
+    #[inline(always)]
+    pub(super) fn importance(&self, query: &Query) -> Lanes {
+        const LEAST: f32 = f32::MIN_POSITIVE;
+        let mut all = [0.0; WIDTH];
+        // A plain loop, which the compiler vectorizes.
+        for (i, importance) in all.iter_mut().enumerate() {
+            let radius = self.radius[i];
+            let to_from = difference(query.from, &self.centre, i);
+            let to_lights = difference(query.lights, &self.centre, i);
+            let from_sq = max(dot(to_from, to_from), LEAST);
+            let lights_sq = max(dot(to_lights, to_lights), LEAST);
+            let (per_from, per_lights) = (1.0 / from_sq.sqrt(), 1.0 / lights_sq.sqrt());
+            let half = [
+                to_from[0] * per_from + to_lights[0] * per_lights,
+                to_from[1] * per_from + to_lights[1] * per_lights,
+                to_from[2] * per_from + to_lights[2] * per_lights,
+            ];
+            let (from_size, lights_size) = (radius * per_from, radius * per_lights);
+            let is_near = max(from_size, lights_size) >= 1.0;
+            let turn = turn(from_size) + turn(lights_size);
+            let window = self::turn(query.lights_radius * per_lights);
+            let along = dot(half, lane(&self.axis, i));
+            let along_front = if self.bodies[i] & query.around == 0 { along } else { max(along, -along) };
+            let facing = if along_front > -(turn + window) { 1.0 } else { 0.0 };
+            let along = max(along, -along);
+            let a = overlap(dot(half, lane(&self.sides[0], i)), self.sines[0][i] * along + turn, window);
+            let b = overlap(dot(half, lane(&self.sides[1], i)), self.sines[1][i] * along + turn, window);
+            let share = if is_near { 1.0 } else { facing * a * b };
+            let cos = if is_near { 1.0 } else { 0.5 * dot(half, half).sqrt() };
+            let cos_from = from_size - dot(query.side.to_array(), to_from) * per_from;
+            let cos_from = min(max(cos_from, 0.0), 1.0);
+            *importance = self.area[i] * cos * share * cos_from / max(from_sq, radius * radius);
+        }
+        all
+    }
+}
+
+/// The share of the interval of half width `spread` around `middle` that is within `[-window, window]`.
+#[inline(always)]
+fn overlap(middle: f32, spread: f32, window: f32) -> f32 {
+    let (middle, spread) = (max(middle, -middle), max(spread, f32::MIN_POSITIVE));
+    let common = min(middle + spread, window) - max(middle - spread, -window);
+    min(max(common / (spread + spread), 0.0), 1.0)
+}
+
+#[inline(always)]
+fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// An upper bound of `2 s / (2 - s)` for `s` up to 1, and of 2 from there on: the largest difference of the unit
+/// vectors from a point to two others, whose distance is `s` times that of the first (Dunkl and Williams 1964).
+#[inline(always)]
+fn turn(s: f32) -> f32 {
+    let s = min(s, 1.0);
+    s + s * s * (0.5 + 0.5 * s)
+}
+
+#[inline(always)]
+fn lane(vectors: &[Lanes; 3], i: usize) -> [f32; 3] {
+    [vectors[0][i], vectors[1][i], vectors[2][i]]
+}
+
+#[inline(always)]
+fn difference(point: Vec3, vectors: &[Lanes; 3], i: usize) -> [f32; 3] {
+    [point.x - vectors[0][i], point.y - vectors[1][i], point.z - vectors[2][i]]
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

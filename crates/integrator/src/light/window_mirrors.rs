@@ -1,0 +1,147 @@
+use super::light_clusters::LightClusters;
+use super::mirror_tree::{FacetBounds, MirrorTree, Viewpoint};
+use glam::{DVec3, Vec3};
+use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Triangles};
+
+/// Mirror triangles that look smaller than the lights which they show: points on them are sampled, as on windows
+/// through which lights may be seen.
+#[derive(Clone, Debug)]
+pub(crate) struct WindowMirrors {
+    tree: MirrorTree,
+    /// By their place in the tree.
+    windows: Vec<u32>,
+    /// The triangles in ascending order, each with its place.
+    places: Vec<(u32, u32)>,
+    clusters: LightClusters,
+}
+
+/// A point on a mirror triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WindowSample {
+    pub(crate) triangle: u32,
+    pub(crate) point: SurfacePoint,
+    /// Unit direction from the shading point.
+    pub(crate) direction: DVec3,
+    /// The density of the direction per steradian, for a light of the cluster.
+    pub(crate) pdf: PdfSolidAngle,
+    /// The cluster whose lights count.
+    pub(crate) cluster: u32,
+}
+
+impl WindowMirrors {
+    /// Triangles are sampled with certainty where those that show lights take up a solid angle of about
+    /// `1 / ATTEMPTS`. Below it, they bring less than they cost.
+    const ATTEMPTS: f64 = 30.0;
+
+    /// Of one or more triangles, each with what the tree is told of it.
+    pub(super) fn new(
+        triangles: &Triangles,
+        windows: &[(u32, FacetBounds)],
+        bodies: Vec<Aabb>,
+        clusters: LightClusters,
+    ) -> Self {
+        let bounds: Vec<_> = windows.iter().map(|(_, bounds)| *bounds).collect();
+        let (tree, order) = MirrorTree::new(triangles, &bounds, bodies);
+        let windows: Vec<_> = order.iter().map(|&window| windows[window as usize].0).collect();
+        let mut places: Vec<_> = windows.iter().copied().zip(0..).collect();
+        places.sort_unstable();
+        Self { tree, windows, places, clusters }
+    }
+
+    /// The cluster of the light triangle `index`.
+    pub(crate) fn cluster_of(&self, index: u32) -> Option<u32> {
+        self.clusters.of_light(index)
+    }
+
+    /// Samples a cluster of lights and a mirror triangle that may show part of it to `from`, on the side of its
+    /// surface to which `side` points, by `window`, which returns a number in `[0, 1)`, and a point on that, by
+    /// `others`, which returns one in `[0, 1)` and one in `[0, 1)^2`. `None` if there is none.
+    #[inline(never)]
+    pub(crate) fn sample(
+        &self,
+        triangles: &Triangles,
+        from: DVec3,
+        side: Vec3,
+        window: impl Fn() -> f64,
+        others: impl Fn() -> (f64, [f64; 2]),
+    ) -> Option<WindowSample> {
+        let cluster = if self.clusters.len() > 1 { others().0 } else { 0.0 };
+        let (cluster, cluster_prob, lights) = self.clusters.choose(cluster)?;
+        let (place, prob) =
+            self.tree.choose(&Viewpoint { from, side, lights }, Self::ATTEMPTS, window, |_| true)?;
+        let triangle = self.windows[place as usize];
+        let (u, v) = Triangle::sample_uniform(others().1);
+        let point = triangles.surface_point(triangle, u, v);
+        let direction = (point.position - from).try_normalize()?;
+        let pdf = pdf(triangles.get(triangle), from, direction)?.chosen_with(cluster_prob * prob);
+        (pdf.0 > 0.0).then_some(WindowSample { triangle, point, direction, pdf, cluster })
+    }
+
+    /// The density per steradian with which [`WindowMirrors::sample`] samples the direction that leads from `from` by
+    /// way of the mirror triangle `index` to `position` on the light triangle `light`; `None` if it never does.
+    #[inline(never)]
+    pub(crate) fn pdf(
+        &self,
+        triangles: &Triangles,
+        from: DVec3,
+        side: Vec3,
+        index: u32,
+        (light, position): (u32, DVec3),
+    ) -> Option<PdfSolidAngle> {
+        let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
+        let (cluster_prob, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
+        let at = Viewpoint { from, side, lights };
+        let prob = self.tree.prob(&at, Self::ATTEMPTS, self.places[place].1, |_| true)?;
+        let triangle = triangles.get(index);
+        let (normal, height) = plane(triangle, from);
+        let image = from - 2.0 * height * normal;
+        // At the image, the direction has the same angle with the plane.
+        let pdf = pdf(triangle, from, (position - image).try_normalize()?)?.chosen_with(cluster_prob * prob);
+        (pdf.0 > 0.0).then_some(pdf)
+    }
+}
+
+/// The normal of the triangle, and the signed distance of `from` from its plane.
+fn plane(triangle: &Triangle, from: DVec3) -> (DVec3, f64) {
+    let normal = triangle.normal();
+    (normal, normal.dot(from - triangle.vertices[0].as_dvec3()))
+}
+
+/// The density per steradian of the unit `direction` toward a point of the triangle, uniform by area.
+fn pdf(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<PdfSolidAngle> {
+    let (normal, height) = plane(triangle, from);
+    let cos = normal.dot(direction).abs();
+    let distance = height / cos;
+    PdfArea(1.0 / triangle.area()).to_solid_angle(distance * distance, cos)
+}
+
+#[cfg(test)]
+impl WindowMirrors {
+    /// The triangle chosen to show the cluster of `light`, with its probability.
+    pub(super) fn choose(
+        &self,
+        from: DVec3,
+        side: Vec3,
+        light: u32,
+        attempts: f64,
+        u: f64,
+    ) -> Option<(u32, f64)> {
+        let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
+        let (place, prob) = self.tree.choose(&Viewpoint { from, side, lights }, attempts, || u, |_| true)?;
+        Some((self.windows[place as usize], prob))
+    }
+
+    /// The probability of this choice of triangle `index`.
+    pub(super) fn choice_prob(
+        &self,
+        from: DVec3,
+        side: Vec3,
+        index: u32,
+        light: u32,
+        attempts: f64,
+    ) -> Option<f64> {
+        let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
+        let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
+        self.tree.prob(&Viewpoint { from, side, lights }, attempts, self.places[place].1, |_| true)
+    }
+}
