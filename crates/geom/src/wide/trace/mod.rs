@@ -1,25 +1,25 @@
-//! Traversal, and the dispatch between its kinds: [`single`] rays, coherent rays from a common origin as
-//! a [`packet`], and all other rays as a [`stream`].
+//! Traversal, and the dispatch between its kinds: single rays, coherent rays as a [`packet`], and all other rays as a
+//! [`stream`].
 //!
 //! The packet and the stream share what lies below both: the [conservative triangle test](prefilter)'s
 //! types and the [exact decision](deferred_decision).
 
+mod child_test;
 mod deferred_decision;
-mod leaf_test;
-mod node_test;
 mod packet;
 mod prefilter;
 mod ray_setup;
-mod single;
 mod stream;
 mod traversal_state;
 
 use super::simd::{PACKET, Simd};
 use super::tree::Tree;
+use super::tree::node::Child;
 use crate::query::Query;
 use crate::{Probe, Ray};
+use child_test::{record, test_leaf, test_node};
 use packet::Packet;
-use single::query_single;
+use ray_setup::RaySetups;
 use std::cell::Cell;
 use stream::query_stream;
 use traversal_state::Traversal;
@@ -31,6 +31,41 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
         #[inline(always)]
         |scratch| query_single(simd, tree, ray, &mut scratch.traversals[0], probe),
     )
+}
+
+/// Single-ray traversal.
+#[inline(always)]
+fn query_single<S: Simd, Q: Query, P: Probe>(
+    simd: S,
+    tree: &Tree,
+    ray: &Ray,
+    traversal: &mut Traversal,
+    probe: &mut P,
+) -> Q {
+    let mut query = Q::new(ray);
+    let mut setups = RaySetups::idle();
+    let Ray { origin: o, direction: d, t_min, t_max } = *ray;
+    let columns = [o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max].map(|x| [x]);
+    setups.set(&columns, &tree.triangles.bounds(), &tree.space);
+    let Some(setup) = setups.get(0) else { return query };
+    traversal.begin(setup, 0);
+    while Child::is_end(traversal.child) == 0 {
+        if Child::is_block(traversal.child) == 0 {
+            probe.visit();
+            test_node::<S, Q>(simd, &tree.nodes, traversal);
+            traversal.advance();
+            continue;
+        }
+        probe.open();
+        tree.listed(traversal.child).iter().for_each(|&index| probe.test(index));
+        let hits = test_leaf(simd, tree, traversal);
+        if hits.any() {
+            record(simd, tree, ray, &hits, traversal, &mut query);
+        }
+        traversal.advance();
+    }
+    traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, &mut query);
+    query
 }
 
 /// Answers the query of every ray; `answer` makes of it what goes to `answers`, in the rays' order.

@@ -4,8 +4,7 @@
 //! Each round branches only on results of the previous one, so nothing stalls: a result decides in
 //! which mask of the next round a ray is.
 
-use super::leaf_test::{LeafHits, record, test_leaf};
-use super::node_test::test_node;
+use super::child_test::{LeafHits, record, test_leaf, test_node};
 use super::ray_setup::RaySetups;
 use super::traversal_state::Traversal;
 use crate::Ray;
