@@ -745,6 +745,7 @@ fn any_number_of_threads_builds_the_same_tree() {
             assert!(one == tree(threads, rule), "{rule:?}, {threads} threads");
         }
     }
+    let triangles = Triangles::new(statue(20_000).triangles()).unwrap();
     for build in [WideKdTree::build, WideKdTree::build_quickly] {
         let tree = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

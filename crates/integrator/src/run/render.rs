@@ -4,7 +4,6 @@ use super::monitor::Monitor;
 use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
-use crate::caught::caught;
 use crate::path::{RenderContext, Tile};
 use crate::{CheckpointError, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
@@ -153,9 +152,7 @@ impl<'a> Render<'a> {
             .build()
             .map_err(|error| RenderError::Threads(error.to_string()))?;
         let meter = Meter::new(self.stop.seconds);
-        // The accelerator is asked for the mirrors' visibility.
-        let context = caught(|| RenderContext::new(self.scene, self.sensor, &settings))
-            .map_err(|message| RenderError::Worker { x: 0, y: 0, message })?;
+        let context = RenderContext::new(self.scene, self.sensor, &settings);
         let pass_loop =
             PassLoop { renderer: PassRenderer { context, monitor, meter: &meter, window }, stop: self.stop };
         threads.install(|| pass_loop.add_passes(picture, passes))
