@@ -147,7 +147,7 @@ mod tests {
         }
     }
 
-    /// Each facet is chosen as often as its probability says: by so many of `n` evenly spaced numbers, but for one.
+    /// Of `n` evenly spaced numbers, the share that chooses a facet is its probability, to within one number.
     #[test]
     fn facets_are_chosen_as_often_as_told() {
         let n = 4096;
