@@ -3,6 +3,8 @@
 use super::facet::Facet;
 use glam::{DVec3, Vec3};
 use globillum_geom::{Aabb, Triangles};
+use rayon::prelude::*;
+use std::cmp::Reverse;
 
 /// The facets of all mirrors, and the bounds of closed bodies.
 #[derive(Debug, Default)]
@@ -37,9 +39,10 @@ impl Facets {
         }
         // Larger triangles determine their plane more precisely.
         let mut by_area: Vec<_> = (0..mirrors.len() as u32).collect();
-        let area = |place: u32| triangles.get(mirrors[place as usize]).area();
-        by_area.sort_by(|&a, &b| area(b).total_cmp(&area(a)));
-        let normals: Vec<_> = mirrors.iter().map(|&index| triangles.get(index).normal()).collect();
+        // The bits of areas, which are not negative, are in the order of the areas.
+        let area = |place: &u32| Reverse(triangles.get(mirrors[*place as usize]).area().to_bits());
+        by_area.par_sort_by_cached_key(area);
+        let normals: Vec<_> = mirrors.par_iter().map(|&index| triangles.get(index).normal()).collect();
         let is_coplanar = |first: u32, other: u32| {
             let [a, b] = [first, other].map(|place| normals[place as usize]);
             let triangle = |place: u32| triangles.get(mirrors[place as usize]);
@@ -101,7 +104,7 @@ pub(super) fn neighbours(triangles: &Triangles, mirrors: &[u32]) -> Vec<Neighbou
             edges.push(((a.min(b), a.max(b)), a < b, place, edge));
         }
     }
-    edges.sort_unstable();
+    edges.par_sort_unstable();
     let mut neighbours = vec![[None; 3]; mirrors.len()];
     for shared in edges.chunk_by(|a, b| a.0 == b.0) {
         if let [(_, false, p, p_edge), (_, true, q, q_edge)] = *shared {

@@ -152,10 +152,11 @@ impl<'a> Render<'a> {
             .build()
             .map_err(|error| RenderError::Threads(error.to_string()))?;
         let meter = Meter::new(self.stop.seconds);
-        let context = RenderContext::new(self.scene, self.sensor, &settings);
-        let pass_loop =
-            PassLoop { renderer: PassRenderer { context, monitor, meter: &meter, window }, stop: self.stop };
-        threads.install(|| pass_loop.add_passes(picture, passes))
+        threads.install(|| {
+            let context = RenderContext::new(self.scene, self.sensor, &settings);
+            let renderer = PassRenderer { context, monitor, meter: &meter, window };
+            PassLoop { renderer, stop: self.stop }.add_passes(picture, passes)
+        })
     }
 
     fn checked_passes(&self) -> Result<Range<u32>, RenderError> {

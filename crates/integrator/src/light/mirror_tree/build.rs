@@ -1,6 +1,7 @@
 use super::bounds::{Bounds, Item};
 use super::node::{LANE_BITS, Node, WIDTH};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// The nodes of a tree, and where its items are.
 pub(super) struct Built {
@@ -22,6 +23,18 @@ struct Group<'a> {
     path: u32,
 }
 
+impl<'a> Group<'a> {
+    /// The node of this level, whose children have indices from `first` and at most `capacity` items, and their groups.
+    fn node(self, capacity: usize, level: u32, first: u32) -> (Node, Vec<Group<'a>>) {
+        let count = self.items.len().div_ceil(capacity);
+        let parts = split(self.items, count);
+        let bounds: Vec<_> = parts.par_iter().map(|part| Bounds::around(part)).collect();
+        let path_to = |lane: u32| self.path | lane << (LANE_BITS * level);
+        let children = (0..).zip(parts).map(|(lane, items)| Group { items, path: path_to(lane) }).collect();
+        (Node::new(&bounds, first), children)
+    }
+}
+
 /// Builds a tree over `items`, all of which have the same depth. Brings them into the order of the lowest nodes'
 /// children.
 pub(super) fn build(items: &mut [Item]) -> Built {
@@ -34,35 +47,34 @@ pub(super) fn build(items: &mut [Item]) -> Built {
     for level in 0..depth {
         capacity /= WIDTH;
         // Items are counted from 0.
-        let first = if level + 1 < depth { nodes.len() + groups.len() } else { 0 };
-        let mut children = Vec::new();
-        for Group { items, path } in groups {
-            let before = children.len();
-            let mut parts = Vec::new();
-            let count = items.len().div_ceil(capacity);
-            split(items, count, &mut parts);
-            let bounds: Vec<_> = parts.iter().map(|part| Bounds::around(part)).collect();
-            nodes.push(Node::new(&bounds, (first + before) as u32));
-            let path_to = |lane: u32| path | lane << (LANE_BITS * level);
-            children.extend((0..).zip(parts).map(|(lane, items)| Group { items, path: path_to(lane) }));
-        }
-        groups = children;
+        let mut next = if level + 1 < depth { nodes.len() + groups.len() } else { 0 };
+        let firsts = groups.iter().map(|group| {
+            let count = group.items.len().div_ceil(capacity);
+            next += count;
+            (next - count) as u32
+        });
+        let firsts: Vec<_> = firsts.collect();
+        let built =
+            groups.into_par_iter().zip(firsts).map(|(group, first)| group.node(capacity, level, first));
+        let (of_level, children): (Vec<_>, Vec<_>) = built.unzip();
+        nodes.extend(of_level);
+        groups = children.into_iter().flatten().collect();
     }
     Built { nodes, depth, paths: groups.iter().map(|group| group.path).collect() }
 }
 
 /// Splits `items` into `count` groups of about equal size.
-fn split<'a>(items: &'a mut [Item], count: usize, groups: &mut Vec<&'a mut [Item]>) {
+fn split(items: &mut [Item], count: usize) -> Vec<&mut [Item]> {
     if count == 1 {
-        groups.push(items);
-        return;
+        return vec![items];
     }
     let before = count / 2;
     let middle = (items.len() * before).div_ceil(count);
     sort_around(items, middle);
     let (a, b) = items.split_at_mut(middle);
-    split(a, before, groups);
-    split(b, count - before, groups);
+    let (mut a, b) = rayon::join(|| split(a, before), || split(b, count - before));
+    a.extend(b);
+    a
 }
 
 /// Sorts `items` into those before and after `middle`, along the axis of positions or of normals on which they extend
