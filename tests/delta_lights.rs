@@ -176,13 +176,13 @@ fn a_square_light_and_delta_lights_over_a_floor() {
     let model = with(scenes::light_over_floor(), &beside_the_square());
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     for light_sampling in [LightSampling::Area, LightSampling::SolidAngle] {
-        for mut settings in each_setting(64, 128) {
+        for mut settings in each_setting(64, 48) {
             // BSDF sampling chooses no points on lights.
             if (settings.estimator, light_sampling) == (Estimator::Bsdf, LightSampling::SolidAngle) {
                 continue;
             }
             settings.samples = match (settings.sampler, settings.estimator) {
-                (Sampler::Independent, Estimator::Light) => 288,
+                (Sampler::Independent, Estimator::Light) => 144,
                 (Sampler::Independent, _) => 176,
                 _ => settings.samples,
             };
@@ -210,7 +210,10 @@ fn what_lights_emit_in_a_closed_box_is_absorbed() {
         let power = of_lights + Rgb::splat(PI * radiance * area);
         let truth = Rgb::splat(radiance) + power * (rho / PI / (area * (1.0 - rho)));
         for mut settings in each_setting(32, 64) {
-            settings.pass_samples = 32;
+            settings.pass_samples = 16;
+            if settings.sampler == Sampler::Sobol {
+                settings.samples = 32;
+            }
             // Choosing points on lights has infinite variance where walls that shine meet.
             if radiance > 0.0 && settings.estimator == Estimator::Light {
                 continue;
@@ -257,8 +260,7 @@ fn a_scene_of_both_kinds_is_the_sum_of_two() {
         (Estimator::Mis, MirrorSampling::Images),
     ] {
         let [areas, deltas, both] = [(&of_areas, 1), (&of_deltas, 2), (&of_both, 3)].map(|(model, seed)| {
-            let mut settings = independent_pixels(64, 64, 128);
-            settings.pass_samples = 64;
+            let mut settings = independent_pixels(64, 64, 32);
             (settings.estimator, settings.mirror_sampling, settings.seed) =
                 (estimator, mirror_sampling, seed);
             Estimate::of_film(&film(model, &camera, &settings), |c| c.g)

@@ -222,12 +222,12 @@ const STAGES: [Stage; 28] = [
         size(s, 33, 31, 40);
         (s.estimator, s.sampler, s.roulette.start) = (Estimator::Bsdf, Sampler::Independent, 0);
     }),
-    stage("a room, defaults, the last pass incomplete", room, |s| size(s, 17, 33, 70)),
+    stage("a room, defaults, the last pass incomplete", room, |s| size(s, 17, 33, 38)),
     stage("a room, area sampling of lights", room, |s| {
         size(s, 50, 3, 100);
         (s.light_sampling, s.path_reuse) = (LightSampling::Area, PathReuse::Off);
     }),
-    stage("a room, a single pixel", room, |s| size(s, 1, 1, 1 << 16)),
+    stage("a room, a single pixel", room, |s| size(s, 1, 1, 1 << 15)),
     stage("a crowd, roulette from the first bounce", crowd, |s| {
         size(s, 31, 37, 70);
         (s.roulette.start, s.roulette.threshold) = (0, 1.0);
@@ -237,7 +237,7 @@ const STAGES: [Stage; 28] = [
         (s.roulette.start, s.roulette.threshold) = (1, 1.0);
     }),
     stage("a crowd, BSDF sampling", crowd, |s| {
-        size(s, 32, 32, 40);
+        size(s, 32, 32, 20);
         s.estimator = Estimator::Bsdf;
     }),
     stage("a crowd, tent filter, independent samples", crowd, |s| {
@@ -245,20 +245,20 @@ const STAGES: [Stage; 28] = [
         (s.filter, s.sampler, s.path_reuse) = (PixelFilter::Tent, Sampler::Independent, PathReuse::Off);
     }),
     stage("a crowd, passes of one sample", crowd, |s| {
-        size(s, 23, 29, 130);
+        size(s, 23, 29, 50);
         s.pass_samples = 1;
     }),
     exact("sheets, BSDF sampling", sheets, |s| size(s, 97, 51, 1)),
-    stage("sheets, defaults", sheets, |s| size(s, 33, 31, 40)),
+    stage("sheets, defaults", sheets, |s| size(s, 33, 31, 20)),
     stage("sheets, area sampling of lights", sheets, |s| {
-        size(s, 33, 31, 40);
+        size(s, 33, 31, 20);
         (s.light_sampling, s.path_reuse) = (LightSampling::Area, PathReuse::Off);
     }),
     stage("mirrors, BSDF sampling", mirrors, |s| {
-        size(s, 31, 29, 140);
+        size(s, 31, 29, 50);
         s.estimator = Estimator::Bsdf;
     }),
-    stage("mirrors, defaults", mirrors, |s| size(s, 31, 29, 140)),
+    stage("mirrors, defaults", mirrors, |s| size(s, 31, 29, 50)),
     stage("mirrors, no sampling through mirrors", mirrors, |s| {
         size(s, 31, 29, 40);
         (s.mirror_sampling, s.path_reuse) = (MirrorSampling::Off, PathReuse::Off);
@@ -268,22 +268,22 @@ const STAGES: [Stage; 28] = [
         s.roulette.start = 0;
     }),
     stage("a grey room, two bounces", grey, |s| {
-        size(s, 31, 29, 40);
+        size(s, 31, 29, 20);
         s.max_bounces = Some(2);
     }),
     stage("a grey room, five bounces, early roulette", grey, |s| {
-        size(s, 29, 31, 40);
+        size(s, 29, 31, 20);
         (s.max_bounces, s.roulette.start) = (Some(5), 1);
     }),
     exact("a grey room, five bounces, BSDF sampling", grey, |s| {
         size(s, 71, 43, 1);
         s.max_bounces = Some(5);
     }),
-    stage("curved mirrors", curved_mirrors, |s| size(s, 37, 23, 70)),
+    stage("curved mirrors", curved_mirrors, |s| size(s, 37, 23, 36)),
     exact("a statue, BSDF sampling", statue_in_the_open, |s| size(s, 63, 65, 1)),
-    stage("a statue, defaults", statue_in_the_open, |s| size(s, 31, 33, 40)),
+    stage("a statue, defaults", statue_in_the_open, |s| size(s, 31, 33, 20)),
     stage("a white floor, light sampling", white_floor, |s| {
-        size(s, 33, 31, 40);
+        size(s, 33, 31, 20);
         s.estimator = Estimator::Light;
     }),
     stage("a white floor, light sampling by area", white_floor, |s| {
@@ -291,10 +291,10 @@ const STAGES: [Stage; 28] = [
         (s.estimator, s.light_sampling) = (Estimator::Light, LightSampling::Area);
         (s.sampler, s.path_reuse) = (Sampler::Independent, PathReuse::Off);
     }),
-    stage("a white floor, defaults", white_floor, |s| size(s, 5, 201, 40)),
-    stage("slivers", slivers, |s| size(s, 29, 31, 40)),
-    stage("a tiny crowd", || crowd_at(1e-12, DVec3::ZERO), |s| size(s, 31, 33, 50)),
-    stage("a crowd far away", || crowd_at(1.0, DVec3::new(9000.0, -4000.0, 7000.0)), |s| size(s, 31, 33, 50)),
+    stage("a white floor, defaults", white_floor, |s| size(s, 5, 201, 20)),
+    stage("slivers", slivers, |s| size(s, 29, 31, 20)),
+    stage("a tiny crowd", || crowd_at(1e-12, DVec3::ZERO), |s| size(s, 31, 33, 24)),
+    stage("a crowd far away", || crowd_at(1.0, DVec3::new(9000.0, -4000.0, 7000.0)), |s| size(s, 31, 33, 24)),
 ];
 
 impl Stage {

@@ -51,9 +51,9 @@ fn polygonal_discs_and_spheres() {
             }
             let samples = match (what, estimator) {
                 // Half of a sphere's triangles face away; they are sampled equally often.
-                ("a sphere", Light) => 512,
-                ("a sphere", _) => 224,
-                ("a disc beside the point", _) => 128,
+                ("a sphere", Light) => 192,
+                ("a sphere", _) => 112,
+                ("a disc beside the point", _) => 64,
                 _ => 32,
             };
             let found = estimate(&model, &camera, estimator, samples);

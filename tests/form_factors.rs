@@ -115,7 +115,7 @@ fn a_light_standing_on_the_floor() {
     for x in [0.0, 1e-12, 1e-6, 0.01] {
         for (estimator, sampling) in ALL.into_iter().flat_map(|e| [Area, SolidAngle].map(|s| (e, s))) {
             let camera = stare(DVec3::new(x + 0.1, 0.5, 0.2), DVec3::new(x, 0.0, 0.0));
-            let mut settings = independent_pixels(16, 16, 64);
+            let mut settings = independent_pixels(16, 16, 16);
             (settings.estimator, settings.light_sampling) = (estimator, sampling);
             film(&model, &camera, &settings);
         }

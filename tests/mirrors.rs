@@ -264,7 +264,7 @@ fn mirror_sampling_changes_no_mean() {
         };
         let off = estimate(0, Bsdf, Off, 256);
         for (seed, estimator) in [(1, Light), (2, Mis)] {
-            let on = estimate(seed, estimator, Images, 256);
+            let on = estimate(seed, estimator, Images, 128);
             let margin = Z_LIMIT * on.std_err.hypot(off.std_err);
             assert!(margin < 0.1 * off.mean, "{what}, {estimator:?} is too wide: {on:?}, {off:?}");
             assert!((on.mean - off.mean).abs() < margin, "{what}, {estimator:?}: {on:?}, {off:?}");

@@ -109,7 +109,7 @@ fn sheets() -> (Model, Camera) {
     for (i, wall) in walls.chunks(2).enumerate() {
         let wall = wall.iter().copied();
         let albedo = 0.3 + 0.1 * i as f64;
-        let material = Material::lambert(Rgb::new(albedo, 0.9, 1.0 - albedo)).expect("an albedo");
+        let material = Material::lambert(Rgb::new(albedo, 0.5, 1.0 - albedo)).expect("an albedo");
         model.add(if i == 0 { material.emitting(emission) } else { material }, wall);
     }
     let sheet = Material::lambert(Rgb::new(0.9, 0.2, 0.6)).expect("an albedo");

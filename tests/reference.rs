@@ -54,7 +54,7 @@ const BOX_MIRROR: &str = include_str!("reference/box_mirror.json");
 #[test]
 fn the_box_in_global_illumination() {
     for path_reuse in [Off, Fours] {
-        check(BOX, false, (Mis, path_reuse), None, 512);
+        check(BOX, false, (Mis, path_reuse), None, 256);
     }
 }
 
@@ -66,7 +66,7 @@ fn the_box_in_direct_illumination() {
 #[test]
 fn the_box_with_a_mirror_in_global_illumination() {
     for how in [(Light, Off), (Mis, Off), (Mis, Fours)] {
-        check(BOX_MIRROR, true, how, None, 512);
+        check(BOX_MIRROR, true, how, None, 256);
     }
     // BSDF sampling hits the light rarely, especially by way of a mirror. Means of fewer samples would not be
     // nearly normal.
