@@ -27,6 +27,7 @@ mod materials;
 mod mirrors;
 mod models;
 mod own_estimator;
+mod packets;
 mod pairwise;
 mod path_reuse;
 mod public_api;

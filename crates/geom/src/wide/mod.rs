@@ -8,8 +8,9 @@
 //!   expected cost (Ylitie, Karras and Laine, 2017).
 //! - [`tree`]: what traversal reads, which are nodes with the bounds of their children, and leaf blocks. The planes
 //!   themselves are not kept.
-//! - [`trace`]: a ray alone, a packet of 64 coherent rays from a common origin, or a stream of all other rays. A
-//!   conservative test in `f32` leaves few triangles, which are decided exactly (docs/numerics.md).
+//! - [`trace`]: a ray alone, a packet of 64 coherent rays (from a common origin for any query, from anywhere for any
+//!   hit), or a stream of all other rays. A conservative test in `f32` leaves few triangles, which are decided exactly
+//!   (docs/numerics.md).
 //! - [`simd`]: vectors of eight lanes. All of the above is written once over them, for each level of
 //!   [`cpu`](crate::cpu).
 
@@ -20,9 +21,9 @@ mod trace;
 mod tree;
 
 use crate::cpu::{SimdLevel, Token};
-use crate::query::{AnyHit, ClosestHit};
+use crate::query::{AnyHit, ClosestHit, Query};
 use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, Traverse, Triangles};
-use trace::{query_batch, query_one};
+use trace::{Scratch, query_one, query_others, query_packets};
 use tree::Tree;
 
 /// A [`KdTree`]'s planes above, an 8-wide bounding volume hierarchy below: the fastest structure of this crate.
@@ -31,8 +32,9 @@ use tree::Tree;
 /// triangles into leaf blocks of up to eight. Every node stores the bounds of up to eight children.
 ///
 /// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
-/// 64 coherent rays in a row from one point, such as those of 8 x 8 pixels, are traversed as a packet. Packets are
-/// counted from the start of the batch.
+/// 64 coherent rays in a row are traversed as a packet: rays from one point, such as those of 8 x 8 pixels, and for
+/// any-hit queries other rays as well, such as those from there to one light. Packets are counted from the start of
+/// the batch.
 ///
 /// The tree is traversed with the best vector instructions of the machine; the answers are the same with any.
 ///
@@ -128,6 +130,21 @@ macro_rules! vectorized {
     };
 }
 
+impl WideKdTree {
+    /// Answers the query of every ray. Packets and stream are compiled apart: together they are slower.
+    fn query_batch<Q: Query, T: Clone + Default>(
+        &self,
+        rays: &[Ray],
+        answers: &mut Vec<T>,
+        answer: impl Fn(Q) -> T + Copy,
+    ) {
+        Scratch::lend(|scratch| {
+            vectorized!(self, |simd| query_packets(simd, &self.tree, rays, scratch, answers, answer));
+            vectorized!(self, |simd| query_others(simd, &self.tree, rays, scratch, answers, answer));
+        });
+    }
+}
+
 impl Traverse for WideKdTree {
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         vectorized!(self, |simd| query_one::<_, ClosestHit, P>(simd, &self.tree, ray, probe)).hit()
@@ -148,12 +165,11 @@ impl Accel for WideKdTree {
     }
 
     fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        vectorized!(self, |simd| query_batch(simd, &self.tree, rays, hits, |query: ClosestHit| query.hit()));
+        self.query_batch(rays, hits, |query: ClosestHit| query.hit());
     }
 
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
-        vectorized!(self, |simd| query_batch(simd, &self.tree, rays, occluded, |query: AnyHit| query
-            .found()));
+        self.query_batch(rays, occluded, |query: AnyHit| query.found());
     }
 
     fn bounds(&self) -> Aabb {

@@ -4,11 +4,38 @@
 use super::prefilter::{Filtered, SplatRay, Vertices, prefilter};
 use super::ray_setup::RaySetup;
 use super::traversal_state::Traversal;
-use crate::Ray;
 use crate::query::Query;
 use crate::wide::simd::{Bits, LANES, Simd};
 use crate::wide::tree::Tree;
 use crate::wide::tree::node::{Child, Node};
+use crate::{Probe, Ray};
+
+/// Visits the current child and all others that are left, and tells `probe` what is done for it.
+#[inline(always)]
+pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
+    simd: S,
+    tree: &Tree,
+    ray: &Ray,
+    traversal: &mut Traversal,
+    query: &mut Q,
+    probe: &mut P,
+) {
+    while Child::is_end(traversal.child) == 0 {
+        if Child::is_block(traversal.child) == 0 {
+            probe.visit();
+            test_node::<S, Q>(simd, &tree.nodes, traversal);
+            traversal.advance();
+            continue;
+        }
+        probe.open();
+        tree.listed(traversal.child).iter().for_each(|&index| probe.test(index));
+        let hits = test_leaf(simd, tree, traversal);
+        if hits.any() {
+            record(simd, tree, ray, &hits, traversal, query);
+        }
+        traversal.advance();
+    }
+}
 
 /// Tests the current child, a node: pushes those of its children whose bounds the ray meets, from near to far. An
 /// any-hit query needs no order.

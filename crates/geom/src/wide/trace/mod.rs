@@ -1,11 +1,12 @@
-//! Traversal, and the dispatch between its kinds: single rays, coherent rays as a [`packet`], and all other rays as a
-//! [`stream`].
+//! Traversal, and the dispatch between its kinds: single rays, coherent rays from a common origin as a [`packet`], other
+//! coherent rays of any-hit queries as a [`general_packet`], and all other rays as a [`stream`].
 //!
 //! The packet and the stream share what lies below both: the [conservative triangle test](prefilter)'s
 //! types and the [exact decision](deferred_decision).
 
 mod child_test;
 mod deferred_decision;
+mod general_packet;
 mod packet;
 mod prefilter;
 mod ray_setup;
@@ -14,10 +15,10 @@ mod traversal_state;
 
 use super::simd::{PACKET, Simd};
 use super::tree::Tree;
-use super::tree::node::Child;
 use crate::query::Query;
 use crate::{Probe, Ray};
-use child_test::{record, test_leaf, test_node};
+use child_test::visit_all;
+use general_packet::GeneralPacket;
 use packet::Packet;
 use ray_setup::RaySetups;
 use std::cell::Cell;
@@ -49,68 +50,66 @@ fn query_single<S: Simd, Q: Query, P: Probe>(
     setups.set(&columns, &tree.triangles.bounds(), &tree.space);
     let Some(setup) = setups.get(0) else { return query };
     traversal.begin(setup, 0);
-    while Child::is_end(traversal.child) == 0 {
-        if Child::is_block(traversal.child) == 0 {
-            probe.visit();
-            test_node::<S, Q>(simd, &tree.nodes, traversal);
-            traversal.advance();
-            continue;
-        }
-        probe.open();
-        tree.listed(traversal.child).iter().for_each(|&index| probe.test(index));
-        let hits = test_leaf(simd, tree, traversal);
-        if hits.any() {
-            record(simd, tree, ray, &hits, traversal, &mut query);
-        }
-        traversal.advance();
-    }
+    visit_all(simd, tree, ray, traversal, &mut query, probe);
     traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, &mut query);
     query
 }
 
-/// Answers the query of every ray; `answer` makes of it what goes to `answers`, in the rays' order.
+/// Answers the queries of coherent rays, a packet at a time, and leaves the other rays to [`query_others`]; `answer`
+/// makes of each query what goes to `answers`, in the rays' order.
 #[inline(always)]
-pub(super) fn query_batch<S: Simd, Q: Query, T: Clone + Default>(
+pub(super) fn query_packets<S: Simd, Q: Query, T: Clone + Default>(
     simd: S,
     tree: &Tree,
     rays: &[Ray],
+    Scratch { traversals, packet, general, starts }: &mut Scratch,
     answers: &mut Vec<T>,
     answer: impl Fn(Q) -> T,
 ) {
     answers.clear();
     answers.reserve(rays.len());
-    Scratch::lend(
-        #[inline(always)]
-        |Scratch { traversals, packet, starts }| {
-            starts.clear();
-            for start in (0..rays.len()).step_by(PACKET) {
-                // Packet by packet, so that answers are in the cache when they are overwritten.
-                answers.resize(rays.len().min(start + PACKET), T::default());
-                let is_packet = rays[start..].first_chunk().is_some_and(
-                    #[inline(always)]
-                    |set| {
-                        packet.query(simd, tree, set, |i, query| {
-                            answers[start + i] = answer(query);
-                            // The rays of the next packet, which are needed soon.
-                            simd.prefetch(rays.as_ptr().wrapping_add(start + PACKET + i));
-                        })
-                    },
-                );
-                if !is_packet {
-                    starts.push(start as u32);
-                }
-            }
-            query_stream(simd, tree, rays, starts, traversals, |i, query| answers[i] = answer(query));
-        },
-    );
+    starts.clear();
+    for start in (0..rays.len()).step_by(PACKET) {
+        // Packet by packet, so that answers are in the cache when they are overwritten.
+        answers.resize(rays.len().min(start + PACKET), T::default());
+        let mut report = |i, query| {
+            answers[start + i] = answer(query);
+            // The rays of the next packet, which are needed soon.
+            simd.prefetch(rays.as_ptr().wrapping_add(start + PACKET + i));
+        };
+        let is_packet = rays[start..].first_chunk().is_some_and(
+            #[inline(always)]
+            |set| {
+                packet.query(simd, tree, set, &mut report)
+                    || Q::ANY_HIT && general.query(simd, tree, set, traversals, &mut report)
+            },
+        );
+        if !is_packet {
+            starts.push(start as u32);
+        }
+    }
+}
+
+/// Answers the queries that [`query_packets`] has left.
+#[inline(always)]
+pub(super) fn query_others<S: Simd, Q: Query, T>(
+    simd: S,
+    tree: &Tree,
+    rays: &[Ray],
+    Scratch { traversals, starts, .. }: &mut Scratch,
+    answers: &mut [T],
+    answer: impl Fn(Q) -> T,
+) {
+    query_stream(simd, tree, rays, starts, traversals, |i, query| answers[i] = answer(query));
 }
 
 /// The memory that traversals work in, kept for each thread so that queries do not allocate.
 #[derive(Debug)]
-struct Scratch {
+pub(super) struct Scratch {
     /// One for each ray in flight; on the heap, since they are large.
     traversals: Box<[Traversal; PACKET]>,
     packet: Packet,
+    general: GeneralPacket,
     /// Where in a batch the sets of rays start that go to the stream, [`PACKET`] from each.
     starts: Vec<u32>,
 }
@@ -122,7 +121,7 @@ thread_local! {
 impl Scratch {
     /// Lends this thread's to `work`.
     #[inline(always)]
-    fn lend<T>(work: impl FnOnce(&mut Self) -> T) -> T {
+    pub(super) fn lend<T>(work: impl FnOnce(&mut Self) -> T) -> T {
         let mut scratch = SCRATCH.take().unwrap_or_else(Self::idle);
         let result = work(&mut scratch);
         SCRATCH.set(Some(scratch));
@@ -135,6 +134,11 @@ impl Scratch {
         // A vector, since an array of half a megabyte would be built on the stack. The conversion cannot fail:
         // the vector has PACKET elements by construction.
         let traversals = traversals.into_boxed_slice().try_into().expect("as many as were made");
-        Box::new(Self { traversals, packet: Packet::idle(), starts: Vec::new() })
+        Box::new(Self {
+            traversals,
+            packet: Packet::idle(),
+            general: GeneralPacket::idle(),
+            starts: Vec::new(),
+        })
     }
 }

@@ -57,8 +57,10 @@ pub(super) struct RaySetup {
 }
 
 /// The setups of `N` rays, a column for each number, so that they are computed in parallel.
+#[repr(align(64))]
 #[derive(Clone, Debug)]
 pub(super) struct RaySetups<const N: usize> {
+    pub(super) origin: [[f32; N]; 3],
     pub(super) inverse: [[f32; N]; 3],
     pub(super) near: [[f32; N]; 3],
     pub(super) far: [[f32; N]; 3],
@@ -116,6 +118,7 @@ impl<const N: usize> RaySetups<N> {
         let at = -origin * inverse;
         let (near, far) = (at - thick, at + thick);
         for axis in 0..3 {
+            self.origin[axis][i] = origin[axis] as f32;
             self.inverse[axis][i] = inverse[axis] as f32;
             self.near[axis][i] = near[axis] as f32;
             self.far[axis][i] = far[axis] as f32;
@@ -149,6 +152,7 @@ impl<const N: usize> RaySetups<N> {
     pub(super) const fn idle() -> Self {
         let zero = [0.0; N];
         Self {
+            origin: [zero; 3],
             inverse: [zero; 3],
             near: [zero; 3],
             far: [zero; 3],

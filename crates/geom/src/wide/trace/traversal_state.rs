@@ -67,9 +67,16 @@ impl Traversal {
     /// Drops all children but the current one, and all candidates.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
+        self.go_to(self.child);
+        self.candidates.clear();
+    }
+
+    /// Drops all children but this one.
+    #[inline(always)]
+    pub(super) fn go_to(&mut self, child: u32) {
+        self.child = child;
         self.pending[0] = 1;
         self.depth = 1;
-        self.candidates.clear();
     }
 
     /// Pushes the children of a node in the lanes of `mask`.

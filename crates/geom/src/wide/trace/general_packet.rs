@@ -1,0 +1,426 @@
+//! Packet traversal of any-hit queries: 64 coherent rays from anywhere, such as shadow rays to one light.
+//!
+//! The rays go down the tree together, each child with a mask of the rays that may meet it. A node is tested with
+//! bounds of all rays first (interval arithmetic; Boulos, Wald and Shirley, 2006), then its children with the rays that
+//! have come there. What few rays meet, and leaf blocks, are tested as for single rays.
+
+use super::child_test::{LeafHits, record, test_leaf, visit_all};
+use super::ray_setup::RaySetups;
+use super::traversal_state::Traversal;
+use crate::query::Query;
+use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd};
+use crate::wide::tree::Tree;
+use crate::wide::tree::node::{Child, Node};
+use crate::{Aabb, Ray};
+
+/// Unit roundoff of `f32`.
+const U: f32 = f32::EPSILON / 2.0;
+/// By how much bounds of origins are widened, in units of `U` (docs/numerics.md).
+const ORIGIN_ERR: f32 = 20.0;
+/// Rays whose parameters are less certain than this are no packet.
+const UNCERTAIN: f32 = 20.5 * U;
+
+/// Rays that start further apart than this part of the scene's extent are no packet.
+const NEAR: f64 = 0.125;
+/// This few rays visit a node and all below it each by itself (measured).
+const FEW: u32 = 4;
+/// A packet does not pay if its rays make more such visits (measured).
+const MOST_ALONE: u32 = 32;
+/// The most sets of coherent rays that are left to the stream after a packet that does not pay. It is one at first,
+/// twice as many after each packet that does not pay, and half as many after each that does.
+const LONGEST_PAUSE: u32 = 128;
+
+/// The memory of packets, and how they have paid.
+#[derive(Debug)]
+pub(super) struct GeneralPacket {
+    setups: [RaySetups<LANES>; GROUPS],
+    /// The children still to be visited, the next one last, with the rays that may meet each.
+    stack: Vec<(u32, RayMask)>,
+    /// How many sets of rays are left to the stream after the next packet that does not pay, and now.
+    next_pause: u32,
+    pause: u32,
+}
+
+impl GeneralPacket {
+    pub(super) fn idle() -> Self {
+        let setups = [const { RaySetups::idle() }; GROUPS];
+        Self { setups, stack: Vec::new(), next_pause: 1, pause: 0 }
+    }
+
+    /// Answers the query of every ray and reports it. If the rays are not coherent, or packets like this have not paid,
+    /// it reports nothing and returns false.
+    #[inline(always)]
+    pub(super) fn query<S: Simd, Q: Query>(
+        &mut self,
+        simd: S,
+        tree: &Tree,
+        rays: &[Ray; PACKET],
+        traversals: &mut [Traversal; PACKET],
+        mut report: impl FnMut(usize, Q),
+    ) -> bool {
+        if !may_be_coherent(rays, &tree.triangles.bounds()) {
+            return false;
+        }
+        if self.pause > 0 {
+            self.pause -= 1;
+            return false;
+        }
+        let Self { setups, stack, .. } = self;
+        let Some((mut left, negative)) = set(simd, tree, rays, setups) else { return false };
+        let queries = std::array::from_fn(
+            #[inline(always)]
+            |slot| Q::new(&rays[slot]),
+        );
+        let (begun, alone) = (0, 0);
+        let mut packet = Packet { simd, tree, rays, setups, traversals, queries, left, begun, alone };
+        while left != 0 {
+            let (octant, of_octant) = first_octant(left, &negative);
+            left ^= of_octant;
+            packet.run(octant, of_octant, stack);
+        }
+        for (slot, query) in packet.queries.iter_mut().enumerate() {
+            if packet.begun >> slot & 1 != 0 {
+                let Traversal { candidates, t_end, .. } = &mut packet.traversals[slot];
+                candidates.decide(*t_end, &rays[slot], &tree.triangles, query);
+            }
+            report(slot, *query);
+        }
+        if packet.alone > MOST_ALONE {
+            self.pause = self.next_pause;
+            self.next_pause = LONGEST_PAUSE.min(2 * self.next_pause);
+        } else {
+            self.next_pause = 1.max(self.next_pause / 2);
+        }
+        true
+    }
+}
+
+/// Whether three of the rays start near the first one and point nearly where it does.
+#[inline(always)]
+fn may_be_coherent(rays: &[Ray; PACKET], bounds: &Aabb) -> bool {
+    let (first, near) = (&rays[0], NEAR * bounds.extent().max_element());
+    let is_like_first = |i: usize| {
+        let Ray { origin, direction, .. } = rays[i];
+        let along = first.direction.dot(direction);
+        let square = first.direction.length_squared() * direction.length_squared();
+        (origin - first.origin).abs().max_element() <= near && along > 0.0 && 2.0 * along * along >= square
+    };
+    [PACKET - 1, PACKET / 3, 2 * PACKET / 3].into_iter().all(is_like_first)
+}
+
+/// Sets up rays. Returns those that may hit anything, and along each axis those whose directions are negative; `None` if
+/// the parameters of any are too uncertain.
+#[inline(always)]
+fn set<S: Simd>(
+    simd: S,
+    tree: &Tree,
+    rays: &[Ray; PACKET],
+    setups: &mut [RaySetups<LANES>; GROUPS],
+) -> Option<(RayMask, [RayMask; 3])> {
+    let (mut may_hit, mut certain, mut negative) = (0, 0, [0; 3]);
+    for (g, (setups, group)) in setups.iter_mut().zip(rays.as_chunks().0).enumerate() {
+        setups.set(&simd.columns(group), &tree.triangles.bounds(), &tree.space);
+        let at = g * LANES;
+        for (i, &may_hit_one) in setups.may_hit.iter().enumerate() {
+            may_hit |= RayMask::from(may_hit_one) << (at + i);
+        }
+        certain |= RayMask::from(simd.le(simd.load(&setups.t_err), simd.splat(UNCERTAIN))) << at;
+        for (negative, inverse) in negative.iter_mut().zip(&setups.inverse) {
+            *negative |= RayMask::from(simd.signs(simd.load(inverse))) << at;
+        }
+    }
+    (may_hit & !certain == 0).then_some((may_hit, negative))
+}
+
+/// The octant that the first of `rays` points into, and those of `rays` that do so too.
+#[inline(always)]
+fn first_octant(mut rays: RayMask, negative: &[RayMask; 3]) -> (u8, RayMask) {
+    let (first, mut octant) = (rays & rays.wrapping_neg(), 0);
+    for (axis, &negative) in negative.iter().enumerate() {
+        let descends = negative & first != 0;
+        octant |= u8::from(descends) << axis;
+        rays &= if descends { negative } else { !negative };
+    }
+    (octant, rays)
+}
+
+struct Packet<'a, S, Q> {
+    simd: S,
+    tree: &'a Tree,
+    rays: &'a [Ray; PACKET],
+    setups: &'a [RaySetups<LANES>; GROUPS],
+    traversals: &'a mut [Traversal; PACKET],
+    queries: [Q; PACKET],
+    /// The rays that may hit something and whose query is not answered.
+    left: RayMask,
+    /// The rays whose traversals have begun.
+    begun: RayMask,
+    /// How often a ray has visited a node and all below it by itself.
+    alone: u32,
+}
+
+impl<S: Simd, Q: Query> Packet<'_, S, Q> {
+    /// Visits all that rays toward one octant may meet.
+    #[inline(always)]
+    fn run(&mut self, octant: u8, rays: RayMask, stack: &mut Vec<(u32, RayMask)>) {
+        let bounds = RayBounds::of(self.simd, self.setups, octant, rays);
+        let mut hits = [LeafHits::none(self.simd); PACKET];
+        stack.clear();
+        stack.push((Child::ROOT, rays));
+        while let Some((child, rays)) = stack.pop() {
+            let rays = rays & self.left;
+            if Child::is_block(child) == 1 {
+                self.test_block(child, rays, &mut hits);
+            } else if rays.count_ones() <= FEW {
+                self.visit_alone(child, rays);
+            } else {
+                self.test_node(child, &bounds, octant, rays, stack);
+            }
+        }
+    }
+
+    /// Pushes those of a node's children that any of `rays` may meet.
+    #[inline(always)]
+    fn test_node(
+        &self,
+        child: u32,
+        bounds: &RayBounds,
+        octant: u8,
+        rays: RayMask,
+        stack: &mut Vec<(u32, RayMask)>,
+    ) {
+        let (simd, node) = (self.simd, &self.tree.nodes[child as usize]);
+        let (some, all) = bounds.meet(simd, node, octant);
+        for lane in Bits(some.into()) {
+            let lane = lane % LANES;
+            let is_met_by_all = all >> lane & 1 != 0;
+            let met = if is_met_by_all { rays } else { self.meet(node, lane, octant, rays) };
+            if met != 0 {
+                stack.push((node.children[lane], met));
+                let address = self.tree.address(node.children[lane]);
+                for line in 0..4 {
+                    simd.prefetch(address.wrapping_add(64 * line));
+                }
+            }
+        }
+    }
+
+    /// The rays that meet the bounds of a child.
+    #[inline(always)]
+    fn meet(&self, node: &Node, lane: usize, octant: u8, rays: RayMask) -> RayMask {
+        let (simd, mut met) = (self.simd, 0);
+        let slabs = [node.slabs(0, octant), node.slabs(1, octant), node.slabs(2, octant)];
+        for first in Bits(groups_of(rays)) {
+            let setups = &self.setups[first / LANES % GROUPS];
+            let (mut start, mut end) = (simd.splat(0.0), simd.load(&setups.end));
+            for (axis, [enter, leave]) in slabs.iter().enumerate() {
+                let inverse = simd.load(&setups.inverse[axis]);
+                let near = simd.load(&setups.near[axis]);
+                start = simd.max(start, simd.mul_add(simd.splat(enter[lane]), inverse, near));
+                let far = simd.load(&setups.far[axis]);
+                end = simd.min(end, simd.mul_add(simd.splat(leave[lane]), inverse, far));
+            }
+            met |= RayMask::from(simd.le(start, end)) << first;
+        }
+        met & rays
+    }
+
+    /// Tests a leaf block, as the stream does: all rays before the first hit is recorded.
+    #[inline(always)]
+    fn test_block(&mut self, child: u32, rays: RayMask, hits: &mut [LeafHits<S>; PACKET]) {
+        let mut with_hits: RayMask = 0;
+        for slot in Bits(rays) {
+            self.go_to(slot, child);
+            hits[slot] = test_leaf(self.simd, self.tree, &mut self.traversals[slot]);
+            with_hits |= RayMask::from(hits[slot].any()) << slot;
+        }
+        for slot in Bits(with_hits) {
+            let (traversal, query) = (&mut self.traversals[slot], &mut self.queries[slot]);
+            record(self.simd, self.tree, &self.rays[slot], &hits[slot], traversal, query);
+            self.left &= !(RayMask::from(query.is_answered()) << slot);
+        }
+    }
+
+    /// Visits a node and all below it, ray by ray.
+    #[inline(always)]
+    fn visit_alone(&mut self, child: u32, rays: RayMask) {
+        for slot in Bits(rays) {
+            self.alone += 1;
+            self.go_to(slot, child);
+            let (traversal, query) = (&mut self.traversals[slot], &mut self.queries[slot]);
+            visit_all(self.simd, self.tree, &self.rays[slot], traversal, query, &mut ());
+            self.left &= !(RayMask::from(query.is_answered()) << slot);
+        }
+    }
+
+    /// Moves the traversal of a ray to this child.
+    #[inline(always)]
+    fn go_to(&mut self, slot: usize, child: u32) {
+        let traversal = &mut self.traversals[slot];
+        if self.begun >> slot & 1 == 0 {
+            self.begun |= 1 << slot;
+            if let Some(setup) = self.setups[slot / LANES % GROUPS].get(slot % LANES) {
+                traversal.begin(setup, slot as u32);
+            }
+        }
+        traversal.go_to(child);
+    }
+}
+
+/// The groups that hold any of `rays`: the bit of each one's first ray.
+#[inline(always)]
+fn groups_of(rays: RayMask) -> RayMask {
+    let rays = rays | rays >> 4;
+    let rays = rays | rays >> 2;
+    (rays | rays >> 1) & 0x0101_0101_0101_0101
+}
+
+/// Bounds of the origins, the inverse directions and the ranges of rays whose directions lie in one octant.
+#[derive(Clone, Copy, Debug)]
+struct RayBounds {
+    /// Along each axis, the origins from which boxes are entered and left first, and those from which last.
+    origin: [[f32; 2]; 3],
+    /// The least and the greatest.
+    inverse: [[f32; 2]; 3],
+    end: [f32; 2],
+}
+
+impl RayBounds {
+    #[inline(always)]
+    fn of<S: Simd>(simd: S, setups: &[RaySetups<LANES>; GROUPS], octant: u8, rays: RayMask) -> Self {
+        let (mut origin, mut inverse) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
+        for axis in 0..3 {
+            let [low, high] = range(simd, rays, |g| &setups[g].origin[axis]);
+            let (low, high) = (low - ORIGIN_ERR * U, high + ORIGIN_ERR * U);
+            let descends = octant >> axis & 1 != 0;
+            origin[axis] = if descends { [low, high] } else { [high, low] };
+            inverse[axis] = range(simd, rays, |g| &setups[g].inverse[axis]);
+        }
+        Self { origin, inverse, end: range(simd, rays, |g| &setups[g].end) }
+    }
+
+    /// The children of a node that any of the rays may meet, and those that all of them seem to meet.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, node: &Node, octant: u8) -> (u8, u8) {
+        let (mut first_start, mut last_start) = (simd.splat(0.0), simd.splat(0.0));
+        let (mut first_end, mut last_end) = (simd.splat(self.end[0]), simd.splat(self.end[1]));
+        for axis in 0..3 {
+            let [enter, leave] = node.slabs(axis, octant);
+            let [first, last] = self.crossings(simd, axis, simd.load(enter));
+            (first_start, last_start) = (simd.max(first_start, first), simd.max(last_start, last));
+            let [first, last] = self.crossings(simd, axis, simd.load(leave));
+            (first_end, last_end) = (simd.min(first_end, first), simd.min(last_end, last));
+        }
+        (simd.le(first_start, last_end), simd.le(last_start, first_end))
+    }
+
+    /// When the first and the last of the rays cross planes across `axis`.
+    #[inline(always)]
+    fn crossings<S: Simd>(&self, simd: S, axis: usize, planes: S::F) -> [S::F; 2] {
+        let (least, greatest) = (simd.splat(self.inverse[axis][0]), simd.splat(self.inverse[axis][1]));
+        let first = simd.sub(planes, simd.splat(self.origin[axis][0]));
+        let last = simd.sub(planes, simd.splat(self.origin[axis][1]));
+        [
+            simd.min(simd.mul(first, least), simd.mul(first, greatest)),
+            simd.max(simd.mul(last, least), simd.mul(last, greatest)),
+        ]
+    }
+}
+
+/// The smallest and the largest of the rays' numbers.
+#[inline(always)]
+fn range<'a, S: Simd>(simd: S, rays: RayMask, column: impl Fn(usize) -> &'a [f32; LANES]) -> [f32; 2] {
+    let (none, zero) = (simd.splat(f32::INFINITY), simd.splat(0.0));
+    let (mut low, mut minus_high) = (none, none);
+    for g in 0..GROUPS {
+        let (x, lanes) = (simd.load(column(g)), (rays >> (g * LANES)) as u8);
+        low = simd.min(low, simd.select(lanes, x, none));
+        minus_high = simd.min(minus_high, simd.select(lanes, simd.sub(zero, x), none));
+    }
+    [simd.min_of(low, 0xff), -simd.min_of(minus_high, 0xff)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformance::shapes::icosphere;
+    use crate::conformance::{Seeded, Source};
+    use crate::cpu::Portable;
+    use crate::query::AnyHit;
+    use crate::wide::build::build;
+    use crate::wide::tree::normalize::NormalizedSpace;
+    use crate::{KdOptions, Triangles};
+    use glam::{DVec3, Vec3};
+
+    fn vector(source: &mut Seeded) -> DVec3 {
+        DVec3::new(source.signed(), source.signed(), source.signed())
+    }
+
+    /// Segments between two places of some width.
+    fn beam(source: &mut Seeded, [from, to]: [DVec3; 2], width: f64) -> [Ray; PACKET] {
+        std::array::from_fn(|_| Ray::segment(from + width * vector(source), to + width * vector(source)))
+    }
+
+    /// Each ray of a packet is reported once, and packets that do not pay are followed by a pause.
+    #[test]
+    fn only_coherent_rays_are_a_packet() {
+        let triangles = Triangles::new(icosphere(5).triangles()).unwrap();
+        let tree = build(&triangles, &KdOptions::default()).unwrap();
+        let mut traversals = (0..PACKET).map(|_| Traversal::idle()).collect::<Vec<_>>();
+        let mut query = |packet: &mut GeneralPacket, rays: &[Ray; PACKET]| {
+            let (mut reported, traversals) = ([0; PACKET], traversals.as_mut_slice().try_into().unwrap());
+            let is_packet = packet.query(Portable, &tree, rays, traversals, |i, _: AnyHit| reported[i] += 1);
+            assert_eq!(reported, [i32::from(is_packet); PACKET]);
+            is_packet
+        };
+        let (mut source, mut packet) = (Seeded::new(24), GeneralPacket::idle());
+        let through = [DVec3::new(-0.3, 0.2, 3.0), DVec3::new(0.4, 0.6, -3.0)];
+        let narrow = beam(&mut source, through, 0.001);
+        assert!((0..3).all(|_| query(&mut packet, &narrow)));
+        assert!(!query(&mut packet, &beam(&mut source, through, 4.0)));
+        // Along the silhouette they share too few nodes.
+        let along = [DVec3::new(0.7, 0.68, 2.0), DVec3::new(0.72, 0.69, -2.0)];
+        let grazing = beam(&mut source, along, 0.12);
+        assert_eq!([(); 5].map(|()| query(&mut packet, &grazing)), [true, false, true, false, false]);
+    }
+
+    /// A point on one of the rays is met by their bounds.
+    #[test]
+    fn what_lies_on_a_ray_is_met() {
+        let (mut source, mut met, mut others) = (Seeded::new(31), 0, 0);
+        let bounds = Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE };
+        let space = NormalizedSpace::new(&bounds);
+        while met < 30_000 {
+            let ends = [vector(&mut source), vector(&mut source)];
+            let rays = beam(&mut source, ends, 0.05);
+            let mut setups = [const { RaySetups::idle() }; GROUPS];
+            for (setups, group) in setups.iter_mut().zip(rays.as_chunks().0) {
+                setups.set(&Portable.columns(group), &bounds, &space);
+            }
+            let octant = setups[0].octant[0];
+            let of_octant = |slot: usize| {
+                let setups = &setups[slot / LANES];
+                setups.octant[slot % LANES] == octant && setups.may_hit[slot % LANES]
+            };
+            let all = (0..PACKET).filter(|slot| of_octant(*slot)).fold(0, |rays, slot| rays | 1 << slot);
+            let of_rays = RayBounds::of(Portable, &setups, octant as u8, all);
+            for slot in Bits(all) {
+                let at = rays[slot].at(source.unit());
+                if at.abs().max_element() > 1.0 {
+                    continue;
+                }
+                let mut node = Node::empty();
+                for (lane, at) in [(2, at), (6, at + 0.4 * vector(&mut source))] {
+                    let at = space.position(at.as_vec3());
+                    node.set(lane, &Aabb { min: at, max: at }, Child::Node(1));
+                }
+                let (lanes, _) = of_rays.meet(Portable, &node, octant as u8);
+                assert!(lanes & 0b100 != 0, "{:?} at {at:?}", rays[slot]);
+                met += 1;
+                others += i32::from(lanes & 0b100_0000 != 0);
+            }
+        }
+        // They do not meet just anything.
+        assert!(others < met / 3, "{others} of {met}");
+    }
+}
