@@ -83,6 +83,7 @@ fn get(columns: &Columns, lane: usize) -> DVec3 {
 }
 
 /// The [`Shear`]s of eight rays with one main axis, a column for each number. Components are in its order.
+#[repr(align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shears {
     pub(super) main_axis: usize,
@@ -93,6 +94,7 @@ pub(super) struct Shears {
 }
 
 /// The decisions about one candidate of each of eight rays.
+#[repr(align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Decisions {
     t: [f64; LANES],

@@ -73,10 +73,11 @@ impl GeneralPacket {
         );
         let (begun, alone) = (0, 0);
         let mut packet = Packet { simd, tree, rays, setups, traversals, queries, left, begun, alone };
+        let mut hits = [LeafHits::none(simd); PACKET];
         while left != 0 {
             let (octant, of_octant) = first_octant(left, &negative);
             left ^= of_octant;
-            packet.run(octant, of_octant, stack);
+            packet.run(octant, of_octant, stack, &mut hits);
         }
         for (slot, query) in packet.queries.iter_mut().enumerate() {
             if packet.begun >> slot & 1 != 0 {
@@ -162,15 +163,20 @@ struct Packet<'a, S, Q> {
 impl<S: Simd, Q: Query> Packet<'_, S, Q> {
     /// Visits all that rays toward one octant may meet.
     #[inline(always)]
-    fn run(&mut self, octant: u8, rays: RayMask, stack: &mut Vec<(u32, RayMask)>) {
+    fn run(
+        &mut self,
+        octant: u8,
+        rays: RayMask,
+        stack: &mut Vec<(u32, RayMask)>,
+        hits: &mut [LeafHits<S>; PACKET],
+    ) {
         let bounds = RayBounds::of(self.simd, self.setups, octant, rays);
-        let mut hits = [LeafHits::none(self.simd); PACKET];
         stack.clear();
         stack.push((Child::ROOT, rays));
         while let Some((child, rays)) = stack.pop() {
             let rays = rays & self.left;
             if Child::is_block(child) == 1 {
-                self.test_block(child, rays, &mut hits);
+                self.test_block(child, rays, hits);
             } else if rays.count_ones() <= FEW {
                 self.visit_alone(child, rays);
             } else {

@@ -101,6 +101,7 @@ impl CommonOrigin {
 const BEYOND: f64 = 2.0;
 
 /// The rays of a packet, a column for each number.
+#[repr(align(64))]
 #[derive(Debug)]
 pub(super) struct PacketRays {
     /// The deviations along x and y.

@@ -33,6 +33,7 @@ struct StackEntry {
 }
 
 /// [`Filtered`] in memory.
+#[repr(align(32))]
 #[derive(Clone, Copy, Debug)]
 struct StoredFiltered {
     starts: [f32; LANES],
