@@ -1,17 +1,22 @@
 //! CPU dispatch: code is written once, compiled for each [`SimdLevel`], and selected at run time.
 //!
-//! A value of a token type ([`Avx2`], [`Avx512`]) exists only if the machine supports the instruction set, so
-//! code that has one may use these instructions.
+//! The vectors and the tokens are those of the crate `fearless_simd`. A value of a token type ([`Avx2`],
+//! [`Avx512`]) exists only if the machine supports the instruction set, so code that has one may use these
+//! instructions.
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+pub(crate) use fearless_simd::{Avx2, Avx512};
 
 /// The instruction sets that code is compiled for, in ascending order. All give the same results, to the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum SimdLevel {
-    /// The baseline of the compilation target.
+    /// The baseline of the compilation target: SSE2 on x86-64, NEON on 64-bit ARM, SIMD128 on WebAssembly where
+    /// it is enabled, else no vector instructions.
     Portable,
-    /// AVX2 with FMA.
+    /// AVX2 with FMA (x86-64-v3).
     Avx2,
-    /// AVX-512 F, BW, DQ and VL.
+    /// AVX-512 as of Intel's Ice Lake and AMD's Zen 4. Earlier processors with AVX-512 have [`SimdLevel::Avx2`].
     Avx512,
 }
 
@@ -43,104 +48,103 @@ impl SimdLevel {
     /// ```
     #[inline(always)]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
-        match Token::new(self) {
-            Token::Portable(simd) => simd.vectorize(work),
-            #[cfg(target_arch = "x86_64")]
-            Token::Avx2(simd) => simd.vectorize(work),
-            #[cfg(target_arch = "x86_64")]
-            Token::Avx512(simd) => simd.vectorize(work),
-        }
+        vectorized!(Token::new(self), |_simd| work())
     }
 }
 
-/// The token that every machine has.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Portable;
-
-impl Portable {
-    /// Calls `work`, compiled for the baseline of the target.
-    #[inline(always)]
-    pub(crate) fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
-        work()
-    }
-}
-
-/// Defines the token of an instruction set, given its CPU features.
-#[cfg(target_arch = "x86_64")]
-macro_rules! instruction_set {
-    ($(#[$attribute:meta])* $token:ident: $($feature:tt),+) => {
-        $(#[$attribute])*
-        #[derive(Clone, Copy, Debug)]
-        pub(crate) struct $token(());
-
-        impl $token {
-            /// The token; `None` if the machine does not support every feature.
-            fn detect() -> Option<Self> {
-                ($(is_x86_feature_detected!($feature))&&+).then_some(Self(()))
-            }
-
-            /// Calls `work`, compiled for this instruction set.
-            #[inline(always)]
-            pub(crate) fn vectorize<R>(self, work: impl FnOnce() -> R) -> R {
-                #[target_feature($(enable = $feature),+)]
-                fn inner<R>(work: impl FnOnce() -> R) -> R {
-                    work()
-                }
-                // SAFETY: the token exists only if the machine supports all of the features.
-                unsafe { inner(work) }
-            }
+/// Runs an expression, compiled for the level of `$token`; `$simd` is the token of that level.
+macro_rules! vectorized {
+    ($token:expr, |$simd:ident| $work:expr) => {
+        match $token {
+            $crate::cpu::Token::Portable($simd) => fearless_simd::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $work,
+            ),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::cpu::Token::Avx2($simd) => fearless_simd::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $work,
+            ),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::cpu::Token::Avx512($simd) => fearless_simd::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $work,
+            ),
         }
     };
 }
-
-#[cfg(target_arch = "x86_64")]
-instruction_set! {
-    /// The machine supports AVX2 and FMA.
-    Avx2: "avx2", "fma", "bmi1", "bmi2", "popcnt", "lzcnt"
-}
-
-#[cfg(target_arch = "x86_64")]
-instruction_set! {
-    /// The machine supports AVX-512 F, BW, DQ and VL.
-    Avx512: "avx512f", "avx512dq", "avx512vl", "avx512bw", "avx2", "fma", "bmi1", "bmi2", "popcnt", "lzcnt"
-}
+pub(crate) use vectorized;
 
 /// A [`SimdLevel`] that this machine supports.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Token {
     Portable(Portable),
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     Avx2(Avx2),
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     Avx512(Avx512),
 }
 
 impl Token {
     /// The token of `level`, or of the highest supported level below it.
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     pub(crate) fn new(level: SimdLevel) -> Self {
-        let avx512 = (level >= SimdLevel::Avx512).then(Avx512::detect).flatten();
-        let avx2 = (level >= SimdLevel::Avx2).then(Avx2::detect).flatten();
+        let best = fearless_simd::Level::new();
+        let avx512 = best.as_avx512().filter(|_| level >= SimdLevel::Avx512);
+        let avx2 = best.as_avx2().filter(|_| level >= SimdLevel::Avx2);
         match (avx512, avx2) {
             (Some(avx512), _) => Self::Avx512(avx512),
             (None, Some(avx2)) => Self::Avx2(avx2),
-            (None, None) => Self::Portable(Portable),
+            (None, None) => Self::Portable(portable()),
         }
     }
 
     /// The token of `level`, or of the highest supported level below it.
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
     pub(crate) fn new(_: SimdLevel) -> Self {
-        Self::Portable(Portable)
+        Self::Portable(portable())
     }
 
     pub(crate) fn level(self) -> SimdLevel {
         match self {
             Self::Portable(_) => SimdLevel::Portable,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Avx2(_) => SimdLevel::Avx2,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Avx512(_) => SimdLevel::Avx512,
         }
     }
+}
+
+/// Defines the token that every machine of the compilation target has, and the function that returns it.
+macro_rules! baseline {
+    ($($(#[$attribute:meta])* $token:ident: $value:expr;)+) => {
+        $(
+            $(#[$attribute])*
+            pub(crate) type Portable = fearless_simd::$token;
+
+            $(#[$attribute])*
+            pub(crate) fn portable() -> Portable {
+                $value
+            }
+        )+
+    };
+}
+
+baseline! {
+    #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), target_feature = "sse2", target_feature = "fxsr"))]
+    Sse2: fearless_simd::Level::baseline().as_sse2().expect("part of the target");
+    #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+    Neon: fearless_simd::Level::baseline().as_neon().expect("part of the target");
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    WasmSimd128: fearless_simd::Level::baseline().as_wasm_simd128().expect("part of the target");
+    #[cfg(not(any(
+        all(any(target_arch = "x86", target_arch = "x86_64"), target_feature = "sse2", target_feature = "fxsr"),
+        all(target_arch = "aarch64", target_feature = "neon"),
+        all(target_arch = "wasm32", target_feature = "simd128"),
+    )))]
+    Fallback: fearless_simd::Fallback::new();
 }

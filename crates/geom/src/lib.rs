@@ -24,13 +24,14 @@
 //! # Ok::<(), globillum_geom::GeomError>(())
 //! ```
 
+#![forbid(unsafe_code)]
+
 mod aabb;
 mod accel;
 mod brute;
 mod by_query;
 #[cfg(feature = "conformance")]
 pub mod conformance;
-#[allow(unsafe_code)]
 mod cpu;
 pub mod decide;
 mod error;

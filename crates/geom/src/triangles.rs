@@ -1,5 +1,6 @@
 use crate::{Aabb, GeomError, SurfacePoint, Triangle};
 use glam::{DVec3, Vec3};
+use prefetch_index::prefetch_index;
 use std::sync::Arc;
 
 /// Validated triangles, from which every accelerator is built.
@@ -51,6 +52,12 @@ impl Triangles {
     #[inline]
     pub fn get(&self, index: u32) -> &Triangle {
         &self.all[index as usize]
+    }
+
+    /// Asks for the cache line where triangle `index` begins.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, index: u32) {
+        prefetch_index(&*self.all, index as usize);
     }
 
     /// The point `(1 - u - v) * v0 + u * v1 + v * v2` of triangle `index`, with its normal and error bound.

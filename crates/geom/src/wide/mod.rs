@@ -15,12 +15,11 @@
 //!   [`cpu`](crate::cpu).
 
 mod build;
-#[allow(unsafe_code)]
 mod simd;
 mod trace;
 mod tree;
 
-use crate::cpu::{SimdLevel, Token};
+use crate::cpu::{SimdLevel, Token, vectorized};
 use crate::query::{AnyHit, ClosestHit, Query};
 use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, Traverse, Triangles};
 use trace::{Scratch, query_one, query_others, query_packets};
@@ -108,28 +107,6 @@ impl WideKdTree {
     }
 }
 
-/// Runs an expression, compiled for the tree's level; `$simd` is the token of that level.
-macro_rules! vectorized {
-    ($tree:expr, |$simd:ident| $query:expr) => {
-        match $tree.token {
-            Token::Portable($simd) => $simd.vectorize(
-                #[inline(always)]
-                || $query,
-            ),
-            #[cfg(target_arch = "x86_64")]
-            Token::Avx2($simd) => $simd.vectorize(
-                #[inline(always)]
-                || $query,
-            ),
-            #[cfg(target_arch = "x86_64")]
-            Token::Avx512($simd) => $simd.vectorize(
-                #[inline(always)]
-                || $query,
-            ),
-        }
-    };
-}
-
 impl WideKdTree {
     /// Answers the query of every ray. Packets and stream are compiled apart: together they are slower.
     fn query_batch<Q: Query, T: Clone + Default>(
@@ -139,19 +116,19 @@ impl WideKdTree {
         answer: impl Fn(Q) -> T + Copy,
     ) {
         Scratch::lend(|scratch| {
-            vectorized!(self, |simd| query_packets(simd, &self.tree, rays, scratch, answers, answer));
-            vectorized!(self, |simd| query_others(simd, &self.tree, rays, scratch, answers, answer));
+            vectorized!(self.token, |simd| query_packets(simd, &self.tree, rays, scratch, answers, answer));
+            vectorized!(self.token, |simd| query_others(simd, &self.tree, rays, scratch, answers, answer));
         });
     }
 }
 
 impl Traverse for WideKdTree {
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        vectorized!(self, |simd| query_one::<_, ClosestHit, P>(simd, &self.tree, ray, probe)).hit()
+        vectorized!(self.token, |simd| query_one::<_, ClosestHit, P>(simd, &self.tree, ray, probe)).hit()
     }
 
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        vectorized!(self, |simd| query_one::<_, AnyHit, P>(simd, &self.tree, ray, probe)).found()
+        vectorized!(self.token, |simd| query_one::<_, AnyHit, P>(simd, &self.tree, ray, probe)).found()
     }
 }
 

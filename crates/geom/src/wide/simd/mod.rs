@@ -1,13 +1,14 @@
 //! Vectors of eight lanes, on whatever the machine has.
 //!
-//! The traversals are written once, over [`Simd`]. A value of a type that implements it is a token
-//! of [`cpu`](crate::cpu): it exists only where the instructions do, so using it is safe.
+//! The traversals are written once, over [`Simd`], a thin layer over the vectors of `fearless_simd`. A value of a
+//! type that implements it is a token of [`cpu`](crate::cpu): it exists only where the instructions do.
 
-mod portable;
-#[cfg(target_arch = "x86_64")]
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod x86;
 
+use crate::cpu::Portable;
 use crate::{Ray, Triangle};
+use fearless_simd::{Select, SimdBase, SimdFloat, SimdInt, SimdMask, f32x8, f64x8, u32x8};
 
 /// How many lanes a vector has.
 pub(super) const LANES: usize = 8;
@@ -44,7 +45,7 @@ impl Iterator for Bits {
 /// each axis. Readable a vector beyond the end.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
-    words: &'a [f32],
+    words: &'a [f32; (Rows::COUNT + 1) * LANES],
     count: usize,
 }
 
@@ -53,8 +54,8 @@ impl<'a> Rows<'a> {
 
     #[inline(always)]
     pub(super) fn new(words: &'a [f32], count: usize) -> Self {
-        assert!(count <= LANES && words.len() >= (Self::COUNT + 1) * LANES);
-        Self { words, count }
+        assert!(count <= LANES);
+        Self { words: words.first_chunk().expect("a vector follows the last row"), count }
     }
 
     /// The coordinates along `axis` of the three vertices.
@@ -62,11 +63,12 @@ impl<'a> Rows<'a> {
     pub(super) fn along(self, axis: usize) -> [&'a [f32; LANES]; 3] {
         assert!(axis < 3);
         let start = 3 * axis * self.count;
-        // SAFETY: these rows start at or before `8 * LANES`, and there are `10 * LANES` words.
-        unsafe {
-            let row = self.words.as_ptr().add(start);
-            [&*row.cast(), &*row.add(self.count).cast(), &*row.add(2 * self.count).cast()]
-        }
+        [self.row(start), self.row(start + self.count), self.row(start + 2 * self.count)]
+    }
+
+    #[inline(always)]
+    fn row(self, start: usize) -> &'a [f32; LANES] {
+        self.words[start..].first_chunk().expect("a vector follows the last row")
     }
 
     /// The lanes that hold a triangle.
@@ -85,61 +87,198 @@ pub(super) type CornerColumns = [[f32; LANES]; 9];
 /// Vectors of eight `f32` or `u32`. Masks are bytes, bit `i` for lane `i`.
 ///
 /// Comparisons with NaN are false. `mul_add` may round once or twice.
-pub(super) trait Simd: Copy {
+pub(super) trait Simd: fearless_simd::Simd {
     /// Eight `f32`.
-    type F: Copy;
+    type F: SimdFloat<Self, Element = f32, Array = [f32; LANES]>;
     /// Eight `u32`.
-    type I: Copy;
+    type I: SimdInt<Self, Element = u32, Array = [u32; LANES]>;
 
-    fn splat(self, x: f32) -> Self::F;
-    fn load(self, x: &[f32; LANES]) -> Self::F;
-    fn store(self, to: &mut [f32; LANES], x: Self::F);
-    fn add(self, a: Self::F, b: Self::F) -> Self::F;
-    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
-    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
-    fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F {
+        SimdBase::splat(self, x)
+    }
+    #[inline(always)]
+    fn load(self, x: &[f32; LANES]) -> Self::F {
+        SimdBase::load_array_ref(self, x)
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES], x: Self::F) {
+        x.store_array(to);
+    }
+    #[inline(always)]
+    fn add(self, a: Self::F, b: Self::F) -> Self::F {
+        a + b
+    }
+    #[inline(always)]
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
+        a - b
+    }
+    #[inline(always)]
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
+        a * b
+    }
+    #[inline(always)]
+    fn div(self, a: Self::F, b: Self::F) -> Self::F {
+        a / b
+    }
     /// `a * b + c`.
-    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        a.mul_add(b, c)
+    }
     /// `a * b - c`.
-    fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
-    /// The smaller; `b` if either is NaN.
-    fn min(self, a: Self::F, b: Self::F) -> Self::F;
-    /// The larger; `b` if either is NaN.
-    fn max(self, a: Self::F, b: Self::F) -> Self::F;
-    fn abs(self, a: Self::F) -> Self::F;
+    #[inline(always)]
+    fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        a.mul_sub(b, c)
+    }
+    /// The smaller; any of the two or NaN if either is NaN.
+    #[inline(always)]
+    fn min(self, a: Self::F, b: Self::F) -> Self::F {
+        a.min(b)
+    }
+    /// The larger; any of the two or NaN if either is NaN.
+    #[inline(always)]
+    fn max(self, a: Self::F, b: Self::F) -> Self::F {
+        a.max(b)
+    }
+    #[inline(always)]
+    fn abs(self, a: Self::F) -> Self::F {
+        a.abs()
+    }
     /// The larger of the magnitudes.
-    fn max_abs(self, a: Self::F, b: Self::F) -> Self::F;
-    fn lt(self, a: Self::F, b: Self::F) -> u8;
-    fn le(self, a: Self::F, b: Self::F) -> u8;
+    #[inline(always)]
+    fn max_abs(self, a: Self::F, b: Self::F) -> Self::F {
+        a.abs().max(b.abs())
+    }
+    #[inline(always)]
+    fn lt(self, a: Self::F, b: Self::F) -> u8 {
+        a.simd_lt(b).to_bitmask() as u8
+    }
+    #[inline(always)]
+    fn le(self, a: Self::F, b: Self::F) -> u8 {
+        a.simd_le(b).to_bitmask() as u8
+    }
     /// The sign bits.
-    fn signs(self, a: Self::F) -> u8;
+    #[inline(always)]
+    fn signs(self, a: Self::F) -> u8 {
+        a.is_sign_negative().to_bitmask() as u8
+    }
     /// Lane `i` is lane `index[i] % 8` of `table`.
-    fn permute(self, table: Self::F, index: Self::I) -> Self::F;
+    #[inline(always)]
+    fn permute(self, table: Self::F, index: Self::I) -> Self::F {
+        SimdBase::load_array(
+            self,
+            index.to_array().map(
+                #[inline(always)]
+                |i| table[i as usize % LANES],
+            ),
+        )
+    }
     /// Lane by lane, `a` where `mask` has a bit and `b` where not.
-    fn select(self, mask: u8, a: Self::F, b: Self::F) -> Self::F;
+    #[inline(always)]
+    fn select(self, mask: u8, a: Self::F, b: Self::F) -> Self::F {
+        <Self::F as SimdBase<Self>>::Mask::from_bitmask(self, mask.into()).select(a, b)
+    }
     /// The smallest of the lanes in `mask`, or infinity.
-    fn min_of(self, a: Self::F, mask: u8) -> f32;
+    #[inline(always)]
+    fn min_of(self, a: Self::F, mask: u8) -> f32 {
+        self.select(mask, a, self.splat(f32::INFINITY)).reduce_min()
+    }
 
-    fn load_i(self, x: &[u32; LANES]) -> Self::I;
-    fn store_i(self, to: &mut [u32; LANES], x: Self::I);
+    #[inline(always)]
+    fn load_i(self, x: &[u32; LANES]) -> Self::I {
+        SimdBase::load_array_ref(self, x)
+    }
+    #[inline(always)]
+    fn store_i(self, to: &mut [u32; LANES], x: Self::I) {
+        x.store_array(to);
+    }
     /// The indices of eight lanes, three bits each.
-    fn lane_indices(self, packed: u32) -> Self::I;
+    #[inline(always)]
+    fn lane_indices(self, packed: u32) -> Self::I {
+        <Self::I as SimdBase<Self>>::splat(self, packed) >> self.load_i(&[0, 3, 6, 9, 12, 15, 18, 21])
+    }
     /// [`Simd::permute`] for integers.
-    fn permute_i(self, table: Self::I, index: Self::I) -> Self::I;
+    #[inline(always)]
+    fn permute_i(self, table: Self::I, index: Self::I) -> Self::I {
+        SimdBase::load_array(
+            self,
+            index.to_array().map(
+                #[inline(always)]
+                |i| table[i as usize % LANES],
+            ),
+        )
+    }
 
     /// The numbers of eight rays, side by side.
-    fn columns(self, rays: &[Ray; LANES]) -> RayColumns<LANES>;
+    #[inline(always)]
+    fn columns(self, rays: &[Ray; LANES]) -> RayColumns<LANES> {
+        let mut rows = [f64x8::splat(self, 0.0); LANES];
+        for (row, ray) in rows.iter_mut().zip(rays) {
+            *row = f64x8::load_array(self, numbers(ray));
+        }
+        let mut columns = [[0.0; LANES]; 8];
+        for (column, x) in columns.iter_mut().zip(transpose(rows)) {
+            x.store_array(column);
+        }
+        columns
+    }
     /// The coordinates of eight triangles, side by side.
-    fn corners(self, triangles: [&Triangle; LANES]) -> CornerColumns;
+    #[inline(always)]
+    fn corners(self, triangles: [&Triangle; LANES]) -> CornerColumns {
+        let (mut rows, mut corners) = ([self.splat(0.0); LANES], [[0.0; LANES]; 9]);
+        for (i, triangle) in triangles.into_iter().enumerate() {
+            let [row @ .., last] = coordinates(triangle);
+            rows[i] = self.load(&row);
+            corners[8][i] = last;
+        }
+        for (column, x) in corners.iter_mut().zip(transpose(rows)) {
+            self.store(column, x);
+        }
+        corners
+    }
+}
 
-    /// Asks for the cache line at `x`, whatever is there.
-    fn prefetch<T>(self, x: *const T);
+/// Transposes eight vectors of eight lanes: thrice, each of the first four is zipped with one of the last four.
+#[inline(always)]
+fn transpose<S: Simd, V: SimdBase<S>>(mut rows: [V; LANES]) -> [V; LANES] {
+    for _ in 0..3 {
+        let [a, b, c, d, e, f, g, h] = rows;
+        let (ae, bf, cg, dh) = (zip(a, e), zip(b, f), zip(c, g), zip(d, h));
+        rows = [ae.0, ae.1, bf.0, bf.1, cg.0, cg.1, dh.0, dh.1];
+    }
+    rows
+}
+
+/// The lanes of two vectors in turns.
+#[inline(always)]
+fn zip<S: Simd, V: SimdBase<S>>(a: V, b: V) -> (V, V) {
+    (a.zip_low(b), a.zip_high(b))
+}
+
+/// Origin, direction, `t_min` and `t_max`.
+#[inline(always)]
+fn numbers(ray: &Ray) -> [f64; 8] {
+    let Ray { origin: o, direction: d, t_min, t_max } = *ray;
+    [o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max]
+}
+
+/// The coordinates of the first vertex, the second and the third.
+#[inline(always)]
+fn coordinates(triangle: &Triangle) -> [f32; 9] {
+    let [a, b, c] = triangle.vertices;
+    [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z]
+}
+
+impl Simd for Portable {
+    type F = f32x8<Self>;
+    type I = u32x8<Self>;
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cpu::{SimdLevel, Token};
+    use crate::cpu::{SimdLevel, Token, vectorized};
     use glam::{DVec3, Vec3};
 
     fn at_every_level(check: impl Fn(SimdLevel, RayColumns<LANES>, CornerColumns)) {
@@ -153,13 +292,9 @@ mod tests {
             Triangle::new(corner(0), corner(1), corner(2))
         });
         for level in SimdLevel::ALL {
-            let (columns, corners) = match Token::new(level) {
-                Token::Portable(simd) => (simd.columns(&rays), simd.corners(triangles.each_ref())),
-                #[cfg(target_arch = "x86_64")]
-                Token::Avx2(simd) => (simd.columns(&rays), simd.corners(triangles.each_ref())),
-                #[cfg(target_arch = "x86_64")]
-                Token::Avx512(simd) => (simd.columns(&rays), simd.corners(triangles.each_ref())),
-            };
+            let (columns, corners) = vectorized!(Token::new(level), |simd| {
+                (simd.columns(&rays), simd.corners(triangles.each_ref()))
+            });
             check(level, columns, corners);
         }
     }

@@ -122,7 +122,7 @@ pub(super) fn record<S: Simd, Q: Query>(
     simd.store(&mut starts, filtered.start);
     for lane in Bits(filtered.possible.into()) {
         let index = tree.leaves.index(*first, lane);
-        simd.prefetch(tree.triangles.get(index));
+        tree.triangles.prefetch(index);
         traversal.candidates.add(starts[lane % LANES], index);
         if traversal.candidates.is_full() {
             traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, query);

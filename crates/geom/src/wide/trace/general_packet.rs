@@ -203,10 +203,7 @@ impl<S: Simd, Q: Query> Packet<'_, S, Q> {
             let met = if is_met_by_all { rays } else { self.meet(node, lane, octant, rays) };
             if met != 0 {
                 stack.push((node.children[lane], met));
-                let address = self.tree.address(node.children[lane]);
-                for line in 0..4 {
-                    simd.prefetch(address.wrapping_add(64 * line));
-                }
+                self.tree.prefetch::<4>(node.children[lane]);
             }
         }
     }
@@ -351,7 +348,7 @@ mod tests {
     use super::*;
     use crate::conformance::shapes::icosphere;
     use crate::conformance::{Seeded, Source};
-    use crate::cpu::Portable;
+    use crate::cpu::portable;
     use crate::query::AnyHit;
     use crate::wide::build::build;
     use crate::wide::tree::normalize::NormalizedSpace;
@@ -375,7 +372,8 @@ mod tests {
         let mut traversals = (0..PACKET).map(|_| Traversal::idle()).collect::<Vec<_>>();
         let mut query = |packet: &mut GeneralPacket, rays: &[Ray; PACKET]| {
             let (mut reported, traversals) = ([0; PACKET], traversals.as_mut_slice().try_into().unwrap());
-            let is_packet = packet.query(Portable, &tree, rays, traversals, |i, _: AnyHit| reported[i] += 1);
+            let is_packet =
+                packet.query(portable(), &tree, rays, traversals, |i, _: AnyHit| reported[i] += 1);
             assert_eq!(reported, [i32::from(is_packet); PACKET]);
             is_packet
         };
@@ -401,7 +399,7 @@ mod tests {
             let rays = beam(&mut source, ends, 0.05);
             let mut setups = [const { RaySetups::idle() }; GROUPS];
             for (setups, group) in setups.iter_mut().zip(rays.as_chunks().0) {
-                setups.set(&Portable.columns(group), &bounds, &space);
+                setups.set(&portable().columns(group), &bounds, &space);
             }
             let octant = setups[0].octant[0];
             let of_octant = |slot: usize| {
@@ -409,7 +407,7 @@ mod tests {
                 setups.octant[slot % LANES] == octant && setups.may_hit[slot % LANES]
             };
             let all = (0..PACKET).filter(|slot| of_octant(*slot)).fold(0, |rays, slot| rays | 1 << slot);
-            let of_rays = RayBounds::of(Portable, &setups, octant as u8, all);
+            let of_rays = RayBounds::of(portable(), &setups, octant as u8, all);
             for slot in Bits(all) {
                 let at = rays[slot].at(source.unit());
                 if at.abs().max_element() > 1.0 {
@@ -420,7 +418,7 @@ mod tests {
                     let at = space.position(at.as_vec3());
                     node.set(lane, &Aabb { min: at, max: at }, Child::Node(1));
                 }
-                let (lanes, _) = of_rays.meet(Portable, &node, octant as u8);
+                let (lanes, _) = of_rays.meet(portable(), &node, octant as u8);
                 assert!(lanes & 0b100 != 0, "{:?} at {at:?}", rays[slot]);
                 met += 1;
                 others += i32::from(lanes & 0b100_0000 != 0);

@@ -20,6 +20,7 @@ use crate::{Probe, Ray};
 use child_test::visit_all;
 use general_packet::GeneralPacket;
 use packet::Packet;
+use prefetch_index::prefetch_index;
 use ray_setup::RaySetups;
 use std::cell::Cell;
 use stream::query_stream;
@@ -75,7 +76,7 @@ pub(super) fn query_packets<S: Simd, Q: Query, T: Clone + Default>(
         let mut report = |i, query| {
             answers[start + i] = answer(query);
             // The rays of the next packet, which are needed soon.
-            simd.prefetch(rays.as_ptr().wrapping_add(start + PACKET + i));
+            prefetch_index(rays, start + PACKET + i);
         };
         let is_packet = rays[start..].first_chunk().is_some_and(
             #[inline(always)]

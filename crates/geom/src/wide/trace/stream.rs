@@ -12,6 +12,7 @@ use crate::query::Query;
 use crate::wide::simd::{Bits, LANES, PACKET, RayMask, Simd};
 use crate::wide::tree::Tree;
 use crate::wide::tree::node::Child;
+use prefetch_index::prefetch_index;
 
 /// How many rays are in flight: enough to hide latency, and few enough that their state stays in the first-level
 /// cache (measured, docs/performance.md).
@@ -68,7 +69,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
             }
             self.test_nodes(simd, waiting.nodes);
             self.test_leaves(simd, waiting.blocks, &mut hits);
-            waiting = self.advance(simd, waiting.nodes | waiting.blocks);
+            waiting = self.advance(waiting.nodes | waiting.blocks);
         }
     }
 
@@ -85,7 +86,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
             let group = group.copied().unwrap_or_else(|| self.last_group());
             // The rays after these, which are needed soon.
             for i in 0..LANES {
-                simd.prefetch(self.rays.as_ptr().wrapping_add(self.next + 2 * LANES + i));
+                prefetch_index(self.rays, self.next + 2 * LANES + i);
             }
             self.setups.set(&simd.columns(&group), &triangles.bounds(), space);
         }
@@ -167,7 +168,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     ///
     /// In a loop of its own, where the results of the tests are known and nothing waits.
     #[inline(always)]
-    fn advance<S: Simd>(&mut self, simd: S, slots: RayMask) -> Waiting {
+    fn advance(&mut self, slots: RayMask) -> Waiting {
         let mut waiting = Waiting::default();
         for slot in Bits(slots) {
             let traversal = &mut self.traversals[slot];
@@ -175,10 +176,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
             let child = traversal.child;
             waiting.blocks |= RayMask::from(Child::is_block(child)) << slot;
             waiting.ended |= RayMask::from(Child::is_end(child)) << slot;
-            let address = self.tree.address(child);
-            for line in 0..5 {
-                simd.prefetch(address.wrapping_add(64 * line));
-            }
+            self.tree.prefetch::<5>(child);
         }
         waiting.nodes = slots & !(waiting.blocks | waiting.ended);
         waiting

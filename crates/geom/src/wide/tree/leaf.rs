@@ -4,6 +4,7 @@ use super::normalize::NormalizedSpace;
 use crate::wide::simd::{LANES, Rows};
 use crate::{Triangle, Triangles};
 use arrayvec::ArrayVec;
+use prefetch_index::prefetch_index;
 
 /// What a vector read at the last row may see beyond the end.
 const PADDING: usize = Rows::COUNT * LANES + LANES;
@@ -55,13 +56,10 @@ impl LeafBlocks {
         size_of_val(&*self.coordinates) + size_of_val(&*self.indices)
     }
 
-    /// Bytes of coordinates that a triangle takes.
-    pub(crate) const STRIDE: usize = Rows::COUNT * size_of::<f32>();
-
-    /// Where the coordinates are.
+    /// The coordinates of all blocks: [`Rows::COUNT`] for each reference.
     #[inline(always)]
-    pub(crate) fn as_ptr(&self) -> *const u8 {
-        self.coordinates.as_ptr().cast()
+    pub(crate) fn coordinates(&self) -> &[f32] {
+        &self.coordinates
     }
 
     /// The block's rows.
@@ -73,6 +71,12 @@ impl LeafBlocks {
     /// The triangles of the block.
     pub(crate) fn indices(&self, first: usize, count: usize) -> &[u32] {
         &self.indices[first..][..count]
+    }
+
+    /// Asks for the cache line of a block's first index.
+    #[inline(always)]
+    pub(crate) fn prefetch_indices(&self, first: usize) {
+        prefetch_index(&self.indices, first);
     }
 
     /// The index of a triangle of the block.

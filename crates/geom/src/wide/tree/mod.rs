@@ -5,10 +5,15 @@ pub(super) mod leaf;
 pub(super) mod node;
 pub(super) mod normalize;
 
+use super::simd::Rows;
 use crate::Triangles;
 use leaf::LeafBlocks;
 use node::{Child, Node};
 use normalize::NormalizedSpace;
+use prefetch_index::prefetch_index;
+
+/// How many `f32` a cache line holds.
+const WORDS_OF_A_LINE: usize = 16;
 
 /// Most levels of nodes below a leaf of the k-d tree. Half of them are enough to halve any number of
 /// triangles.
@@ -35,12 +40,14 @@ impl Tree {
         self.leaves.indices(first, count)
     }
 
-    /// Where a child is, found without a branch, which would be mispredicted.
+    /// Asks for the first cache lines of a child, without a branch, which would be mispredicted.
     #[inline(always)]
-    pub(super) fn address(&self, child: u32) -> *const u8 {
-        let (nodes, leaves) = (self.nodes.as_ptr().cast::<u8>(), self.leaves.as_ptr());
-        let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) as usize);
-        let (starts, sizes) = ([nodes, leaves], [size_of::<Node>(), LeafBlocks::STRIDE]);
-        starts[is_block & 1].wrapping_add(place * sizes[is_block & 1])
+    pub(super) fn prefetch<const LINES: usize>(&self, child: u32) {
+        let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) as usize & 1);
+        let starts = [self.nodes[0].faces.as_flattened(), self.leaves.coordinates()];
+        let words = [size_of::<Node>() / size_of::<f32>(), Rows::COUNT];
+        for line in 0..LINES {
+            prefetch_index(starts[is_block], place * words[is_block] + line * WORDS_OF_A_LINE);
+        }
     }
 }

@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use crate::Aabb;
     use crate::conformance::{Seeded, Source};
-    use crate::cpu::Portable;
+    use crate::cpu::portable;
     use crate::wide::simd::PACKET;
     use crate::wide::tree::node::Child;
     use crate::wide::tree::normalize::NormalizedSpace;
@@ -118,7 +118,7 @@ mod tests {
             let (mut origin, mut packet_rays) =
                 (CommonOrigin::new(&rays, &space).unwrap(), PacketRays::idle());
             let (groups, _) = rays.as_chunks();
-            assert!(packet_rays.set(Portable, &mut origin, groups));
+            assert!(packet_rays.set(portable(), &mut origin, groups));
             for _ in 0..16 {
                 let slot = source.below(PACKET);
                 let (g, i) = (slot / LANES, slot % LANES);
@@ -133,7 +133,7 @@ mod tests {
                     node.set(lane, &Aabb { min: at, max: at }, Child::Node(1));
                 }
                 let end = packet_rays.end[g][i];
-                let (bounds, lanes) = ChildBounds::of(Portable, &node, &origin, end);
+                let (bounds, lanes) = ChildBounds::of(portable(), &node, &origin, end);
                 let SlopeBounds { low, high } = bounds.get(3);
                 let is_in = |axis: usize| {
                     let x = packet_rays.deviation[axis][g][i];

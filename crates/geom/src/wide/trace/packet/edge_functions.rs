@@ -251,7 +251,7 @@ mod tests {
     use super::*;
     use crate::Ray;
     use crate::conformance::{Seeded, Source};
-    use crate::cpu::Portable;
+    use crate::cpu::portable;
     use crate::decide::permute;
     use crate::wide::simd::PACKET;
     use crate::wide::tree::normalize::NormalizedSpace;
@@ -292,7 +292,7 @@ mod tests {
     /// so that a bound a tenth as large would fail.
     #[test]
     fn errors_are_within_their_bounds() {
-        let (simd, mut source) = (Portable, Seeded::new(11));
+        let (simd, mut source) = (portable(), Seeded::new(11));
         let (mut worst, mut met, mut certain) = (0.0_f64, 0, 0);
         for _ in 0..4000 {
             let rays = packet(&mut source);
@@ -305,7 +305,7 @@ mod tests {
                 let ray = &rays[source.below(PACKET)];
                 triangle(&mut source, &common, ray)
             });
-            let column = |i: usize, axis: usize| triangles.map(|t| t[i][axis] as f32);
+            let column = |i: usize, axis: usize| simd.load(&triangles.map(|t| t[i][axis] as f32));
             let row = |axis: usize| [0, 1, 2].map(|i| column(i, axis));
             let functions = EdgeFunctions::new(simd, &center, &Vertices { x: row(0), y: row(1), z: row(2) });
             let may_hit = functions.may_hit(simd, &center);

@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use crate::conformance::shapes::icosphere;
     use crate::conformance::{Seeded, Source};
-    use crate::cpu::Portable;
+    use crate::cpu::portable;
     use crate::query::ClosestHit;
     use crate::wide::build::build;
     use crate::{KdOptions, Triangles};
@@ -102,7 +102,7 @@ mod tests {
         let tree = build(&triangles, &KdOptions::default()).unwrap();
         let mut source = Seeded::new(6);
         let is_packet =
-            |rays: &[Ray; PACKET]| Packet::idle().query(Portable, &tree, rays, |_, _: ClosestHit| {});
+            |rays: &[Ray; PACKET]| Packet::idle().query(portable(), &tree, rays, |_, _: ClosestHit| {});
         let rays = packet(&mut source);
         assert!(is_packet(&rays));
         let spoil: [fn(&mut Ray); 10] = [

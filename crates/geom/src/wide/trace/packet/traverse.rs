@@ -123,10 +123,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
             let lane = (order >> (3 * place)) as usize % LANES;
             let (child, near, bounds) = (node.children[lane], bounds.near[lane], bounds.get(lane));
             self.state.stack.push(StackEntry { child, near, bounds });
-            let address = self.tree.address(child);
-            for line in 0..4 {
-                self.simd.prefetch(address.wrapping_add(64 * line));
-            }
+            self.tree.prefetch::<4>(child);
         }
     }
 
@@ -141,7 +138,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
         let groups = (0..GROUPS).filter(|g| group_of(rays, *g) != 0).count();
         let (first, count) = Child::block(entry.child);
         let rows = self.tree.leaves.rows(first, count);
-        simd.prefetch(self.tree.leaves.indices(first, count).as_ptr());
+        self.tree.leaves.prefetch_indices(first);
         let center = CentralRay::new(&self.common, &entry.bounds);
         let edges = EdgeFunctions::new(simd, &center, &Vertices::load(simd, rows, self.common.axes));
         let triangles = edges.may_hit(simd, &center) & rows.lanes();
@@ -294,7 +291,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
     #[inline(always)]
     fn add(&mut self, g: usize, i: usize, start: f32, index: u32) {
         let triangles = &self.tree.triangles;
-        self.simd.prefetch(triangles.get(index));
+        triangles.prefetch(index);
         let candidates = &mut self.state.candidates[g][i];
         candidates.add(start, index);
         if candidates.is_full() {
