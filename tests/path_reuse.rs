@@ -40,11 +40,11 @@ fn largest_z(a: &Film, b: &Film) -> f64 {
     pixels.map(z).fold(0.0, f64::max)
 }
 
-/// A picture of `8 * PASSES` samples per pixel.
+/// A picture of `4 * PASSES` samples per pixel.
 fn picture(model: &Model, camera: &Camera, path_reuse: PathReuse, change: impl Fn(&mut Settings)) -> Film {
-    let mut settings = Settings::new(SIDE, SIDE, 8 * PASSES);
+    let mut settings = Settings::new(SIDE, SIDE, 4 * PASSES);
     (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
-    settings.pass_samples = 8;
+    settings.pass_samples = 4;
     change(&mut settings);
     film(model, camera, &settings)
 }
