@@ -119,7 +119,8 @@ impl Token {
     }
 }
 
-/// Defines the token that every machine of the compilation target has, and the function that returns it.
+/// Defines the token that every machine of the compilation target has, and the function that returns it. It cannot fail:
+/// the compiler was told that the target has these features, so the baseline level has them too.
 macro_rules! baseline {
     ($($(#[$attribute:meta])* $token:ident: $value:expr;)+) => {
         $(

@@ -55,6 +55,7 @@ impl<'a> Rows<'a> {
     #[inline(always)]
     pub(super) fn new(words: &'a [f32], count: usize) -> Self {
         assert!(count <= LANES);
+        // `LeafBlocks::finish` adds as many words after the last block.
         Self { words: words.first_chunk().expect("a vector follows the last row"), count }
     }
 
@@ -68,6 +69,7 @@ impl<'a> Rows<'a> {
 
     #[inline(always)]
     fn row(self, start: usize) -> &'a [f32; LANES] {
+        // At most 8 rows of 8 words precede a row, and `words` has 10.
         self.words[start..].first_chunk().expect("a vector follows the last row")
     }
 
