@@ -50,14 +50,16 @@ enum Axis {
 const AXES: [Axis; 4] = [Axis::First, Axis::Second, Axis::Third, Axis::Fourth];
 
 impl Axis {
-    /// The first digits of point `index`.
+    /// The first digits of the points `indices`.
     #[inline(always)]
-    fn digits_of(self, index: u64, digits: u32) -> u64 {
+    fn digits_of<const N: usize>(self, indices: [u64; N], digits: u32) -> [u64; N] {
         match self {
-            Self::First => reversed(index, digits),
-            Self::Second => second_sobol(index, digits),
-            Self::Third => third_sobol(index, digits),
-            Self::Fourth => fourth_sobol(index, digits),
+            Self::First => backward(indices, digits),
+            Self::Second => second_sobol(indices, digits),
+            Self::Third => sobol(indices, digits, [1 << 31, 3 << 30], |[m0, m1]| [m1, m1 ^ m0 ^ (m0 >> 2)]),
+            Self::Fourth => sobol(indices, digits, [1 << 31, 3 << 30, 1 << 29], |[m0, m1, m2]| {
+                [m1, m2, m1 ^ m0 ^ (m0 >> 3)]
+            }),
         }
     }
 }
@@ -133,11 +135,7 @@ impl<const N: usize> SobolPoints<N> {
     fn coordinates<const D: usize>(&self, keys: [u64; N], places: [u64; N]) -> [[f64; N]; D] {
         let mut all = [[0.0; N]; D];
         for (axis, coordinates) in AXES.into_iter().zip(&mut all) {
-            let mut digits = places;
-            for digit in &mut digits {
-                *digit = axis.digits_of(*digit, self.shape.digits);
-            }
-            *coordinates = self.scrambled(keys, axis, digits);
+            *coordinates = self.scrambled(keys, axis, axis.digits_of(places, self.shape.digits));
         }
         all
     }
@@ -228,41 +226,39 @@ fn reversed(index: u64, digits: u32) -> u64 {
     index.reverse_bits() >> (63 - digits) >> 1
 }
 
-/// The first `digits` binary digits of the second Sobol' dimension, whose matrix is Pascal's
-/// triangle modulo two: each direction number is the one before it, added to itself shifted.
+/// The first `digits` binary digits of the second Sobol' dimension, whose matrix is Pascal's triangle modulo two: digit
+/// `k` is the sum of those digits of the index whose place has all binary digits of `k` (Lucas 1878).
 #[inline(always)]
-fn second_sobol(index: u64, digits: u32) -> u64 {
-    let (mut sum, mut direction) = (0, 1 << 31);
-    for digit in 0..digits {
-        sum ^= direction * (index >> digit & 1);
-        direction ^= direction >> 1;
+fn second_sobol<const N: usize>(mut indices: [u64; N], digits: u32) -> [u64; N] {
+    for x in &mut indices {
+        *x ^= *x >> 1 & 0x5555_5555;
+        *x ^= *x >> 2 & 0x3333_3333;
+        *x ^= *x >> 4 & 0x0f0f_0f0f;
+        *x ^= *x >> 8 & 0x00ff_00ff;
+        *x ^= *x >> 16;
     }
-    sum << digits >> 32
+    backward(indices, digits)
 }
 
-/// The first `digits` binary digits of the third Sobol' dimension, of the polynomial x^2 + x + 1
-/// with initial numbers 1 and 3 (Joe and Kuo 2008).
+/// The first `digits` binary digits of a Sobol' dimension, given by its first direction numbers and by how each follows
+/// from those before it: the third from the polynomial x^2 + x + 1 with initial numbers 1 and 3, the fourth from
+/// x^3 + x + 1 with 1, 3 and 1 (Joe and Kuo 2008).
 #[inline(always)]
-fn third_sobol(index: u64, digits: u32) -> u64 {
-    let (mut sum, mut direction, mut next) = (0, 1_u64 << 31, 3_u64 << 30);
-    for digit in 0..digits {
-        sum ^= direction * (index >> digit & 1);
-        (direction, next) = (next, next ^ direction ^ (direction >> 2));
+fn sobol<const N: usize, const D: usize>(
+    mut indices: [u64; N],
+    digits: u32,
+    mut directions: [u64; D],
+    next: impl Fn([u64; D]) -> [u64; D],
+) -> [u64; N] {
+    let mut sums = [0; N];
+    for _ in 0..digits {
+        for (sum, index) in sums.iter_mut().zip(&mut indices) {
+            *sum ^= directions[0] & (*index & 1).wrapping_neg();
+            *index >>= 1;
+        }
+        directions = next(directions);
     }
-    sum << digits >> 32
-}
-
-/// The first `digits` binary digits of the fourth Sobol' dimension, of the polynomial x^3 + x + 1
-/// with initial numbers 1, 3 and 1 (Joe and Kuo 2008).
-#[inline(always)]
-fn fourth_sobol(index: u64, digits: u32) -> u64 {
-    let (mut sum, mut directions) = (0, [1_u64 << 31, 3 << 30, 1 << 29]);
-    for digit in 0..digits {
-        let [first, second, third] = directions;
-        sum ^= first * (index >> digit & 1);
-        directions = [second, third, second ^ first ^ (first >> 3)];
-    }
-    sum << digits >> 32
+    sums.map(|sum| sum << digits >> 32)
 }
 
 #[cfg(test)]
@@ -271,14 +267,11 @@ mod tests {
 
     #[test]
     fn the_first_points_are_those_of_sobol() {
-        let first: Vec<_> = (0..8).map(|i| reversed(i, 3)).collect();
-        let second: Vec<_> = (0..8).map(|i| second_sobol(i, 3)).collect();
-        assert_eq!(first, [0, 4, 2, 6, 1, 5, 3, 7]);
-        let third: Vec<_> = (0..8).map(|i| third_sobol(i, 3)).collect();
+        let [first, second, third, fourth] = AXES.map(|axis| axis.digits_of([0, 1, 2, 3, 4, 5, 6, 7], 3));
         // In eighths.
+        assert_eq!(first, [0, 4, 2, 6, 1, 5, 3, 7]);
         assert_eq!(second, [0, 4, 6, 2, 5, 1, 3, 7]);
         assert_eq!(third, [0, 4, 6, 2, 3, 7, 5, 1]);
-        let fourth: Vec<_> = (0..8).map(|i| fourth_sobol(i, 3)).collect();
         assert_eq!(fourth, [0, 4, 6, 2, 1, 5, 7, 3]);
     }
 
