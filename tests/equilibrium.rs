@@ -12,7 +12,7 @@ use glam::DVec3;
 use globillum::geom::Triangle;
 use globillum::integrator::{
     Camera, Estimator, Film, LightSampling, MirrorSampling, Model, PathReuse, PixelFilter, Sampler, Settings,
-    render,
+    Supersampling, render,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::ACCELERATORS;
@@ -301,6 +301,8 @@ impl Stage {
     fn settings(&self) -> Settings {
         let mut settings = Settings::new(1, 1, 1);
         if self.is_exact {
+            // Every path has the same radiance, but not its parts.
+            settings.supersampling = Supersampling::Off;
             (settings.estimator, settings.path_reuse) = (Estimator::Bsdf, PathReuse::Off);
             settings.roulette.start = Settings::MAX_BOUNCES;
         }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray};
 use globillum::integrator::{
     Camera, Ending, Estimator, Model, Monitor, Picture, PixelGoal, Progress, Render, RenderError, Scene,
-    Settings, Stop, render,
+    Settings, Stop, Supersampling, render,
 };
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
@@ -296,8 +296,8 @@ fn a_panic_is_an_error_and_the_next_render_works() {
     let mut settings = Settings::new(64, 64, 64);
     for threads in [1, 2, 7] {
         settings.threads = threads;
-        // The first pass has 2^16 camera rays and further rays.
-        let (scene, camera) = failing(200_000, Failure::Panic);
+        // Before and in the first pass are 1.3 * 2^16 probes for lights, 2^16 camera rays, and further rays.
+        let (scene, camera) = failing(300_000, Failure::Panic);
         let recorder = Recorder::default();
         let error = render(&scene, &camera, &settings, &recorder).expect_err("it panics");
         assert!(
@@ -361,7 +361,8 @@ fn a_panic_in_any_method_of_a_monitor_is_an_error() {
 #[test]
 fn a_nan_is_an_error_that_names_its_sample() {
     let mut settings = Settings::new(64, 64, 64);
-    settings.threads = 1;
+    // No probes for lights come first.
+    (settings.threads, settings.supersampling) = (1, Supersampling::Off);
     // A camera ray of the first tile: four samples of a pixel, pixel after pixel.
     let (scene, camera) = failing(4 * 18 + 3, Failure::NotANumber);
     let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
@@ -372,7 +373,7 @@ fn a_nan_is_an_error_that_names_its_sample() {
 #[test]
 fn path_reuse_does_not_spread_a_nan() {
     let mut settings = Settings::new(64, 64, 64);
-    (settings.threads, settings.roulette.start) = (1, 20);
+    (settings.threads, settings.roulette.start, settings.supersampling) = (1, 20, Supersampling::Off);
     // No path ends early in a furnace: 2048 rays precede the third rays of the first tile's 4 x 256 samples.
     let scene = failing_in(&scenes::furnace(0.5, 1.0, DVec3::ZERO), 2048 + 4 * 18 + 3, Failure::NotANumber);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));

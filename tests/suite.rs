@@ -40,5 +40,6 @@ mod sensors;
 mod solid_angle;
 mod stop;
 mod streams;
+mod supersampling;
 mod view_factors;
 mod warps;

@@ -75,6 +75,7 @@ impl<'a> Summary<'a> {
     ) -> Self {
         let Timing { build_seconds, render_seconds, traced } = timing;
         let counters = picture.counters;
+        let pixels = u64::from(picture.film.width()) * u64::from(picture.film.height());
         let bounds = scene.triangles().bounds();
         let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
         Self {
@@ -99,7 +100,7 @@ impl<'a> Summary<'a> {
             render_seconds,
             samples_per_pixel: picture.samples,
             passes_held: passes(&picture.film).map(|range| [range.start, range.end]).collect(),
-            samples: counters.camera_rays,
+            samples: u64::from(picture.samples) * pixels,
             camera_rays: counters.camera_rays,
             bounce_rays: counters.bounce_rays,
             shadow_rays: counters.shadow_rays,

@@ -59,4 +59,4 @@ pub use scene::{Interaction, MaterialId, Model, Scene};
 pub use sensor::{
     Camera, ElementSample, IrradiancePoints, OrthographicCamera, PathStart, Reading, Sensor, SphericalCamera,
 };
-pub use settings::{Estimator, MirrorSampling, PathReuse, PixelFilter, Roulette, Settings};
+pub use settings::{Estimator, MirrorSampling, PathReuse, PixelFilter, Roulette, Settings, Supersampling};

@@ -143,6 +143,7 @@ fn settings_text(settings: &Settings) -> String {
         ("estimator", kebab(settings.estimator)),
         ("light_sampling", kebab(settings.light_sampling)),
         ("mirror_sampling", kebab(settings.mirror_sampling)),
+        ("supersampling", kebab(settings.supersampling)),
         ("path_reuse", kebab(settings.path_reuse)),
         ("max_bounces", max_bounces.map_or_else(|| "none".into(), |max| max.to_string())),
         ("pass_samples", pass_samples.to_string()),

@@ -84,6 +84,7 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
     assert_eq!(
         read.attributes["settings"],
         "sampler=sobol filter=box estimator=mis light_sampling=solid-angle mirror_sampling=images \
+         supersampling=lights \
          path_reuse=fours max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.35"
     );
     assert_eq!(read.first_hits, None);

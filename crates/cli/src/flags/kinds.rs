@@ -1,7 +1,9 @@
 //! Choices by the names they have on the command line.
 
 use clap::ValueEnum;
-use globillum::integrator::{Estimator, LightSampling, MirrorSampling, PathReuse, PixelFilter, Sampler};
+use globillum::integrator::{
+    Estimator, LightSampling, MirrorSampling, PathReuse, PixelFilter, Sampler, Supersampling,
+};
 use serde::Serialize;
 
 #[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
@@ -93,6 +95,24 @@ impl From<MirrorSamplingKind> for MirrorSampling {
         match kind {
             MirrorSamplingKind::Off => Self::Off,
             MirrorSamplingKind::Images => Self::Images,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SupersamplingKind {
+    /// One camera ray per sample
+    Off,
+    /// Sixteen more where neighbouring pixels see different emission, also in mirrors
+    Lights,
+}
+
+impl From<SupersamplingKind> for Supersampling {
+    fn from(kind: SupersamplingKind) -> Self {
+        match kind {
+            SupersamplingKind::Off => Self::Off,
+            SupersamplingKind::Lights => Self::Lights,
         }
     }
 }

@@ -1,5 +1,7 @@
 use super::checkpoints::CheckpointFlags;
-use super::kinds::{EstimatorKind, LightSamplingKind, MirrorSamplingKind, PathReuseKind, SamplerKind};
+use super::kinds::{
+    EstimatorKind, LightSamplingKind, MirrorSamplingKind, PathReuseKind, SamplerKind, SupersamplingKind,
+};
 use super::stop::StopFlags;
 use crate::parse;
 use globillum::integrator::Settings;
@@ -37,6 +39,9 @@ pub(crate) struct SamplingFlags {
     /// Whether next event estimation also reaches lights by way of mirrors
     #[arg(long, value_enum, default_value_t = MirrorSamplingKind::Images)]
     mirror_sampling: MirrorSamplingKind,
+    /// Supersampling: whether the edges of lights get more camera rays
+    #[arg(long, value_enum, default_value_t = SupersamplingKind::Lights)]
+    supersampling: SupersamplingKind,
     /// Path reuse: whether neighbouring pixels share path suffixes
     #[arg(long, value_enum, default_value_t = PathReuseKind::Fours)]
     path_reuse: PathReuseKind,
@@ -70,6 +75,7 @@ impl SamplingFlags {
         settings.estimator = self.estimator.into();
         settings.light_sampling = self.light_sampling.into();
         settings.mirror_sampling = self.mirror_sampling.into();
+        settings.supersampling = self.supersampling.into();
         settings.path_reuse = self.path_reuse.into();
         settings.max_bounces = self.max_bounces;
     }

@@ -4,7 +4,7 @@ use crate::{CORNELL, GLOBILLUM};
 use std::path::Path;
 use std::process::Output;
 
-const SMALL: [&str; 6] = ["--width", "32", "--height", "32", "--spp", "16"];
+const SMALL: [&str; 6] = ["--width", "32", "--height", "32", "--spp", "32"];
 
 fn render(folder: &Path, out: &str, flags: &[&str]) {
     CORNELL.succeed(folder, &[&SMALL[..], &["--out", out, "--pass-spp", "4"], flags].concat());

@@ -4,7 +4,7 @@ use std::ops::AddAssign;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counters {
-    /// Camera rays, one per sample.
+    /// Camera rays: one per sample, and those that supersample lights.
     pub camera_rays: u64,
     /// Rays in scattered directions.
     pub bounce_rays: u64,

@@ -1,4 +1,5 @@
 use super::counters::Counters;
+use super::light_edges::LightEdges;
 use super::path_state::Path;
 use super::pixel_groups::block_around;
 use super::render_context::RenderContext;
@@ -17,7 +18,11 @@ pub struct Replay {
     pub vertices: Vec<Vertex>,
     /// The radiance from the environment, if the path left the scene, times its throughput.
     pub environment: Rgb,
-    /// The radiance that the path finds by itself: the sum over its vertices and the environment.
+    /// The emission of lights that the sample's other camera rays find, if it has any
+    /// ([`Supersampling`](crate::Supersampling)). What the path itself meets before its first diffuse vertex is then
+    /// black, but by way of many mirrors.
+    pub lights: Rgb,
+    /// The radiance that the sample finds by itself: the sum over its vertices, the environment and the lights.
     pub alone: Rgb,
     /// The radiance of the sample, to the bit as in the picture. Differs from [`Replay::alone`] where the
     /// path shares its suffix with those of other pixels ([`PathReuse`](crate::PathReuse)).
@@ -73,15 +78,19 @@ pub fn replay(
     let block = block_around(x, y, settings.width, settings.height);
     let place = (y - block.y) * block.width + (x - block.x);
     let mut wavefront = Wavefront::default();
-    wavefront.trace(&context, block, &one, || false);
+    let edges = LightEdges::of(&context, block);
+    wavefront.trace(&context, (block, &edges), &one, || false);
     let radiance = wavefront.radiance()[place as usize];
-    let mut replay = Replay { vertices: Vec::new(), environment: Rgb::BLACK, alone: Rgb::BLACK, radiance };
-    wavefront.start(&context, block, &one);
+    let lights = wavefront.lights_seen_by(place);
+    let mut replay =
+        Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
+    wavefront.start(&context, (block, &edges), &one);
     for bounce in 0.. {
         if !wavefront.step(&context, place, bounce, &mut replay) {
             break;
         }
     }
+    replay.alone += lights;
     Ok(replay)
 }
 
@@ -155,6 +164,9 @@ impl fmt::Display for Replay {
         }
         if !self.environment.is_black() {
             writeln!(f, "environment {}", self.environment)?;
+        }
+        if !self.lights.is_black() {
+            writeln!(f, "lights {}", self.lights)?;
         }
         writeln!(f, "alone {}", self.alone)?;
         writeln!(f, "radiance {}", self.radiance)

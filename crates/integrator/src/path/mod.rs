@@ -2,6 +2,7 @@
 
 mod counters;
 mod debug_sample;
+mod light_edges;
 mod next_event;
 mod path_state;
 mod pixel_groups;
@@ -13,6 +14,7 @@ mod wavefront;
 
 pub use counters::Counters;
 pub use debug_sample::{Replay, Vertex, replay};
+pub(crate) use light_edges::LightEdges;
 pub(crate) use render_context::RenderContext;
 pub(crate) use tile_bounds::{BLOCK_SIDE, SIDE as TILE_SIDE, Tile};
 pub(crate) use wavefront::Wavefront;

@@ -1,3 +1,4 @@
+use super::light_edges::MAX_REFLECTIONS;
 use super::path_state::Path;
 use super::render_context::RenderContext;
 use super::shading_point::{MisContext, ShadingPoint};
@@ -39,10 +40,13 @@ pub(super) enum Reflected {
 impl RenderContext<'_> {
     /// The radiance that the surface emits along the path, times its multiple importance sampling weight.
     #[inline(always)]
-    pub(super) fn emitted(&self, path: &Path, hit: &Hit, at: &Interaction<'_>) -> Rgb {
+    pub(super) fn emitted(&self, path: &Path, bounce: u32, hit: &Hit, at: &Interaction<'_>) -> Rgb {
         let emitted = at.emitted();
         if emitted.is_black() {
             return emitted;
+        }
+        if path.mis.supersampled && bounce <= MAX_REFLECTIONS {
+            return Rgb::BLACK;
         }
         let MisContext { density, from, mirror, .. } = path.mis;
         let weight =

@@ -1,5 +1,7 @@
 use crate::light::Mirrors;
-use crate::{MirrorSampling, PathReuse, Sampler, Scene, Sensor, Settings};
+use crate::{
+    ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
+};
 use globillum_geom::{Accel, SimdLevel};
 
 /// What is rendered: a scene as a sensor measures it, with settings.
@@ -36,6 +38,22 @@ impl RenderContext<'_> {
     pub(super) fn reuses_paths(&self) -> bool {
         let Settings { max_bounces, roulette, path_reuse, .. } = *self.settings;
         path_reuse == PathReuse::Fours && max_bounces.is_none_or(|max| max >= 2) && roulette.start > 0
+    }
+
+    /// Whether the edges of lights are supersampled.
+    pub(super) fn supersamples_lights(&self) -> bool {
+        self.settings.supersampling == Supersampling::Lights
+            && self.scene.lights().triangles().next().is_some()
+    }
+
+    /// Where the path of a sample of `element` begins that the pixel filter places by `u`.
+    pub(super) fn path_start(&self, (column, row): (u32, u32), u: [f64; 2]) -> PathStart {
+        let Settings { width, height, filter, .. } = *self.settings;
+        let (width, height) = (f64::from(width), f64::from(height));
+        let [dx, dy] = filter.place(u);
+        let x = 2.0 * (f64::from(column) + dx) / width - 1.0;
+        let y = 1.0 - 2.0 * (f64::from(row) + dy) / height;
+        self.sensor.start(&ElementSample { column, row, x, y, aspect: width / height })
     }
 
     /// Whether the samples of a block of pixels are one net.

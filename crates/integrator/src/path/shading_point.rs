@@ -43,11 +43,13 @@ pub(super) struct MisContext {
     pub(super) side: Vec3,
     /// The mirror triangle that the path hit since.
     pub(super) mirror: Option<u32>,
+    /// Whether other camera rays find what the path would find of lights before its first diffuse vertex.
+    pub(super) supersampled: bool,
 }
 
 impl MisContext {
     /// A direction of this density that starts at `from`, on this side of its surface.
     pub(super) fn new(density: Density, from: DVec3, side: Vec3) -> Self {
-        Self { density, from, side, mirror: None }
+        Self { density, from, side, mirror: None, supersampled: false }
     }
 }

@@ -47,6 +47,18 @@ impl Tile {
         self.width as usize * self.height as usize
     }
 
+    /// The tile and the pixels around it, in a picture of this size.
+    pub(crate) fn grown(&self, width: u32, height: u32) -> Tile {
+        let (x, y) = (self.x.saturating_sub(1), self.y.saturating_sub(1));
+        let end = |start: u32, length: u32, size: u32| size.min(start + length + 1);
+        Tile { x, y, width: end(self.x, self.width, width) - x, height: end(self.y, self.height, height) - y }
+    }
+
+    /// Pixel `index` of [`pixels`](Tile::pixels).
+    pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
+        (self.x + index % self.width, self.y + index / self.width)
+    }
+
     /// The place of a pixel, which lies within, among all of them.
     pub(crate) fn index(&self, x: u32, y: u32) -> usize {
         (y - self.y) as usize * self.width as usize + (x - self.x) as usize

@@ -1,4 +1,5 @@
 use super::counters::Counters;
+use super::light_edges::{EmissionRays, LightEdges};
 use super::next_event::{MirrorSample, Reflected};
 use super::path_state::{Path, RadianceSums, Stage, Target};
 use super::pixel_groups::{member, members};
@@ -7,7 +8,7 @@ use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::tile_bounds::Tile;
 use crate::sampler::{BounceNumbers, Member, Numbers};
-use crate::{ElementSample, Interaction, PathStart};
+use crate::{Interaction, PathStart};
 use globillum_geom::{Hit, Ray, SimdLevel, SurfacePoint};
 use globillum_material::{Bsdf, Density, Emission, Material, Reflectance, Rgb};
 use std::f64::consts::PI;
@@ -43,6 +44,7 @@ pub(crate) struct Wavefront {
     /// unit of their radiance adds.
     reflected: Vec<(Contribution, u32)>,
     reflected_rays: Vec<Ray>,
+    emission_rays: EmissionRays,
     pub(super) radiance: RadianceSums,
     pub(super) prefixes: Prefixes,
 }
@@ -69,13 +71,12 @@ impl Wavefront {
     pub(crate) fn trace(
         &mut self,
         context: &RenderContext<'_>,
-        tile: Tile,
+        (tile, edges): (Tile, &LightEdges),
         samples: &Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Counters> {
-        let mut counters = Counters::default();
-        self.start(context, tile, samples);
-        counters.camera_rays = self.rays.len() as u64;
+        self.start(context, (tile, edges), samples);
+        let mut counters = Counters { camera_rays: self.rays.len() as u64, ..Counters::default() };
         for bounce in 0.. {
             if cancelled() {
                 return None;
@@ -89,12 +90,33 @@ impl Wavefront {
         for path in &self.from_points {
             *self.radiance.at(path.target) *= IRRADIANCE;
         }
+        counters.camera_rays += self.supersample(context, (tile, edges), samples);
         Some(counters)
     }
 
     /// The radiance of the samples traced last, pixel by pixel.
     pub(crate) fn radiance(&self) -> &[Rgb] {
         &self.radiance.samples
+    }
+
+    /// Adds what camera rays of their own find of the lights at `edges`. Returns their number.
+    fn supersample(
+        &mut self,
+        context: &RenderContext<'_>,
+        (tile, edges): (Tile, &LightEdges),
+        samples: &Range<u32>,
+    ) -> u64 {
+        let rays = self.emission_rays.find(context, (tile, edges), samples);
+        for &(sample, emitted) in &self.emission_rays.found {
+            self.radiance.samples[sample as usize] += emitted;
+        }
+        rays
+    }
+
+    /// What these camera rays have found for a sample.
+    pub(super) fn lights_seen_by(&self, sample: u32) -> Rgb {
+        let found = self.emission_rays.found.iter().find(|&&(of, _)| of == sample);
+        found.map_or(Rgb::BLACK, |&(_, emitted)| emitted)
     }
 
     /// Advances all paths by one bounce.
@@ -157,7 +179,12 @@ impl Wavefront {
     }
 
     /// Starts the paths of these samples where the sensor says.
-    pub(super) fn start(&mut self, context: &RenderContext<'_>, tile: Tile, samples: &Range<u32>) {
+    pub(super) fn start(
+        &mut self,
+        context: &RenderContext<'_>,
+        (tile, edges): (Tile, &LightEdges),
+        samples: &Range<u32>,
+    ) {
         let settings = context.settings;
         self.paths.clear();
         let pass = settings.pass_of(samples.start);
@@ -174,26 +201,24 @@ impl Wavefront {
         draw_film_numbers(context.simd, &self.paths, &mut self.film_numbers);
         let suffixes = self.prefixes.start(context, tile, samples);
         self.radiance.reset(self.paths.len(), suffixes);
+        for pixel in &edges.pixels {
+            let first = *pixel as usize * samples.len();
+            self.paths[first..first + samples.len()].iter_mut().for_each(|path| path.mis.supersampled = true);
+        }
         self.place(context, tile, samples.len());
     }
 
     /// Asks the sensor where the paths begin, `count` of each element. Keeps those that begin with a ray, in order, and
     /// those that begin at a point by themselves.
     fn place(&mut self, context: &RenderContext<'_>, tile: Tile, count: usize) {
-        let RenderContext { sensor, settings, .. } = *context;
         self.rays.clear();
         self.from_points.clear();
         self.points.clear();
-        let (width, height) = (f64::from(settings.width), f64::from(settings.height));
         let elements = tile.pixels().zip(self.film_numbers.chunks_exact(count));
         let samples = elements.flat_map(|(element, numbers)| numbers.iter().map(move |&u| (element, u)));
         let mut kept = 0;
-        for (i, ((column, row), u)) in samples.enumerate() {
-            let [dx, dy] = settings.filter.place(u);
-            let x = 2.0 * (f64::from(column) + dx) / width - 1.0;
-            let y = 1.0 - 2.0 * (f64::from(row) + dy) / height;
-            let sample = ElementSample { column, row, x, y, aspect: width / height };
-            match sensor.start(&sample) {
+        for (i, (element, u)) in samples.enumerate() {
+            match context.path_start(element, u) {
                 PathStart::Ray(ray) if ray.is_traceable() => {
                     self.paths[kept] = self.paths[i];
                     self.rays.push(ray);
@@ -249,7 +274,7 @@ impl Wavefront {
                 *self.radiance.at(path.target) = Rgb::splat(f64::NAN);
                 continue;
             }
-            *self.radiance.at(path.target) += path.throughput * context.emitted(&path, &hit, &at);
+            *self.radiance.at(path.target) += path.throughput * context.emitted(&path, bounce, &hit, &at);
             if context.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
@@ -425,7 +450,8 @@ mod tests {
             let traced = SimdLevel::ALL.map(|simd| {
                 let context = RenderContext { simd, ..RenderContext::new(&scene, &camera, &settings) };
                 let mut wavefront = Wavefront::default();
-                let counters = wavefront.trace(&context, tile, &(0..16), || false);
+                let counters =
+                    wavefront.trace(&context, (tile, &LightEdges::of(&context, tile)), &(0..16), || false);
                 (counters, wavefront.radiance.samples)
             });
             let lit = traced[0].1.iter().filter(|radiance| !radiance.is_black()).count();

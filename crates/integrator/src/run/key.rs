@@ -70,6 +70,7 @@ impl Key {
             settings.light_sampling as u32,
             settings.mirror_sampling as u32,
             settings.path_reuse.code(),
+            settings.supersampling as u32,
         ];
         for part in [width, height, pass_samples].into_iter().chain(kinds) {
             self.add(part.into());

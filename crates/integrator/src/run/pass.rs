@@ -2,11 +2,12 @@ use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
 use crate::film::{Block, Moments, Squares, Tally};
-use crate::path::{RenderContext, Tile, Wavefront};
+use crate::path::{LightEdges, RenderContext, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_material::Rgb;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Samples per pixel in one wavefront.
 const WAVEFRONT_SAMPLES: u32 = 4;
@@ -18,6 +19,8 @@ pub(crate) struct PassRenderer<'a> {
     pub(crate) meter: &'a Meter,
     /// The pixels that are rendered: those of the film, in the sensor's grid.
     pub(crate) window: Tile,
+    /// Those of each tile, found by its first pass.
+    pub(crate) edges: Vec<OnceLock<LightEdges>>,
 }
 
 /// What the samples of a tile add up to.
@@ -44,9 +47,13 @@ impl PassRenderer<'_> {
         let tiles: Vec<Tile> = Tile::all(self.window).collect();
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
-            .map_init(Wavefront::default, |wavefront, tile| {
+            .zip(&self.edges)
+            .map_init(Wavefront::default, |wavefront, (tile, edges)| {
                 // A tile clears what a panic in the one before left in the wavefront.
-                let result = caught(|| self.render_tile(wavefront, tile, pass, &cancelled));
+                let result = caught(|| {
+                    let edges = edges.get_or_init(|| LightEdges::of(&self.context, tile));
+                    self.render_tile(wavefront, (tile, edges), pass, &cancelled)
+                });
                 result.unwrap_or_else(|message| Err(RenderError::Worker { x: tile.x, y: tile.y, message }))
             })
             .collect();
@@ -59,7 +66,7 @@ impl PassRenderer<'_> {
     fn render_tile(
         &self,
         wavefront: &mut Wavefront,
-        tile: Tile,
+        (tile, edges): (Tile, &LightEdges),
         pass: u32,
         cancelled: &impl Fn() -> bool,
     ) -> Result<Option<TileResult>, RenderError> {
@@ -73,7 +80,7 @@ impl PassRenderer<'_> {
                 return Ok(None);
             }
             let samples = first..all.end.min(first + WAVEFRONT_SAMPLES);
-            let Some(counted) = wavefront.trace(&self.context, tile, &samples, cancelled) else {
+            let Some(counted) = wavefront.trace(&self.context, (tile, edges), &samples, cancelled) else {
                 return Ok(None);
             };
             let radiance = wavefront.radiance().chunks_exact(samples.len());

@@ -8,6 +8,7 @@ use crate::path::{RenderContext, Tile};
 use crate::{CheckpointError, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Renders all samples of `scene` as measured by `sensor`, such as a [`Camera`](crate::Camera): [`Render`] without
 /// further conditions.
@@ -154,7 +155,8 @@ impl<'a> Render<'a> {
         let meter = Meter::new(self.stop.seconds);
         threads.install(|| {
             let context = RenderContext::new(self.scene, self.sensor, &settings);
-            let renderer = PassRenderer { context, monitor, meter: &meter, window };
+            let edges = Tile::all(window).map(|_| OnceLock::new()).collect();
+            let renderer = PassRenderer { context, monitor, meter: &meter, window, edges };
             PassLoop { renderer, stop: self.stop }.add_passes(picture, passes)
         })
     }

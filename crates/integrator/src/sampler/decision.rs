@@ -8,6 +8,9 @@ impl Decision {
     /// The largest number of dimensions of a decision.
     pub(super) const WIDTH: u32 = 3;
 
+    /// The positions in the pixel of rays that supersample lights: two dimensions for each of sixteen.
+    pub(super) const SUPERSAMPLING: Self = Self(Self::FIRST_OF_MIRRORS - 11);
+
     /// Decisions at each bounce.
     const OF_BOUNCE: u32 = 3;
 

@@ -40,7 +40,10 @@ pub(crate) enum Numbers {
 
 impl Sampler {
     /// The most samples in a pass.
-    pub(crate) const MAX_PASS: u32 = 1 << SobolPoint::MAX_DIGITS;
+    pub(crate) const MAX_PASS: u32 = 1 << 16;
+
+    /// How many rays supersample the lights that one sample sees.
+    pub(crate) const RAYS: usize = 16;
 
     /// The numbers of sample `sample` of a member, one of the samples `pass` that are stratified together. Independent
     /// numbers know no nets: members are alone.
@@ -51,6 +54,35 @@ impl Sampler {
             Self::Sobol => {
                 let digits = pass.len().next_power_of_two().trailing_zeros();
                 Numbers::Sobol(SobolPoint::new(seed, member, pass.start, sample - pass.start, digits))
+            }
+        }
+    }
+}
+
+impl Sampler {
+    /// The positions in a pixel of the rays that supersample lights for `sample`, one of the samples `pass`: uniform in
+    /// the unit square. By Sobol' points, those of all samples of the pass are one net.
+    #[inline(always)]
+    pub(crate) fn ray_positions(
+        self,
+        seed: u64,
+        pixel: u64,
+        sample: u32,
+        pass: &Range<u32>,
+    ) -> [[f64; 2]; Self::RAYS] {
+        let dimension = Decision::SUPERSAMPLING.dimension();
+        match self {
+            Self::Independent => {
+                let stream = Stream::new(seed, pixel, sample);
+                std::array::from_fn(|i| [0, 1].map(|axis| stream.uniform(dimension + 2 * i as u32 + axis)))
+            }
+            Self::Sobol => {
+                let digits = (pass.len().next_power_of_two() * Self::RAYS).trailing_zeros();
+                let first = (sample - pass.start) * Self::RAYS as u32;
+                let first = SobolPoint::new(seed, Member::alone(pixel), pass.start, first, digits);
+                let [x, y] =
+                    SobolPoints::<{ Self::RAYS }>::successive(&first).uniform(Decision::SUPERSAMPLING.0);
+                std::array::from_fn(|i| [x[i], y[i]])
             }
         }
     }

@@ -65,8 +65,8 @@ impl Axis {
 }
 
 impl SobolPoint {
-    /// The largest number of digits: `2^16` points of a member in a replicate.
-    pub(crate) const MAX_DIGITS: u32 = 16;
+    /// The largest number of digits: `2^20` points of a member in a replicate.
+    const MAX_DIGITS: u32 = 20;
 
     /// Point `sample` of the `2^sample_digits` of a member in replicate `replicate`, for a seed.
     pub(crate) fn new(seed: u64, member: Member, replicate: u32, sample: u32, sample_digits: u32) -> Self {
@@ -90,11 +90,7 @@ impl SobolPoint {
     /// points are stratified in four dimensions. Points after the last one of the replicate mean nothing.
     #[inline(always)]
     pub(crate) fn hypercube<const N: usize>(&self) -> [[f64; N]; 4] {
-        let indices = std::array::from_fn(
-            #[inline(always)]
-            |i| u64::from(self.index) + i as u64,
-        );
-        let points = SobolPoints { indices, ..SobolPoints::from(&[*self; N]) };
+        let points = SobolPoints::successive(self);
         points.coordinates(points.keys, points.indices)
     }
 }
@@ -121,6 +117,16 @@ impl<const N: usize> SobolPoints<N> {
     fn from(points: &[SobolPoint; N]) -> Self {
         let (keys, member_keys) = (points.map(|p| p.key), points.map(|p| p.member_key));
         Self { keys, member_keys, indices: points.map(|p| p.index.into()), shape: points[0].shape }
+    }
+
+    /// A point and those after it.
+    #[inline(always)]
+    pub(super) fn successive(first: &SobolPoint) -> Self {
+        let indices = std::array::from_fn(
+            #[inline(always)]
+            |i| u64::from(first.index) + i as u64,
+        );
+        Self { indices, ..Self::from(&[*first; N]) }
     }
 
     /// The first `D` coordinates, up to three, of the points of `dimension`.

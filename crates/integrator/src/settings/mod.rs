@@ -57,6 +57,8 @@ pub struct Settings {
     pub light_sampling: LightSampling,
     /// Whether lights are sampled by way of mirrors.
     pub mirror_sampling: MirrorSampling,
+    /// Whether the edges of lights are supersampled.
+    pub supersampling: Supersampling,
     /// Whether pixels reuse the paths of their neighbours.
     pub path_reuse: PathReuse,
     /// Russian roulette.
@@ -128,6 +130,18 @@ pub enum MirrorSampling {
     Images,
 }
 
+/// Whether pixels take more camera rays where they may see the edge of a light. This changes the variance, not the mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Supersampling {
+    /// Each sample has one camera ray.
+    Off,
+    /// Where neighbouring pixels see different emission, directly or by way of mirrors, each sample has sixteen more
+    /// camera rays. They follow mirrors up to four times and find emission only; the sample's path leaves it out.
+    #[default]
+    Lights,
+}
+
 /// Russian roulette: ends paths at random and divides the throughput of the others by their probability
 /// of surviving, which keeps the mean (Arvo and Kirk 1990).
 ///
@@ -176,6 +190,7 @@ impl Settings {
             estimator: Estimator::Mis,
             light_sampling: LightSampling::default(),
             mirror_sampling: MirrorSampling::default(),
+            supersampling: Supersampling::default(),
             path_reuse: PathReuse::default(),
             roulette: Roulette { start: 2, threshold: 0.35 },
         }
@@ -212,7 +227,8 @@ impl Settings {
             return Err(RenderError::SensorSize { settings, sensor });
         }
         let path_reuse = if sensor.has_neighbours() { self.path_reuse } else { PathReuse::Off };
-        Ok(Self { path_reuse, ..*self })
+        let supersampling = if sensor.has_neighbours() { self.supersampling } else { Supersampling::Off };
+        Ok(Self { path_reuse, supersampling, ..*self })
     }
 
     /// Checks every setting against its range; [`render`](crate::render) does so too.

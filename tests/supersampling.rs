@@ -1,0 +1,224 @@
+//! Supersampling of lights: more camera rays where pixels see the edge of a light.
+
+use glam::DVec3;
+use globillum::geom::{Accel, Triangle};
+use globillum::integrator::{
+    Camera, ElementSample, Film, Model, OrthographicCamera, PathReuse, PathStart, PixelFilter, Render,
+    Sampler, Scene, Sensor, Settings, Supersampling, render,
+};
+use globillum::material::{Material, Rgb};
+use globillum_testkit::accelerators::ACCELERATORS;
+use globillum_testkit::shapes::{icosphere, quad};
+use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
+use globillum_testkit::{cornell, scenes};
+use std::hash::Hasher;
+
+const RADIANCE: f64 = 3.0;
+const REFLECTANCE: f64 = 0.9;
+
+fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
+    scenes::scene(model, ACCELERATORS[3].1)
+}
+
+fn film(scene: &Scene<Box<dyn Accel>>, camera: &dyn Sensor, settings: &Settings) -> Film {
+    render(scene, camera, settings, &()).expect("the scene is good").film
+}
+
+/// A rectangle in the plane at `z` whose right edge leans: `x` is `0.1 + 0.3 y` there. It faces the camera.
+fn leaning(z: f64) -> [Triangle; 2] {
+    let p = |x: f64, y: f64| DVec3::new(x, y, z);
+    quad(p(-2.0, -2.0), p(-0.5, -2.0), p(0.7, 2.0), p(-2.0, 2.0))
+}
+
+fn light(triangles: impl IntoIterator<Item = Triangle>) -> Model {
+    let mut model = Model::default();
+    model.add(Material::light(Rgb::splat(RADIANCE)).expect("it is in range"), triangles);
+    model
+}
+
+fn mirror() -> Material {
+    Material::mirror(Rgb::splat(REFLECTANCE)).expect("it is in range")
+}
+
+/// A light's edge passes through every pixel, which are as wide as the picture. Of each, the light covers a trapezoid.
+/// In the second scene the camera sees this in a mirror.
+#[test]
+fn an_edge_divides_pixels_by_area() {
+    let look = |toward| OrthographicCamera::look_at(DVec3::ZERO, toward, DVec3::Y, 2.0).expect("it is good");
+    let flipped = leaning(2.0).map(|Triangle { vertices: [a, b, c], .. }| Triangle::new(a, c, b));
+    let mut mirrored = light(flipped);
+    let p = |x: f64, y: f64| DVec3::new(x, y, -1.0);
+    mirrored.add(mirror(), quad(p(-9.0, -9.0), p(9.0, -9.0), p(9.0, 9.0), p(-9.0, 9.0)));
+    for (what, model, reflectance) in
+        [("seen", light(leaning(-1.0)), 1.0), ("mirrored", mirrored, REFLECTANCE)]
+    {
+        let scene = scene(&model);
+        for (sampler, precision) in [(Sampler::Sobol, 0.005), (Sampler::Independent, 0.02)] {
+            let mut settings = independent_pixels(1, 8, 256);
+            settings.sampler = sampler;
+            // Pixels are not square: the camera's view is an eighth as wide as it is high.
+            let film = film(&scene, &Stretched(look(-DVec3::Z)), &settings);
+            for row in 0..8 {
+                let middle = 1.0 - (f64::from(row) + 0.5) / 4.0;
+                let truth = reflectance * RADIANCE * (1.0 + 0.1 + 0.3 * middle) / 2.0;
+                let std_err = film.variance_of_mean(0, row).g.sqrt();
+                let z = (film.mean(0, row).g - truth) / std_err;
+                assert!(
+                    z.abs() < Z_LIMIT && std_err < precision * truth,
+                    "{what}, {sampler:?}, {row}: z = {z}"
+                );
+            }
+        }
+    }
+}
+
+/// A camera of square view, whatever the size of the picture.
+#[derive(Debug)]
+struct Stretched(OrthographicCamera);
+
+impl Sensor for Stretched {
+    fn start(&self, sample: &ElementSample) -> PathStart {
+        PathStart::Ray(self.0.ray(sample.x, sample.y, 1.0))
+    }
+
+    fn hash(&self, key: &mut dyn Hasher) {
+        key.write(b"stretched");
+        self.0.hash(key);
+    }
+}
+
+/// Two mirrors that face each other, a floor, a mirror ball and a light, seen along the mirrors.
+fn between_mirrors() -> Model {
+    let p = DVec3::new;
+    let mut model = light(quad(p(-0.3, 0.4, -2.0), p(0.3, 0.4, -2.0), p(0.3, 0.8, -2.0), p(-0.3, 0.8, -2.0)));
+    for x in [-0.5, 0.5] {
+        model.add(mirror(), quad(p(x, -1.0, 3.0), p(x, -1.0, -3.0), p(x, 2.0, -3.0), p(x, 2.0, 3.0)));
+    }
+    model.add(mirror(), icosphere(1).placed(0.2, p(0.1, 0.0, -1.0)).triangles());
+    let floor = quad(p(-0.5, -0.5, 3.0), p(0.5, -0.5, 3.0), p(0.5, -0.5, -3.0), p(-0.5, -0.5, -3.0));
+    model.add(Material::lambert(Rgb::splat(0.5)).expect("it is in range"), floor);
+    model
+}
+
+fn between_mirrors_camera() -> Camera {
+    let eye = DVec3::new(-0.2, 0.5, 1.5);
+    Camera::look_at(eye, DVec3::new(0.5, 0.4, 0.4), DVec3::Y, 0.9).expect("the camera is good")
+}
+
+/// Directly seen, in mirrors that face each other, with more reflections than supersampling follows, and in a ball; with
+/// limits on bounces, in pictures of odd sizes.
+#[test]
+fn supersampling_changes_no_mean() {
+    let cornell = (cornell::with_blocks(true).expect("it is good"), cornell::camera().expect("it is good"));
+    let mirrors = (between_mirrors(), between_mirrors_camera());
+    let cases = [
+        ("the box", &cornell, Sampler::Sobol, PathReuse::Fours, PixelFilter::Tent, None),
+        ("the box without bounces", &cornell, Sampler::Sobol, PathReuse::Off, PixelFilter::Box, Some(0)),
+        ("the box and one bounce", &cornell, Sampler::Sobol, PathReuse::Fours, PixelFilter::Box, Some(1)),
+        ("mirrors", &mirrors, Sampler::Sobol, PathReuse::Fours, PixelFilter::Box, None),
+        (
+            "mirrors and two bounces",
+            &mirrors,
+            Sampler::Independent,
+            PathReuse::Off,
+            PixelFilter::Tent,
+            Some(2),
+        ),
+        ("mirrors and seven bounces", &mirrors, Sampler::Sobol, PathReuse::Off, PixelFilter::Box, Some(7)),
+    ];
+    for (what, (model, camera), sampler, path_reuse, filter, max_bounces) in cases {
+        let scene = scene(model);
+        let estimate = |supersampling, seed, samples| {
+            let mut settings = Settings::new(37, 29, samples);
+            (settings.sampler, settings.path_reuse, settings.filter) = (sampler, path_reuse, filter);
+            (settings.supersampling, settings.max_bounces, settings.seed) =
+                (supersampling, max_bounces, seed);
+            Estimate::of_film(&film(&scene, camera, &settings), |c| c.g)
+        };
+        let (on, off) = (estimate(Supersampling::Lights, 1, 256), estimate(Supersampling::Off, 2, 512));
+        let margin = Z_LIMIT * on.std_err.hypot(off.std_err);
+        assert!(margin < 0.04 * off.mean, "{what} is too wide: {on:?}, {off:?}");
+        assert!((on.mean - off.mean).abs() < margin, "{what}: {on:?}, {off:?}");
+    }
+}
+
+/// Supersampling follows four reflections, and the picture has light from more.
+#[test]
+fn more_reflections_than_are_followed_are_seen() {
+    let (scene, camera) = (scene(&between_mirrors()), between_mirrors_camera());
+    let mean = |max_bounces| {
+        let mut settings = Settings::new(37, 29, 64);
+        settings.max_bounces = Some(max_bounces);
+        film(&scene, &camera, &settings).image_mean().g
+    };
+    assert!(mean(7) > 1.02 * mean(4));
+}
+
+/// In the box most of the variance is at the light's edge.
+#[test]
+fn the_variance_falls_where_lights_have_edges() {
+    let scene = scene(&cornell::with_blocks(false).expect("it is good"));
+    let camera = cornell::camera().expect("it is good");
+    let variance = |supersampling| {
+        let mut settings = Settings::new(64, 64, 64);
+        settings.supersampling = supersampling;
+        let film = film(&scene, &camera, &settings);
+        film.variances_of_mean().map(|v| v.g).sum::<f64>()
+    };
+    let (on, off) = (variance(Supersampling::Lights), variance(Supersampling::Off));
+    assert!(on < 0.3 * off, "{on} and {off}");
+}
+
+#[test]
+fn crops_strips_and_passes_have_the_bits_of_the_picture() {
+    let scene = scene(&cornell::with_blocks(true).expect("it is good"));
+    let camera = cornell::camera().expect("it is good");
+    let mut settings = Settings::new(40, 36, 8);
+    settings.pass_samples = 2;
+    let whole = film(&scene, &camera, &settings);
+    settings.threads = 1;
+    // The light is between the columns 15 and 25 and above row 6.
+    for (columns, rows) in [(16..24, 4..8), (12..20, 0..4), (0..40, 0..36)] {
+        let crop = Render::new(&scene, &camera, &settings).crop(columns.clone(), rows.clone()).run(&());
+        let crop = crop.expect("it is good").film;
+        for (x, y) in rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y))) {
+            assert_eq!(crop.mean(x - columns.start, y - rows.start), whole.mean(x, y), "{x}, {y}");
+        }
+    }
+    let strip = Render::new(&scene, &camera, &settings).rows(0..16).run(&()).expect("it is good").film;
+    assert!((0..16).all(|y| (0..40).all(|x| strip.mean(x, y) == whole.mean(x, y))));
+}
+
+/// Elements that are no neighbours, and a scene without lights, have one ray per sample.
+#[test]
+fn without_neighbours_or_lights_nothing_is_supersampled() {
+    #[derive(Debug)]
+    struct Apart(Camera);
+
+    impl Sensor for Apart {
+        fn has_neighbours(&self) -> bool {
+            false
+        }
+
+        fn start(&self, sample: &ElementSample) -> PathStart {
+            self.0.start(sample)
+        }
+
+        fn hash(&self, key: &mut dyn Hasher) {
+            key.write(b"apart");
+        }
+    }
+
+    let camera = cornell::camera().expect("it is good");
+    let rays = |scene: &Scene<Box<dyn Accel>>, sensor: &dyn Sensor| {
+        let picture = render(scene, sensor, &Settings::new(24, 24, 1), &()).expect("it is good");
+        picture.counters.camera_rays
+    };
+    let scene_with = scene(&cornell::with_blocks(false).expect("it is good"));
+    assert_eq!(rays(&scene_with, &Apart(camera)), 24 * 24);
+    assert!(rays(&scene_with, &camera) > 24 * 24);
+    let mut dark = Model::default();
+    dark.add(mirror(), leaning(-1.0));
+    let dark = scene(&dark).with_environment(Rgb::WHITE).expect("it is in range");
+    assert_eq!(rays(&dark, &camera), 24 * 24);
+}
