@@ -3,7 +3,7 @@
 use crate::{apartment, procedural};
 use anyhow::{Result, ensure};
 use globillum::geom::{Aabb, Triangle, Triangles};
-use globillum::glam::{DVec3, UVec3, Vec3};
+use globillum::glam::{DVec3, Vec3};
 use globillum::io::load_obj;
 use globillum_testkit::shapes;
 use std::collections::HashMap;
@@ -123,7 +123,7 @@ impl Indexed {
         let mut vertices = Vec::new();
         let mut indices = HashMap::new();
         let mut index = |v: Vec3| {
-            let bits = UVec3::from(v.to_array().map(f32::to_bits));
+            let bits = v.to_array().map(f32::to_bits);
             *indices.entry(bits).or_insert_with(|| {
                 vertices.push(v.to_array());
                 vertices.len() as u32 - 1
