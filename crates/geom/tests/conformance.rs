@@ -121,8 +121,9 @@ fn no_ray_leaks_at_edges_or_vertices() {
     let placements = [(1e-6, DVec3::ZERO), (1.0, DVec3::ZERO), (1e6, DVec3::ZERO), (1.0, far)];
     let meshes: [fn() -> Mesh; 3] = [|| icosphere(3), || torus(24, 12), || statue(2000)];
     let rays = 8_000 * effort();
-    let mut source = Seeded::new(35);
-    for (mesh, (scale, offset)) in meshes.iter().flat_map(|mesh| placements.map(|p| (mesh(), p))) {
+    let placed = meshes.iter().flat_map(|mesh| placements.map(|placement| (mesh(), placement)));
+    placed.collect::<Vec<_>>().into_par_iter().enumerate().for_each(|(seed, (mesh, (scale, offset)))| {
+        let mut source = Seeded::new(seed as u64);
         let mesh = mesh.placed(scale, offset);
         let triangles = Triangles::new(mesh.triangles()).unwrap();
         assert_eq!(triangles.degenerate_count(), 0, "scale {scale}, offset {offset}");
@@ -133,7 +134,7 @@ fn no_ray_leaks_at_edges_or_vertices() {
                 assert_eq!(leaks, 0, "{accelerator}, {target:?}, scale {scale}, offset {offset}");
             }
         }
-    }
+    });
 }
 
 /// Origins on the split planes that the accelerators really have.

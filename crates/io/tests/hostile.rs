@@ -14,7 +14,8 @@ use files::{Files, floats};
 use globillum_geom::Triangle;
 use globillum_io::{IoError, Loaded};
 use globillum_testkit::bad_input::glb;
-use serde_json::Value;
+use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// The bound on the memory for loading as a multiple of the files' size, beyond what they declare.
@@ -165,23 +166,90 @@ impl Hostile {
     }
 }
 
-/// The number of objects and of all values in the JSON of a .glb; zero for other files.
+/// The number of objects and of all values in the JSON of a .glb; zero for other files. Of members of one name,
+/// one counts.
 fn json_counts(bytes: &[u8]) -> (u64, u64) {
-    fn count(value: &Value) -> (u64, u64) {
-        let sum = |(objects, values), inner| {
-            let (o, v) = count(inner);
-            (objects + o, values + v)
-        };
-        match value {
-            Value::Array(elements) => elements.iter().fold((0, 1), sum),
-            Value::Object(members) => members.values().fold((1, 1), sum),
-            _ => (0, 1),
-        }
-    }
     let length = bytes.get(12..16).filter(|_| bytes.starts_with(b"glTF"));
     let length = length.map(|length| u32::from_le_bytes(length.try_into().unwrap()) as usize);
     let json = length.and_then(|length| bytes.get(20..20 + length));
-    json.and_then(|json| serde_json::from_slice(json).ok()).as_ref().map_or((0, 0), count)
+    let counts = json.and_then(|json| serde_json::from_slice(json).ok());
+    counts.map_or((0, 0), |JsonCounts { objects, values }| (objects, values))
+}
+
+/// What a JSON value consists of, itself included, counted while it is read.
+struct JsonCounts {
+    objects: u64,
+    values: u64,
+}
+
+impl JsonCounts {
+    fn scalar<E>() -> Result<Self, E> {
+        Ok(Self { objects: 0, values: 1 })
+    }
+
+    fn add(&mut self, inner: &Self) {
+        self.objects += inner.objects;
+        self.values += inner.values;
+    }
+}
+
+impl<'de> Deserialize<'de> for JsonCounts {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(Counter)
+    }
+}
+
+struct Counter;
+
+impl<'de> Visitor<'de> for Counter {
+    type Value = JsonCounts;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("JSON")
+    }
+
+    fn visit_unit<E>(self) -> Result<JsonCounts, E> {
+        JsonCounts::scalar()
+    }
+
+    fn visit_bool<E>(self, _: bool) -> Result<JsonCounts, E> {
+        JsonCounts::scalar()
+    }
+
+    fn visit_u64<E>(self, _: u64) -> Result<JsonCounts, E> {
+        JsonCounts::scalar()
+    }
+
+    fn visit_i64<E>(self, _: i64) -> Result<JsonCounts, E> {
+        JsonCounts::scalar()
+    }
+
+    fn visit_f64<E>(self, _: f64) -> Result<JsonCounts, E> {
+        JsonCounts::scalar()
+    }
+
+    fn visit_str<E>(self, _: &str) -> Result<JsonCounts, E> {
+        JsonCounts::scalar()
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut elements: A) -> Result<JsonCounts, A::Error> {
+        let mut counts = JsonCounts { objects: 0, values: 1 };
+        while let Some(inner) = elements.next_element()? {
+            counts.add(&inner);
+        }
+        Ok(counts)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<JsonCounts, A::Error> {
+        let mut counts = JsonCounts { objects: 1, values: 1 };
+        let mut names = BTreeSet::<String>::new();
+        while let Some((name, inner)) = members.next_entry()? {
+            if names.insert(name) {
+                counts.add(&inner);
+            }
+        }
+        Ok(counts)
+    }
 }
 
 /// The number of triangles with degenerate ones, and the number without them or the error.
@@ -218,7 +286,10 @@ fn same(count: usize, element: &str) -> String {
 
 /// One more than a power of two: a vector that doubles has just grown.
 const MILLION: usize = (1 << 20) + 1;
-const MANY: usize = (1 << 17) + 1;
+const QUARTER: usize = (1 << 18) + 1;
+const EIGHTH: usize = (1 << 17) + 1;
+/// One more than the files may have of many things.
+const MANY: usize = (1 << 16) + 1;
 const FEW: usize = (1 << 15) + 1;
 
 /// The members that a mesh of one triangle refers to.
@@ -427,36 +498,36 @@ fn obj() {
     let obj = |name, text: String| Hostile::obj(name, format!("{FLAT}{text}"));
     let polygon = |corners: usize, ring: &str| format!("f{}\n", ring.repeat(corners / 3));
     check([
-        obj("vertices", "v 0 0 0\n".repeat(MILLION)),
-        obj("vertices, just more than a vector of tobj holds", "v 0 0 0\n".repeat((1 << 22) / 3))
+        obj("vertices", "v 0 0 0\n".repeat(QUARTER)),
+        obj("vertices, just more than a vector of tobj holds", "v 0 0 0\n".repeat((1 << 20) / 3))
             .at_most(OBJ_TIMES),
-        obj("vertices of nothing", "v \n".repeat(MILLION)).refused("expected 3, 4 or 6 numbers"),
-        obj("faces", "f 1 2 3\n".repeat(MILLION)).loads(MILLION),
-        obj("faces without area", "f 1 1 1\n".repeat(MILLION) + "f 1 2 3\n").loads(1),
-        obj("faces that end in comments", "f 1 1 1 # 1 1 1 1 1 1\n".repeat(MANY) + "f 1 2 3").loads(1),
-        obj("polygons", polygon(60_000, " 1 2 3").repeat(40)).loads(800_000),
+        obj("vertices of nothing", "v \n".repeat(QUARTER)).refused("expected 3, 4 or 6 numbers"),
+        obj("faces", "f 1 2 3\n".repeat(QUARTER)).loads(QUARTER),
+        obj("faces without area", "f 1 1 1\n".repeat(QUARTER) + "f 1 2 3\n").loads(1),
+        obj("faces that end in comments", "f 1 1 1 # 1 1 1 1 1 1\n".repeat(EIGHTH) + "f 1 2 3").loads(1),
+        obj("polygons", polygon(60_000, " 1 2 3").repeat(10)).loads(200_000),
         obj("one polygon", polygon(60_000, " 1 2 3")).loads(20_000),
         obj("one polygon, too large", polygon(69_000, " 1 2 3"))
             .refused("too many vertices in a polygon (limit: 65536)")
             .declares(65_536),
-        obj("polygons without area", polygon(60_000, " 1 1 1").repeat(40) + "f 1 2 3").loads(1),
-        obj("faces and vertices in turns", "v 0 0 0\nf -1 1 2\n".repeat(MANY) + "f 1 2 3\n").loads(1),
-        obj("faces of three and four corners", "f 1 2 3\nf 1 2 3 3\n".repeat(MANY)).loads(2 * MANY),
-        obj("faces that change the material", "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n".repeat(MANY))
-            .loads(2 * MANY),
-        obj("faces of two corners", "f 1 1\n".repeat(MILLION)),
-        obj("faces over many lines", "f 1 \\\n2 \\\n3\n".repeat(MANY)).loads(MANY),
-        obj("texture coordinates and normals", "vt\nvn\n".repeat(MILLION)),
-        obj("groups", "g\n".repeat(MILLION)),
-        obj("empty lines", "\n".repeat(MILLION)),
-        obj("changes of material", "usemtl a\n".repeat(MILLION)),
+        obj("polygons without area", polygon(60_000, " 1 1 1").repeat(10) + "f 1 2 3").loads(1),
+        obj("faces and vertices in turns", "v 0 0 0\nf -1 1 2\n".repeat(EIGHTH) + "f 1 2 3\n").loads(1),
+        obj("faces of three and four corners", "f 1 2 3\nf 1 2 3 3\n".repeat(EIGHTH)).loads(2 * EIGHTH),
+        obj("faces that change the material", "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n".repeat(EIGHTH))
+            .loads(2 * EIGHTH),
+        obj("faces of two corners", "f 1 1\n".repeat(QUARTER)),
+        obj("faces over many lines", "f 1 \\\n2 \\\n3\n".repeat(EIGHTH)).loads(EIGHTH),
+        obj("texture coordinates and normals", "vt\nvn\n".repeat(QUARTER)),
+        obj("groups", "g\n".repeat(QUARTER)),
+        obj("empty lines", "\n".repeat(QUARTER)),
+        obj("changes of material", "usemtl a\n".repeat(QUARTER)),
         obj("materials", lines(FEW, |i| format!("usemtl {i:x}"))).names(FEW),
-        obj("materials, too many", lines(MANY, |i| format!("usemtl {i:x}")))
+        obj("materials, too many", lines(EIGHTH, |i| format!("usemtl {i:x}")))
             .refused("too many materials (limit: 65536)")
             .names(65_536),
-        obj("one library", "mtllib a\n".repeat(MILLION)),
+        obj("one library", "mtllib a\n".repeat(QUARTER)),
         obj("libraries", lines(FEW, |i| format!("mtllib {i:x}")) + "f 1 2 3").loads(1).names(FEW),
-        obj("libraries, too many", lines(MANY, |i| format!("mtllib {i:x}")))
+        obj("libraries, too many", lines(EIGHTH, |i| format!("mtllib {i:x}")))
             .refused("too many material libraries (limit: 65536)")
             .names(65_536),
         obj("libraries, many of a line", lines(4096, |i| format!("mtllib {i:x}{}", " a".repeat(100))))
@@ -470,7 +541,7 @@ fn obj() {
 fn mtl() {
     let shining = |name, faces: String| {
         let scene = format!("mtllib a.mtl\nusemtl a\n{FLAT}{faces}");
-        Hostile::obj(name, scene).beside("a.mtl", b"newmtl a\nKe 1\n".into()).loads(MANY).shines(MANY)
+        Hostile::obj(name, scene).beside("a.mtl", b"newmtl a\nKe 1\n".into()).loads(EIGHTH).shines(EIGHTH)
     };
     let on_a_ball = |i: usize| {
         let (z, turn) = (i as f64 / 501.0 - 1.0, i as f64 * 2.4);
@@ -478,21 +549,21 @@ fn mtl() {
         format!("v {:.4} {:.4} {z}", radius * turn.cos(), radius * turn.sin())
     };
     let corners = |i: usize| format!("f {} {} {}", i % 997 + 4, i % 991 + 5, i % 983 + 6);
-    let of_their_own = lines(1002, on_a_ball) + &lines(MANY, corners);
+    let of_their_own = lines(1002, on_a_ball) + &lines(EIGHTH, corners);
     check([
         Hostile::mtl("materials of one name", "newmtl a\n".repeat(FEW)).names(FEW),
         Hostile::mtl("materials of a library", lines(FEW, |i| format!("newmtl {i:x}"))).names(FEW),
-        Hostile::mtl("materials of a library, too many", lines(MANY, |i| format!("newmtl {i:x}")))
+        Hostile::mtl("materials of a library, too many", lines(EIGHTH, |i| format!("newmtl {i:x}")))
             .refused("too many materials (limit: 65536)")
             .names(65_536),
-        shining("lights in one plane", "f 1 2 3\n".repeat(MANY)),
+        shining("lights in one plane", "f 1 2 3\n".repeat(EIGHTH)),
         shining("lights in planes of their own", of_their_own),
-        Hostile::mtl("colours", "newmtl a\n".to_owned() + &"Kd 1\n".repeat(MILLION)),
+        Hostile::mtl("colours", "newmtl a\n".to_owned() + &"Kd 1\n".repeat(QUARTER)),
         Hostile::mtl(
             "statements of their own",
-            "newmtl a\n".to_owned() + &lines(MANY, |i| format!("{i:x} 1")),
+            "newmtl a\n".to_owned() + &lines(EIGHTH, |i| format!("{i:x} 1")),
         ),
-        Hostile::mtl("a colour", format!("newmtl a\nKd{}\n", " 1".repeat(MILLION)))
+        Hostile::mtl("a colour", format!("newmtl a\nKd{}\n", " 1".repeat(QUARTER)))
             .refused("expected 1 or 3 numbers"),
         Hostile::mtl("a name", format!("newmtl {}\nmap_Kd a\nTr 1\n", "a".repeat(4 << 20))),
     ]);

@@ -280,7 +280,7 @@ fn a_task_that_is_terminated_goes_on() {
     use std::process::Stdio;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    plan(folder, "job.json", &["--tasks", "1"], "2048");
+    plan(folder, "job.json", &["--tasks", "1"], "1024");
     for signal in ["-TERM", "-INT"] {
         let mut command = task(folder, 0);
         let mut child = command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it starts");
@@ -288,14 +288,14 @@ fn a_task_that_is_terminated_goes_on() {
             assert_eq!(child.try_wait().expect("it is our own"), None, "it ended too soon");
             std::thread::sleep(std::time::Duration::from_millis(2));
         }
-        std::thread::sleep(std::time::Duration::from_millis(100));
+        std::thread::sleep(std::time::Duration::from_millis(50));
         let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
         assert!(sent.expect("there is a `kill`").success());
         let output = child.wait_with_output().expect("it is our own");
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(75), "{error}");
-        assert!(error.contains("interrupted: task 0: passes 0..2048 of rows 0..40: "), "{error}");
-        assert!(error.ends_with(" of 2048 passes are kept\n"), "{error}");
+        assert!(error.contains("interrupted: task 0: passes 0..1024 of rows 0..40: "), "{error}");
+        assert!(error.ends_with(" of 1024 passes are kept\n"), "{error}");
     }
     let (code, said) = status(folder);
     assert!(code == Some(3) && said.starts_with("tasks         0 of 1 complete, "), "{said}");
@@ -303,9 +303,9 @@ fn a_task_that_is_terminated_goes_on() {
     assert!(code == Some(3) && error.contains("is not finished"), "{error}");
     let said = run_task(folder, 0);
     assert!(said.contains("goes on after ") && said.contains("is complete"), "{said}");
-    assert!(run_task(folder, 0).starts_with("task 0: passes 0..2048 of rows 0..40: is complete\n"));
+    assert!(run_task(folder, 0).starts_with("task 0: passes 0..1024 of rows 0..40: is complete\n"));
     CORNELL
-        .succeed(folder, &[&PICTURE[1..], &["2048", "--checkpoint", "one.film", "--out", "a.png"]].concat());
+        .succeed(folder, &[&PICTURE[1..], &["1024", "--checkpoint", "one.film", "--out", "a.png"]].concat());
     assert!(fs::read(part(folder, 0)).expect("it is there") == read(folder, "one.film"));
 }
 

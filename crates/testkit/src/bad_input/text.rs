@@ -127,7 +127,7 @@ fn materials() -> Vec<Case> {
 
 /// Rows of many, and of too many, within the default limits.
 fn sizes() -> Vec<Case> {
-    let switching = "usemtl red\nf 1 2 3\nusemtl blue\nf 3 2 1\n".repeat(1 << 16);
+    let switching = "usemtl red\nf 1 2 3\nusemtl blue\nf 3 2 1\n".repeat(1 << 12);
     let missing =
         ["red", "blue"].map(|name| format!("material `{name}` is not defined; grey is used instead"));
     let missing = [format!("a.obj:5: {}", missing[0]), format!("a.obj:7: {}", missing[1])];
