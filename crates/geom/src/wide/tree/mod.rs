@@ -11,6 +11,7 @@ use leaf::LeafBlocks;
 use node::{Child, Node};
 use normalize::NormalizedSpace;
 use prefetch_index::prefetch_index;
+use std::hint::select_unpredictable;
 
 /// How many `f32` a cache line holds.
 const WORDS_OF_A_LINE: usize = 16;
@@ -43,11 +44,12 @@ impl Tree {
     /// Asks for the first cache lines of a child, without a branch, which would be mispredicted.
     #[inline(always)]
     pub(super) fn prefetch<const LINES: usize>(&self, child: u32) {
-        let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) as usize & 1);
-        let starts = [self.nodes[0].faces.as_flattened(), self.leaves.coordinates()];
-        let words = [size_of::<Node>() / size_of::<f32>(), Rows::COUNT];
+        let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) == 1);
+        let (nodes, blocks) = (self.nodes[0].faces.as_flattened(), self.leaves.coordinates());
+        let start = select_unpredictable(is_block, blocks, nodes);
+        let words = select_unpredictable(is_block, Rows::COUNT, size_of::<Node>() / size_of::<f32>());
         for line in 0..LINES {
-            prefetch_index(starts[is_block], place * words[is_block] + line * WORDS_OF_A_LINE);
+            prefetch_index(start, place * words + line * WORDS_OF_A_LINE);
         }
     }
 }
