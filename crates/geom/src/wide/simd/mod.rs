@@ -80,11 +80,17 @@ impl<'a> Rows<'a> {
     }
 }
 
+/// What vectors are stored to and loaded from. Aligned to cache lines: a load of a vector that was stored across two
+/// lines waits for both.
+#[repr(align(64))]
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aligned<T>(pub(super) T);
+
 /// The numbers of rays, one of each: origin, direction, `t_min`, `t_max`.
-pub(super) type RayColumns<const N: usize> = [[f64; N]; 8];
+pub(super) type RayColumns<const N: usize> = Aligned<[[f64; N]; 8]>;
 
 /// The coordinates of triangles, one of each: those of the first vertex, the second and the third.
-pub(super) type CornerColumns = [[f32; LANES]; 9];
+pub(super) type CornerColumns = Aligned<[[f32; LANES]; 9]>;
 
 /// Vectors of eight `f32` or `u32`. Masks are bytes, bit `i` for lane `i`.
 ///
@@ -219,8 +225,8 @@ pub(super) trait Simd: fearless_simd::Simd {
         for (row, ray) in rows.iter_mut().zip(rays) {
             *row = f64x8::load_array(self, numbers(ray));
         }
-        let mut columns = [[0.0; LANES]; 8];
-        for (column, x) in columns.iter_mut().zip(transpose(rows)) {
+        let mut columns = Aligned([[0.0; LANES]; 8]);
+        for (column, x) in columns.0.iter_mut().zip(transpose(rows)) {
             x.store_array(column);
         }
         columns
@@ -228,13 +234,13 @@ pub(super) trait Simd: fearless_simd::Simd {
     /// The coordinates of eight triangles, side by side.
     #[inline(always)]
     fn corners(self, triangles: [&Triangle; LANES]) -> CornerColumns {
-        let (mut rows, mut corners) = ([self.splat(0.0); LANES], [[0.0; LANES]; 9]);
+        let (mut rows, mut corners) = ([self.splat(0.0); LANES], Aligned([[0.0; LANES]; 9]));
         for (i, triangle) in triangles.into_iter().enumerate() {
             let [row @ .., last] = coordinates(triangle);
             rows[i] = self.load(&row);
-            corners[8][i] = last;
+            corners.0[8][i] = last;
         }
-        for (column, x) in corners.iter_mut().zip(transpose(rows)) {
+        for (column, x) in corners.0.iter_mut().zip(transpose(rows)) {
             self.store(column, x);
         }
         corners
@@ -304,10 +310,10 @@ mod tests {
     #[test]
     fn columns_are_what_rays_and_triangles_are_made_of() {
         at_every_level(|level, columns, corners| {
-            for (column, numbers) in columns.iter().enumerate() {
+            for (column, numbers) in columns.0.iter().enumerate() {
                 assert_eq!(*numbers, std::array::from_fn(|i| (9 * i + column) as f64), "{level:?}");
             }
-            for (column, numbers) in corners.iter().enumerate() {
+            for (column, numbers) in corners.0.iter().enumerate() {
                 assert_eq!(*numbers, std::array::from_fn(|i| (9 * i + column) as f32), "{level:?}");
             }
         });

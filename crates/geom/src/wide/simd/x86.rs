@@ -3,7 +3,7 @@
 //! What `fearless_simd` has no portable methods for, or slower ones, is written here with intrinsics in its
 //! kernels, which are safe.
 
-use super::{LANES, RayColumns, Simd, numbers};
+use super::{Aligned, LANES, RayColumns, Simd, numbers};
 use crate::Ray;
 use crate::cpu::{Avx2, Avx512};
 use fearless_simd::{SimdBase, SimdCombine, SimdInto, f32x8, f64x4, kernel, u32x8};
@@ -66,8 +66,8 @@ vectors_of_256_bits! { Avx2,
             halves[0][i] = f64x4::load_array(self, [a, b, c, d]);
             halves[1][i] = f64x4::load_array(self, [e, f, g, h]);
         }
-        let mut columns = [[0.0; LANES]; 8];
-        for (columns, [a, b, c, d, e, f, g, h]) in columns.as_chunks_mut::<4>().0.iter_mut().zip(halves) {
+        let mut columns = Aligned([[0.0; LANES]; 8]);
+        for (columns, [a, b, c, d, e, f, g, h]) in columns.0.as_chunks_mut::<4>().0.iter_mut().zip(halves) {
             let (first, last) = (transpose_four(self, a, b, c, d), transpose_four(self, e, f, g, h));
             for i in 0..4 {
                 first[i].combine(last[i]).store_array(&mut columns[i]);

@@ -151,7 +151,7 @@ impl Shears {
         let corners = simd.corners(chosen);
         let axes = AXES[self.main_axis % 3];
         let mut permuted = [[[0.0; LANES]; 3]; 3];
-        for (permuted, vertices) in permuted.iter_mut().zip(corners.as_chunks::<3>().0) {
+        for (permuted, vertices) in permuted.iter_mut().zip(corners.0.as_chunks::<3>().0) {
             for (to, axis) in permuted.iter_mut().zip(axes) {
                 for (to, x) in to.iter_mut().zip(&vertices[usize::from(axis) % 3]) {
                     *to = f64::from(*x);

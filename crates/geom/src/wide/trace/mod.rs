@@ -13,7 +13,7 @@ mod ray_setup;
 mod stream;
 mod traversal_state;
 
-use super::simd::{PACKET, Simd};
+use super::simd::{Aligned, PACKET, Simd};
 use super::tree::Tree;
 use crate::query::Query;
 use crate::{Probe, Ray};
@@ -47,7 +47,7 @@ fn query_single<S: Simd, Q: Query, P: Probe>(
     let mut query = Q::new(ray);
     let mut setups = RaySetups::idle();
     let Ray { origin: o, direction: d, t_min, t_max } = *ray;
-    let columns = [o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max].map(|x| [x]);
+    let columns = Aligned([o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max].map(|x| [x]));
     setups.set(&columns, &tree.triangles.bounds(), &tree.space);
     let Some(setup) = setups.get(0) else { return query };
     traversal.begin(setup, 0);

@@ -200,7 +200,7 @@ impl<const N: usize> RaySetups<N> {
 /// Ray `i` of `columns`.
 #[inline(always)]
 fn ray<const N: usize>(columns: &RayColumns<N>, i: usize) -> Ray {
-    let [ox, oy, oz, dx, dy, dz, t_min, t_max] = columns.each_ref().map(
+    let [ox, oy, oz, dx, dy, dz, t_min, t_max] = columns.0.each_ref().map(
         #[inline(always)]
         |column| column[i],
     );

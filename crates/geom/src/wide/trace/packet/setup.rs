@@ -2,7 +2,7 @@
 
 use crate::Ray;
 use crate::decide::{main_axis, permute};
-use crate::wide::simd::{GROUPS, LANES, PACKET, RayMask, Simd};
+use crate::wide::simd::{Aligned, GROUPS, LANES, PACKET, RayMask, Simd};
 use crate::wide::trace::deferred_decision::Shears;
 use crate::wide::trace::ray_setup::AXES;
 use crate::wide::tree::normalize::NormalizedSpace;
@@ -146,8 +146,8 @@ impl PacketRays {
     #[inline(always)]
     fn set_group<S: Simd>(&mut self, simd: S, g: usize, common: &CommonOrigin, group: &[Ray; LANES]) -> u8 {
         let columns = simd.columns(group);
-        let [ox, oy, oz, .., t_min, t_max] = &columns;
-        let [dx, dy, dz] = common.axes.map(|axis| &columns[3 + axis % 3]);
+        let Aligned([ox, oy, oz, .., t_min, t_max]) = &columns;
+        let [dx, dy, dz] = common.axes.map(|axis| &columns.0[3 + axis % 3]);
         let shears = &mut self.shears[g];
         let origin = common.ray_origin;
         shears.main_axis = common.main_axis;
