@@ -8,7 +8,8 @@ mod x86;
 
 use crate::cpu::Portable;
 use crate::{Ray, Triangle};
-use fearless_simd::{Select, SimdBase, SimdFloat, SimdInt, SimdMask, f32x8, f64x8, u32x8};
+use fearless_simd::{Select, SimdInt, SimdMask, f32x8, f64x8, u32x8};
+pub(super) use fearless_simd::{SimdBase, SimdFloat};
 
 /// How many lanes a vector has.
 pub(super) const LANES: usize = 8;
@@ -92,12 +93,13 @@ pub(super) type RayColumns<const N: usize> = Aligned<[[f64; N]; 8]>;
 /// The coordinates of triangles, one of each: those of the first vertex, the second and the third.
 pub(super) type CornerColumns = Aligned<[[f32; LANES]; 9]>;
 
-/// Vectors of eight `f32` or `u32`. Masks are bytes, bit `i` for lane `i`.
+/// Vectors of eight `f32` or `u32`, with the operators and methods of `fearless_simd` and these. Masks are bytes, bit `i`
+/// for lane `i`.
 ///
-/// Comparisons with NaN are false. `mul_add` may round once or twice.
+/// Comparisons with NaN are false. `mul_add` may round once or twice; `min` and `max` of NaN are any of the two.
 pub(super) trait Simd: fearless_simd::Simd {
     /// Eight `f32`.
-    type F: SimdFloat<Self, Element = f32, Array = [f32; LANES]>;
+    type F: SimdFloat<Self, Element = f32, Array = [f32; LANES], Bits = Self::I>;
     /// Eight `u32`.
     type I: SimdInt<Self, Element = u32, Array = [u32; LANES]>;
 
@@ -108,50 +110,6 @@ pub(super) trait Simd: fearless_simd::Simd {
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F {
         SimdBase::load_array_ref(self, x)
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f32; LANES], x: Self::F) {
-        x.store_array(to);
-    }
-    #[inline(always)]
-    fn add(self, a: Self::F, b: Self::F) -> Self::F {
-        a + b
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
-        a - b
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
-        a * b
-    }
-    #[inline(always)]
-    fn div(self, a: Self::F, b: Self::F) -> Self::F {
-        a / b
-    }
-    /// `a * b + c`.
-    #[inline(always)]
-    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
-        a.mul_add(b, c)
-    }
-    /// `a * b - c`.
-    #[inline(always)]
-    fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
-        a.mul_sub(b, c)
-    }
-    /// The smaller; any of the two or NaN if either is NaN.
-    #[inline(always)]
-    fn min(self, a: Self::F, b: Self::F) -> Self::F {
-        a.min(b)
-    }
-    /// The larger; any of the two or NaN if either is NaN.
-    #[inline(always)]
-    fn max(self, a: Self::F, b: Self::F) -> Self::F {
-        a.max(b)
-    }
-    #[inline(always)]
-    fn abs(self, a: Self::F) -> Self::F {
-        a.abs()
     }
     /// The larger of the magnitudes.
     #[inline(always)]
@@ -193,29 +151,24 @@ pub(super) trait Simd: fearless_simd::Simd {
         self.select(mask, a, self.splat(f32::INFINITY)).reduce_min()
     }
 
+    /// The smallest and the largest of the numbers that `column` has for the groups of `rays`.
     #[inline(always)]
-    fn load_i(self, x: &[u32; LANES]) -> Self::I {
-        SimdBase::load_array_ref(self, x)
+    fn range<'a>(self, rays: RayMask, column: impl Fn(usize) -> &'a [f32; LANES]) -> [f32; 2] {
+        let none = self.splat(f32::INFINITY);
+        let (mut low, mut minus_high) = (none, none);
+        for g in 0..GROUPS {
+            let (x, lanes) = (self.load(column(g)), (rays >> (g * LANES)) as u8);
+            low = low.min(self.select(lanes, x, none));
+            minus_high = minus_high.min(self.select(lanes, -x, none));
+        }
+        [self.min_of(low, 0xff), -self.min_of(minus_high, 0xff)]
     }
-    #[inline(always)]
-    fn store_i(self, to: &mut [u32; LANES], x: Self::I) {
-        x.store_array(to);
-    }
+
     /// The indices of eight lanes, three bits each.
     #[inline(always)]
     fn lane_indices(self, packed: u32) -> Self::I {
-        <Self::I as SimdBase<Self>>::splat(self, packed) >> self.load_i(&[0, 3, 6, 9, 12, 15, 18, 21])
-    }
-    /// [`Simd::permute`] for integers.
-    #[inline(always)]
-    fn permute_i(self, table: Self::I, index: Self::I) -> Self::I {
-        SimdBase::load_array(
-            self,
-            index.to_array().map(
-                #[inline(always)]
-                |i| table[i as usize % LANES],
-            ),
-        )
+        let shifts = Self::I::load_array(self, [0, 3, 6, 9, 12, 15, 18, 21]);
+        <Self::I as SimdBase<Self>>::splat(self, packed) >> shifts
     }
 
     /// The numbers of eight rays, side by side.
@@ -241,7 +194,7 @@ pub(super) trait Simd: fearless_simd::Simd {
             corners.0[8][i] = last;
         }
         for (column, x) in corners.0.iter_mut().zip(transpose(rows)) {
-            self.store(column, x);
+            x.store_array(column);
         }
         corners
     }

@@ -39,16 +39,6 @@ macro_rules! vectors_of_256_bits {
                 );
                 kernel(self, table.into(), index.into()).simd_into(self)
             }
-            #[inline(always)]
-            fn permute_i(self, table: Self::I, index: Self::I) -> Self::I {
-                kernel!(
-                    #[inline(always)]
-                    fn kernel(token: $token, table: __m256i, index: __m256i) -> __m256i {
-                        _mm256_permutevar8x32_epi32(table, index)
-                    }
-                );
-                kernel(self, table.into(), index.into()).simd_into(self)
-            }
 
             $($own)*
         }

@@ -1,11 +1,11 @@
 //! The tests of a traversal's current child. A node: where the ray enters and leaves the bounds of eight children (slab
 //! test; Kay and Kajiya, 1986). A leaf block: the conservative test of its triangles, and what follows from it.
 
-use super::prefilter::{Filtered, SplatRay, Vertices, prefilter};
+use super::prefilter::{Filtered, Vertices, prefilter};
 use super::ray_setup::RaySetup;
 use super::traversal_state::Traversal;
 use crate::query::Query;
-use crate::wide::simd::{Bits, LANES, Simd};
+use crate::wide::simd::{Bits, LANES, Simd, SimdBase, SimdFloat};
 use crate::wide::tree::Tree;
 use crate::wide::tree::node::{Child, Node};
 use crate::{Probe, Ray};
@@ -46,27 +46,24 @@ pub(super) fn test_node<S: Simd, Q: Query>(simd: S, nodes: &[Node], traversal: &
     let x = crossings(simd, node, setup, 0);
     let y = crossings(simd, node, setup, 1);
     let z = crossings(simd, node, setup, 2);
-    let start = simd.max(simd.max(x[0], y[0]), simd.max(z[0], simd.splat(setup.start)));
-    let end = simd.min(simd.min(x[1], y[1]), simd.min(z[1], simd.splat(traversal.t_end)));
-    let (missed, children) = (simd.sub(end, start), simd.load_i(&node.children));
+    let start = x[0].max(y[0]).max(z[0].max(setup.start));
+    let end = x[1].min(y[1]).min(z[1].min(traversal.t_end));
+    let (missed, children) = (end - start, S::I::load_array(simd, node.children));
     if Q::ANY_HIT {
-        traversal.push(simd, start, children, !simd.signs(missed));
+        traversal.push::<S>(start, children, !simd.signs(missed));
         return;
     }
     let order = simd.lane_indices(node.orders[usize::from(setup.octant & 7)]);
     let missed = simd.signs(simd.permute(missed, order));
-    traversal.push(simd, simd.permute(start, order), simd.permute_i(children, order), !missed);
+    let children = simd.permute(S::F::from_bits(children), order).to_bits();
+    traversal.push::<S>(simd.permute(start, order), children, !missed);
 }
 
 /// Where the ray enters the slabs of the bounds along `axis`, rounded down, and where it leaves them, rounded up.
 #[inline(always)]
 fn crossings<S: Simd>(simd: S, node: &Node, setup: &RaySetup, axis: usize) -> [S::F; 2] {
-    let [enter, leave] = node.slabs(axis, setup.octant);
-    let inverse = simd.splat(setup.inverse[axis]);
-    [
-        simd.mul_add(simd.load(enter), inverse, simd.splat(setup.near[axis])),
-        simd.mul_add(simd.load(leave), inverse, simd.splat(setup.far[axis])),
-    ]
+    let ([enter, leave], inverse) = (node.slabs(axis, setup.octant), setup.inverse[axis]);
+    [simd.load(enter).mul_add(inverse, setup.near[axis]), simd.load(leave).mul_add(inverse, setup.far[axis])]
 }
 
 /// The triangles of a leaf block that a ray may hit.
@@ -96,8 +93,7 @@ pub(super) fn test_leaf<S: Simd>(simd: S, tree: &Tree, traversal: &mut Traversal
     let (first, count) = Child::block(traversal.child);
     let rows = tree.leaves.rows(first, count);
     let vertices = Vertices::load(simd, rows, traversal.setup.axes.map(usize::from));
-    let ray = SplatRay::new(simd, &traversal.setup, traversal.t_end);
-    let mut filtered = prefilter(simd, &ray, &vertices);
+    let mut filtered = prefilter(simd, &traversal.setup, traversal.t_end, &vertices);
     filtered.possible &= rows.lanes();
     filtered.certain &= rows.lanes();
     LeafHits { first, filtered }
@@ -118,8 +114,7 @@ pub(super) fn record<S: Simd, Q: Query>(
         traversal.clear();
         return;
     }
-    let mut starts = [0.0; LANES];
-    simd.store(&mut starts, filtered.start);
+    let starts = filtered.start.to_array();
     for lane in Bits(filtered.possible.into()) {
         let index = tree.leaves.index(*first, lane);
         tree.triangles.prefetch(index);

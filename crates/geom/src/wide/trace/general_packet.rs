@@ -8,7 +8,7 @@ use super::child_test::{LeafHits, record, test_leaf, visit_all};
 use super::ray_setup::RaySetups;
 use super::traversal_state::Traversal;
 use crate::query::Query;
-use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd};
+use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase, SimdFloat};
 use crate::wide::tree::Tree;
 use crate::wide::tree::node::{Child, Node};
 use crate::{Aabb, Ray};
@@ -218,10 +218,9 @@ impl<S: Simd, Q: Query> Packet<'_, S, Q> {
             let (mut start, mut end) = (simd.splat(0.0), simd.load(&setups.end));
             for (axis, [enter, leave]) in slabs.iter().enumerate() {
                 let inverse = simd.load(&setups.inverse[axis]);
-                let near = simd.load(&setups.near[axis]);
-                start = simd.max(start, simd.mul_add(simd.splat(enter[lane]), inverse, near));
-                let far = simd.load(&setups.far[axis]);
-                end = simd.min(end, simd.mul_add(simd.splat(leave[lane]), inverse, far));
+                let (near, far) = (simd.load(&setups.near[axis]), simd.load(&setups.far[axis]));
+                start = start.max(inverse.mul_add(enter[lane], near));
+                end = end.min(inverse.mul_add(leave[lane], far));
             }
             met |= RayMask::from(simd.le(start, end)) << first;
         }
@@ -293,13 +292,13 @@ impl RayBounds {
     fn of<S: Simd>(simd: S, setups: &[RaySetups<LANES>; GROUPS], octant: u8, rays: RayMask) -> Self {
         let (mut origin, mut inverse) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
         for axis in 0..3 {
-            let [low, high] = range(simd, rays, |g| &setups[g].origin[axis]);
+            let [low, high] = simd.range(rays, |g| &setups[g].origin[axis]);
             let (low, high) = (low - ORIGIN_ERR * U, high + ORIGIN_ERR * U);
             let descends = octant >> axis & 1 != 0;
             origin[axis] = if descends { [low, high] } else { [high, low] };
-            inverse[axis] = range(simd, rays, |g| &setups[g].inverse[axis]);
+            inverse[axis] = simd.range(rays, |g| &setups[g].inverse[axis]);
         }
-        Self { origin, inverse, end: range(simd, rays, |g| &setups[g].end) }
+        Self { origin, inverse, end: simd.range(rays, |g| &setups[g].end) }
     }
 
     /// The children of a node that any of the rays may meet, and those that all of them seem to meet.
@@ -309,38 +308,21 @@ impl RayBounds {
         let (mut first_end, mut last_end) = (simd.splat(self.end[0]), simd.splat(self.end[1]));
         for axis in 0..3 {
             let [enter, leave] = node.slabs(axis, octant);
-            let [first, last] = self.crossings(simd, axis, simd.load(enter));
-            (first_start, last_start) = (simd.max(first_start, first), simd.max(last_start, last));
-            let [first, last] = self.crossings(simd, axis, simd.load(leave));
-            (first_end, last_end) = (simd.min(first_end, first), simd.min(last_end, last));
+            let [first, last] = self.crossings::<S>(axis, simd.load(enter));
+            (first_start, last_start) = (first_start.max(first), last_start.max(last));
+            let [first, last] = self.crossings::<S>(axis, simd.load(leave));
+            (first_end, last_end) = (first_end.min(first), last_end.min(last));
         }
         (simd.le(first_start, last_end), simd.le(last_start, first_end))
     }
 
     /// When the first and the last of the rays cross planes across `axis`.
     #[inline(always)]
-    fn crossings<S: Simd>(&self, simd: S, axis: usize, planes: S::F) -> [S::F; 2] {
-        let (least, greatest) = (simd.splat(self.inverse[axis][0]), simd.splat(self.inverse[axis][1]));
-        let first = simd.sub(planes, simd.splat(self.origin[axis][0]));
-        let last = simd.sub(planes, simd.splat(self.origin[axis][1]));
-        [
-            simd.min(simd.mul(first, least), simd.mul(first, greatest)),
-            simd.max(simd.mul(last, least), simd.mul(last, greatest)),
-        ]
+    fn crossings<S: Simd>(&self, axis: usize, planes: S::F) -> [S::F; 2] {
+        let ([least, greatest], [first, last]) = (self.inverse[axis], self.origin[axis]);
+        let (first, last) = (planes - first, planes - last);
+        [(first * least).min(first * greatest), (last * least).max(last * greatest)]
     }
-}
-
-/// The smallest and the largest of the rays' numbers.
-#[inline(always)]
-fn range<'a, S: Simd>(simd: S, rays: RayMask, column: impl Fn(usize) -> &'a [f32; LANES]) -> [f32; 2] {
-    let (none, zero) = (simd.splat(f32::INFINITY), simd.splat(0.0));
-    let (mut low, mut minus_high) = (none, none);
-    for g in 0..GROUPS {
-        let (x, lanes) = (simd.load(column(g)), (rays >> (g * LANES)) as u8);
-        low = simd.min(low, simd.select(lanes, x, none));
-        minus_high = simd.min(minus_high, simd.select(lanes, simd.sub(zero, x), none));
-    }
-    [simd.min_of(low, 0xff), -simd.min_of(minus_high, 0xff)]
 }
 
 #[cfg(test)]

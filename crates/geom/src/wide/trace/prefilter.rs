@@ -4,36 +4,7 @@
 //! error of each number (docs/numerics.md). Eight triangles are tested at once.
 
 use super::ray_setup::RaySetup;
-use crate::wide::simd::{Rows, Simd};
-
-/// A [`RaySetup`], with each number in all lanes.
-pub(super) struct SplatRay<S: Simd> {
-    slope: [S::F; 2],
-    offset: [S::F; 2],
-    depth_scale: S::F,
-    depth_offset: S::F,
-    edge_err: [S::F; 2],
-    t_err: S::F,
-    certain_end: S::F,
-    /// Hits beyond this cannot matter.
-    t_end: S::F,
-}
-
-impl<S: Simd> SplatRay<S> {
-    #[inline(always)]
-    pub(super) fn new(simd: S, setup: &RaySetup, t_end: f32) -> Self {
-        Self {
-            slope: [simd.splat(setup.slope[0]), simd.splat(setup.slope[1])],
-            offset: [simd.splat(setup.offset[0]), simd.splat(setup.offset[1])],
-            depth_scale: simd.splat(setup.depth_scale),
-            depth_offset: simd.splat(setup.depth_offset),
-            edge_err: [simd.splat(setup.edge_err[0]), simd.splat(setup.edge_err[1])],
-            t_err: simd.splat(setup.t_err),
-            certain_end: simd.splat(setup.certain_end),
-            t_end: simd.splat(t_end),
-        }
-    }
-}
+use crate::wide::simd::{Rows, Simd, SimdBase, SimdFloat};
 
 /// The coordinates of eight triangles' vertices along the axes x, y and z of Woop's shear.
 pub(super) struct Vertices<S: Simd> {
@@ -67,41 +38,43 @@ pub(super) struct Filtered<S: Simd> {
     pub(super) end: S::F,
 }
 
-/// Tests eight triangles.
+/// Tests eight triangles. Hits beyond `t_end` cannot matter.
 #[inline(always)]
-pub(super) fn prefilter<S: Simd>(simd: S, ray: &SplatRay<S>, v: &Vertices<S>) -> Filtered<S> {
-    let zero = simd.splat(0.0);
-    let (x0, x1, x2) = (shear(simd, ray, v, 0, 0), shear(simd, ray, v, 0, 1), shear(simd, ray, v, 0, 2));
-    let (y0, y1, y2) = (shear(simd, ray, v, 1, 0), shear(simd, ray, v, 1, 1), shear(simd, ray, v, 1, 2));
-    let e0 = simd.mul_sub(x2, y1, simd.mul(y2, x1));
-    let e1 = simd.mul_sub(x0, y2, simd.mul(y0, x2));
-    let e2 = simd.mul_sub(x1, y0, simd.mul(y1, x0));
+pub(super) fn prefilter<S: Simd>(simd: S, ray: &RaySetup, t_end: f32, v: &Vertices<S>) -> Filtered<S> {
+    let (zero, t_end) = (simd.splat(0.0), simd.splat(t_end));
+    let [x0, x1, x2] = shear::<S>(ray, 0, &v.x, &v.z);
+    let [y0, y1, y2] = shear::<S>(ray, 1, &v.y, &v.z);
+    let e0 = x2.mul_sub(y1, y2 * x1);
+    let e1 = x0.mul_sub(y2, y0 * x2);
+    let e2 = x1.mul_sub(y0, y1 * x0);
     let size = simd.max_abs(simd.max_abs(simd.max_abs(x0, y0), simd.max_abs(x1, y1)), simd.max_abs(x2, y2));
-    let err = simd.mul_add(size, ray.edge_err[0], ray.edge_err[1]);
-    let minus_err = simd.sub(zero, err);
-    let low = simd.min(simd.min(e0, e1), e2);
-    let high = simd.max(simd.max(e0, e1), e2);
-    let outside = simd.lt(low, minus_err) & simd.lt(err, high);
-    let inside = simd.lt(err, low) | simd.lt(high, minus_err);
+    let err = size.mul_add(ray.edge_err[0], ray.edge_err[1]);
+    let low = e0.min(e1).min(e2);
+    let high = e0.max(e1).max(e2);
+    let outside = simd.lt(low, -err) & simd.lt(err, high);
+    let inside = simd.lt(err, low) | simd.lt(high, -err);
 
     // The depth of vertex 0, plus the weighted differences of the other vertices' depths.
-    let (z1, z2) = (simd.sub(v.z[1], v.z[0]), simd.sub(v.z[2], v.z[0]));
-    let inverse = simd.div(simd.splat(1.0), simd.add(simd.add(e0, e1), e2));
-    let depth = simd.mul_add(simd.mul_add(e1, z1, simd.mul(e2, z2)), inverse, v.z[0]);
-    let t = simd.mul_add(depth, ray.depth_scale, ray.depth_offset);
-    let weight_err = simd.mul(simd.mul(err, simd.splat(8.0)), simd.abs(inverse));
-    let t_err = simd.mul_add(weight_err, simd.max_abs(z1, z2), ray.t_err);
-    let (start, end) = (simd.sub(t, t_err), simd.add(t, t_err));
+    let (z1, z2) = (v.z[1] - v.z[0], v.z[2] - v.z[0]);
+    let inverse = simd.splat(1.0) / (e0 + e1 + e2);
+    let depth = e1.mul_add(z1, e2 * z2).mul_add(inverse, v.z[0]);
+    let t = depth.mul_add(ray.depth_scale, ray.depth_offset);
+    let t_err = (err * 8.0 * inverse.abs()).mul_add(simd.max_abs(z1, z2), ray.t_err);
+    let (start, end) = (t - t_err, t + t_err);
     // Comparisons with NaN are false: where an error is unbounded, a hit is possible.
-    let beyond = simd.lt(ray.t_end, start) | simd.lt(end, zero);
+    let beyond = simd.lt(t_end, start) | simd.lt(end, zero);
     let possible = !(outside | beyond);
-    let certain = possible & inside & simd.lt(zero, start) & simd.lt(end, ray.certain_end);
+    let certain = possible & inside & simd.lt(zero, start) & simd.lt(end, simd.splat(ray.certain_end));
     Filtered { possible, certain, start, end }
 }
 
-/// A vertex's offset from the ray's line, along axis x or y.
+/// The vertices' offsets from the ray's line, along axis x or y.
 #[inline(always)]
-fn shear<S: Simd>(simd: S, ray: &SplatRay<S>, v: &Vertices<S>, axis: usize, vertex: usize) -> S::F {
-    let x = if axis == 0 { v.x[vertex] } else { v.y[vertex] };
-    simd.sub(simd.mul_add(ray.slope[axis], v.z[vertex], x), ray.offset[axis])
+fn shear<S: Simd>(ray: &RaySetup, axis: usize, x: &[S::F; 3], z: &[S::F; 3]) -> [S::F; 3] {
+    let (slope, offset) = (ray.slope[axis], ray.offset[axis]);
+    [
+        z[0].mul_add(slope, x[0]) - offset,
+        z[1].mul_add(slope, x[1]) - offset,
+        z[2].mul_add(slope, x[2]) - offset,
+    ]
 }

@@ -3,7 +3,7 @@
 use super::deferred_decision::Candidates;
 use super::ray_setup::RaySetup;
 use crate::KdTree;
-use crate::wide::simd::{LANES, Simd};
+use crate::wide::simd::{LANES, Simd, SimdBase};
 use crate::wide::tree::MAX_LEVELS;
 use crate::wide::tree::node::Child;
 
@@ -81,10 +81,10 @@ impl Traversal {
 
     /// Pushes the children of a node in the lanes of `mask`.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, simd: S, starts: S::F, children: S::I, mask: u8) {
+    pub(super) fn push<S: Simd>(&mut self, starts: S::F, children: S::I, mask: u8) {
         let top = self.depth % DEPTH;
-        simd.store(&mut self.entries[top].starts, starts);
-        simd.store_i(&mut self.entries[top].children, children);
+        starts.store_array(&mut self.entries[top].starts);
+        children.store_array(&mut self.entries[top].children);
         self.pending[top] = mask;
         self.depth = top + usize::from(mask != 0);
     }

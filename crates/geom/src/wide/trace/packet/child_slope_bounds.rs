@@ -1,7 +1,7 @@
 //! Slope bounds: a box as rays from one origin see it, bounds of the slopes of those that may meet it.
 
 use super::setup::CommonOrigin;
-use crate::wide::simd::{LANES, Simd};
+use crate::wide::simd::{LANES, Simd, SimdBase};
 use crate::wide::tree::node::Node;
 
 /// Unit roundoff of `f32`.
@@ -36,30 +36,23 @@ impl ChildBounds {
         let origin = common.origin.as_vec3();
         let thick = FACE_ERR * U * (1.0 + origin.abs().max_element());
         let [low, high] = faces(simd, node, common, 2);
-        let zero = simd.splat(0.0);
-        let (near, far) =
-            if common.descends() { (simd.sub(zero, high), simd.sub(zero, low)) } else { (low, high) };
-        let slack = simd.splat(FACE_ERR * U);
-        let (near, far) = (simd.sub(near, slack), simd.add(far, slack));
+        let (near, far) = if common.descends() { (-high, -low) } else { (low, high) };
+        let (near, far) = (near - FACE_ERR * U, far + FACE_ERR * U);
         let mut met = simd.le(near, simd.splat(end)) & simd.le(simd.splat(common.begin), far);
         let (near_inverse, far_inverse) =
             (inverse(simd, near, origin.z + thick), inverse(simd, far, origin.z - thick));
         let mut bounds = Self { low: [[0.0; LANES]; 2], high: [[0.0; LANES]; 2], near: [0.0; LANES] };
-        simd.store(&mut bounds.near, near);
+        near.store_array(&mut bounds.near);
         for axis in 0..2 {
             let [low, high] = faces(simd, node, common, axis);
-            let low = simd.sub(low, simd.splat(origin[axis] + thick));
-            let high = simd.sub(high, simd.splat(origin[axis] - thick));
+            let (low, high) = (low - (origin[axis] + thick), high - (origin[axis] - thick));
             // Each side at the depth where its slope is further out.
-            let low = simd.min(simd.mul(low, near_inverse), simd.mul(low, far_inverse));
-            let high = simd.max(simd.mul(high, near_inverse), simd.mul(high, far_inverse));
-            let low = simd.sub(low, simd.splat(common.middle[axis] + SIDE_ERR * U));
-            let high = simd.sub(high, simd.splat(common.middle[axis] - SIDE_ERR * U));
-            let low = simd.max(low, simd.splat(common.low[axis]));
-            let high = simd.min(high, simd.splat(common.high[axis]));
+            let low = (low * near_inverse).min(low * far_inverse) - (common.middle[axis] + SIDE_ERR * U);
+            let high = (high * near_inverse).max(high * far_inverse) - (common.middle[axis] - SIDE_ERR * U);
+            let (low, high) = (low.max(common.low[axis]), high.min(common.high[axis]));
             met &= simd.le(low, high);
-            simd.store(&mut bounds.low[axis], low);
-            simd.store(&mut bounds.high[axis], high);
+            low.store_array(&mut bounds.low[axis]);
+            high.store_array(&mut bounds.high[axis]);
         }
         (bounds, met)
     }
@@ -90,8 +83,7 @@ fn faces<S: Simd>(simd: S, node: &Node, common: &CommonOrigin, axis: usize) -> [
 /// The inverse of the depth from `from`.
 #[inline(always)]
 fn inverse<S: Simd>(simd: S, place: S::F, from: f32) -> S::F {
-    let distance = simd.max(simd.sub(place, simd.splat(from)), simd.splat(NEAREST));
-    simd.div(simd.splat(1.0), distance)
+    simd.splat(1.0) / (place - from).max(NEAREST)
 }
 
 #[cfg(test)]

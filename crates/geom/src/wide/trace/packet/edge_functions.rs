@@ -7,7 +7,7 @@
 
 use super::child_slope_bounds::SlopeBounds;
 use super::setup::CommonOrigin;
-use crate::wide::simd::{LANES, Simd};
+use crate::wide::simd::{Simd, SimdBase, SimdFloat};
 use crate::wide::trace::prefilter::{Filtered, Vertices};
 
 /// Unit roundoff of `f32`.
@@ -74,12 +74,12 @@ impl CentralRay {
 
     /// The distances of vertices from the central ray, along axis x or y.
     #[inline(always)]
-    fn project<S: Simd>(&self, simd: S, axis: usize, x: &[S::F; 3], depths: &[S::F; 3]) -> [S::F; 3] {
-        let (slope, offset) = (simd.splat(-self.slope[axis]), simd.splat(self.offset[axis]));
+    fn project<S: Simd>(&self, axis: usize, x: &[S::F; 3], depths: &[S::F; 3]) -> [S::F; 3] {
+        let (slope, offset) = (-self.slope[axis], self.offset[axis]);
         [
-            simd.sub(simd.mul_add(slope, depths[0], x[0]), offset),
-            simd.sub(simd.mul_add(slope, depths[1], x[1]), offset),
-            simd.sub(simd.mul_add(slope, depths[2], x[2]), offset),
+            depths[0].mul_add(slope, x[0]) - offset,
+            depths[1].mul_add(slope, x[1]) - offset,
+            depths[2].mul_add(slope, x[2]) - offset,
         ]
     }
 }
@@ -90,20 +90,16 @@ fn larger(a: f32, b: f32) -> f32 {
 }
 
 /// The edge functions of eight triangles, or of one in all lanes, around a central ray.
-#[derive(Clone, Copy)]
-pub(super) struct EdgeFunctions<F> {
+pub(super) struct EdgeFunctions<S: Simd> {
     /// Each edge function at the central ray, and its growth for each unit of deviation from it along x and y.
-    edges: [[F; 3]; 3],
+    edges: [[S::F; 3]; 3],
     /// A bound for the error of each of them.
-    edge_err: F,
+    edge_err: S::F,
     /// The depth of vertex 0, and the differences of those of vertices 1 and 2.
-    depth: [F; 3],
+    depth: [S::F; 3],
     /// The error of a hit's depth is at most this divided by the sum of the edge functions, plus a constant.
-    depth_err: F,
+    depth_err: S::F,
 }
-
-/// [`EdgeFunctions`] in memory.
-pub(super) type StoredEdgeFunctions = EdgeFunctions<[f32; LANES]>;
 
 /// Rays by their deviation from the central ray.
 pub(super) struct RayLanes<S: Simd> {
@@ -114,70 +110,61 @@ pub(super) struct RayLanes<S: Simd> {
     pub(super) end: S::F,
 }
 
-impl<F: Copy> EdgeFunctions<F> {
+impl<S: Simd> EdgeFunctions<S> {
     #[inline(always)]
-    pub(super) fn new<S: Simd<F = F>>(simd: S, center: &CentralRay, v: &Vertices<S>) -> Self {
-        let (sense, start) = (simd.splat(center.sense), simd.splat(center.start));
-        let [a, b, c] = v.z;
-        let depths = [simd.mul(a, sense), simd.mul(b, sense), simd.mul(c, sense)];
-        let [a, b, c] = depths;
-        let from_origin = [simd.sub(a, start), simd.sub(b, start), simd.sub(c, start)];
-        let x = center.project(simd, 0, &v.x, &depths);
-        let y = center.project(simd, 1, &v.y, &depths);
+    pub(super) fn new(simd: S, center: &CentralRay, v: &Vertices<S>) -> Self {
+        let [a, b, c] = [v.z[0] * center.sense, v.z[1] * center.sense, v.z[2] * center.sense];
+        let from_origin = [a - center.start, b - center.start, c - center.start];
+        let x = center.project::<S>(0, &v.x, &[a, b, c]);
+        let y = center.project::<S>(1, &v.y, &[a, b, c]);
         let edges = [
-            edge(simd, [&x, &y, &from_origin], 2, 1),
-            edge(simd, [&x, &y, &from_origin], 0, 2),
-            edge(simd, [&x, &y, &from_origin], 1, 0),
+            edge::<S>([&x, &y, &from_origin], 2, 1),
+            edge::<S>([&x, &y, &from_origin], 0, 2),
+            edge::<S>([&x, &y, &from_origin], 1, 0),
         ];
         let size = simd.max_abs(largest(simd, x), largest(simd, y));
-        let reach = simd.add(largest(simd, from_origin), simd.splat(1.0));
+        let reach = largest(simd, from_origin) + 1.0;
         let [e0, e1, e2, e3, e4] = center.err;
-        let (e0, e1, e2) = (simd.splat(e0), simd.splat(e1), simd.splat(e2));
-        let (e3, e4) = (simd.splat(e3), simd.splat(e4));
-        let rate = simd.mul_add(size, e2, simd.mul_add(reach, e1, e0));
-        let edge_err = simd.mul_add(size, rate, simd.mul_add(reach, e3, e4));
-        let depth = [depths[0], simd.sub(depths[1], depths[0]), simd.sub(depths[2], depths[0])];
-        let depth_err = simd.mul(simd.mul(edge_err, simd.splat(8.0)), simd.max_abs(depth[1], depth[2]));
+        let rate = size.mul_add(e2, reach.mul_add(e1, e0));
+        let edge_err = size.mul_add(rate, reach.mul_add(e3, e4));
+        let depth = [a, b - a, c - a];
+        let depth_err = edge_err * 8.0 * simd.max_abs(depth[1], depth[2]);
         Self { edges, edge_err, depth, depth_err }
     }
 
     /// The triangles that any of the rays may hit.
     #[inline(always)]
-    pub(super) fn may_hit<S: Simd<F = F>>(&self, simd: S, center: &CentralRay) -> u8 {
-        let reach = [simd.splat(center.reach[0]), simd.splat(center.reach[1])];
+    pub(super) fn may_hit(&self, simd: S, center: &CentralRay) -> u8 {
         let [[a_low, a_high], [b_low, b_high], [c_low, c_high]] =
-            [self.range(simd, reach, 0), self.range(simd, reach, 1), self.range(simd, reach, 2)];
+            [self.range(center.reach, 0), self.range(center.reach, 1), self.range(center.reach, 2)];
         // A triangle is missed if one function is negative for all rays and another positive.
-        let negative = simd.min(simd.min(a_high, b_high), c_high);
-        let positive = simd.max(simd.max(a_low, b_low), c_low);
-        let minus_err = simd.sub(simd.splat(0.0), self.edge_err);
-        !(simd.lt(negative, minus_err) & simd.lt(self.edge_err, positive))
+        let (negative, positive) = (a_high.min(b_high).min(c_high), a_low.max(b_low).max(c_low));
+        !(simd.lt(negative, -self.edge_err) & simd.lt(self.edge_err, positive))
     }
 
     /// The least and the greatest value of an edge function.
     #[inline(always)]
-    fn range<S: Simd<F = F>>(&self, simd: S, reach: [F; 2], i: usize) -> [F; 2] {
+    fn range(&self, reach: [f32; 2], i: usize) -> [S::F; 2] {
         let [at, x, y] = self.edges[i];
-        let growth = simd.mul_add(reach[0], simd.abs(x), simd.mul(reach[1], simd.abs(y)));
-        [simd.sub(at, growth), simd.add(at, growth)]
+        let growth = x.abs().mul_add(reach[0], y.abs() * reach[1]);
+        [at - growth, at + growth]
     }
 
     /// The conservative test: in each lane, a triangle and a ray.
     #[inline(always)]
-    pub(super) fn prefilter<S: Simd<F = F>>(&self, simd: S, rays: &RayLanes<S>) -> Filtered<S> {
-        let zero = simd.splat(0.0);
-        let [e0, e1, e2] = [self.edge(simd, rays, 0), self.edge(simd, rays, 1), self.edge(simd, rays, 2)];
-        let (err, minus_err) = (self.edge_err, simd.sub(zero, self.edge_err));
-        let low = simd.min(simd.min(e0, e1), e2);
-        let high = simd.max(simd.max(e0, e1), e2);
-        let outside = simd.lt(low, minus_err) & simd.lt(err, high);
-        let inside = simd.lt(err, low) | simd.lt(high, minus_err);
+    pub(super) fn prefilter(&self, simd: S, rays: &RayLanes<S>) -> Filtered<S> {
+        let [e0, e1, e2] = [self.edge(rays, 0), self.edge(rays, 1), self.edge(rays, 2)];
+        let err = self.edge_err;
+        let low = e0.min(e1).min(e2);
+        let high = e0.max(e1).max(e2);
+        let outside = simd.lt(low, -err) & simd.lt(err, high);
+        let inside = simd.lt(err, low) | simd.lt(high, -err);
         // The depth of vertex 0, plus the weighted differences of the other vertices' depths.
-        let inverse = simd.div(simd.splat(1.0), simd.add(simd.add(e0, e1), e2));
-        let weighted = simd.mul_add(e1, self.depth[1], simd.mul(e2, self.depth[2]));
-        let depth = simd.mul_add(weighted, inverse, self.depth[0]);
-        let depth_err = simd.mul_add(self.depth_err, simd.abs(inverse), simd.splat(HIT_ERR * U));
-        let (start, end) = (simd.sub(depth, depth_err), simd.add(depth, depth_err));
+        let inverse = simd.splat(1.0) / (e0 + e1 + e2);
+        let weighted = e1.mul_add(self.depth[1], e2 * self.depth[2]);
+        let depth = weighted.mul_add(inverse, self.depth[0]);
+        let depth_err = self.depth_err.mul_add(inverse.abs(), HIT_ERR * U);
+        let (start, end) = (depth - depth_err, depth + depth_err);
         // Comparisons with NaN are false: where an error is unbounded, a hit is possible.
         let beyond = simd.lt(rays.end, start) | simd.lt(end, rays.begin);
         let possible = !(outside | beyond);
@@ -186,62 +173,45 @@ impl<F: Copy> EdgeFunctions<F> {
     }
 
     #[inline(always)]
-    fn edge<S: Simd<F = F>>(&self, simd: S, rays: &RayLanes<S>, i: usize) -> F {
+    fn edge(&self, rays: &RayLanes<S>, i: usize) -> S::F {
         let [at, x, y] = self.edges[i];
-        simd.mul_add(rays.deviation[0], x, simd.mul_add(rays.deviation[1], y, at))
+        rays.deviation[0].mul_add(x, rays.deviation[1].mul_add(y, at))
     }
 
-    /// The same with `f` applied to each number.
+    /// Those of one of the triangles, in all lanes.
     #[inline(always)]
-    fn map<T: Copy>(&self, mut f: impl FnMut(F) -> T) -> EdgeFunctions<T> {
+    pub(super) fn lane(&self, simd: S, lane: usize) -> Self {
+        let lanes = S::I::splat(simd, lane as u32);
+        let splat = |x: S::F| simd.permute(x, lanes);
         let Self { edges: [a, b, c], edge_err, depth: [p, q, r], depth_err } = *self;
-        EdgeFunctions {
-            edges: [[f(a[0]), f(a[1]), f(a[2])], [f(b[0]), f(b[1]), f(b[2])], [f(c[0]), f(c[1]), f(c[2])]],
-            edge_err: f(edge_err),
-            depth: [f(p), f(q), f(r)],
-            depth_err: f(depth_err),
+        Self {
+            edges: [
+                [splat(a[0]), splat(a[1]), splat(a[2])],
+                [splat(b[0]), splat(b[1]), splat(b[2])],
+                [splat(c[0]), splat(c[1]), splat(c[2])],
+            ],
+            edge_err: splat(edge_err),
+            depth: [splat(p), splat(q), splat(r)],
+            depth_err: splat(depth_err),
         }
-    }
-
-    #[inline(always)]
-    pub(super) fn store<S: Simd<F = F>>(&self, simd: S) -> StoredEdgeFunctions {
-        self.map(
-            #[inline(always)]
-            |x| {
-                let mut stored = [0.0; LANES];
-                simd.store(&mut stored, x);
-                stored
-            },
-        )
     }
 }
 
 /// The edge function of vertices `i` and `j` at the central ray, and its growth.
 #[inline(always)]
-fn edge<S: Simd>(simd: S, [x, y, depth]: [&[S::F; 3]; 3], i: usize, j: usize) -> [S::F; 3] {
-    [cross(simd, x, y, i, j), cross(simd, y, depth, i, j), cross(simd, depth, x, i, j)]
+fn edge<S: Simd>([x, y, depth]: [&[S::F; 3]; 3], i: usize, j: usize) -> [S::F; 3] {
+    [cross::<S>(x, y, i, j), cross::<S>(y, depth, i, j), cross::<S>(depth, x, i, j)]
 }
 
 #[inline(always)]
-fn cross<S: Simd>(simd: S, a: &[S::F; 3], b: &[S::F; 3], i: usize, j: usize) -> S::F {
-    simd.mul_sub(a[i], b[j], simd.mul(b[i], a[j]))
+fn cross<S: Simd>(a: &[S::F; 3], b: &[S::F; 3], i: usize, j: usize) -> S::F {
+    a[i].mul_sub(b[j], b[i] * a[j])
 }
 
 /// The largest magnitude.
 #[inline(always)]
 fn largest<S: Simd>(simd: S, [a, b, c]: [S::F; 3]) -> S::F {
     simd.max_abs(simd.max_abs(a, b), c)
-}
-
-impl StoredEdgeFunctions {
-    /// One of the triangles, in all lanes.
-    #[inline(always)]
-    pub(super) fn lane<S: Simd>(&self, simd: S, lane: usize) -> EdgeFunctions<S::F> {
-        self.map(
-            #[inline(always)]
-            |x| simd.splat(x[lane % LANES]),
-        )
-    }
 }
 
 #[cfg(test)]
@@ -253,7 +223,7 @@ mod tests {
     use crate::conformance::{Seeded, Source};
     use crate::cpu::portable;
     use crate::decide::permute;
-    use crate::wide::simd::PACKET;
+    use crate::wide::simd::{LANES, PACKET};
     use crate::wide::tree::normalize::NormalizedSpace;
     use glam::DVec3;
 
@@ -315,7 +285,7 @@ mod tests {
                     [0, 1].map(|axis| simd.splat(packet_rays.deviation[axis][g][i] - center.deviation[axis]));
                 let [begin, end] = [packet_rays.begin[g][i], packet_rays.end[g][i]].map(|x| simd.splat(x));
                 let lanes = RayLanes { deviation, begin, range_end: end, end };
-                let edges = [0, 1, 2].map(|i| functions.edge(simd, &lanes, i));
+                let edges = [0, 1, 2].map(|i| functions.edge(&lanes, i));
                 let filtered = functions.prefilter(simd, &lanes);
                 for lane in 0..LANES {
                     let (exact, place) = exactly(&common, &rays[slot], triangles[lane]);

@@ -136,9 +136,10 @@ impl PacketRays {
         if fit != RayMask::MAX {
             return false;
         }
-        let [x, y] = [range(simd, &self.deviation[0]), range(simd, &self.deviation[1])];
+        let range = |numbers: &[[f32; LANES]; GROUPS]| simd.range(RayMask::MAX, |g| &numbers[g]);
+        let [x, y] = [range(&self.deviation[0]), range(&self.deviation[1])];
         [origin.low, origin.high] = [[x[0], y[0]], [x[1], y[1]]];
-        origin.begin = range(simd, &self.begin)[0];
+        origin.begin = range(&self.begin)[0];
         [x, y].iter().all(|[least, greatest]| f64::from(greatest - least) <= WIDEST)
     }
 
@@ -190,16 +191,4 @@ impl PacketRays {
         }
         simd.lt(simd.splat(0.0), simd.load(&fits))
     }
-}
-
-/// The smallest and the largest of the rays' numbers.
-#[inline(always)]
-pub(super) fn range<S: Simd>(simd: S, numbers: &[[f32; LANES]; GROUPS]) -> [f32; 2] {
-    let zero = simd.splat(0.0);
-    let (mut low, mut minus_high) = (simd.splat(f32::INFINITY), simd.splat(f32::INFINITY));
-    for numbers in numbers {
-        let x = simd.load(numbers);
-        (low, minus_high) = (simd.min(low, x), simd.min(minus_high, simd.sub(zero, x)));
-    }
-    [simd.min_of(low, 0xff), -simd.min_of(minus_high, 0xff)]
 }

@@ -2,10 +2,10 @@
 
 use super::child_slope_bounds::{ChildBounds, SlopeBounds};
 use super::edge_functions::{CentralRay, EdgeFunctions, RayLanes};
-use super::setup::{CommonOrigin, PacketRays, range};
+use super::setup::{CommonOrigin, PacketRays};
 use crate::Ray;
 use crate::query::{ClosestHit, Query};
-use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd};
+use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase};
 use crate::wide::trace::deferred_decision::Candidates;
 use crate::wide::trace::prefilter::{Filtered, Vertices};
 use crate::wide::tree::Tree;
@@ -68,13 +68,13 @@ pub(super) struct PacketTraversal<'a, S: Simd, Q> {
 }
 
 /// The triangles of a leaf block that a ray of the packet may hit, and the rays that may meet the block.
-struct LeafTest<F> {
+struct LeafTest<S: Simd> {
     /// The block's first reference.
     first: usize,
     triangles: u8,
     rays: RayMask,
     center: CentralRay,
-    edges: EdgeFunctions<F>,
+    edges: EdgeFunctions<S>,
 }
 
 impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
@@ -176,7 +176,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
     ///
     /// Results are recorded when all rays have been tested: which of them hit something is unpredictable.
     #[inline(always)]
-    fn test_by_ray(&mut self, test: &LeafTest<S::F>) -> bool {
+    fn test_by_ray(&mut self, test: &LeafTest<S>) -> bool {
         let (simd, rays) = (self.simd, &self.state.rays);
         let (mut with_possible, mut with_certain) = (0, 0);
         for slot in Bits(test.rays) {
@@ -192,8 +192,8 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
             let Filtered { possible, certain, start, end } = test.edges.prefilter(simd, &lanes);
             let (possible, certain) = (possible & test.triangles, certain & test.triangles);
             let to = &mut self.state.filtered[slot % PACKET];
-            simd.store(&mut to.starts, start);
-            simd.store(&mut to.ends, end);
+            start.store_array(&mut to.starts);
+            end.store_array(&mut to.ends);
             (to.possible, to.certain) = (possible, certain);
             with_possible |= RayMask::from(possible != 0) << slot;
             with_certain |= RayMask::from(certain != 0) << slot;
@@ -219,12 +219,11 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
 
     /// Eight rays at once, for each triangle. Returns whether any ray has become shorter.
     #[inline(always)]
-    fn test_by_triangle(&mut self, test: &LeafTest<S::F>) -> bool {
+    fn test_by_triangle(&mut self, test: &LeafTest<S>) -> bool {
         let (simd, mut is_shorter) = (self.simd, false);
-        let stored = test.edges.store(simd);
         for at in Bits(test.triangles.into()) {
             let index = self.tree.leaves.index(test.first, at);
-            let edges = stored.lane(simd, at);
+            let edges = test.edges.lane(simd, at);
             let (mut possible, mut certain) = (0, 0);
             for g in 0..GROUPS {
                 let group = group_of(test.rays & !self.finished, g);
@@ -252,31 +251,25 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
     /// One triangle, and the rays of group `g` in the lanes `group`. Returns for which of them a hit is
     /// possible, and for which it is certain.
     #[inline(always)]
-    fn test_group(
-        &mut self,
-        g: usize,
-        group: u8,
-        center: &CentralRay,
-        edges: &EdgeFunctions<S::F>,
-    ) -> (u8, u8) {
+    fn test_group(&mut self, g: usize, group: u8, center: &CentralRay, edges: &EdgeFunctions<S>) -> (u8, u8) {
         let (simd, rays) = (self.simd, &self.state.rays);
-        let x = simd.sub(simd.load(&rays.deviation[0][g]), simd.splat(center.deviation[0]));
-        let y = simd.sub(simd.load(&rays.deviation[1][g]), simd.splat(center.deviation[1]));
+        let x = simd.load(&rays.deviation[0][g]) - center.deviation[0];
+        let y = simd.load(&rays.deviation[1][g]) - center.deviation[1];
         let before = simd.load(&rays.end[g]);
         let (begin, range_end) = (simd.load(&rays.begin[g]), simd.load(&rays.range_end[g]));
         let lanes = RayLanes { deviation: [x, y], begin, range_end, end: before };
         let Filtered { possible, certain, start, end } = edges.prefilter(simd, &lanes);
         let (possible, certain) = (possible & group, certain & group);
-        let nearer = simd.select(certain, simd.min(end, before), before);
-        simd.store(&mut self.state.rays.end[g], nearer);
-        simd.store(&mut self.state.filtered[g].starts, start);
+        let nearer = simd.select(certain, end.min(before), before);
+        nearer.store_array(&mut self.state.rays.end[g]);
+        start.store_array(&mut self.state.filtered[g].starts);
         (possible, certain)
     }
 
     /// Finds where the last of the rays ends.
     #[inline(always)]
     fn shorten(&mut self) {
-        self.end = range(self.simd, &self.state.rays.end)[1];
+        self.end = self.simd.range(RayMask::MAX, |g| &self.state.rays.end[g])[1];
     }
 
     /// Ends an any-hit query that has a certain hit.
