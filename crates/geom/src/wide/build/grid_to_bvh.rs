@@ -88,23 +88,20 @@ impl BinaryTree {
         let (low_cells, high_cells) = cells.split_at_mut(lower);
         let lower = low_cells.iter().map(|cell| cell.count).sum::<u32>();
         let (low, high) = members.split_at_mut(lower as usize);
-        let at = self.begin(axis);
         let levels_left = levels_left - 1;
         if rayon::current_num_threads() == 1 || low.len().min(high.len()) < PARALLEL_MEMBERS {
-            self.add_cells(first, low, sorted, low_cells, levels_left);
-            self.point_to_upper(at);
-            self.add_cells(first + lower, high, sorted, high_cells, levels_left);
+            let halves = [(first, low, low_cells), (first + lower, high, high_cells)];
+            self.add_inner(axis, halves, |this, (first, members, cells)| {
+                this.add_cells(first, members, sorted, cells, levels_left);
+            });
         } else {
             let (mut below, mut above) = (self.without_nodes(), self.without_nodes());
             rayon::join(
                 || below.add_cells(first, low, sorted, low_cells, levels_left),
                 || above.add_cells(first + lower, high, sorted, high_cells, levels_left),
             );
-            self.append(&below);
-            self.point_to_upper(at);
-            self.append(&above);
+            self.add_inner(axis, [below, above], |this, half| this.append(&half));
         }
-        self.finish(at);
     }
 }
 

@@ -162,11 +162,7 @@ impl BinaryTree {
             KdNode::Split { upper, .. } if is_empty(tree, upper) => self.add_cell(tree, cell + 1, leaves),
             KdNode::Split { upper, .. } if is_empty(tree, cell + 1) => self.add_cell(tree, upper, leaves),
             KdNode::Split { axis, upper, .. } => {
-                let at = self.begin(axis);
-                self.add_cell(tree, cell + 1, leaves);
-                self.point_to_upper(at);
-                self.add_cell(tree, upper, leaves);
-                self.finish(at);
+                self.add_inner(axis, [cell + 1, upper], |this, half| this.add_cell(tree, half, leaves));
             }
         }
     }
@@ -188,11 +184,8 @@ impl BinaryTree {
         }
         let (axis, lower) = split(members, levels_left <= MAX_LEVELS / 2);
         let (low, high) = members.split_at_mut(lower);
-        let at = self.begin(axis);
-        self.add_members(first, low, levels_left - 1);
-        self.point_to_upper(at);
-        self.add_members(first + lower as u32, high, levels_left - 1);
-        self.finish(at);
+        let halves = [(first, low), (first + lower as u32, high)];
+        self.add_inner(axis, halves, |this, (first, half)| this.add_members(first, half, levels_left - 1));
     }
 
     /// Adds members for a leaf block; if many rays visit it, with children for smaller blocks that fewer do.
@@ -219,26 +212,23 @@ impl BinaryTree {
         }
     }
 
-    /// Adds an inner node, and returns where it is.
-    pub(super) fn begin(&mut self, axis: u8) -> usize {
-        let content = Content::Inner(Split { axis, upper: 0 });
-        self.nodes.push(BinaryNode { bounds: Aabb::EMPTY, content, costs: CollapseCosts::default() });
-        self.nodes.len() - 1
-    }
-
-    /// Makes the node that is added next the upper child of the one at `at`.
-    pub(super) fn point_to_upper(&mut self, at: usize) {
-        let next = self.nodes.len() as u32;
-        self.nodes[at].content = self.nodes[at].content.with_upper(next);
-    }
-
-    /// Finds the bounds and the costs of the node at `at`, whose children are there.
-    pub(super) fn finish(&mut self, at: usize) {
-        let Some(split) = self.nodes[at].content.split() else { return };
+    /// Adds an inner node, and what `add` does with the lower half and with the upper one.
+    pub(super) fn add_inner<T>(
+        &mut self,
+        axis: u8,
+        [lower, upper]: [T; 2],
+        mut add: impl FnMut(&mut Self, T),
+    ) {
+        let at = self.nodes.len();
+        let (content, costs) = (Content::Inner(Split { axis, upper: 0 }), CollapseCosts::default());
+        self.nodes.push(BinaryNode { bounds: Aabb::EMPTY, content, costs });
+        add(self, lower);
+        let split = Split { axis, upper: self.nodes.len() as u32 };
+        add(self, upper);
         let bounds = self.nodes[at + 1].bounds.union(&self.node(split.upper).bounds);
         let [low, high] = self.child_costs(at as u32, split);
         let costs = CollapseCosts::of_inner(expected_visits(&bounds) * self.area_scale, low, high);
-        (self.nodes[at].bounds, self.nodes[at].costs) = (bounds, costs);
+        self.nodes[at] = BinaryNode { bounds, content: Content::Inner(split), costs };
     }
 }
 
@@ -272,11 +262,7 @@ mod tests {
 
     /// Adds an inner node with the children that `lower` and `upper` add.
     fn add_inner(all: &mut BinaryTree, lower: impl Fn(&mut BinaryTree), upper: impl Fn(&mut BinaryTree)) {
-        let at = all.begin(0);
-        lower(all);
-        all.point_to_upper(at);
-        upper(all);
-        all.finish(at);
+        all.add_inner(0, [&lower as &dyn Fn(&mut BinaryTree), &upper], |all, add| add(all));
     }
 
     /// A block in the unit cube at `x`.
