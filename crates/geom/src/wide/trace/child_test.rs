@@ -67,19 +67,14 @@ fn crossings<S: Simd>(simd: S, node: &Node, setup: &RaySetup, axis: usize) -> [S
 }
 
 /// The triangles of a leaf block that a ray may hit.
-#[derive(Clone, Copy)]
-pub(super) struct LeafHits<S: Simd> {
+#[derive(Clone, Copy, Default)]
+pub(super) struct LeafHits {
     /// The block's first reference.
     first: usize,
-    filtered: Filtered<S>,
+    filtered: Filtered,
 }
 
-impl<S: Simd> LeafHits<S> {
-    pub(super) fn none(simd: S) -> Self {
-        let zero = simd.splat(0.0);
-        Self { first: 0, filtered: Filtered { possible: 0, certain: 0, start: zero, end: zero } }
-    }
-
+impl LeafHits {
     /// Whether any hit is possible.
     #[inline(always)]
     pub(super) fn any(&self) -> bool {
@@ -89,13 +84,11 @@ impl<S: Simd> LeafHits<S> {
 
 /// Tests the current child, a leaf block.
 #[inline(always)]
-pub(super) fn test_leaf<S: Simd>(simd: S, tree: &Tree, traversal: &mut Traversal) -> LeafHits<S> {
+pub(super) fn test_leaf<S: Simd>(simd: S, tree: &Tree, traversal: &mut Traversal) -> LeafHits {
     let (first, count) = Child::block(traversal.child);
     let rows = tree.leaves.rows(first, count);
     let vertices = Vertices::load(simd, rows, traversal.setup.axes.map(usize::from));
-    let mut filtered = prefilter(simd, &traversal.setup, traversal.t_end, &vertices);
-    filtered.possible &= rows.lanes();
-    filtered.certain &= rows.lanes();
+    let filtered = prefilter(simd, &traversal.setup, traversal.t_end, &vertices).among(rows.lanes());
     LeafHits { first, filtered }
 }
 
@@ -105,7 +98,7 @@ pub(super) fn record<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     ray: &Ray,
-    LeafHits { first, filtered }: &LeafHits<S>,
+    LeafHits { first, filtered }: &LeafHits,
     traversal: &mut Traversal,
     query: &mut Q,
 ) {
@@ -114,11 +107,10 @@ pub(super) fn record<S: Simd, Q: Query>(
         traversal.clear();
         return;
     }
-    let starts = filtered.start.to_array();
     for lane in Bits(filtered.possible.into()) {
         let index = tree.leaves.index(*first, lane);
         tree.triangles.prefetch(index);
-        traversal.candidates.add(starts[lane % LANES], index);
+        traversal.candidates.add(filtered.start[lane % LANES], index);
         if traversal.candidates.is_full() {
             traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, query);
             if Q::ANY_HIT && query.is_answered() {
@@ -128,7 +120,7 @@ pub(super) fn record<S: Simd, Q: Query>(
         }
     }
     if filtered.certain != 0 {
-        let end = simd.min_of(filtered.end, filtered.certain);
+        let end = simd.min_of(simd.load(&filtered.end), filtered.certain);
         // In a closed scene the ray mostly ends there already, and there is nothing to drop.
         if end < traversal.t_end {
             traversal.t_end = end;

@@ -73,7 +73,7 @@ impl GeneralPacket {
         );
         let (begun, alone) = (0, 0);
         let mut packet = Packet { simd, tree, rays, setups, traversals, queries, left, begun, alone };
-        let mut hits = [LeafHits::none(simd); PACKET];
+        let mut hits = [LeafHits::default(); PACKET];
         while left != 0 {
             let (octant, of_octant) = first_octant(left, &negative);
             left ^= of_octant;
@@ -168,7 +168,7 @@ impl<S: Simd, Q: Query> Packet<'_, S, Q> {
         octant: u8,
         rays: RayMask,
         stack: &mut Vec<(u32, RayMask)>,
-        hits: &mut [LeafHits<S>; PACKET],
+        hits: &mut [LeafHits; PACKET],
     ) {
         let bounds = RayBounds::of(self.simd, self.setups, octant, rays);
         stack.clear();
@@ -229,7 +229,7 @@ impl<S: Simd, Q: Query> Packet<'_, S, Q> {
 
     /// Tests a leaf block, as the stream does: all rays before the first hit is recorded.
     #[inline(always)]
-    fn test_block(&mut self, child: u32, rays: RayMask, hits: &mut [LeafHits<S>; PACKET]) {
+    fn test_block(&mut self, child: u32, rays: RayMask, hits: &mut [LeafHits; PACKET]) {
         let mut with_hits: RayMask = 0;
         for slot in Bits(rays) {
             self.go_to(slot, child);

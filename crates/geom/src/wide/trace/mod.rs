@@ -26,33 +26,24 @@ use std::cell::Cell;
 use stream::query_stream;
 use traversal_state::Traversal;
 
-/// Answers the query of one ray, and tells `probe` what is done for it.
+/// Single-ray traversal: answers the query of one ray, and tells `probe` what is done for it.
 #[inline(always)]
 pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: &Ray, probe: &mut P) -> Q {
-    Scratch::lend(
-        #[inline(always)]
-        |scratch| query_single(simd, tree, ray, &mut scratch.traversals[0], probe),
-    )
-}
-
-/// Single-ray traversal.
-#[inline(always)]
-fn query_single<S: Simd, Q: Query, P: Probe>(
-    simd: S,
-    tree: &Tree,
-    ray: &Ray,
-    traversal: &mut Traversal,
-    probe: &mut P,
-) -> Q {
     let mut query = Q::new(ray);
     let mut setups = RaySetups::idle();
     let Ray { origin: o, direction: d, t_min, t_max } = *ray;
     let columns = Aligned([o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max].map(|x| [x]));
     setups.set(&columns, &tree.triangles.bounds(), &tree.space);
     let Some(setup) = setups.get(0) else { return query };
-    traversal.begin(setup, 0);
-    visit_all(simd, tree, ray, traversal, &mut query, probe);
-    traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, &mut query);
+    Scratch::lend(
+        #[inline(always)]
+        |scratch| {
+            let traversal = &mut scratch.traversals[0];
+            traversal.begin(setup, 0);
+            visit_all(simd, tree, ray, traversal, &mut query, probe);
+            traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, &mut query);
+        },
+    );
     query
 }
 

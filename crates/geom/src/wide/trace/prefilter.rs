@@ -4,7 +4,7 @@
 //! error of each number (docs/numerics.md). Eight triangles are tested at once.
 
 use super::ray_setup::RaySetup;
-use crate::wide::simd::{Rows, Simd, SimdBase, SimdFloat};
+use crate::wide::simd::{LANES, Rows, Simd, SimdBase, SimdFloat};
 
 /// The coordinates of eight triangles' vertices along the axes x, y and z of Woop's shear.
 pub(super) struct Vertices<S: Simd> {
@@ -27,20 +27,29 @@ impl<S: Simd> Vertices<S> {
 }
 
 /// The result of the conservative test, lane by lane.
-#[derive(Clone, Copy)]
-pub(super) struct Filtered<S: Simd> {
+#[repr(align(32))]
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Filtered {
     /// Where a hit is possible.
     pub(super) possible: u8,
     /// Where a hit in the ray's range is certain.
     pub(super) certain: u8,
     /// Bounds of the hit's `t`.
-    pub(super) start: S::F,
-    pub(super) end: S::F,
+    pub(super) start: [f32; LANES],
+    pub(super) end: [f32; LANES],
+}
+
+impl Filtered {
+    /// The result for these lanes only.
+    #[inline(always)]
+    pub(super) fn among(self, lanes: u8) -> Self {
+        Self { possible: self.possible & lanes, certain: self.certain & lanes, ..self }
+    }
 }
 
 /// Tests eight triangles. Hits beyond `t_end` cannot matter.
 #[inline(always)]
-pub(super) fn prefilter<S: Simd>(simd: S, ray: &RaySetup, t_end: f32, v: &Vertices<S>) -> Filtered<S> {
+pub(super) fn prefilter<S: Simd>(simd: S, ray: &RaySetup, t_end: f32, v: &Vertices<S>) -> Filtered {
     let (zero, t_end) = (simd.splat(0.0), simd.splat(t_end));
     let [x0, x1, x2] = shear::<S>(ray, 0, &v.x, &v.z);
     let [y0, y1, y2] = shear::<S>(ray, 1, &v.y, &v.z);
@@ -65,7 +74,7 @@ pub(super) fn prefilter<S: Simd>(simd: S, ray: &RaySetup, t_end: f32, v: &Vertic
     let beyond = simd.lt(t_end, start) | simd.lt(end, zero);
     let possible = !(outside | beyond);
     let certain = possible & inside & simd.lt(zero, start) & simd.lt(end, simd.splat(ray.certain_end));
-    Filtered { possible, certain, start, end }
+    Filtered { possible, certain, start: start.to_array(), end: end.to_array() }
 }
 
 /// The vertices' offsets from the ray's line, along axis x or y.

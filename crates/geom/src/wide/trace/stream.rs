@@ -60,7 +60,7 @@ pub(super) fn query_stream<S: Simd, Q: Query>(
 impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
-        let mut hits = [LeafHits::none(simd); PACKET];
+        let mut hits = [LeafHits::default(); PACKET];
         let mut waiting = Waiting { ended: RayMask::MAX >> (64 - IN_FLIGHT), ..Waiting::default() };
         loop {
             waiting.nodes |= self.replace_ended(simd, waiting.ended);
@@ -150,7 +150,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     /// All are tested before the first hit is recorded: whether a ray hits anything is
     /// unpredictable, and a mispredicted branch discards the tests that have begun after it.
     #[inline(always)]
-    fn test_leaves<S: Simd>(&mut self, simd: S, blocks: RayMask, hits: &mut [LeafHits<S>; PACKET]) {
+    fn test_leaves<S: Simd>(&mut self, simd: S, blocks: RayMask, hits: &mut [LeafHits; PACKET]) {
         let mut with_hits: RayMask = 0;
         for slot in Bits(blocks) {
             hits[slot] = test_leaf(simd, self.tree, &mut self.traversals[slot]);

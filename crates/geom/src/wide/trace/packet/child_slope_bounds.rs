@@ -36,7 +36,7 @@ impl ChildBounds {
         let origin = common.origin.as_vec3();
         let thick = FACE_ERR * U * (1.0 + origin.abs().max_element());
         let [low, high] = faces(simd, node, common, 2);
-        let (near, far) = if common.descends() { (-high, -low) } else { (low, high) };
+        let (near, far) = if common.sense < 0.0 { (-high, -low) } else { (low, high) };
         let (near, far) = (near - FACE_ERR * U, far + FACE_ERR * U);
         let mut met = simd.le(near, simd.splat(end)) & simd.le(simd.splat(common.begin), far);
         let (near_inverse, far_inverse) =

@@ -152,7 +152,7 @@ impl<S: Simd> EdgeFunctions<S> {
 
     /// The conservative test: in each lane, a triangle and a ray.
     #[inline(always)]
-    pub(super) fn prefilter(&self, simd: S, rays: &RayLanes<S>) -> Filtered<S> {
+    pub(super) fn prefilter(&self, simd: S, rays: &RayLanes<S>) -> Filtered {
         let [e0, e1, e2] = [self.edge(rays, 0), self.edge(rays, 1), self.edge(rays, 2)];
         let err = self.edge_err;
         let low = e0.min(e1).min(e2);
@@ -169,7 +169,7 @@ impl<S: Simd> EdgeFunctions<S> {
         let beyond = simd.lt(rays.end, start) | simd.lt(end, rays.begin);
         let possible = !(outside | beyond);
         let certain = possible & inside & simd.lt(rays.begin, start) & simd.lt(end, rays.range_end);
-        Filtered { possible, certain, start, end }
+        Filtered { possible, certain, start: start.to_array(), end: end.to_array() }
     }
 
     #[inline(always)]

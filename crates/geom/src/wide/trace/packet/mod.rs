@@ -9,26 +9,17 @@ mod edge_functions;
 mod setup;
 mod traverse;
 
-use super::deferred_decision::{CAPACITY, Decisions};
+use super::deferred_decision::Candidates;
 use crate::Ray;
 use crate::query::Query;
 use crate::wide::simd::{LANES, PACKET, Simd};
 use crate::wide::tree::Tree;
 use setup::CommonOrigin;
-use traverse::{PacketTraversal, State};
-
-/// The memory of packet traversal, reused between packets to avoid reallocation.
-#[derive(Debug)]
-pub(super) struct Packet {
-    state: State,
-    decisions: [Decisions; CAPACITY],
-}
+use std::marker::PhantomData;
+pub(super) use traverse::Packet;
+use traverse::PacketTraversal;
 
 impl Packet {
-    pub(super) fn idle() -> Self {
-        Self { state: State::idle(), decisions: [Decisions::NONE; CAPACITY] }
-    }
-
     /// Answers the query of every ray and reports it. If the rays are not coherent, or not from a common
     /// origin, it does nothing and returns false.
     #[inline(always)]
@@ -40,18 +31,18 @@ impl Packet {
         mut report: impl FnMut(usize, Q),
     ) -> bool {
         let (groups, _) = rays.as_chunks::<LANES>();
-        let Self { state, decisions } = self;
         let Some(mut common) = CommonOrigin::new(rays, &tree.space) else { return false };
-        if tree.triangles.bounds().is_empty() || !state.rays.set(simd, &mut common, groups) {
+        if tree.triangles.bounds().is_empty() || !self.rays.set(simd, &mut common, groups) {
             return false;
         }
-        for candidates in state.candidates.as_flattened_mut() {
-            candidates.clear();
-        }
-        let finished = PacketTraversal::<S, Q>::new(simd, tree, groups, common, state).run();
+        self.candidates.as_flattened_mut().iter_mut().for_each(Candidates::clear);
+        let (end, finished, query) = (f32::INFINITY, 0, PhantomData::<Q>);
+        let finished =
+            PacketTraversal { simd, tree, rays: groups, common, memory: self, end, finished, query }.run();
+        let Self { rays, candidates, decisions, .. } = self;
         for (g, group) in groups.iter().enumerate() {
-            let (shears, end) = (&state.rays.shears[g], &state.rays.end[g]);
-            let rounds = shears.decide(simd, &state.candidates[g], end, &tree.triangles, decisions);
+            let rounds =
+                rays.shears[g].decide(simd, &candidates[g], &rays.end[g], &tree.triangles, decisions);
             for (i, ray) in group.iter().enumerate() {
                 let mut query = Q::new(ray);
                 for decisions in &decisions[..rounds] {

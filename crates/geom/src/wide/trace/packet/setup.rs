@@ -27,9 +27,7 @@ pub(super) struct CommonOrigin {
     pub(super) sense: f64,
     /// The origin as the rays have it.
     given: DVec3,
-    /// The same in the order of the shear.
-    ray_origin: DVec3,
-    /// The same in normalised space, the last component a depth.
+    /// The same in normalised space and in the order of the shear, the last component a depth.
     pub(super) origin: DVec3,
     /// The scale of normalised space.
     scale: f64,
@@ -58,8 +56,7 @@ impl CommonOrigin {
         let main_axis = main_axis(first.direction);
         let direction = permute(first.direction, main_axis);
         let sense = 1.0_f64.copysign(direction.z);
-        let ray_origin = permute(first.origin, main_axis);
-        let mut origin = (ray_origin - permute(space.center, main_axis)) * space.scale;
+        let mut origin = permute(first.origin - space.center, main_axis) * space.scale;
         origin.z *= sense;
         let is_near = origin.abs().max_element() <= FAR;
         let other = permute(last.direction, main_axis);
@@ -72,28 +69,11 @@ impl CommonOrigin {
         let negative = |x: f64| (x.to_bits() >> 63) as u8;
         let DVec3 { x, y, z } = first.direction;
         let octant = negative(x) | negative(y) << 1 | negative(z) << 2;
-        let [x, y, z] = AXES[main_axis % 3];
-        let axes = [usize::from(x), usize::from(y), usize::from(z)];
+        let axes = AXES[main_axis % 3].map(usize::from);
         let ([low, high], scale, begin) = ([[0.0; 2]; 2], space.scale, 0.0);
-        let origin = Self {
-            main_axis,
-            axes,
-            sense,
-            given: first.origin,
-            ray_origin,
-            origin,
-            scale,
-            middle,
-            low,
-            high,
-            begin,
-            octant,
-        };
+        let given = first.origin;
+        let origin = Self { main_axis, axes, sense, given, origin, scale, middle, low, high, begin, octant };
         is_near.then_some(origin)
-    }
-
-    pub(super) fn descends(&self) -> bool {
-        self.sense < 0.0
     }
 }
 
@@ -150,7 +130,7 @@ impl PacketRays {
         let Aligned([ox, oy, oz, .., t_min, t_max]) = &columns;
         let [dx, dy, dz] = common.axes.map(|axis| &columns.0[3 + axis % 3]);
         let shears = &mut self.shears[g];
-        let origin = common.ray_origin;
+        let origin = permute(common.given, common.main_axis);
         shears.main_axis = common.main_axis;
         shears.origin = [[origin.x; LANES], [origin.y; LANES], [origin.z; LANES]];
         shears.direction_z = *dz;

@@ -6,18 +6,19 @@ use super::setup::{CommonOrigin, PacketRays};
 use crate::Ray;
 use crate::query::{ClosestHit, Query};
 use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase};
-use crate::wide::trace::deferred_decision::Candidates;
+use crate::wide::trace::deferred_decision::{CAPACITY, Candidates, Decisions};
 use crate::wide::trace::prefilter::{Filtered, Vertices};
 use crate::wide::tree::Tree;
 use crate::wide::tree::node::Child;
 use std::marker::PhantomData;
 
-/// The state of a packet's traversal.
+/// The memory of packet traversal, reused between packets to avoid reallocation.
 #[derive(Debug)]
-pub(super) struct State {
+pub(crate) struct Packet {
     pub(super) rays: PacketRays,
     pub(super) candidates: [[Candidates; LANES]; GROUPS],
-    filtered: [StoredFiltered; PACKET],
+    pub(super) decisions: [Decisions; CAPACITY],
+    filtered: [Filtered; PACKET],
     /// The children still to be visited, the nearest last.
     stack: Vec<StackEntry>,
 }
@@ -32,39 +33,29 @@ struct StackEntry {
     bounds: SlopeBounds,
 }
 
-/// [`Filtered`] in memory.
-#[repr(align(32))]
-#[derive(Clone, Copy, Debug)]
-struct StoredFiltered {
-    starts: [f32; LANES],
-    ends: [f32; LANES],
-    possible: u8,
-    certain: u8,
-}
-
-impl State {
-    pub(super) fn idle() -> Self {
-        let nothing = StoredFiltered { starts: [0.0; LANES], ends: [0.0; LANES], possible: 0, certain: 0 };
+impl Packet {
+    pub(crate) fn idle() -> Self {
         Self {
             rays: PacketRays::idle(),
             candidates: [[Candidates::default(); LANES]; GROUPS],
-            filtered: [nothing; PACKET],
+            decisions: [Decisions::NONE; CAPACITY],
+            filtered: [Filtered::default(); PACKET],
             stack: Vec::new(),
         }
     }
 }
 
 pub(super) struct PacketTraversal<'a, S: Simd, Q> {
-    simd: S,
-    tree: &'a Tree,
-    rays: &'a [[Ray; LANES]],
-    common: CommonOrigin,
-    state: &'a mut State,
+    pub(super) simd: S,
+    pub(super) tree: &'a Tree,
+    pub(super) rays: &'a [[Ray; LANES]],
+    pub(super) common: CommonOrigin,
+    pub(super) memory: &'a mut Packet,
     /// The depth at which the last of the rays ends.
-    end: f32,
+    pub(super) end: f32,
     /// The rays whose any-hit query is answered by a certain hit. They end before everything.
-    finished: RayMask,
-    query: PhantomData<Q>,
+    pub(super) finished: RayMask,
+    pub(super) query: PhantomData<Q>,
 }
 
 /// The triangles of a leaf block that a ray of the packet may hit, and the rays that may meet the block.
@@ -77,26 +68,15 @@ struct LeafTest<S: Simd> {
     edges: EdgeFunctions<S>,
 }
 
-impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
-    #[inline(always)]
-    pub(super) fn new(
-        simd: S,
-        tree: &'a Tree,
-        rays: &'a [[Ray; LANES]],
-        common: CommonOrigin,
-        state: &'a mut State,
-    ) -> Self {
-        Self { simd, tree, rays, common, state, end: f32::INFINITY, finished: 0, query: PhantomData }
-    }
-
+impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     /// Visits all that rays of the packet may meet. What is left to decide is in the state's candidates;
     /// returns the rays that need no decision.
     #[inline(always)]
     pub(super) fn run(&mut self) -> RayMask {
         self.shorten();
-        self.state.stack.clear();
+        self.memory.stack.clear();
         self.test_node(Child::ROOT);
-        while let Some(entry) = self.state.stack.pop() {
+        while let Some(entry) = self.memory.stack.pop() {
             if entry.near > self.end {
                 continue;
             }
@@ -122,7 +102,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
             places ^= 1 << place;
             let lane = (order >> (3 * place)) as usize % LANES;
             let (child, near, bounds) = (node.children[lane], bounds.near[lane], bounds.get(lane));
-            self.state.stack.push(StackEntry { child, near, bounds });
+            self.memory.stack.push(StackEntry { child, near, bounds });
             self.tree.prefetch::<4>(child);
         }
     }
@@ -160,7 +140,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
     #[inline(always)]
     fn within(&self, bounds: &SlopeBounds, near: f32) -> RayMask {
         let (simd, mut met) = (self.simd, 0);
-        let PacketRays { deviation, end, .. } = &self.state.rays;
+        let PacketRays { deviation, end, .. } = &self.memory.rays;
         let low = [simd.splat(bounds.low[0]), simd.splat(bounds.low[1])];
         let high = [simd.splat(bounds.high[0]), simd.splat(bounds.high[1])];
         let near = simd.splat(near);
@@ -177,7 +157,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
     /// Results are recorded when all rays have been tested: which of them hit something is unpredictable.
     #[inline(always)]
     fn test_by_ray(&mut self, test: &LeafTest<S>) -> bool {
-        let (simd, rays) = (self.simd, &self.state.rays);
+        let (simd, rays) = (self.simd, &self.memory.rays);
         let (mut with_possible, mut with_certain) = (0, 0);
         for slot in Bits(test.rays) {
             let (g, i) = (slot / LANES % GROUPS, slot % LANES);
@@ -189,28 +169,24 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
                 range_end: simd.splat(rays.range_end[g][i]),
                 end: simd.splat(rays.end[g][i]),
             };
-            let Filtered { possible, certain, start, end } = test.edges.prefilter(simd, &lanes);
-            let (possible, certain) = (possible & test.triangles, certain & test.triangles);
-            let to = &mut self.state.filtered[slot % PACKET];
-            start.store_array(&mut to.starts);
-            end.store_array(&mut to.ends);
-            (to.possible, to.certain) = (possible, certain);
-            with_possible |= RayMask::from(possible != 0) << slot;
-            with_certain |= RayMask::from(certain != 0) << slot;
+            let filtered = test.edges.prefilter(simd, &lanes).among(test.triangles);
+            self.memory.filtered[slot % PACKET] = filtered;
+            with_possible |= RayMask::from(filtered.possible != 0) << slot;
+            with_certain |= RayMask::from(filtered.certain != 0) << slot;
         }
         for slot in Bits(with_possible) {
             let (g, i) = (slot / LANES % GROUPS, slot % LANES);
-            let StoredFiltered { starts, ends, possible, certain } = self.state.filtered[slot % PACKET];
+            let Filtered { possible, certain, start, end } = self.memory.filtered[slot % PACKET];
             if Q::ANY_HIT && certain != 0 {
                 self.finish(g, i);
                 continue;
             }
             for lane in Bits(possible.into()) {
-                self.add(g, i, starts[lane % LANES], self.tree.leaves.index(test.first, lane));
+                self.add(g, i, start[lane % LANES], self.tree.leaves.index(test.first, lane));
             }
             if certain != 0 {
-                let nearest = simd.min_of(simd.load(&ends), certain);
-                let end = &mut self.state.rays.end[g][i];
+                let nearest = simd.min_of(simd.load(&end), certain);
+                let end = &mut self.memory.rays.end[g][i];
                 *end = if nearest < *end { nearest } else { *end };
             }
         }
@@ -242,7 +218,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
             }
             for slot in Bits(possible) {
                 let (g, i) = (slot / LANES % GROUPS, slot % LANES);
-                self.add(g, i, self.state.filtered[g].starts[i], index);
+                self.add(g, i, self.memory.filtered[g].start[i], index);
             }
         }
         is_shorter
@@ -252,32 +228,31 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
     /// possible, and for which it is certain.
     #[inline(always)]
     fn test_group(&mut self, g: usize, group: u8, center: &CentralRay, edges: &EdgeFunctions<S>) -> (u8, u8) {
-        let (simd, rays) = (self.simd, &self.state.rays);
+        let (simd, rays) = (self.simd, &self.memory.rays);
         let x = simd.load(&rays.deviation[0][g]) - center.deviation[0];
         let y = simd.load(&rays.deviation[1][g]) - center.deviation[1];
         let before = simd.load(&rays.end[g]);
         let (begin, range_end) = (simd.load(&rays.begin[g]), simd.load(&rays.range_end[g]));
         let lanes = RayLanes { deviation: [x, y], begin, range_end, end: before };
-        let Filtered { possible, certain, start, end } = edges.prefilter(simd, &lanes);
-        let (possible, certain) = (possible & group, certain & group);
-        let nearer = simd.select(certain, end.min(before), before);
-        nearer.store_array(&mut self.state.rays.end[g]);
-        start.store_array(&mut self.state.filtered[g].starts);
+        let Filtered { possible, certain, start, end } = edges.prefilter(simd, &lanes).among(group);
+        let nearer = simd.select(certain, simd.load(&end).min(before), before);
+        nearer.store_array(&mut self.memory.rays.end[g]);
+        self.memory.filtered[g].start = start;
         (possible, certain)
     }
 
     /// Finds where the last of the rays ends.
     #[inline(always)]
     fn shorten(&mut self) {
-        self.end = self.simd.range(RayMask::MAX, |g| &self.state.rays.end[g])[1];
+        self.end = self.simd.range(RayMask::MAX, |g| &self.memory.rays.end[g])[1];
     }
 
     /// Ends an any-hit query that has a certain hit.
     #[inline(always)]
     fn finish(&mut self, g: usize, i: usize) {
         self.finished |= 1 << (g * LANES + i);
-        self.state.candidates[g][i].clear();
-        self.state.rays.end[g][i] = f32::NEG_INFINITY;
+        self.memory.candidates[g][i].clear();
+        self.memory.rays.end[g][i] = f32::NEG_INFINITY;
     }
 
     /// Adds a candidate, and decides when there are eight.
@@ -285,7 +260,7 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
     fn add(&mut self, g: usize, i: usize, start: f32, index: u32) {
         let triangles = &self.tree.triangles;
         triangles.prefetch(index);
-        let candidates = &mut self.state.candidates[g][i];
+        let candidates = &mut self.memory.candidates[g][i];
         candidates.add(start, index);
         if candidates.is_full() {
             self.settle(g, i);
@@ -295,9 +270,9 @@ impl<'a, S: Simd, Q: Query> PacketTraversal<'a, S, Q> {
     /// Decides a ray's candidates, and keeps the one that is hit, if any.
     #[cold]
     fn settle(&mut self, g: usize, i: usize) {
-        let (end, ray) = (self.state.rays.end[g][i], &self.rays[g][i]);
+        let (end, ray) = (self.memory.rays.end[g][i], &self.rays[g][i]);
         let mut query = ClosestHit::new(ray);
-        let candidates = &mut self.state.candidates[g][i];
+        let candidates = &mut self.memory.candidates[g][i];
         candidates.decide(end, ray, &self.tree.triangles, &mut query);
         let Some(hit) = query.hit() else { return };
         if Q::ANY_HIT {
