@@ -96,7 +96,9 @@ pub(super) type CornerColumns = Aligned<[[f32; LANES]; 9]>;
 /// Vectors of eight `f32` or `u32`, with the operators and methods of `fearless_simd` and these. Masks are bytes, bit `i`
 /// for lane `i`.
 ///
-/// Comparisons with NaN are false. `mul_add` may round once or twice; `min` and `max` of NaN are any of the two.
+/// Comparisons with NaN are false. `mul_add` may round once or twice; `min` and `max` with a NaN are either operand.
+///
+/// No [`array::map`] on vectors: it is not always inlined, and then not compiled for the instruction set.
 pub(super) trait Simd: fearless_simd::Simd {
     /// Eight `f32`.
     type F: SimdFloat<Self, Element = f32, Array = [f32; LANES], Bits = Self::I>;

@@ -69,7 +69,7 @@ struct LeafTest<S: Simd> {
 }
 
 impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
-    /// Visits all that rays of the packet may meet. What is left to decide is in the state's candidates;
+    /// Visits all that rays of the packet may meet. What is left to decide is in the memory's candidates;
     /// returns the rays that need no decision.
     #[inline(always)]
     pub(super) fn run(&mut self) -> RayMask {
