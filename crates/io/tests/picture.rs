@@ -5,7 +5,7 @@
 use glam::{DVec3, Vec3};
 use globillum_geom::{KdOptions, KdTree, Triangle};
 use globillum_integrator::{
-    Camera, Estimates, Film, FirstHits, Model, PathReuse, Picture, Scene, Settings, render,
+    Camera, Estimates, Film, FirstHits, Model, PathReuse, Picture, Scene, Settings, Supersampling, render,
 };
 use globillum_io::{IoError, PictureData, PictureFile, PictureFormat};
 use globillum_material::{Material, Rgb};
@@ -65,6 +65,8 @@ fn rounded(pixels: &[Rgb]) -> Vec<Rgb> {
 fn an_exr_keeps_means_and_errors_to_the_bit() {
     let mut settings = Settings::new(37, 21, 12);
     (settings.pass_samples, settings.seed, settings.threads) = (1, u64::MAX, 1);
+    // Else the edge of the light, which halves a row of pixels, is exact.
+    settings.supersampling = Supersampling::Off;
     let (picture, camera) = rendered(&settings);
     let mut data = PictureData::of_render(&picture, &settings, Some(&camera));
     let (bytes, read) = written_and_read(&data);
@@ -84,7 +86,7 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
     assert_eq!(
         read.attributes["settings"],
         "sampler=sobol filter=box estimator=mis light_sampling=solid-angle mirror_sampling=images \
-         supersampling=lights \
+         supersampling=off \
          path_reuse=fours max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.35"
     );
     assert_eq!(read.first_hits, None);
