@@ -175,7 +175,7 @@ impl Settings {
 
     /// `width` x `height` pixels of `samples` samples each, with these defaults: Sobol' sampler in passes of
     /// 16, box filter, seed 0, all threads, no limit on bounces, multiple importance sampling, mirror
-    /// sampling, path reuse, roulette from the third bounce at a threshold of 0.35.
+    /// sampling, supersampling of lights, path reuse, roulette from the third bounce at a threshold of 0.35.
     pub fn new(width: u32, height: u32, samples: u32) -> Self {
         Self {
             width,
