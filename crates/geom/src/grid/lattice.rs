@@ -34,6 +34,11 @@ impl Lattice {
         Self::new(bounds, resolution_for(bounds, count, density))
     }
 
+    /// The longest edge of a cell.
+    pub(crate) fn longest_edge(&self) -> f64 {
+        self.cell_size.max_element()
+    }
+
     /// The number of cells.
     pub(crate) fn cell_count(&self) -> usize {
         self.resolution.map(|r| r as usize).into_iter().product()

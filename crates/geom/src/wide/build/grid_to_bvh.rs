@@ -20,7 +20,7 @@ const CELL_MEMBERS: usize = 64;
 /// Halves with fewer members than this are not built in parallel.
 const PARALLEL_MEMBERS: usize = 4096;
 
-/// A cell with the members whose centers are in it.
+/// A cell with the members whose centers are in it, or a member larger than a cell.
 #[derive(Clone, Copy, Debug)]
 struct GridCell {
     /// The bounds of its members, which may reach beyond the cell.
@@ -105,13 +105,21 @@ impl BinaryTree {
     }
 }
 
-/// The members sorted by cells, and the cells that are not empty.
+/// The members sorted by cells, and the cells that are not empty. A member larger than a cell is one by itself:
+/// together with small members it would widen the bounds of all of them.
 fn sort_by_cell(members: &[Member]) -> (Vec<Member>, Vec<GridCell>) {
     let centers = center_bounds(members);
     let lattice = Lattice::with_density(&centers, members.len(), DENSITY);
-    let cells: Vec<u32> =
-        members.iter().map(|member| lattice.cell_of(center(member).truncate()) as u32).collect();
-    let mut ends = vec![0_u32; lattice.cell_count()];
+    let mut count = lattice.cell_count();
+    let cell_of = |member: &Member| {
+        if member.bounds.extent().max_element() > lattice.longest_edge() {
+            count += 1;
+            return count as u32 - 1;
+        }
+        lattice.cell_of(center(member).truncate()) as u32
+    };
+    let cells: Vec<u32> = members.iter().map(cell_of).collect();
+    let mut ends = vec![0_u32; count];
     cells.iter().for_each(|&cell| ends[cell as usize] += 1);
     let mut end = 0;
     for count in &mut ends {
