@@ -27,7 +27,7 @@ fn figures_say_how_the_picture_was_made() {
         "passes": "1..3", "passes_held": [[1, 3]], "samples_per_pixel": 4, "samples": 12 * 8 * 4,
         "error": null, "seconds": null, "pilot": null, "resume": false,
         "out": ["a.png", "a.exr"], "stats": "stats.json", "checkpoint": "parts",
-        "roulette_start": 2, "roulette_threshold": 0.35, "ended_by": "all samples taken",
+        "roulette_start": 2, "roulette_threshold": 0.2, "ended_by": "all samples taken",
     });
     for (key, value) in expected.as_object().expect("an object") {
         assert_eq!(&found[key], value, "{key}");

@@ -175,7 +175,7 @@ impl Settings {
 
     /// `width` x `height` pixels of `samples` samples each, with these defaults: Sobol' sampler in passes of
     /// 16, box filter, seed 0, all threads, no limit on bounces, multiple importance sampling, mirror
-    /// sampling, supersampling of lights, path reuse, roulette from the third bounce at a threshold of 0.35.
+    /// sampling, supersampling of lights, path reuse, roulette from the third bounce at a threshold of 0.2.
     pub fn new(width: u32, height: u32, samples: u32) -> Self {
         Self {
             width,
@@ -192,7 +192,7 @@ impl Settings {
             mirror_sampling: MirrorSampling::default(),
             supersampling: Supersampling::default(),
             path_reuse: PathReuse::default(),
-            roulette: Roulette { start: 2, threshold: 0.35 },
+            roulette: Roulette { start: 2, threshold: 0.2 },
         }
     }
 
