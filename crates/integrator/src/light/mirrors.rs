@@ -187,6 +187,25 @@ mod tests {
         }
     }
 
+    /// Nodes around a shading point do not take all probability from the others.
+    #[test]
+    fn close_nodes_do_not_crowd_out_mirrors_that_show_a_light() {
+        let (triangles, mirrors) = scene(&torus(40, 20).triangles(), 0.5, 1.0);
+        let windows = mirrors.windows.unwrap();
+        let (mut shown, mut least) = (0, 1.0_f64);
+        for i in 0..200 {
+            let numbers = Stream::new(3, 0, i);
+            let [x, z] = numbers.uniform_pair(0).map(|u| 2.0 * u - 1.0);
+            // Between the middle of the ring and the floor.
+            let (from, (_, light, to)) = (DVec3::new(x, -0.3, z), ends(&triangles, numbers));
+            for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
+                let prob = windows.choice_prob(from, Vec3::Y, index, light, f64::INFINITY);
+                (shown, least) = (shown + 1, least.min(prob.unwrap_or(0.0)));
+            }
+        }
+        assert!(shown > 8 && least > 1e-4, "{shown}, {least}");
+    }
+
     #[test]
     fn a_point_in_a_mirrors_plane_has_no_image_in_it() {
         let (triangles, mirrors) = scene(&[Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)], 0.5, 1.0);

@@ -44,6 +44,9 @@ impl Node {
     /// The angle, in radians, from which on a cone is wide.
     const WIDE: f64 = 1.5;
 
+    /// The sine of the angles up to which a child counts as plane.
+    const FLAT: f32 = 1e-4;
+
     /// A node of one to `WIDTH` children, of which the first has the index `first`.
     pub(super) fn new(children: &[Bounds], first: u32) -> Self {
         let lanes = |value: &dyn Fn(&Bounds) -> f64| -> Lanes {
@@ -74,7 +77,9 @@ impl Node {
     ///
     /// A facet reflects light from its source to the shading point if its normal is parallel to the half vector
     /// `wi + wo`. Normals, positions and lights vary within their bounds; the difference of normal and half vector is
-    /// taken as uniform in the interval that follows from this, for each side of the cone by itself.
+    /// taken as uniform in the interval that follows from this, for each side of the cone by itself. Where the shading
+    /// point or a light is within the sphere of a plane child, all of it counts; of a curved one, in which every
+    /// direction to the point occurs, as much as of any half vector.
     #[inline(always)]
     pub(super) fn importance(&self, query: &Query) -> Lanes {
         const LEAST: f32 = f32::MIN_POSITIVE;
@@ -102,7 +107,8 @@ impl Node {
             let along = max(along, -along);
             let a = overlap(dot(half, lane(&self.sides[0], i)), self.sines[0][i] * along + turn, window);
             let b = overlap(dot(half, lane(&self.sides[1], i)), self.sines[1][i] * along + turn, window);
-            let share = if is_near { 1.0 } else { facing * a * b };
+            let is_flat = max(self.sines[0][i], self.sines[1][i]) < Self::FLAT;
+            let share = if is_near && is_flat { 1.0 } else { facing * a * b };
             let cos = if is_near { 1.0 } else { 0.5 * dot(half, half).sqrt() };
             let cos_from = from_size - dot(query.side.to_array(), to_from) * per_from;
             let cos_from = min(max(cos_from, 0.0), 1.0);
