@@ -363,10 +363,10 @@ fn a_nan_is_an_error_that_names_its_sample() {
     let mut settings = Settings::new(64, 64, 64);
     // No probes for lights come first.
     (settings.threads, settings.supersampling) = (1, Supersampling::Off);
-    // A camera ray of the first tile: four samples of a pixel, pixel after pixel.
+    // A camera ray of the first tile: four samples of a pixel, block after block of 4 x 4 pixels.
     let (scene, camera) = failing(4 * 18 + 3, Failure::NotANumber);
     let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
-    assert_eq!(error, RenderError::NonFinite { x: 2, y: 1, sample: 2 });
+    assert_eq!(error, RenderError::NonFinite { x: 6, y: 0, sample: 2 });
 }
 
 /// With path reuse the error still names the sample of the failing ray.
@@ -378,5 +378,5 @@ fn path_reuse_does_not_spread_a_nan() {
     let scene = failing_in(&scenes::furnace(0.5, 1.0, DVec3::ZERO), 2048 + 4 * 18 + 3, Failure::NotANumber);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
-    assert_eq!(error, RenderError::NonFinite { x: 2, y: 1, sample: 2 });
+    assert_eq!(error, RenderError::NonFinite { x: 6, y: 0, sample: 2 });
 }

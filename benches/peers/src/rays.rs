@@ -77,14 +77,15 @@ impl Deref for RaySet {
     }
 }
 
-/// A tile's side in pixels and its samples per pixel, as the integrator has them.
+/// A tile's side in pixels, that of its blocks, and its samples per pixel, as the integrator has them.
 const WAVEFRONT_TILE: u32 = 16;
+const BLOCK: u32 = 4;
 const SAMPLES: u32 = 4;
 /// The bounces of a path.
 const BOUNCES: u32 = 3;
 
 /// The rays of the integrator's wavefronts: a batch holds all rays of one kind of a tile of 16 x 16 pixels with four
-/// samples each, pixel by pixel. Shadow rays go to each light from the first hits, and to one at random from the
+/// samples each, block by block and pixel by pixel. Shadow rays go to each light from the first hits, and to one at random from the
 /// hits of bounce rays.
 pub(crate) fn wavefronts(scene: &Scene, accel: &dyn Accel, count: u32) -> Vec<RaySet> {
     let side = (f64::from(count / SAMPLES).sqrt() / f64::from(WAVEFRONT_TILE)).ceil() as u32;
@@ -121,7 +122,11 @@ pub(crate) fn wavefronts(scene: &Scene, accel: &dyn Accel, count: u32) -> Vec<Ra
 fn tile_rays(view: &View, side: u32, tile: u32) -> Vec<(Ray, u64)> {
     let pixels = WAVEFRONT_TILE * side;
     let (left, top) = (tile % side * WAVEFRONT_TILE, tile / side * WAVEFRONT_TILE);
-    let place = |i: u32| (left + i % WAVEFRONT_TILE, top + i / WAVEFRONT_TILE);
+    let place = |i: u32| {
+        let (block, within) = (i / (BLOCK * BLOCK), i % (BLOCK * BLOCK));
+        let [x, y] = [block % (WAVEFRONT_TILE / BLOCK), block / (WAVEFRONT_TILE / BLOCK)];
+        (left + x * BLOCK + within % BLOCK, top + y * BLOCK + within / BLOCK)
+    };
     let samples = (0..WAVEFRONT_TILE * WAVEFRONT_TILE).flat_map(|i| (0..SAMPLES).map(move |s| (place(i), s)));
     let ray = |((x, y), sample): ((u32, u32), u32)| {
         let path = u64::from(SAMPLES * (y * pixels + x) + sample);

@@ -69,6 +69,13 @@ impl Tile {
         let Self { x, y, width, height } = *self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
     }
+
+    /// The tile's pixels, block by block, so that neighbours follow each other.
+    pub(crate) fn pixels_by_block(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let Self { x, y, width, height } = *self;
+        let blocks = Self::grid([width, height], [BLOCK_SIDE; 2]);
+        blocks.flat_map(|block| block.pixels()).map(move |(column, row)| (x + column, y + row))
+    }
 }
 
 #[cfg(test)]
@@ -87,6 +94,18 @@ mod tests {
             }
             assert!(seen.iter().all(|&n| n == 1), "{width} x {height}");
         }
+    }
+
+    #[test]
+    fn blocks_have_the_same_pixels_as_rows() {
+        for (width, height) in [(1, 1), (16, 16), (7, 9), (3, 20)] {
+            let tile = Tile { x: 5, y: 2, width, height };
+            let mut by_block: Vec<_> = tile.pixels_by_block().map(|(x, y)| (y, x)).collect();
+            by_block.sort_unstable();
+            assert!(by_block.into_iter().eq(tile.pixels().map(|(x, y)| (y, x))), "{width} x {height}");
+        }
+        let first: Vec<_> = Tile { x: 5, y: 2, width: 9, height: 9 }.pixels_by_block().take(16).collect();
+        assert!(first.into_iter().eq(Tile { x: 5, y: 2, width: 4, height: 4 }.pixels()));
     }
 
     #[test]

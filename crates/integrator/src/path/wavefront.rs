@@ -189,22 +189,22 @@ impl Wavefront {
         self.paths.clear();
         let pass = settings.pass_of(samples.start);
         let members = context.stratifies_blocks().then(|| members(samples.start / settings.pass_samples));
-        for (x, y) in tile.pixels() {
+        for (x, y) in tile.pixels_by_block() {
             let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
             let of_block = |members| member(x, y, settings.width, members);
             let member = members.as_ref().map_or_else(alone, of_block);
-            for sample in samples.clone() {
+            let pixel = tile.index(x, y) as u32;
+            let supersampled = edges.pixels.binary_search(&pixel).is_ok();
+            for (i, sample) in (0..).zip(samples.clone()) {
                 let numbers = settings.sampler.numbers(settings.seed, member, sample, &pass);
-                self.paths.push(Path::new(self.paths.len() as u32, numbers));
+                let mut path = Path::new(pixel * samples.len() as u32 + i, numbers);
+                path.mis.supersampled = supersampled;
+                self.paths.push(path);
             }
         }
         draw_film_numbers(context.simd, &self.paths, &mut self.film_numbers);
         let suffixes = self.prefixes.start(context, tile, samples);
         self.radiance.reset(self.paths.len(), suffixes);
-        for pixel in &edges.pixels {
-            let first = *pixel as usize * samples.len();
-            self.paths[first..first + samples.len()].iter_mut().for_each(|path| path.mis.supersampled = true);
-        }
         self.place(context, tile, samples.len());
     }
 
@@ -214,7 +214,7 @@ impl Wavefront {
         self.rays.clear();
         self.from_points.clear();
         self.points.clear();
-        let elements = tile.pixels().zip(self.film_numbers.chunks_exact(count));
+        let elements = tile.pixels_by_block().zip(self.film_numbers.chunks_exact(count));
         let samples = elements.flat_map(|(element, numbers)| numbers.iter().map(move |&u| (element, u)));
         let mut kept = 0;
         for (i, (element, u)) in samples.enumerate() {
