@@ -85,8 +85,8 @@ const SAMPLES: u32 = 4;
 const BOUNCES: u32 = 3;
 
 /// The rays of the integrator's wavefronts: a batch holds all rays of one kind of a tile of 16 x 16 pixels with four
-/// samples each, block by block and pixel by pixel. Shadow rays go to each light from the first hits, and to one at random from the
-/// hits of bounce rays.
+/// samples each, block by block and pixel by pixel. Shadow rays go to each light from the first hits, and to one at
+/// random from the hits of bounce rays.
 pub(crate) fn wavefronts(scene: &Scene, accel: &dyn Accel, count: u32) -> Vec<RaySet> {
     let side = (f64::from(count / SAMPLES).sqrt() / f64::from(WAVEFRONT_TILE)).ceil() as u32;
     let lights = &scene.lights;

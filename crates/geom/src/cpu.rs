@@ -119,8 +119,8 @@ impl Token {
     }
 }
 
-/// Defines the token that every machine of the compilation target has, and the function that returns it. It cannot fail:
-/// the compiler was told that the target has these features, so the baseline level has them too.
+/// Defines the token that every machine of the compilation target has, and the function that returns it. It cannot
+/// fail: the baseline level has the features that the compiler was told of.
 macro_rules! baseline {
     ($($(#[$attribute:meta])* $token:ident: $value:expr;)+) => {
         $(
@@ -137,10 +137,13 @@ macro_rules! baseline {
 
 baseline! {
     #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), target_feature = "sse2", target_feature = "fxsr"))]
+    // The baseline level has the features that the condition asks for.
     Sse2: fearless_simd::Level::baseline().as_sse2().expect("part of the target");
     #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+    // The baseline level has the features that the condition asks for.
     Neon: fearless_simd::Level::baseline().as_neon().expect("part of the target");
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    // The baseline level has the features that the condition asks for.
     WasmSimd128: fearless_simd::Level::baseline().as_wasm_simd128().expect("part of the target");
     #[cfg(not(any(
         all(any(target_arch = "x86", target_arch = "x86_64"), target_feature = "sse2", target_feature = "fxsr"),

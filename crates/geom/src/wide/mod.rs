@@ -58,8 +58,7 @@ impl WideKdTree {
     }
 
     /// Builds a tree in a quarter of the time, without k-d planes: triangles are sorted into the cells of a uniform grid,
-    /// and upper levels are split between cells. Queries take at most about a tenth longer
-    /// (docs/performance.md).
+    /// and upper levels are split between cells. Queries take at most about a tenth longer (docs/performance.md).
     ///
     /// Over `n` live triangles a closed mesh takes about `140 n` bytes on one thread, beside the triangles (measured).
     /// The bounds that [`WideKdTree::build_with`] states hold.

@@ -144,3 +144,28 @@ fn sort_by_cell(members: &[Member]) -> (Vec<Member>, Vec<GridCell>) {
     let cells = filled.map(cell).collect();
     (sorted, cells)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_member_larger_than_a_cell_is_alone() {
+        let member =
+            |index: u32, min: Vec3, size: f32| Member { index, bounds: Aabb { min, max: min + size } };
+        let corner = |i: u32| Vec3::new((i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32);
+        let small = (0..1000).map(|i| member(i, corner(i), 0.1));
+        let large = (1000..1003).map(|i| member(i, Vec3::splat(0.1 * (i - 1000) as f32), 9.0));
+        let members: Vec<_> = small.chain(large).collect();
+        let (sorted, cells) = sort_by_cell(&members);
+        let mut indices: Vec<_> = sorted.iter().map(|member| member.index).collect();
+        indices.sort_unstable();
+        assert!(indices.into_iter().eq(0..1003));
+        assert_eq!(cells.iter().map(|cell| cell.count).sum::<u32>(), 1003);
+        let (alone, others): (Vec<GridCell>, Vec<GridCell>) =
+            cells.into_iter().partition(|cell| sorted[cell.first as usize].index >= 1000);
+        assert_eq!(alone.iter().map(|cell| cell.count).collect::<Vec<_>>(), [1, 1, 1]);
+        assert!(others.len() > 100 && others.iter().all(|cell| cell.bounds.extent().max_element() < 4.0));
+    }
+}
