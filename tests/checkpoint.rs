@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, CheckpointError, CheckpointReader, CheckpointWriter, DeltaLight, Ending, Estimator, ImageError,
-    Merge, MergeError, Monitor, PathReuse, Picture, PixelFilter, Render, RenderError, Sampler, Scene,
-    Settings, render,
+    Camera, CheckpointError, CheckpointReader, CheckpointWriter, DeltaLight, Ending, Estimator, Guiding,
+    ImageError, Merge, MergeError, Monitor, PathReuse, Picture, PixelFilter, Render, RenderError, Sampler,
+    Scene, Settings, render,
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
@@ -121,7 +121,7 @@ fn another_picture_is_refused() {
     let base = settings(Sampler::Sobol);
     let picture = passes(0..2, &base);
     type Change = fn(&mut Settings);
-    let changes: [Change; 10] = [
+    let changes: [Change; 11] = [
         |s| s.seed += 1,
         |s| s.pass_samples = 4,
         |s| s.sampler = Sampler::Independent,
@@ -130,6 +130,7 @@ fn another_picture_is_refused() {
         |s| s.max_bounces = Some(1),
         |s| s.roulette.start += 1,
         |s| s.path_reuse = PathReuse::Off,
+        |s| s.guiding = Guiding::Trained,
         |s| s.roulette.threshold = 0.5,
         |s| (s.width, s.height) = (s.height, s.width),
     ];

@@ -19,6 +19,7 @@ mod first_hits;
 mod form_factors;
 mod geometry;
 mod gltf_reference;
+mod guiding;
 mod in_every_structure;
 mod irradiance;
 mod light_leaks;

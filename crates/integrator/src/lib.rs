@@ -30,6 +30,7 @@ mod comparison;
 mod error;
 mod film;
 mod first_hits;
+mod guide;
 mod hash;
 mod light;
 mod path;
@@ -59,4 +60,6 @@ pub use scene::{Interaction, MaterialId, Model, Scene};
 pub use sensor::{
     Camera, ElementSample, IrradiancePoints, OrthographicCamera, PathStart, Reading, Sensor, SphericalCamera,
 };
-pub use settings::{Estimator, MirrorSampling, PathReuse, PixelFilter, Roulette, Settings, Supersampling};
+pub use settings::{
+    Estimator, Guiding, MirrorSampling, PathReuse, PixelFilter, Roulette, Settings, Supersampling,
+};

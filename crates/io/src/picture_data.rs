@@ -145,6 +145,7 @@ fn settings_text(settings: &Settings) -> String {
         ("mirror_sampling", kebab(settings.mirror_sampling)),
         ("supersampling", kebab(settings.supersampling)),
         ("path_reuse", kebab(settings.path_reuse)),
+        ("guiding", kebab(settings.guiding)),
         ("max_bounces", max_bounces.map_or_else(|| "none".into(), |max| max.to_string())),
         ("pass_samples", pass_samples.to_string()),
         ("roulette_start", roulette.start.to_string()),

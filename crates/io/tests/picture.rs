@@ -86,8 +86,8 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
     assert_eq!(
         read.attributes["settings"],
         "sampler=sobol filter=box estimator=mis light_sampling=solid-angle mirror_sampling=images \
-         supersampling=off \
-         path_reuse=fours max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.2"
+         supersampling=off path_reuse=fours guiding=off \
+         max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.2"
     );
     assert_eq!(read.first_hits, None);
     assert!(written_and_read(&read).0 == bytes, "what was read is written with the same bytes");

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use globillum::integrator::{
-    Estimator, LightSampling, MirrorSampling, PathReuse, PixelFilter, Sampler, Supersampling,
+    Estimator, Guiding, LightSampling, MirrorSampling, PathReuse, PixelFilter, Sampler, Supersampling,
 };
 use serde::Serialize;
 
@@ -132,6 +132,25 @@ impl From<PathReuseKind> for PathReuse {
         match kind {
             PathReuseKind::Off => Self::Off,
             PathReuseKind::Fours => Self::Fours,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum GuidingKind {
+    /// By the cosine
+    Off,
+    /// Half by the cosine, half by what training paths found: for light that most directions miss, such as that through
+    /// a door ajar
+    Trained,
+}
+
+impl From<GuidingKind> for Guiding {
+    fn from(kind: GuidingKind) -> Self {
+        match kind {
+            GuidingKind::Off => Self::Off,
+            GuidingKind::Trained => Self::Trained,
         }
     }
 }

@@ -1,6 +1,7 @@
 use super::checkpoints::CheckpointFlags;
 use super::kinds::{
-    EstimatorKind, LightSamplingKind, MirrorSamplingKind, PathReuseKind, SamplerKind, SupersamplingKind,
+    EstimatorKind, GuidingKind, LightSamplingKind, MirrorSamplingKind, PathReuseKind, SamplerKind,
+    SupersamplingKind,
 };
 use super::stop::StopFlags;
 use crate::parse;
@@ -45,6 +46,9 @@ pub(crate) struct SamplingFlags {
     /// Path reuse: whether neighbouring pixels share path suffixes
     #[arg(long, value_enum, default_value_t = PathReuseKind::Fours)]
     path_reuse: PathReuseKind,
+    /// Path guiding: by what diffuse surfaces scatter paths
+    #[arg(long, value_enum, default_value_t = GuidingKind::Off)]
+    guiding: GuidingKind,
     /// Most bounces of a path, at most 2^20 [default: no limit]
     ///
     /// 0 leaves emitted radiance only, 1 adds direct illumination. A limit biases the picture: radiance of
@@ -77,6 +81,7 @@ impl SamplingFlags {
         settings.mirror_sampling = self.mirror_sampling.into();
         settings.supersampling = self.supersampling.into();
         settings.path_reuse = self.path_reuse.into();
+        settings.guiding = self.guiding.into();
         settings.max_bounces = self.max_bounces;
     }
 }

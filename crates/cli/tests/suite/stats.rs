@@ -15,14 +15,25 @@ fn stats(folder: &Path, flags: &[&str]) -> serde_json::Value {
 fn figures_say_how_the_picture_was_made() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flags = ["--scene", "1", "--triangles", "500", "--seed", "7", "--passes", "1..3", "--pass-spp", "2"];
-    let more = ["--threads", "1", "--sampler", "independent", "--max-bounces", "5", "--accel", "kd"];
+    let more = [
+        "--threads",
+        "1",
+        "--sampler",
+        "independent",
+        "--max-bounces",
+        "5",
+        "--accel",
+        "kd",
+        "--guiding",
+        "trained",
+    ];
     let files = ["--out", "a.png", "--out", "a.exr", "--checkpoint", "parts"];
     let found = stats(folder.path(), &[&flags[..], &more, &files].concat());
     let expected = serde_json::json!({
         "version": env!("CARGO_PKG_VERSION"), "scene": "cornell 1",
         "width": 12, "height": 8, "seed": 7, "threads": 1, "accel": "kd", "sampler": "independent",
         "estimator": "mis", "light_sampling": "solid-angle", "mirror_sampling": "images",
-        "supersampling": "lights",
+        "supersampling": "lights", "guiding": "trained",
         "path_reuse": "fours", "filter": "box", "max_bounces": 5, "pass_spp": 2, "spp": 6, "exposure": 0.0,
         "passes": "1..3", "passes_held": [[1, 3]], "samples_per_pixel": 4, "samples": 12 * 8 * 4,
         "error": null, "seconds": null, "pilot": null, "resume": false,

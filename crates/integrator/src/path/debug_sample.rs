@@ -3,6 +3,7 @@ use super::light_edges::LightEdges;
 use super::path_state::Path;
 use super::pixel_groups::block_around;
 use super::render_context::RenderContext;
+use super::training::guide;
 use super::wavefront::{IRRADIANCE, Wavefront, receiver};
 use crate::{RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SurfacePoint};
@@ -54,9 +55,11 @@ pub struct Vertex {
 
 /// Traces sample `sample` of pixel (`x`, `y`) again, with the same sample of each pixel that reuses its path.
 ///
+/// With [`Guiding::Trained`](crate::Guiding) the guide is trained again.
+///
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture
-/// does not have.
+/// does not have. [`RenderError::Worker`] for a panic in that.
 pub fn replay(
     scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,
@@ -73,7 +76,8 @@ pub fn replay(
     if let Some((name, value, _, range)) = within.into_iter().find(|(_, value, end, _)| value >= end) {
         return Err(RenderError::Param { name, value: value.into(), range });
     }
-    let context = RenderContext::new(scene, sensor, settings);
+    let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
+    let context = RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref());
     let one = sample..sample + 1;
     let block = block_around(x, y, settings.width, settings.height);
     let place = (y - block.y) * block.width + (x - block.x);

@@ -1,4 +1,4 @@
-//! Path tracing (Kajiya 1986) in wavefronts: next event estimation, scattering and path reuse.
+//! Path tracing (Kajiya 1986) in wavefronts: next event estimation, scattering, path reuse and the training of a guide.
 
 mod counters;
 mod debug_sample;
@@ -10,6 +10,7 @@ mod render_context;
 mod reuse;
 mod shading_point;
 mod tile_bounds;
+mod training;
 mod wavefront;
 
 pub use counters::Counters;
@@ -17,4 +18,5 @@ pub use debug_sample::{Replay, Vertex, replay};
 pub(crate) use light_edges::LightEdges;
 pub(crate) use render_context::RenderContext;
 pub(crate) use tile_bounds::{BLOCK_SIDE, SIDE as TILE_SIDE, Tile};
+pub(crate) use training::guide;
 pub(crate) use wavefront::Wavefront;

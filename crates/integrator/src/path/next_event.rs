@@ -179,11 +179,11 @@ impl RenderContext<'_> {
     fn scattered(
         &self,
         path: &Path,
-        ShadingPoint { at, frame, wo, .. }: &ShadingPoint<'_>,
+        vertex @ ShadingPoint { at, frame, wo, .. }: &ShadingPoint<'_>,
         light: &LightSample,
     ) -> Option<Rgb> {
         let wi = frame.to_local(light.direction());
-        let scattered = at.material.bsdf.pdf(*wo, wi);
+        let scattered = vertex.pdf(wi);
         let weight = self.settings.estimator.weight_of_light(light, scattered);
         let (incident, probability) = light.quotient();
         let value = at.material.bsdf.eval(*wo, wi) * incident;

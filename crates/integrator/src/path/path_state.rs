@@ -12,6 +12,8 @@ pub(super) struct Path {
     pub(super) numbers: Numbers,
     /// The throughput of the path, or of its suffix from where that begins.
     pub(super) throughput: Rgb,
+    /// How many times as dense as by BSDFs alone the directions of the same part of the path were sampled by a guide.
+    pub(super) guided: f64,
     /// The largest throughput of the prefixes that may reuse the suffix, by component; white before.
     pub(super) prefix_throughput: Rgb,
     pub(super) mis: MisContext,
@@ -53,15 +55,18 @@ impl Path {
             stage: Stage::Prefix,
             numbers,
             throughput: Rgb::WHITE,
+            guided: 1.0,
             prefix_throughput: Rgb::WHITE,
             mis: MisContext::new(Density::Delta, DVec3::ZERO, Vec3::ZERO),
         }
     }
 
-    /// Whether the path survives Russian roulette by `u` in `[0, 1)`; scales its throughput.
+    /// Whether the path survives Russian roulette by `u` in `[0, 1)`; scales its throughput. A guide changes nothing: it
+    /// leads where a low throughput meets much light.
     #[inline(always)]
     pub(super) fn survives(&mut self, roulette: Roulette, u: f64) -> bool {
-        let uncapped = (self.prefix_throughput * self.throughput).max_component() / roulette.threshold;
+        let reflected = (self.prefix_throughput * self.throughput).max_component() * self.guided;
+        let uncapped = reflected / roulette.threshold;
         let survive_prob = uncapped.min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;
         u < survive_prob

@@ -1,3 +1,4 @@
+use crate::guide::Guide;
 use crate::light::Mirrors;
 use crate::{
     ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
@@ -14,6 +15,8 @@ pub(crate) struct RenderContext<'a> {
     pub(super) samples_lights: bool,
     /// The mirrors in which area lights are sampled; `None` if there are none or the settings rule it out.
     pub(super) mirrors: Option<&'a Mirrors>,
+    /// By which diffuse vertices scatter; `None` for the cosine alone.
+    pub(super) guide: Option<&'a Guide>,
     /// The instructions that shade; they change no bit.
     pub(super) simd: SimdLevel,
 }
@@ -28,7 +31,12 @@ impl<'a> RenderContext<'a> {
         let samples_lights = samples_areas || scene.lights().delta_lights().next().is_some();
         let samples_mirrors = samples_areas && settings.mirror_sampling == MirrorSampling::Images;
         let mirrors = samples_mirrors.then(|| scene.mirrors()).filter(|mirrors| !mirrors.is_empty());
-        Self { scene, sensor, settings, samples_lights, mirrors, simd: SimdLevel::best() }
+        Self { scene, sensor, settings, samples_lights, mirrors, guide: None, simd: SimdLevel::best() }
+    }
+
+    /// The same with this guide.
+    pub(crate) fn guided_by(self, guide: Option<&'a Guide>) -> Self {
+        Self { guide, ..self }
     }
 }
 

@@ -10,8 +10,9 @@ use super::pixel_groups::{PixelGroup, pixel_groups};
 use super::render_context::RenderContext;
 use super::shading_point::ShadingPoint;
 use super::tile_bounds::Tile;
+use crate::guide::Guide;
 use glam::DVec3;
-use globillum_geom::{Ray, SurfacePoint};
+use globillum_geom::{Frame, Ray, SurfacePoint};
 use globillum_material::Rgb;
 use std::ops::Range;
 
@@ -21,6 +22,8 @@ struct ReuseVertex {
     point: SurfacePoint,
     /// Unit normal on the path's side.
     normal: DVec3,
+    /// The cell of the guide, if there is one.
+    guide_cell: Option<u32>,
 }
 
 /// A path up to its first diffuse vertex.
@@ -30,8 +33,10 @@ struct Prefix {
     /// The bounce at which it ends. A limit on bounces gives suffixes of one length to prefixes of one
     /// length, so only these share them.
     bounce: u32,
-    /// The factor on the radiance that arrives at the end along the path.
+    /// The factor on the radiance that arrives at the end along the path, if directions there are sampled by the BSDF.
     throughput: Rgb,
+    /// How many times as dense as by the BSDF its own direction there was sampled.
+    guided: f64,
     /// The largest throughput of the prefixes of its group that end at this bounce, by component.
     group_throughput: Rgb,
     /// Where its own suffix begins.
@@ -44,8 +49,10 @@ struct Connection {
     prefix: u32,
     suffix: u32,
     /// The density, per area at the beginning of the suffix and times pi, with which the prefix would have
-    /// been continued there.
+    /// been continued there by its BSDF alone.
     density: f64,
+    /// The same by the guide, if there is one.
+    guided: f64,
 }
 
 /// The prefixes of a wavefront, and the buffers by which their suffixes are shared.
@@ -88,15 +95,22 @@ impl Prefixes {
     }
 
     fn throughput(&self, sample: usize) -> Rgb {
-        self.all[sample].map_or(Rgb::WHITE, |prefix| prefix.throughput)
+        self.all[sample].map_or(Rgb::WHITE, |prefix| prefix.throughput / prefix.guided)
     }
 
     /// Ends the prefix of a path at the vertex that scattered it.
     #[inline(always)]
     pub(super) fn end(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
-        let (end, bounce, throughput) = (ReuseVertex::at(vertex), vertex.bounce, path.throughput);
-        self.all[path.target.sample() as usize] =
-            Some(Prefix { end, bounce, throughput, group_throughput: throughput, suffix: None });
+        let (end, bounce, throughput) =
+            (ReuseVertex::at(vertex), vertex.bounce, path.throughput * path.guided);
+        self.all[path.target.sample() as usize] = Some(Prefix {
+            end,
+            bounce,
+            throughput,
+            guided: path.guided,
+            group_throughput: throughput,
+            suffix: None,
+        });
         path.stage = Stage::PrefixEnded;
         self.have_ended = true;
     }
@@ -126,6 +140,7 @@ impl Prefixes {
         let Some(prefix) = &mut self.all[sample as usize] else { return };
         prefix.suffix = Some(ReuseVertex::at(vertex));
         (path.prefix_throughput, path.throughput) = (prefix.group_throughput, Rgb::WHITE);
+        path.guided = 1.0;
         path.target = Target::Suffix(sample);
     }
 
@@ -143,7 +158,7 @@ impl Prefixes {
         self.rays.clear();
         context.simd.run(
             #[inline(always)]
-            || self.connect(&radiance.suffixes),
+            || self.connect(context.guide, &radiance.suffixes),
         );
         context.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
@@ -152,7 +167,7 @@ impl Prefixes {
 
     /// Connects each suffix to the prefixes of its group.
     #[inline(always)]
-    fn connect(&mut self, suffixes: &[Rgb]) {
+    fn connect(&mut self, guide: Option<&Guide>, suffixes: &[Rgb]) {
         let Self { all, groups, connections, rays, .. } = self;
         for group in groups {
             for suffix in group.iter().copied().flatten() {
@@ -162,7 +177,12 @@ impl Prefixes {
                 // A radiance that is not finite stays with its own sample, so that an error names that one.
                 let found = own.end.connection_to(start).filter(|_| radiance.is_finite());
                 let density = found.map_or(1.0, |(density, _)| density);
-                connections.push(Connection { prefix: suffix, suffix, density });
+                connections.push(Connection {
+                    prefix: suffix,
+                    suffix,
+                    density,
+                    guided: density * own.guided,
+                });
                 if found.is_none() {
                     continue;
                 }
@@ -172,8 +192,9 @@ impl Prefixes {
                         continue;
                     }
                     let Some((density, ray)) = other.end.connection_to(start) else { continue };
+                    let guided = density * other.end.guided(guide, ray.direction);
                     rays.push(ray);
-                    connections.push(Connection { prefix, suffix, density });
+                    connections.push(Connection { prefix, suffix, density, guided });
                 }
             }
         }
@@ -184,13 +205,14 @@ impl Prefixes {
     fn combine(&mut self, RadianceSums { samples, suffixes }: &mut RadianceSums) {
         let others = self.connections.iter_mut().filter(|connection| connection.prefix != connection.suffix);
         for (connection, _) in others.zip(&self.occluded).filter(|(_, occluded)| **occluded) {
-            connection.density = 0.0;
+            (connection.density, connection.guided) = (0.0, 0.0);
         }
         for connections in self.connections.chunk_by(|a, b| a.suffix == b.suffix) {
-            let sum: f64 = connections.iter().map(|connection| connection.density).sum();
+            let sum: f64 = connections.iter().map(|connection| connection.guided).sum();
             for connection in connections {
                 let (prefix, suffix) = (connection.prefix as usize, connection.suffix as usize);
-                samples[prefix] += self.throughput(prefix) * suffixes[suffix] * (connection.density / sum);
+                let throughput = self.all[prefix].map_or(Rgb::WHITE, |prefix| prefix.throughput);
+                samples[prefix] += throughput * suffixes[suffix] * (connection.density / sum);
             }
         }
     }
@@ -200,7 +222,14 @@ impl ReuseVertex {
     #[inline(always)]
     fn at(vertex: &ShadingPoint<'_>) -> Self {
         let point = vertex.at.point;
-        Self { point, normal: point.normal * 1.0_f64.copysign(vertex.wo.z) }
+        Self { point, normal: vertex.frame.normal, guide_cell: vertex.guide_cell.map(|cell| cell.index) }
+    }
+
+    /// How many times as dense as cosine sampling the guide makes `direction`.
+    #[inline(always)]
+    fn guided(&self, guide: Option<&Guide>, direction: DVec3) -> f64 {
+        let Some((guide, cell)) = guide.zip(self.guide_cell) else { return 1.0 };
+        guide.cell(cell).directions.ratio(Frame::around(self.normal).to_local(direction))
     }
 
     /// The density per area, times pi, with which cosine sampling from here hits `other`, and the segment

@@ -1,16 +1,19 @@
 use crate::Interaction;
+use crate::guide::GuideCell;
 use crate::sampler::BounceNumbers;
 use glam::{DVec3, Vec3};
-use globillum_geom::Frame;
-use globillum_material::Density;
+use globillum_geom::{Frame, PdfSolidAngle};
+use globillum_material::{BsdfSample, Density};
 
-/// A path vertex that is shaded, with its local frame.
+/// A path vertex that is shaded, with its local frame, whose z axis is on the side from which the path came.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShadingPoint<'a> {
     pub(super) at: Interaction<'a>,
     pub(super) frame: Frame,
     /// Unit direction back along the path, in the local frame.
     pub(super) wo: DVec3,
+    /// By which a diffuse surface scatters; `None` if there is no guide.
+    pub(super) guide_cell: Option<GuideCell<'a>>,
     pub(super) bounce: u32,
     /// The random numbers of this bounce.
     pub(super) numbers: BounceNumbers,
@@ -18,15 +21,47 @@ pub(super) struct ShadingPoint<'a> {
 
 impl<'a> ShadingPoint<'a> {
     #[inline(always)]
-    pub(super) fn new(at: Interaction<'a>, bounce: u32, numbers: BounceNumbers) -> Self {
-        let frame = Frame::around(at.point.normal);
-        Self { at, frame, wo: frame.to_local(at.wo), bounce, numbers }
+    pub(super) fn new(
+        at: Interaction<'a>,
+        guide_cell: Option<GuideCell<'a>>,
+        bounce: u32,
+        numbers: BounceNumbers,
+    ) -> Self {
+        let frame = Frame::around(at.side());
+        let guide_cell = guide_cell.filter(|_| at.material.bsdf.is_diffuse());
+        Self { at, frame, wo: frame.to_local(at.wo), guide_cell, bounce, numbers }
     }
 
-    /// The normal on the side of the surface from which the path came.
+    /// The frame's normal.
     #[inline(always)]
     pub(super) fn side(&self) -> Vec3 {
-        (self.at.point.normal * 1.0_f64.copysign(self.wo.z)).as_vec3()
+        self.frame.normal.as_vec3()
+    }
+
+    /// Samples a direction, and returns it with the ratio of its density to that of the BSDF alone; `None` if nothing is
+    /// reflected.
+    #[inline(always)]
+    pub(super) fn sample(&self) -> Option<(BsdfSample, f64)> {
+        let Some(cell) = self.guide_cell else {
+            return Some((self.at.material.bsdf.sample(self.wo, self.numbers.scatter)?, 1.0));
+        };
+        let (u, ratio) = cell.directions.warp(self.numbers.scatter);
+        let mut sample = self.at.material.bsdf.sample(self.wo, u)?;
+        sample.weight = sample.weight / ratio;
+        if let Density::SolidAngle(pdf) = &mut sample.density {
+            pdf.0 *= ratio;
+        }
+        Some((sample, ratio))
+    }
+
+    /// The density with which [`sample`](ShadingPoint::sample) samples the local direction `wi`.
+    #[inline(always)]
+    pub(super) fn pdf(&self, wi: DVec3) -> PdfSolidAngle {
+        let pdf = self.at.material.bsdf.pdf(self.wo, wi);
+        match self.guide_cell {
+            Some(cell) if wi.z > 0.0 => PdfSolidAngle(pdf.0 * cell.directions.ratio(wi)),
+            _ => pdf,
+        }
     }
 }
 

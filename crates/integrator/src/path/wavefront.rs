@@ -7,6 +7,7 @@ use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::tile_bounds::Tile;
+use crate::guide::{GuideVertex, guide_vertex};
 use crate::sampler::{BounceNumbers, Member, Numbers};
 use crate::{Interaction, PathStart};
 use globillum_geom::{Hit, Ray, SimdLevel, SurfacePoint};
@@ -28,6 +29,8 @@ pub(crate) struct Wavefront {
     pub(super) hits: Vec<Option<Hit>>,
     /// Uniform numbers for the positions of the samples in their pixels.
     film_numbers: Vec<[f64; 2]>,
+    /// The cells of the hits in the guide, with some more at the end; none if there is no guide.
+    guide_cells: Vec<u32>,
     /// The random numbers of each path's next bounce.
     bounce_numbers: Vec<BounceNumbers>,
     /// Light samples.
@@ -65,6 +68,9 @@ pub(super) const IRRADIANCE: f64 = PI;
 
 /// How many paths' random numbers are computed at once.
 const NUMBERS_AT_ONCE: usize = 8;
+
+/// How many vertices are looked up in a guide at once.
+const CELLS_AT_ONCE: usize = 16;
 
 impl Wavefront {
     /// Traces `samples` of each pixel of the tile; `None` if `cancelled` before the last bounce.
@@ -120,7 +126,7 @@ impl Wavefront {
     }
 
     /// Advances all paths by one bounce.
-    fn advance(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
+    pub(super) fn advance(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         self.trace_rays(context);
         self.shade(context, bounce, counters);
         self.trace_mirror_rays(context);
@@ -261,6 +267,7 @@ impl Wavefront {
     /// instruction set.
     #[inline(always)]
     fn shade_paths(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
+        self.find_guide_cells(context);
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
@@ -279,7 +286,8 @@ impl Wavefront {
                 counters.limit_ends += 1;
                 continue;
             }
-            let vertex = ShadingPoint::new(at, bounce, numbers);
+            let guide_cell = self.guide_cells.get(i).and_then(|&cell| Some(context.guide?.cell(cell)));
+            let vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
             if path.stage == Stage::PrefixEnded {
                 path.stage = Stage::Beyond;
                 if at.material.bsdf.is_diffuse() {
@@ -294,6 +302,22 @@ impl Wavefront {
         self.rays.truncate(kept);
     }
 
+    /// Finds the cells of all hits, if there is a guide.
+    #[inline(always)]
+    fn find_guide_cells(&mut self, context: &RenderContext<'_>) {
+        self.guide_cells.clear();
+        let Some(guide) = context.guide else { return };
+        for (rays, hits) in self.rays.chunks(CELLS_AT_ONCE).zip(self.hits.chunks(CELLS_AT_ONCE)) {
+            let mut vertices = [GuideVertex::default(); CELLS_AT_ONCE];
+            for (vertex, (ray, hit)) in vertices.iter_mut().zip(rays.iter().zip(hits)) {
+                if let Some(hit) = hit {
+                    *vertex = guide_vertex(&context.scene.interaction(ray, hit));
+                }
+            }
+            self.guide_cells.extend_from_slice(&guide.cells(&vertices));
+        }
+    }
+
     /// Shades the points at which paths begin, and appends the paths that go on to the others. For one instruction
     /// set: it is a small part of the work.
     #[inline(never)]
@@ -306,7 +330,9 @@ impl Wavefront {
         draw_bounce_numbers(context.simd, &self.from_points, 0, with_roulette, &mut self.bounce_numbers);
         for i in 0..self.points.len() {
             let (mut path, point, numbers) = (self.from_points[i], self.points[i], self.bounce_numbers[i]);
-            let vertex = ShadingPoint::new(receiver(point), 0, numbers);
+            let at = receiver(point);
+            let guide_cell = context.guide.map(|guide| guide.cell(guide.cells(&[guide_vertex(&at)])[0]));
+            let vertex = ShadingPoint::new(at, guide_cell, 0, numbers);
             let Some(next) = self.leave(context, &mut path, &vertex, None, counters) else { continue };
             self.paths.push(path);
             self.rays.push(next);
@@ -401,9 +427,10 @@ impl Path {
         hit: Option<&Hit>,
         vertex: &ShadingPoint<'_>,
     ) -> Option<Ray> {
-        let ShadingPoint { at, frame, wo, numbers, .. } = vertex;
-        let sample = at.material.bsdf.sample(*wo, numbers.scatter)?;
+        let ShadingPoint { at, frame, .. } = vertex;
+        let (sample, ratio) = vertex.sample()?;
         self.throughput *= sample.weight;
+        self.guided *= ratio;
         self.mis = match sample.density {
             Density::SolidAngle(_) => MisContext::new(sample.density, at.point.position, vertex.side()),
             Density::Delta => context.mis_after_mirror(self.mis, hit?.triangle),

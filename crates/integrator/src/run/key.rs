@@ -71,6 +71,7 @@ impl Key {
             settings.mirror_sampling as u32,
             settings.path_reuse.code(),
             settings.supersampling as u32,
+            settings.guiding as u32,
         ];
         for part in [width, height, pass_samples].into_iter().chain(kinds) {
             self.add(part.into());

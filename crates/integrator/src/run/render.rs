@@ -4,10 +4,10 @@ use super::monitor::Monitor;
 use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
-use crate::path::{RenderContext, Tile};
-use crate::{CheckpointError, Film, Picture, RenderError, Scene, Sensor, Settings};
+use crate::path::{RenderContext, Tile, guide};
+use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 use std::sync::OnceLock;
 
 /// Renders all samples of `scene` as measured by `sensor`, such as a [`Camera`](crate::Camera): [`Render`] without
@@ -154,7 +154,11 @@ impl<'a> Render<'a> {
             .map_err(|error| RenderError::Threads(error.to_string()))?;
         let meter = Meter::new(self.stop.seconds);
         threads.install(|| {
-            let context = RenderContext::new(self.scene, self.sensor, &settings);
+            let guide = guide(self.scene, self.sensor, &settings, || monitor.cancelled())?;
+            let ControlFlow::Continue(guide) = guide else {
+                return Ok(Picture { ending: Ending::Cancelled, ..picture });
+            };
+            let context = RenderContext::new(self.scene, self.sensor, &settings).guided_by(guide.as_ref());
             let edges = Tile::all(window).map(|_| OnceLock::new()).collect();
             let renderer = PassRenderer { context, monitor, meter: &meter, window, edges };
             PassLoop { renderer, stop: self.stop }.add_passes(picture, passes)

@@ -22,4 +22,11 @@ impl Interaction<'_> {
     pub fn emitted(&self) -> Rgb {
         self.material.emission.toward(self.point.normal.dot(self.wo))
     }
+
+    /// The unit normal on the side of the surface from which the ray came.
+    #[inline(always)]
+    pub(crate) fn side(&self) -> DVec3 {
+        let normal = self.point.normal;
+        normal * 1.0_f64.copysign(normal.dot(self.wo))
+    }
 }

@@ -61,6 +61,8 @@ pub struct Settings {
     pub supersampling: Supersampling,
     /// Whether pixels reuse the paths of their neighbours.
     pub path_reuse: PathReuse,
+    /// By what diffuse surfaces scatter paths.
+    pub guiding: Guiding,
     /// Russian roulette.
     pub roulette: Roulette,
 }
@@ -142,6 +144,22 @@ pub enum Supersampling {
     Lights,
 }
 
+/// By what diffuse surfaces scatter paths. This changes the variance, not the mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Guiding {
+    /// By the cosine.
+    #[default]
+    Off = 0,
+    /// Half by the cosine, half by what training paths found (path guiding, after Müller, Gross and Novák 2017): for light
+    /// that most directions miss, such as that through a door ajar. A sample takes 1.3 to 1.6 times as long.
+    ///
+    /// There are at least four training paths per pixel, and between `2^16` and about `2^18` in all, of the whole picture
+    /// whatever the crop. They are dropped, and not counted; their time is. Each render trains: one that resumes too, and
+    /// each part of a picture. Training takes up to some 100 MB.
+    Trained = 1,
+}
+
 /// Russian roulette: ends paths at random and divides the throughput of the others by their probability
 /// of surviving, which keeps the mean (Arvo and Kirk 1990).
 ///
@@ -192,6 +210,7 @@ impl Settings {
             mirror_sampling: MirrorSampling::default(),
             supersampling: Supersampling::default(),
             path_reuse: PathReuse::default(),
+            guiding: Guiding::default(),
             roulette: Roulette { start: 2, threshold: 0.2 },
         }
     }

@@ -1,0 +1,168 @@
+//! The training of a guide: paths by which it learns, before the picture is rendered.
+
+use super::counters::Counters;
+use super::light_edges::LightEdges;
+use super::render_context::RenderContext;
+use super::tile_bounds::Tile;
+use super::wavefront::Wavefront;
+use crate::caught::caught;
+use crate::guide::{Guide, GuideRecord, bin_of, coordinates};
+use crate::{Guiding, PathReuse, RenderError, Scene, Sensor, Settings, Supersampling};
+use globillum_geom::{Accel, Frame};
+use globillum_material::{Density, Rgb};
+use rayon::prelude::*;
+use std::ops::{ControlFlow, Range};
+
+/// The least samples of a pixel.
+const MIN_SAMPLES: u32 = 4;
+/// The number of paths is between these two, if there are pixels enough and not too many.
+const MIN_PATHS: u64 = 1 << 16;
+const MAX_PATHS: u64 = 1 << 18;
+/// Pixels along the side of a tile.
+const SIDE: u32 = 8;
+
+/// The guide for a picture of the whole sensor, whatever the crop; `None` if settings ask for none. Breaks if
+/// `cancelled` before the end.
+///
+/// # Errors
+/// [`RenderError::Worker`] for a panic.
+pub(crate) fn guide(
+    scene: &Scene<dyn Accel + '_>,
+    sensor: &dyn Sensor,
+    settings: &Settings,
+    cancelled: impl Fn() -> bool + Sync,
+) -> Result<ControlFlow<(), Option<Guide>>, RenderError> {
+    if settings.guiding == Guiding::Off {
+        return Ok(ControlFlow::Continue(None));
+    }
+    let settings = training_settings(settings);
+    let context = RenderContext::new(scene, sensor, &settings);
+    let traced: Result<Vec<Option<Vec<GuideRecord>>>, RenderError> = tiles(&settings)
+        .into_par_iter()
+        .map_init(Wavefront::default, |wavefront, (tile, first)| {
+            let samples = first..first + MIN_SAMPLES;
+            let records = caught(|| wavefront.records(&context, tile, samples, &cancelled));
+            records.map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
+        })
+        .collect();
+    Ok(match traced?.into_iter().collect() {
+        Some(parts) => ControlFlow::Continue(Some(Guide::learn(&joined(parts)))),
+        None => ControlFlow::Break(()),
+    })
+}
+
+/// The settings of training paths, which have random numbers of their own.
+fn training_settings(settings: &Settings) -> Settings {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let samples = u32::try_from(MIN_PATHS / pixels).unwrap_or(0).next_power_of_two().max(MIN_SAMPLES);
+    Settings {
+        samples,
+        pass_samples: samples,
+        seed: !settings.seed,
+        path_reuse: PathReuse::Off,
+        supersampling: Supersampling::Off,
+        ..*settings
+    }
+}
+
+/// The tiles, each with the first of its [`MIN_SAMPLES`] samples. In a large picture there are gaps between
+/// tiles.
+fn tiles(settings: &Settings) -> Vec<(Tile, u32)> {
+    let Settings { width, height, samples, .. } = *settings;
+    let paths = u64::from(width) * u64::from(height) * u64::from(samples);
+    let step = (1..).find(|&step: &u64| step * step * MAX_PATHS >= paths).unwrap_or(1) as u32;
+    let places = Tile::grid([width, height], [SIDE * step; 2]);
+    let tiles =
+        places.map(|place| Tile { width: place.width.min(SIDE), height: place.height.min(SIDE), ..place });
+    let firsts = (0..samples).step_by(MIN_SAMPLES as usize);
+    tiles.flat_map(|tile| firsts.clone().map(move |first| (tile, first))).collect()
+}
+
+/// All records; the indices in them count from the first part.
+fn joined(parts: Vec<Vec<GuideRecord>>) -> Vec<GuideRecord> {
+    let mut all: Vec<GuideRecord> = Vec::new();
+    for part in parts {
+        let before = all.len() as u32;
+        all.extend(part.into_iter().map(|record| GuideRecord {
+            next: record.next.map(|(next, factor)| (before + next, factor)),
+            ..record
+        }));
+    }
+    all
+}
+
+/// The last record of a path that goes on.
+#[derive(Clone, Copy, Debug)]
+struct LastRecord {
+    index: u32,
+    /// The sum of the components of the path's throughput after it.
+    throughput: f64,
+}
+
+impl Wavefront {
+    /// The diffuse vertices of the paths of these samples; `None` if `cancelled` before their end.
+    fn records(
+        &mut self,
+        context: &RenderContext<'_>,
+        tile: Tile,
+        samples: Range<u32>,
+        cancelled: impl Fn() -> bool,
+    ) -> Option<Vec<GuideRecord>> {
+        self.start(context, (tile, &LightEdges::default()), &samples);
+        let mut records: Vec<GuideRecord> = Vec::new();
+        let mut last: Vec<Option<LastRecord>> = vec![None; self.radiance.samples.len()];
+        for bounce in 0.. {
+            if cancelled() {
+                return None;
+            }
+            // Sums that begin at zero hold the radiance of this bounce alone.
+            self.radiance.reset(last.len(), 0);
+            self.advance(context, bounce, &mut Counters::default());
+            for (last, &found) in last.iter().zip(&self.radiance.samples) {
+                let Some(last) = last else { continue };
+                let found = component_sum(found) / last.throughput;
+                // The path of a picture tells of a radiance that is not finite.
+                if found.is_finite() {
+                    records[last.index as usize].radiance += found;
+                }
+            }
+            if self.paths.is_empty() {
+                return Some(records);
+            }
+            last = self.record_scattering(&mut records, &last);
+        }
+        unreachable!("paths end")
+    }
+
+    /// Adds a record for each path that a diffuse vertex has scattered. Returns the last records of the paths that go on.
+    fn record_scattering(
+        &self,
+        records: &mut Vec<GuideRecord>,
+        before: &[Option<LastRecord>],
+    ) -> Vec<Option<LastRecord>> {
+        let mut last = vec![None; before.len()];
+        for (path, ray) in self.paths.iter().zip(&self.rays) {
+            let sample = path.target.sample() as usize;
+            last[sample] = before[sample];
+            if path.mis.density == Density::Delta || path.mis.mirror.is_some() {
+                continue;
+            }
+            let this = LastRecord { index: records.len() as u32, throughput: component_sum(path.throughput) };
+            if let Some(LastRecord { index, throughput }) = before[sample] {
+                records[index as usize].next = Some((this.index, this.throughput / throughput));
+            }
+            records.push(GuideRecord {
+                vertex: coordinates(path.mis.from, path.mis.side),
+                bin: bin_of(Frame::around(path.mis.side.as_dvec3()).to_local(ray.direction)) as u8,
+                radiance: 0.0,
+                next: None,
+            });
+            last[sample] = Some(this);
+        }
+        last
+    }
+}
+
+fn component_sum(rgb: Rgb) -> f64 {
+    3.0 * rgb.mean()
+}

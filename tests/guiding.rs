@@ -1,0 +1,196 @@
+//! Path guiding keeps the mean of every pixel, and lowers the variance where light is hard to find.
+#![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
+
+use glam::DVec3;
+use globillum::geom::Accel;
+use globillum::integrator::{
+    Camera, Ending, Estimator, Film, Guiding, IrradiancePoints, Model, Monitor, PathReuse, Render, Sampler,
+    Scene, Sensor, Settings, render, replay,
+};
+use globillum::material::{Emission, Material, Rgb, Sides};
+use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
+use globillum_testkit::shapes::{cuboid, inside_out, quad};
+use globillum_testkit::{cornell, scenes};
+
+/// Pixels along each side of a picture.
+const SIDE: u32 = 16;
+/// Passes of a picture whose pixels are compared.
+const PASSES: u32 = 256;
+/// Largest deviation of a component of a pixel, in standard errors: as in `path_reuse.rs`, any of all components of all
+/// pixels exceeds it with a probability of 5e-9.
+const PIXEL_LIMIT: f64 = 7.2;
+
+fn lambert(albedo: Rgb) -> Material {
+    Material::lambert(albedo).expect("an albedo")
+}
+
+fn look(eye: DVec3, target: DVec3) -> Camera {
+    Camera::look_at(eye, target, DVec3::Y, 0.8).expect("they are apart")
+}
+
+fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
+    scenes::scene(model, STRUCTURES[0].1)
+}
+
+/// Two rooms with a lamp in the one and the camera in the other. A wall with a gap is between them.
+fn two_rooms() -> (Model, Camera) {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    model.add(lambert(Rgb::new(0.8, 0.7, 0.6)), inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0)));
+    model.add(lambert(Rgb::splat(0.6)), cuboid(p(-0.2, 0.0, -0.1), p(0.8, 1.0, 0.03), 0.0));
+    let lamp = quad(p(-0.8, 0.98, -0.8), p(-0.4, 0.98, -0.8), p(-0.4, 0.98, -0.5), p(-0.8, 0.98, -0.5));
+    model.add(Material::light(Rgb::new(20.0, 15.0, 10.0)).expect("in range"), lamp);
+    (model, look(p(-0.5, 0.3, 0.9), p(-0.2, -0.6, 0.2)))
+}
+
+/// A room of which one wall emits, half of it near enough to the floor for both techniques to count.
+fn bright_wall() -> (Model, Camera) {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
+    let emission = Emission::new(Rgb::new(1.0, 0.7, 0.4), Sides::Front).expect("finite");
+    for (i, wall) in walls.chunks(2).enumerate() {
+        let material = lambert(Rgb::new(0.3 + 0.1 * i as f64, 0.5, 0.8 - 0.1 * i as f64));
+        model.add(if i == 0 { material.emitting(emission) } else { material }, wall.iter().copied());
+    }
+    (model, look(p(0.2, 0.3, 0.9), p(0.0, -0.9, -0.3)))
+}
+
+/// The box with a block that is a mirror.
+fn mirror_box() -> (Model, Camera) {
+    let model = cornell::with_blocks(true).expect("the box is good");
+    (model, look(DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0)))
+}
+
+fn settings(guiding: Guiding, change: impl Fn(&mut Settings)) -> Settings {
+    let mut settings = Settings::new(SIDE, SIDE, 4 * PASSES);
+    (settings.guiding, settings.seed, settings.pass_samples) = (guiding, 1 + guiding as u64, 4);
+    change(&mut settings);
+    settings
+}
+
+fn film(scene: &Scene<Box<dyn Accel>>, sensor: &dyn Sensor, settings: &Settings) -> Film {
+    render(scene, sensor, settings, &()).expect("the scene is good").film
+}
+
+/// Largest difference of a component of a pixel, in standard errors.
+fn largest_z(a: &Film, b: &Film) -> f64 {
+    let pixels = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
+    let z = |(x, y): (u32, u32)| {
+        let difference = a.mean(x, y) + b.mean(x, y) * -1.0;
+        let variance = a.variance_of_mean(x, y) + b.variance_of_mean(x, y);
+        let component = |(d, v): (f64, f64)| if d == 0.0 { 0.0 } else { d.abs() / v.sqrt() };
+        difference.to_array().into_iter().zip(variance.to_array()).map(component).fold(0.0, f64::max)
+    };
+    pixels.map(z).fold(0.0, f64::max)
+}
+
+/// Asserts that each pixel has the same mean with and without a guide. `margin` is what the mean of all may differ by.
+fn assert_same_mean(
+    what: &str,
+    (model, sensor): (&Model, &dyn Sensor),
+    max_margin: f64,
+    change: impl Fn(&mut Settings),
+) {
+    let scene = scene(model);
+    let [without, with] =
+        [Guiding::Off, Guiding::Trained].map(|guiding| film(&scene, sensor, &settings(guiding, &change)));
+    let z = largest_z(&without, &with);
+    let [before, after] = [&without, &with].map(|film| film.error().relative_rmse);
+    let mean = with.image_mean().mean() / without.image_mean().mean() - 1.0;
+    // The errors of the mean, which of four pixels may be correlated.
+    let count = (f64::from(without.width()) * f64::from(without.height())).sqrt();
+    let margin = 5.85 * 2.0 * before.hypot(after) / count;
+    println!("{what}: z {z:.2}, error {before:.4} becomes {after:.4}, mean {:+.4} %", 100.0 * mean);
+    assert!(z < PIXEL_LIMIT, "{what}: {z}");
+    assert!(mean.abs() < margin && margin < max_margin, "{what}: {mean}, margin {margin}");
+    assert_ne!(before, after, "{what}: there was no guide");
+}
+
+#[test]
+fn guides_change_no_mean() {
+    let ((rooms, front), (bright, floor), (mirrors, whole)) = (two_rooms(), bright_wall(), mirror_box());
+    let longer = |s: &mut Settings| (s.samples, s.pass_samples) = (16 * PASSES, 16);
+    assert_same_mean("two rooms", (&rooms, &front), 0.035, longer);
+    assert_same_mean("two rooms, pixels alone", (&rooms, &front), 0.12, |s| s.path_reuse = PathReuse::Off);
+    for estimator in [Estimator::Mis, Estimator::Bsdf, Estimator::Light] {
+        let what = format!("a bright wall, {estimator:?}");
+        assert_same_mean(&what, (&bright, &floor), 0.03, |s| s.estimator = estimator);
+    }
+    assert_same_mean("a bright wall, two bounces", (&bright, &floor), 0.02, |s| {
+        (s.max_bounces, s.sampler) = (Some(2), Sampler::Independent);
+    });
+    assert_same_mean("a mirror", (&mirrors, &whole), 0.02, |_| {});
+}
+
+/// The first vertex of a path is then the point itself.
+#[test]
+fn guides_change_no_irradiance() {
+    let points = [(-0.6, 0.5), (0.3, 0.7), (0.6, 0.2)].map(|(x, z)| (DVec3::new(x, -0.999, z), DVec3::Y));
+    let points = IrradiancePoints::new(points).expect("unit normals");
+    let change = |s: &mut Settings| (s.width, s.height, s.samples, s.pass_samples) = (1, 3, 64 * PASSES, 64);
+    assert_same_mean("points in the dark room", (&two_rooms().0, &points), 0.2, change);
+    assert_same_mean("points before a bright wall", (&bright_wall().0, &points), 0.03, change);
+}
+
+#[test]
+fn a_guide_finds_the_gap_to_the_bright_room() {
+    let (model, camera) = two_rooms();
+    let scene = scene(&model);
+    let [without, with] = [Guiding::Off, Guiding::Trained].map(|guiding| {
+        let settings = settings(guiding, |s| (s.samples, s.pass_samples) = (512, 16));
+        film(&scene, &camera, &settings).error().relative_rmse.powi(2)
+    });
+    println!("variance with a guide over that without: {:.2}", with / without);
+    assert!(with < 0.6 * without, "{with}, {without}");
+}
+
+/// Neither threads nor accelerators, passes or crops change a bit, and a replayed sample has those of the picture.
+#[test]
+fn guided_pictures_have_the_same_bits_in_parts() {
+    let (model, camera) = two_rooms();
+    let settings = settings(Guiding::Trained, |s| (s.width, s.height, s.samples) = (21, 34, 8));
+    let with = |threads, accelerator| {
+        let scene = scenes::scene(&model, accelerator);
+        let mut settings = settings;
+        settings.threads = threads;
+        film(&scene, &camera, &settings)
+    };
+    let whole = with(1, ACCELERATORS[0].1);
+    let means = |film: &Film| -> Vec<Rgb> {
+        (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| film.mean(x, y))).collect()
+    };
+    for &(name, accelerator) in &ACCELERATORS {
+        assert_eq!(means(&with(3, accelerator)), means(&whole), "{name}");
+    }
+    let scene = scene(&model);
+    let part = |passes| Render::new(&scene, &camera, &settings).passes(passes).run(&()).expect("it is good");
+    let first = part(0..1);
+    let mut merged = part(1..2);
+    merged.merge(first.clone()).expect("they fit");
+    assert_eq!(means(&merged.film), means(&whole));
+    let resumed = Render::new(&scene, &camera, &settings).resume(first).run(&()).expect("it fits");
+    assert_eq!(means(&resumed.film), means(&whole));
+    let crop = Render::new(&scene, &camera, &settings).crop(4..16, 8..20).run(&()).expect("it is good").film;
+    assert_eq!(crop.mean(5, 6), whole.mean(9, 14));
+    let radiance = |sample| replay(&scene, &camera, &settings, (9, 14), sample).expect("it exists").radiance;
+    let sum = |first: u32| (first..first + 4).fold(Rgb::BLACK, |sum, sample| sum + radiance(sample));
+    assert_eq!((sum(0) + sum(4)) / 8.0, whole.mean(9, 14));
+}
+
+/// Wants nothing.
+struct Unwilling;
+
+impl Monitor for Unwilling {
+    fn cancelled(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn training_can_be_cancelled() {
+    let (model, camera) = two_rooms();
+    let settings = settings(Guiding::Trained, |_| {});
+    let picture = Render::new(&scene(&model), &camera, &settings).run(&Unwilling).expect("the scene is good");
+    assert_eq!((picture.ending, picture.samples), (Ending::Cancelled, 0));
+}
