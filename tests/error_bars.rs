@@ -34,8 +34,8 @@ fn variance_of(estimator: Estimator, sampling: LightSampling) -> f64 {
         (Estimator::Bsdf, _) => 0.061_767_583,
         (Estimator::Light, LightSampling::Area) => 0.019_597_217,
         (Estimator::Light, _) => 0.001_112_191,
-        (_, LightSampling::Area) => 0.014_040_614,
-        _ => 0.008_246_037,
+        (_, LightSampling::Area) => 0.013_025_137,
+        _ => 0.005_770_205,
     }
 }
 

@@ -37,7 +37,7 @@ fn camera() -> Camera {
     stare(DVec3::new(-0.5, 0.4, 0.3), TARGET)
 }
 
-/// Light sampling at `at`, weighted by the balance heuristic.
+/// Light sampling at `at`, weighted by the power heuristic.
 fn by_light<A: Accel>(
     scene: &Scene<A>,
     at: &Interaction<'_>,
@@ -52,10 +52,10 @@ fn by_light<A: Accel>(
     let frame = Frame::around(at.point.normal);
     let (wo, wi) = (frame.to_local(at.wo), frame.to_local(light.direction()));
     let scattered = at.material.bsdf.pdf(wo, wi);
-    at.material.bsdf.eval(wo, wi) * light.irradiance() * (wi.z.abs() * light.balance(scattered))
+    at.material.bsdf.eval(wo, wi) * light.irradiance() * (wi.z.abs() * light.power_heuristic(scattered))
 }
 
-/// BSDF sampling at `at`, weighted by the balance heuristic.
+/// BSDF sampling at `at`, weighted by the power heuristic.
 fn by_bsdf<A: Accel>(
     scene: &Scene<A>,
     at: &Interaction<'_>,
@@ -70,7 +70,7 @@ fn by_bsdf<A: Accel>(
     let ray = at.point.spawn(frame.to_world(sample.wi));
     let Some(hit) = scene.accel().intersect(&ray) else { return scene.environment() };
     let met = scene.interaction(&ray, &hit);
-    sample.weight * met.emitted() * scattered.balance(lights.pdf(&hit, &met))
+    sample.weight * met.emitted() * scattered.power_heuristic(lights.pdf(&hit, &met))
 }
 
 /// Mean and standard error of each component of direct illumination at [`TARGET`], by this file's estimator.

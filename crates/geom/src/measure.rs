@@ -35,9 +35,11 @@ impl PdfSolidAngle {
     }
 
     /// The weight of a sample of this density where another technique samples the same with density `other`:
-    /// `pdf / (pdf + other)`, the balance heuristic for one sample of each (Veach 1997, section 9.2.2).
+    /// `pdf^b / (pdf^b + other^b)` with `b = 1.5`, the power heuristic for one sample of each (Veach 1997,
+    /// section 9.2.3). NaN if both densities are 0.
     #[inline(always)]
-    pub fn balance(self, other: Self) -> f64 {
-        self.0 / (self.0 + other.0)
+    pub fn power_heuristic(self, other: Self) -> f64 {
+        let ratio = other.0 / self.0;
+        1.0 / (1.0 + ratio * ratio.sqrt())
     }
 }

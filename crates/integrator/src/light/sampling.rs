@@ -135,12 +135,12 @@ impl LightSample {
         }
     }
 
-    /// The weight of the balance heuristic beside BSDF sampling, which samples the direction with density
+    /// The weight of the power heuristic beside BSDF sampling, which samples the direction with density
     /// `scattered`; 1 for a delta light, which BSDF sampling never finds.
     #[inline(always)]
-    pub fn balance(&self, scattered: PdfSolidAngle) -> f64 {
+    pub fn power_heuristic(&self, scattered: PdfSolidAngle) -> f64 {
         match self {
-            Self::Area(light) => light.pdf.balance(scattered),
+            Self::Area(light) => light.pdf.power_heuristic(scattered),
             Self::Delta(_) => 1.0,
         }
     }
@@ -183,8 +183,8 @@ impl LightSampler<'_> {
     /// interaction of the hit `hit` of a ray from the shading point. 0 if the point does not emit toward the
     /// shading point or is seen edge-on.
     ///
-    /// Multiple importance sampling needs it for a direction from BSDF sampling with density `p`: the weight of
-    /// the balance heuristic is `p / (p + pdf)`.
+    /// Multiple importance sampling needs it for a direction from BSDF sampling with density `p`: the weight is
+    /// [`PdfSolidAngle::power_heuristic`].
     #[inline(always)]
     pub fn pdf(&self, hit: &Hit, at: &Interaction<'_>) -> PdfSolidAngle {
         if at.emitted().is_black() {

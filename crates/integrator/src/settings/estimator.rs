@@ -16,7 +16,7 @@ pub enum Estimator {
     /// Next event estimation only: a point on a light is sampled at every diffuse vertex, and another one
     /// by way of a mirror. Low variance for small lights, high very near to large ones.
     Light,
-    /// Multiple importance sampling: both, weighted by the balance heuristic (Veach and Guibas 1995).
+    /// Multiple importance sampling: both, weighted by the power heuristic with exponent 1.5 (Veach 1997).
     #[default]
     Mis,
 }
@@ -34,7 +34,7 @@ impl Estimator {
         match (self, scattered) {
             (Self::Bsdf, _) | (_, Density::Delta) => 1.0,
             (Self::Light, _) => 0.0,
-            (Self::Mis, Density::SolidAngle(scattered)) => scattered.balance(light()),
+            (Self::Mis, Density::SolidAngle(scattered)) => scattered.power_heuristic(light()),
         }
     }
 
@@ -42,7 +42,7 @@ impl Estimator {
     #[inline(always)]
     pub(crate) fn weight_of_light(self, light: &LightSample, scattered: PdfSolidAngle) -> f64 {
         match (self, light) {
-            (Self::Mis, _) => light.balance(scattered),
+            (Self::Mis, _) => light.power_heuristic(scattered),
             (Self::Light, _) | (Self::Bsdf, LightSample::Delta(_)) => 1.0,
             (Self::Bsdf, LightSample::Area(_)) => 0.0,
         }
