@@ -1,6 +1,7 @@
 //! Random numbers, addressed by (seed, pixel, sample, dimension).
 
 mod decision;
+mod digits;
 mod member;
 mod nested;
 mod sobol;
@@ -11,7 +12,7 @@ pub use stream::Stream;
 use decision::Decision;
 pub(crate) use member::Member;
 pub(crate) use sobol::SobolPoint;
-use sobol::SobolPoints;
+use sobol::{Half, SobolPoints};
 use std::ops::Range;
 
 /// The source of random numbers. It changes the error of a picture, not its mean.
@@ -115,7 +116,7 @@ impl BounceNumbers {
     #[inline(always)]
     fn side_by_side<const N: usize>(points: &SobolPoints<N>, bounce: u32, roulette: bool) -> [Self; N] {
         let [x, y, light] = points.uniform(Decision::light(bounce).0);
-        let [u, v] = points.uniform(Decision::scatter(bounce).0);
+        let [u, v] = points.scatter(bounce);
         let mut all = [Self::default(); N];
         for (i, numbers) in all.iter_mut().enumerate() {
             *numbers = Self { light: light[i], point: [x[i], y[i]], scatter: [u[i], v[i]], roulette: None };
@@ -134,10 +135,20 @@ impl BounceNumbers {
     fn one_by_one<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
         samples.map(|numbers| {
             let (light, point) = numbers.light(Decision::light(bounce));
-            let scatter = numbers.uniform(Decision::scatter(bounce));
+            let scatter = numbers.scatter(bounce);
             let roulette = roulette.then(|| numbers.single(Decision::roulette(bounce)));
             Self { light, point, scatter, roulette }
         })
+    }
+}
+
+impl<const N: usize> SobolPoints<N> {
+    /// The numbers of `N` samples for the scattered directions of a bounce. A bounce of even number and the next share
+    /// four coordinates, since light of several bounces depends on how their directions combine.
+    #[inline(always)]
+    fn scatter(&self, bounce: u32) -> [[f64; N]; 2] {
+        let half = if bounce.is_multiple_of(2) { Half::First } else { Half::Last };
+        self.half(Decision::scatter(bounce - bounce % 2).0, half)
     }
 }
 
@@ -182,6 +193,14 @@ impl Numbers {
     #[inline]
     pub(crate) fn light_in_mirror(&self, bounce: u32) -> (f64, [f64; 2]) {
         self.light(Decision::light_in_mirror(bounce))
+    }
+
+    /// For a scattered direction.
+    fn scatter(&self, bounce: u32) -> [f64; 2] {
+        match self {
+            Self::Independent(_) => self.uniform(Decision::scatter(bounce)),
+            Self::Sobol(point) => SobolPoints::from(&[*point]).scatter(bounce).map(|[u]| u),
+        }
     }
 
     /// For the choice of a light, and of a point on it.

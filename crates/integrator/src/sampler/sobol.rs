@@ -1,10 +1,11 @@
+use super::digits::{Axis, FAURE, SOBOL, backward};
 use super::member::Member;
 use super::nested::{NestedPermutations, permuted};
 use crate::hash::{fold, nth, unit};
 
 /// A point of a replicate: a net for each decision of a path, stratified in all dimensions of the decision.
 ///
-/// Each decision uses the first dimensions of Sobol's sequence (1967) with a scrambling (Owen 1995) and an
+/// Each decision uses the first dimensions of [`SOBOL`], or the four of [`FAURE`], with a scrambling (Owen 1995) and an
 /// order of its own (padding, Kollig and Keller 2002, Burley 2020). Padding needs no table and serves paths of
 /// any length, but does not stratify across decisions.
 ///
@@ -38,30 +39,11 @@ struct Shape {
 const MIXING: u64 = 0;
 const ORDER: u64 = 1;
 
-/// A coordinate of Sobol's sequence.
+/// Two of four coordinates.
 #[derive(Clone, Copy, Debug)]
-enum Axis {
-    First = 2,
-    Second = 3,
-    Third = 4,
-    Fourth = 5,
-}
-
-const AXES: [Axis; 4] = [Axis::First, Axis::Second, Axis::Third, Axis::Fourth];
-
-impl Axis {
-    /// The first digits of the points `indices`.
-    #[inline(always)]
-    fn digits_of<const N: usize>(self, indices: [u64; N], digits: u32) -> [u64; N] {
-        match self {
-            Self::First => backward(indices, digits),
-            Self::Second => second_sobol(indices, digits),
-            Self::Third => sobol(indices, digits, [1 << 31, 3 << 30], |[m0, m1]| [m1, m1 ^ m0 ^ (m0 >> 2)]),
-            Self::Fourth => sobol(indices, digits, [1 << 31, 3 << 30, 1 << 29], |[m0, m1, m2]| {
-                [m1, m2, m1 ^ m0 ^ (m0 >> 3)]
-            }),
-        }
-    }
+pub(super) enum Half {
+    First,
+    Last,
 }
 
 impl SobolPoint {
@@ -91,7 +73,7 @@ impl SobolPoint {
     #[inline(always)]
     pub(crate) fn hypercube<const N: usize>(&self) -> [[f64; N]; 4] {
         let points = SobolPoints::successive(self);
-        points.coordinates(points.keys, points.indices)
+        points.coordinates(SOBOL, points.keys, points.indices)
     }
 }
 
@@ -114,7 +96,7 @@ impl<const N: usize> SobolPoints<N> {
 
     /// Takes the shape from the first point.
     #[inline(always)]
-    fn from(points: &[SobolPoint; N]) -> Self {
+    pub(super) fn from(points: &[SobolPoint; N]) -> Self {
         let (keys, member_keys) = (points.map(|p| p.key), points.map(|p| p.member_key));
         Self { keys, member_keys, indices: points.map(|p| p.index.into()), shape: points[0].shape }
     }
@@ -133,14 +115,31 @@ impl<const N: usize> SobolPoints<N> {
     #[inline(always)]
     pub(super) fn uniform<const D: usize>(&self, dimension: u32) -> [[f64; N]; D] {
         let (keys, places) = self.places(dimension);
-        self.coordinates(keys, places)
+        self.coordinates(SOBOL, keys, places)
     }
 
-    /// The first `D` coordinates, up to four, of the points at `places` of the sequence.
+    /// The first or last two of the four coordinates of the points of `dimension`.
     #[inline(always)]
-    fn coordinates<const D: usize>(&self, keys: [u64; N], places: [u64; N]) -> [[f64; N]; D] {
+    pub(super) fn half(&self, dimension: u32, half: Half) -> [[f64; N]; 2] {
+        let [first, second, third, fourth] = FAURE;
+        let (keys, places) = self.places(dimension);
+        match half {
+            Half::First => self.coordinates([first, second], keys, places),
+            Half::Last => self.coordinates([third, fourth], keys, places),
+        }
+    }
+
+    /// The coordinates by the first `D` of `axes` of the points at `places` of the sequence.
+    #[inline(always)]
+    fn coordinates<const D: usize, const A: usize>(
+        &self,
+        axes: [Axis; A],
+        keys: [u64; N],
+        places: [u64; N],
+    ) -> [[f64; N]; D] {
+        const { assert!(D <= A) };
         let mut all = [[0.0; N]; D];
-        for (axis, coordinates) in AXES.into_iter().zip(&mut all) {
+        for (axis, coordinates) in axes.into_iter().zip(&mut all) {
             *coordinates = self.scrambled(keys, axis, axis.digits_of(places, self.shape.digits));
         }
         all
@@ -210,14 +209,6 @@ fn shuffled<const N: usize>(keys: [u64; N], indices: [u64; N], digits: u32) -> [
 }
 
 #[inline(always)]
-fn backward<const N: usize>(mut indices: [u64; N], digits: u32) -> [u64; N] {
-    for index in &mut indices {
-        *index = reversed(*index, digits);
-    }
-    indices
-}
-
-#[inline(always)]
 fn of_dimension<const N: usize>(mut keys: [u64; N], dimension: u32) -> [u64; N] {
     for key in &mut keys {
         *key = nth(*key, dimension.into());
@@ -225,73 +216,24 @@ fn of_dimension<const N: usize>(mut keys: [u64; N], dimension: u32) -> [u64; N] 
     keys
 }
 
-/// The last `digits` binary digits in reverse order: the first Sobol' dimension, van der Corput's radical
-/// inverse.
-#[inline(always)]
-fn reversed(index: u64, digits: u32) -> u64 {
-    index.reverse_bits() >> (63 - digits) >> 1
-}
-
-/// The first `digits` binary digits of the second Sobol' dimension, whose matrix is Pascal's triangle modulo two: digit
-/// `k` is the sum of those digits of the index whose place has all binary digits of `k` (Lucas 1878).
-#[inline(always)]
-fn second_sobol<const N: usize>(mut indices: [u64; N], digits: u32) -> [u64; N] {
-    for x in &mut indices {
-        *x ^= *x >> 1 & 0x5555_5555;
-        *x ^= *x >> 2 & 0x3333_3333;
-        *x ^= *x >> 4 & 0x0f0f_0f0f;
-        *x ^= *x >> 8 & 0x00ff_00ff;
-        *x ^= *x >> 16;
-    }
-    backward(indices, digits)
-}
-
-/// The first `digits` binary digits of a Sobol' dimension, given by its first direction numbers and by how each follows
-/// from those before it: the third from the polynomial x^2 + x + 1 with initial numbers 1 and 3, the fourth from
-/// x^3 + x + 1 with 1, 3 and 1 (Joe and Kuo 2008).
-#[inline(always)]
-fn sobol<const N: usize, const D: usize>(
-    mut indices: [u64; N],
-    digits: u32,
-    mut directions: [u64; D],
-    next: impl Fn([u64; D]) -> [u64; D],
-) -> [u64; N] {
-    let mut sums = [0; N];
-    for _ in 0..digits {
-        for (sum, index) in sums.iter_mut().zip(&mut indices) {
-            *sum ^= directions[0] & (*index & 1).wrapping_neg();
-            *index >>= 1;
-        }
-        directions = next(directions);
-    }
-    sums.map(|sum| sum << digits >> 32)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_first_points_are_those_of_sobol() {
-        let [first, second, third, fourth] = AXES.map(|axis| axis.digits_of([0, 1, 2, 3, 4, 5, 6, 7], 3));
-        // In eighths.
-        assert_eq!(first, [0, 4, 2, 6, 1, 5, 3, 7]);
-        assert_eq!(second, [0, 4, 6, 2, 5, 1, 3, 7]);
-        assert_eq!(third, [0, 4, 6, 2, 3, 7, 5, 1]);
-        assert_eq!(fourth, [0, 4, 6, 2, 1, 5, 7, 3]);
-    }
-
     /// The defining property of a (0, m, 2)-net: each elementary interval, whatever its shape,
-    /// holds one point.
+    /// holds one point. Both halves of four coordinates have it.
     #[test]
     fn every_elementary_interval_holds_one_point() {
         for (digits, replicate, dimension) in
             [(0, 0, 1), (1, 3, 0), (4, 0, 7), (6, 1, 2), (8, 2, 600), (11, 0, 3)]
         {
-            let points: Vec<_> = (0..1_u32 << digits)
-                .map(|i| SobolPoint::new(5, Member::alone(77), replicate, i, digits).uniform::<2>(dimension))
-                .collect();
-            assert!(is_net(&points, digits), "{digits} digits");
+            for half in [Half::First, Half::Last] {
+                let points: Vec<_> = (0..1_u32 << digits)
+                    .map(|i| SobolPoint::new(5, Member::alone(77), replicate, i, digits))
+                    .map(|point| SobolPoints::from(&[point]).half(dimension, half).map(|[u]| u))
+                    .collect();
+                assert!(is_net(&points, digits), "{digits} digits, {half:?}");
+            }
         }
     }
 
@@ -365,6 +307,30 @@ mod tests {
                     counts[point.iter().zip(&sides).fold(0, cell)] += 1;
                 }
                 assert!(counts.iter().all(|&n| n == 8), "{digits} digits, {sides:?}");
+            }
+        }
+    }
+
+    /// The defining property of a (0, m, 4)-net in base 4: each box whose sides are powers of 1/4 and whose volume is that
+    /// of a point holds one.
+    #[test]
+    fn every_elementary_box_of_base_four_holds_one_point() {
+        for fours in 0..=5 {
+            let points: Vec<[f64; 4]> = (0..1_u32 << (2 * fours))
+                .map(|i| SobolPoints::from(&[SobolPoint::new(5, Member::alone(77), 3, i, 2 * fours)]))
+                .map(|point| [Half::First, Half::Last].map(|half| point.half(8, half)))
+                .map(|[[[x], [y]], [[z], [w]]]| [x, y, z, w])
+                .collect();
+            let splits = (0..=fours).flat_map(|a| (0..=fours - a).map(move |b| (a, b)));
+            let splits =
+                splits.flat_map(|(a, b)| (0..=fours - a - b).map(move |c| [a, b, c, fours - a - b - c]));
+            for sides in splits.map(|split| split.map(|fours| 1_usize << (2 * fours))) {
+                let mut seen = vec![false; points.len()];
+                for point in &points {
+                    let cell = |place: usize, (u, &n): (&f64, &usize)| place * n + (u * n as f64) as usize;
+                    let place = point.iter().zip(&sides).fold(0, cell);
+                    assert!(!std::mem::replace(&mut seen[place], true), "{fours} digits, {sides:?}");
+                }
             }
         }
     }
