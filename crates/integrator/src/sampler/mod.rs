@@ -351,6 +351,18 @@ mod tests {
         }
     }
 
+    /// Of the 256 points of a pass, one lies in each cell of a grid of 4 x 4 x 4 x 4.
+    #[test]
+    fn the_directions_of_two_bounces_are_one_net() {
+        let mut seen = [false; 256];
+        for sample in 0..256 {
+            let numbers = Sampler::Sobol.numbers(1, Member::alone(9), sample, &(0..256));
+            let four = [2, 3].map(|bounce| numbers.scatter(bounce)).concat();
+            let cell = four.iter().fold(0, |cell, u| 4 * cell + (4.0 * u) as usize);
+            assert!(!std::mem::replace(&mut seen[cell], true), "{four:?}");
+        }
+    }
+
     /// Side by side and one by one give the same bits, for passes of any length.
     #[test]
     fn numbers_do_not_depend_on_their_neighbours() {
