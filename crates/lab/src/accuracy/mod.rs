@@ -34,14 +34,13 @@ pub struct Options {
 const SLIVER_RAYS: u32 = 20_000;
 const SLIVER_WIDTHS: [f64; 3] = [1e-4, 1e-8, 1e-12];
 
-/// Measures and prints all tables.
+/// Measures, and writes all tables to `out`.
 ///
 /// # Errors
-/// Standard output cannot be written.
-pub fn run(options: &Options) -> Result<()> {
-    let mut out = std::io::stdout().lock();
+/// An error of `out`.
+pub fn run(options: &Options, out: &mut impl Write) -> Result<()> {
     write_table(
-        &mut out,
+        out,
         &[
             "speed and error in ulps",
             "ns per test",
@@ -59,12 +58,12 @@ pub fn run(options: &Options) -> Result<()> {
         ],
     )?;
     write_table(
-        &mut out,
+        out,
         &["slivers missed of 20 000", "width 1e-4", "1e-8", "1e-12"],
         [misses::<MoellerTrumbore>(options), misses::<Woop>(options), misses::<Shear>(options)],
     )?;
     write_table(
-        &mut out,
+        out,
         &["leaks per million, edge / vertex", "r = 1", "r = 1e-3", "r = 2, off centre"],
         [leaks_of::<MoellerTrumbore>(options), leaks_of::<Woop>(options), leaks_of::<Shear>(options)],
     )?;

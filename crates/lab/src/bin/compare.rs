@@ -7,5 +7,5 @@ use globillum_lab::compare::{Options, run};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    report_and_exit(Options::try_parse(), run)
+    report_and_exit(Options::try_parse(), |options| run(options, &mut std::io::stdout().lock()))
 }

@@ -1,5 +1,4 @@
 //! The cost of each pixel's camera ray, as a picture and as a histogram.
-#![allow(clippy::print_stdout, reason = "a program prints its results")]
 
 use super::structures::Structures;
 use crate::plot::{self, Drawing, Scale, failed, short};
@@ -9,6 +8,7 @@ use globillum_testkit::meshes::Subject;
 use globillum_testkit::rays::Rays;
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Node visits and triangle tests of each pixel's camera ray.
@@ -35,20 +35,26 @@ fn all_costs(subject: &Subject, side: u32, structures: &Structures) -> Result<[C
     Ok([costs("kd", &kd, &rays), costs("sliding", &sliding, &rays), costs("grid", &grid, &rays)])
 }
 
-/// Prints the number of pixels by cost, in classes of doubling width.
-pub(crate) fn print_histogram(subject: &Subject, side: u32, structures: &Structures) -> Result<()> {
-    println!("pixels by visits and tests of their camera ray:");
+/// Writes the number of pixels by cost, in classes of doubling width.
+pub(crate) fn write_histogram(
+    out: &mut impl Write,
+    subject: &Subject,
+    side: u32,
+    structures: &Structures,
+) -> Result<()> {
+    writeln!(out, "pixels by visits and tests of their camera ray:")?;
     for Costs { structure, of_pixels } in all_costs(subject, side, structures)? {
-        println!("  {structure}");
+        writeln!(out, "  {structure}")?;
         let class = |cost: &u64| cost.checked_ilog2().map_or(0, |log| log as usize + 1);
         let mut classes = vec![0_usize; of_pixels.iter().map(class).max().unwrap_or(0) + 1];
         of_pixels.iter().for_each(|cost| classes[class(cost)] += 1);
         for (i, &count) in classes.iter().enumerate().filter(|&(_, &count)| count > 0) {
             let bar = "#".repeat((60 * count).div_ceil(of_pixels.len()));
-            println!(
+            writeln!(
+                out,
                 "  {:>7} {count:>8} {bar}",
                 if i == 0 { "0".to_owned() } else { format!("< {}", 1_u64 << i) }
-            );
+            )?;
         }
     }
     Ok(())

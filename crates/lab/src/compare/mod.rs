@@ -3,8 +3,6 @@
 //!
 //! docs/accelerators.md contains the tables and explains them.
 
-#![allow(clippy::print_stdout, reason = "a program prints its results")]
-
 mod chart;
 mod heat;
 mod measure;
@@ -21,6 +19,7 @@ use globillum_testkit::meshes::{Subject, procedural};
 use globillum_testkit::rays::Rays;
 use measure::measure;
 use row::Row;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use structures::Structures;
 
@@ -47,11 +46,11 @@ pub struct Options {
     out: PathBuf,
 }
 
-/// Measures, prints and writes everything.
+/// Measures everything, and writes the files; tables and the files' names go to `out`.
 ///
 /// # Errors
-/// An invalid option, or a file that cannot be read or written; the message names it.
-pub fn run(options: &Options) -> Result<()> {
+/// An invalid option, or a file that cannot be read or written; the message names it. An error of `out`.
+pub fn run(options: &Options, out: &mut impl Write) -> Result<()> {
     let subjects = options.subjects()?;
     let folder = &options.out;
     std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
@@ -67,19 +66,21 @@ pub fn run(options: &Options) -> Result<()> {
     progress.finish_and_clear();
 
     for (subject, rows) in subjects.iter().zip(&rows) {
-        tables::print(rows);
-        shape::print(&subject.triangles, &options.structures)?;
-        heat::print_histogram(subject, options.side, &options.structures)?;
+        tables::write(out, rows)?;
+        shape::write(out, &subject.triangles, &options.structures)?;
+        heat::write_histogram(out, subject, options.side, &options.structures)?;
     }
-    tables::print_totals(&rows);
-    println!("{}: `{}`", cpu_model().unwrap_or_else(|| "unknown".to_owned()), command("compare"));
+    tables::write_totals(out, &rows)?;
+    writeln!(out, "{}: `{}`", cpu_model().unwrap_or_else(|| "unknown".to_owned()), command("compare"))?;
 
     let mut written = vec![row::write_csv(folder, &rows)?];
     written.extend(chart::write(folder, &rows)?);
     for subject in &subjects {
         written.extend(heat::write_maps(folder, subject, options.side, &options.structures)?);
     }
-    written.iter().for_each(|path| println!("{}", path.display()));
+    for path in &written {
+        writeln!(out, "{}", path.display())?;
+    }
     assert_one_hash(&rows)
 }
 

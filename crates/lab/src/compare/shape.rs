@@ -1,13 +1,13 @@
 //! Statistics of the k-d trees of all split rules.
-#![allow(clippy::print_stdout, reason = "a program prints its results")]
 
 use super::structures::{Structures, name};
 use crate::table::table;
 use anyhow::Result;
 use globillum::geom::{KdTree, SplitRule, Triangles};
+use std::io::Write;
 
-/// Prints a table with a row for each split rule.
-pub(crate) fn print(triangles: &Triangles, structures: &Structures) -> Result<()> {
+/// Writes a table with a row for each split rule.
+pub(crate) fn write(out: &mut impl Write, triangles: &Triangles, structures: &Structures) -> Result<()> {
     let mut table = table(&[
         "rule",
         "depth",
@@ -38,6 +38,5 @@ pub(crate) fn print(triangles: &Triangles, structures: &Structures) -> Result<()
             format!("{:.1}", stats.expected_cost(options.traversal_cost)),
         ]);
     }
-    println!("{table}\n");
-    Ok(())
+    Ok(writeln!(out, "{table}\n")?)
 }

@@ -1,16 +1,17 @@
-//! Prints tables as Markdown.
-#![allow(clippy::print_stdout, reason = "a program prints its results")]
+//! Tables as Markdown.
 
 use super::row::Row;
 use crate::table::table;
+use std::io::{Result, Write};
 
-/// Prints the table of one mesh, with a row for each accelerator.
-pub(crate) fn print(rows: &[Row]) {
+/// Writes the table of one mesh, with a row for each accelerator.
+pub(crate) fn write(out: &mut impl Write, rows: &[Row]) -> Result<()> {
     let first = &rows[0];
-    println!(
+    writeln!(
+        out,
         "\n{}: {} triangles; {} camera rays, {} bounce and shadow rays; hash {}\n",
         first.mesh, first.triangles, first.camera_rays, first.bounce_rays, first.hash
-    );
+    )?;
     let mut table = table(&[
         "structure",
         "build ms",
@@ -42,15 +43,15 @@ pub(crate) fn print(rows: &[Row]) {
             row.break_even_rays.map_or(never.to_owned(), |rays| format!("{:.2} M", rays / 1e6)),
         ]);
     }
-    println!("{table}");
-    println!(
-        "\nVisits, tests and repeated tests are per bounce ray. Break-even is the number of bounce rays after"
-    );
-    println!("which the next row, which takes longer to build, is faster in total.\n");
+    writeln!(
+        out,
+        "{table}\n\nVisits, tests and repeated tests are per bounce ray. Break-even is the number of bounce rays after\n\
+         which the next row, which takes longer to build, is faster in total.\n"
+    )
 }
 
-/// Prints total times of k-d trees and the grid, the comparison of the course project behind this library.
-pub(crate) fn print_totals(rows: &[Vec<Row>]) {
+/// Writes total times of k-d trees and the grid, the comparison of the course project behind this library.
+pub(crate) fn write_totals(out: &mut impl Write, rows: &[Vec<Row>]) -> Result<()> {
     let mut table = table(&["mesh", "structure", "build ms", "rays", "all queries ns"]);
     for row in rows.iter().flatten() {
         if ["k-d tree, sliding midpoint", "k-d tree", "uniform grid"].contains(&row.accelerator.as_str()) {
@@ -66,5 +67,5 @@ pub(crate) fn print_totals(rows: &[Vec<Row>]) {
             ]);
         }
     }
-    println!("\nTotal times for the closest hits of camera and bounce rays:\n\n{table}\n");
+    writeln!(out, "\nTotal times for the closest hits of camera and bounce rays:\n\n{table}\n")
 }

@@ -3,8 +3,6 @@
 //!
 //! docs/convergence.md explains a report.
 
-#![allow(clippy::print_stdout, reason = "a program prints its results")]
-
 mod chart;
 mod combination;
 mod corner;
@@ -27,13 +25,14 @@ use anyhow::{Context, Result};
 use geometry::Geometry;
 use indicatif::{ProgressBar, ProgressStyle};
 pub use plan::Options;
+use std::io::Write;
 use study::Study;
 
-/// Measures, prints and writes everything.
+/// Measures everything, and writes the files; their names go to `out`.
 ///
 /// # Errors
-/// An invalid option, or a file that cannot be read or written; the message names it.
-pub fn run(options: &Options) -> Result<()> {
+/// An invalid option, or a file that cannot be read or written; the message names it. An error of `out`.
+pub fn run(options: &Options, out: &mut impl Write) -> Result<()> {
     let plan = options.plan()?;
     let subjects = options.subjects()?;
     let folder = &options.out;
@@ -57,6 +56,8 @@ pub fn run(options: &Options) -> Result<()> {
     }
     written.extend(geometry_chart::write(folder, &geometry)?);
     written.push(report::write(folder, &plan, &studies, &geometry)?);
-    written.iter().for_each(|path| println!("{}", path.display()));
+    for path in &written {
+        writeln!(out, "{}", path.display())?;
+    }
     Ok(())
 }
