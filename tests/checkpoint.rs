@@ -230,7 +230,8 @@ fn three_tiles(sampler: Sampler) -> Settings {
 /// In any order, and in a tree of any fan-in, passes and strips give the bytes of one run.
 #[test]
 fn streams_merge_to_the_bytes_of_one_run() {
-    for (sampler, path_reuse) in [(Sampler::Sobol, PathReuse::Fours), (Sampler::Independent, PathReuse::Off)]
+    for (sampler, path_reuse) in
+        [(Sampler::Sobol, PathReuse::Sixteens), (Sampler::Independent, PathReuse::Off)]
     {
         let settings = changed(three_tiles(sampler), |s| s.path_reuse = path_reuse);
         let (scene, camera) = the_box();

@@ -45,7 +45,7 @@ fn seeds_are_equal_as_often_as_stated() {
         let of = |seed| {
             let mut settings = settings(48, 8, seed);
             settings.sampler = [Sampler::Sobol, Sampler::Independent][pair as usize % 2];
-            settings.path_reuse = [PathReuse::Fours, PathReuse::Off][pair as usize / 2 % 2];
+            settings.path_reuse = [PathReuse::Sixteens, PathReuse::Off][pair as usize / 2 % 2];
             picture(&scene, &settings)
         };
         let comparison = Comparison::between(&[of(2 * pair)], &[of(2 * pair + 1)]).unwrap();
@@ -66,7 +66,7 @@ fn seeds_are_equal_as_often_as_stated() {
 #[test]
 fn albedos_one_percent_darker_are_found() {
     let [a, b] =
-        [(scene(1.0), 0), (scene(0.99), 1)].map(|(scene, seed)| picture(&scene, &settings(64, 64, seed)));
+        [(scene(1.0), 0), (scene(0.99), 1)].map(|(scene, seed)| picture(&scene, &settings(128, 16, seed)));
     let comparison = Comparison::between(&[a], &[b]).unwrap();
     assert!(comparison.p_value() < 1e-6 && comparison.mean > 0.0, "{}", comparison.p_value());
     let [low, high] = comparison.ratio_95;

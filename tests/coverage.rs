@@ -192,8 +192,10 @@ fn the_interval_of_a_pictures_error_contains_it_and_is_narrow() {
     let model = cornell::with_blocks(false).expect("the box is good");
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let camera = look(DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0), 0.6);
-    for path_reuse in [PathReuse::Off, PathReuse::Fours] {
-        let mut settings = Settings::new(16, 16, 16);
+    for path_reuse in [PathReuse::Off, PathReuse::Sixteens] {
+        // Some independent tiles.
+        let side = if path_reuse == PathReuse::Off { 16 } else { 64 };
+        let mut settings = Settings::new(side, side, 16);
         (settings.pass_samples, settings.path_reuse) = (2, path_reuse);
         let estimates = (0..PICTURES).map(|seed| {
             settings.seed = seed.into();

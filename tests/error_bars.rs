@@ -207,11 +207,11 @@ fn errors_of_a_block_cancel() {
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
         rms / rmse(&film)
     };
-    let (off, fours) = (rms_of(PathReuse::Off), rms_of(PathReuse::Fours));
-    println!("a block's error over a pixel's: {off} without, {fours} with shared points");
+    let (off, shared) = (rms_of(PathReuse::Off), rms_of(PathReuse::Sixteens));
+    println!("a block's error over a pixel's: {off} without, {shared} with shared points");
     // 5.85 standard deviations of a root mean square over 256 blocks.
     assert!((off / 0.25 - 1.0).abs() < 0.26, "{off}");
-    assert!(fours < 0.5 * off, "{fours}, {off}");
+    assert!(shared < 0.5 * off, "{shared}, {off}");
 }
 
 /// The share of 1024 blocks whose 95 % interval contains the truth has a standard deviation of 0.68 %. The tolerance is
@@ -222,7 +222,7 @@ fn intervals_of_blocks_contain_the_truth_with_that_frequency() {
         [(Sampler::Sobol, 128, 2.364_624), (Sampler::Independent, 64, 1.998_341)]
     {
         let mut settings = settings(samples, sampler, Estimator::Light);
-        settings.path_reuse = PathReuse::Fours;
+        settings.path_reuse = PathReuse::Sixteens;
         (settings.width, settings.height) = (2 * SIDE, 2 * SIDE);
         let film = film(&settings);
         let errors = block_errors(&film);

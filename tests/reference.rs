@@ -6,7 +6,7 @@ use globillum_testkit::reference::{Deviation, Reference};
 use globillum_testkit::{cornell, scenes};
 
 use Estimator::{Bsdf, Light, Mis};
-use PathReuse::{Fours, Off};
+use PathReuse::{Off, Sixteens};
 
 /// Largest deviation of a block in standard errors. Eight pictures of 256 blocks and three channels together
 /// have a false-alarm probability of 3.0e-5.
@@ -53,7 +53,7 @@ const BOX_MIRROR: &str = include_str!("reference/box_mirror.json");
 
 #[test]
 fn the_box_in_global_illumination() {
-    for path_reuse in [Off, Fours] {
+    for path_reuse in [Off, Sixteens] {
         check(BOX, false, (Mis, path_reuse), None, 256);
     }
 }
@@ -65,7 +65,7 @@ fn the_box_in_direct_illumination() {
 
 #[test]
 fn the_box_with_a_mirror_in_global_illumination() {
-    for how in [(Light, Off), (Mis, Off), (Mis, Fours)] {
+    for how in [(Light, Off), (Mis, Off), (Mis, Sixteens)] {
         check(BOX_MIRROR, true, how, None, 256);
     }
     // BSDF sampling hits the light rarely, especially by way of a mirror. Means of fewer samples would not be

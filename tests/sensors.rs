@@ -56,7 +56,7 @@ fn a_sensor_may_start_paths_in_any_way() {
     settings.path_reuse = PathReuse::Off;
     let alone = render(&scene, &sensor, &settings, &()).expect("all is good").film;
     let pixels = render(&scene, &camera, &settings, &()).expect("all is good").film;
-    settings.path_reuse = PathReuse::Fours;
+    settings.path_reuse = PathReuse::Sixteens;
     let reused = render(&scene, &sensor, &settings, &()).expect("all is good").film;
     let mut of_points = [0.0; 3];
     for (x, y) in (0..24).flat_map(|y| (0..24).map(move |x| (x, y))) {
@@ -172,7 +172,7 @@ fn nine_crops_have_the_bits_of_the_whole() {
     let scene: &'static Scene<_> = Box::leak(Box::new(the_box()));
     let camera: &'static Camera = Box::leak(Box::new(cornell::camera().expect("the camera is good")));
     for (path_reuse, columns, rows) in [
-        (PathReuse::Fours, [0, 8, 28, 53], [0, 4, 20, 46]),
+        (PathReuse::Sixteens, [0, 16, 32, 53], [0, 16, 32, 46]),
         (PathReuse::Off, [0, 9, 26, 53], [0, 17, 18, 46]),
     ] {
         let mut settings = Settings::new(53, 46, 20);
@@ -189,24 +189,24 @@ fn crops_are_pictures_of_their_own() {
     let (scene, camera, settings) =
         (the_box(), cornell::camera().expect("the camera is good"), Settings::new(50, 60, 32));
     let render = || Render::new(&scene, &camera, &settings);
-    let crop = || render().crop(20..50, 8..48);
+    let crop = || render().crop(16..50, 16..48);
     let whole = crop().run(&()).expect("all is good");
-    assert_eq!((whole.film.width(), whole.height), (30, 40));
+    assert_eq!((whole.film.width(), whole.height), (34, 32));
     let strip = |rows: std::ops::Range<u32>| crop().rows(rows).run(&()).expect("all is good").to_bytes();
-    let (upper, lower) = (strip(0..16), strip(16..40));
+    let (upper, lower) = (strip(0..16), strip(16..32));
     let readers = [&upper, &lower].map(|bytes| CheckpointReader::new(&bytes[..]).expect("good bytes"));
     let merge = Merge::new(readers.into()).expect("they are of one picture");
     let mut merged = CheckpointWriter::new(Vec::new(), merge.header()).expect("memory");
     merge.run(|rows| merged.write(rows)).expect("they fit");
     assert!(merged.finish().expect("memory") == whole.to_bytes());
     assert_ne!(crop().key(), render().key());
-    assert_ne!(crop().key(), render().crop(20..50, 12..48).key());
+    assert_ne!(crop().key(), render().crop(16..50, 32..48).key());
     for (columns, rows, name, value) in [
-        (0..50, 8..8, "rows of the crop", 8.0),
-        (0..50, 8..64, "rows of the crop", 64.0),
-        (0..50, 10..20, "rows of the crop", 10.0),
-        (0..51, 8..20, "columns of the crop", 51.0),
-        (4..10, 8..20, "columns of the crop", 10.0),
+        (0..50, 16..16, "rows of the crop", 16.0),
+        (0..50, 16..64, "rows of the crop", 64.0),
+        (0..50, 8..32, "rows of the crop", 8.0),
+        (0..51, 16..32, "columns of the crop", 51.0),
+        (16..26, 16..32, "columns of the crop", 26.0),
     ] {
         let error = render().crop(columns, rows).run(&()).expect_err("it is bad");
         let is_named =

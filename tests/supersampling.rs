@@ -112,10 +112,10 @@ fn supersampling_changes_no_mean() {
     let cornell = (cornell::with_blocks(true).expect("it is good"), cornell::camera().expect("it is good"));
     let mirrors = (between_mirrors(), between_mirrors_camera());
     let cases = [
-        ("the box", &cornell, Sampler::Sobol, PathReuse::Fours, PixelFilter::Tent, None),
+        ("the box", &cornell, Sampler::Sobol, PathReuse::Sixteens, PixelFilter::Tent, None),
         ("the box without bounces", &cornell, Sampler::Sobol, PathReuse::Off, PixelFilter::Box, Some(0)),
-        ("the box and one bounce", &cornell, Sampler::Sobol, PathReuse::Fours, PixelFilter::Box, Some(1)),
-        ("mirrors", &mirrors, Sampler::Sobol, PathReuse::Fours, PixelFilter::Box, None),
+        ("the box and one bounce", &cornell, Sampler::Sobol, PathReuse::Sixteens, PixelFilter::Box, Some(1)),
+        ("mirrors", &mirrors, Sampler::Sobol, PathReuse::Sixteens, PixelFilter::Box, None),
         (
             "mirrors and two bounces",
             &mirrors,
@@ -178,7 +178,7 @@ fn crops_strips_and_passes_have_the_bits_of_the_picture() {
     let whole = film(&scene, &camera, &settings);
     settings.threads = 1;
     // The light is between the columns 15 and 25 and above row 6.
-    for (columns, rows) in [(16..24, 4..8), (12..20, 0..4), (0..40, 0..36)] {
+    for (columns, rows) in [(16..32, 0..16), (0..16, 16..32), (0..40, 0..36)] {
         let crop = Render::new(&scene, &camera, &settings).crop(columns.clone(), rows.clone()).run(&());
         let crop = crop.expect("it is good").film;
         for (x, y) in rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y))) {

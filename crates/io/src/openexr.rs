@@ -184,8 +184,8 @@ fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
         }
     }
     let attributes_by_name = texts(&attributes);
-    if attributes_by_name.get("path_reuse").is_some_and(|kind| kind == "fours") {
-        estimates.path_reuse = PathReuse::Fours;
+    if attributes_by_name.get("path_reuse").is_some_and(|kind| kind == "sixteens") {
+        estimates.path_reuse = PathReuse::Sixteens;
     }
     let camera = attributes.world_to_camera.zip(attributes.vertical_field_of_view);
     let first_hits = channels.first_hits(estimates.width, estimates.height);

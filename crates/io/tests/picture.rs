@@ -78,7 +78,7 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
         (&read.estimates.samples, &read.estimates.observations),
         (&vec![12; 37 * 21], &vec![12; 37 * 21])
     );
-    assert_eq!((read.estimates.path_reuse, read.camera), (PathReuse::Fours, data.camera));
+    assert_eq!((read.estimates.path_reuse, read.camera), (PathReuse::Sixteens, data.camera));
     assert_eq!(read.attributes, data.attributes);
     assert_eq!(read.attributes["seed"], "18446744073709551615");
     assert_eq!(read.attributes["passes"], "0..12");
@@ -86,7 +86,7 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
     assert_eq!(
         read.attributes["settings"],
         "sampler=sobol filter=box estimator=mis light_sampling=solid-angle mirror_sampling=images \
-         supersampling=off path_reuse=fours guiding=off \
+         supersampling=off path_reuse=sixteens guiding=off \
          max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.2"
     );
     assert_eq!(read.first_hits, None);

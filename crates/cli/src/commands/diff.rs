@@ -16,8 +16,8 @@ or several files, which are seeds of one picture: they are averaged, and their s
 any program's: radiance is read from the channels R, G and B.
 
 Both sides must be independent, that is have other seeds, and so must the errors of the blocks of 4 x 4 pixels \
-within a picture: a filter that spreads samples over several pixels (splatting) breaks this; a box filter and filter \
-importance sampling do not.
+within a picture (of its tiles of 16 x 16 pixels if it reuses paths): a filter that spreads samples over several \
+pixels (splatting) breaks this; a box filter and filter importance sampling do not.
 
 Up to four tests decide: whether one side is brighter; whether neighbouring blocks differ alike; and, if errors are \
 known, whether squared differences of pixels exceed them (chi-square), and whether one block differs by many standard \

@@ -46,7 +46,7 @@ impl Crop {
     /// The columns and rows to render for them in a picture of this size: rounded outward to whole groups of pixels
     /// that reuse each other's paths.
     pub(super) fn rendered(&self, width: u32, height: u32, path_reuse: PathReuse) -> [Range<u32>; 2] {
-        let side = path_reuse.block_side();
+        let side = path_reuse.tile_side();
         let around = |start: u32, length: u32, size: u32| {
             start - start % side..(start + length).next_multiple_of(side).min(size)
         };
@@ -103,8 +103,8 @@ mod tests {
     fn whole_groups_are_rendered() {
         let crop = Crop { x: 3, y: 8, width: 5, height: 3 };
         assert_eq!(crop.rendered(50, 50, PathReuse::Off), [3..8, 8..11]);
-        assert_eq!(crop.rendered(50, 11, PathReuse::Fours), [0..8, 8..11]);
-        assert_eq!(crop.rendered(50, 50, PathReuse::Fours), [0..8, 8..12]);
+        assert_eq!(crop.rendered(50, 11, PathReuse::Sixteens), [0..16, 0..11]);
+        assert_eq!(crop.rendered(50, 50, PathReuse::Sixteens), [0..16, 0..16]);
         assert!(crop.is_within(8, 11) && !crop.is_within(7, 11) && !crop.is_within(8, 10));
         assert!(!Crop { x: u32::MAX, ..crop }.is_within(8, 11));
     }

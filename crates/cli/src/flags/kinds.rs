@@ -122,16 +122,16 @@ impl From<SupersamplingKind> for Supersampling {
 pub(crate) enum PathReuseKind {
     /// Each pixel rests on its own paths; errors of pixels are independent
     Off,
-    /// Four pixels of a block share path suffixes from their second diffuse vertex, and blocks of 4 x 4 the points of
-    /// the Sobol' sampler
-    Fours,
+    /// Groups of sixteen pixels, one of each block of 4 x 4, share path suffixes from their second diffuse vertex, and
+    /// points of the Sobol' sampler
+    Sixteens,
 }
 
 impl From<PathReuseKind> for PathReuse {
     fn from(kind: PathReuseKind) -> Self {
         match kind {
             PathReuseKind::Off => Self::Off,
-            PathReuseKind::Fours => Self::Fours,
+            PathReuseKind::Sixteens => Self::Sixteens,
         }
     }
 }

@@ -21,8 +21,8 @@ pub(crate) struct PictureFlags {
     pub(crate) filter: FilterKind,
     /// Render only the pixels of this rectangle; X and Y count from the upper left corner
     ///
-    /// Its pixels have the bits of the whole picture. With path reuse, which shares paths within squares of 4 x 4
-    /// pixels, squares are rendered as a whole: the figures and a checkpoint are of all of them.
+    /// Its pixels have the bits of the whole picture. With path reuse, which shares paths within tiles of 16 x 16
+    /// pixels, tiles are rendered as a whole: the figures and a checkpoint are of all of them.
     #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = Crop::parse, allow_negative_numbers = true)]
     pub(crate) crop: Option<Crop>,
     /// Replace the pictures of --out while they are rendered, for viewers that load a changed file again

@@ -44,7 +44,7 @@ pub(crate) struct SamplingFlags {
     #[arg(long, value_enum, default_value_t = SupersamplingKind::Lights)]
     supersampling: SupersamplingKind,
     /// Path reuse: whether neighbouring pixels share path suffixes
-    #[arg(long, value_enum, default_value_t = PathReuseKind::Fours)]
+    #[arg(long, value_enum, default_value_t = PathReuseKind::Sixteens)]
     path_reuse: PathReuseKind,
     /// Path guiding: by what diffuse surfaces scatter paths
     #[arg(long, value_enum, default_value_t = GuidingKind::Off)]

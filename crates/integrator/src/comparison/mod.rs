@@ -6,19 +6,20 @@ mod side;
 use crate::Estimates;
 use crate::path::{BLOCK_SIDE, Tile};
 use globillum_material::Rgb;
-use side::{Cell, Side, blocks, places};
+use side::{Cell, Side, places};
 
 /// Two estimates of a picture beside each other: what tells chance from a difference.
 ///
 /// A side is one picture with its standard errors, or several seeds of a picture, which are averaged and whose
 /// spread is the error. Both sides must be independent: other seeds, or other programs. Errors may depend on each
-/// other within the blocks of 4 x 4 pixels that begin at the upper left corner, but not between blocks, as those of
-/// [`Film`](crate::Film); a filter that spreads a sample over several pixels makes them dependent.
+/// other within the tiles of 16 x 16 pixels that begin at the upper left corner, but not between tiles, as those of
+/// [`Film`](crate::Film), and within blocks of 4 x 4 where no picture [reuses paths](crate::PathReuse), as pictures of
+/// other programs are taken to do; a filter that spreads a sample over several pixels makes them dependent.
 ///
 /// Four tests decide ([`Comparison::p_value`]). Three of them do not assume that samples are normally distributed:
-/// each is a sum of a term for each block, independent and of mean 0 if the pictures are equal, over the root of the
-/// sum of its squares. With some hundred blocks that is a standard normal deviate. The fourth, the largest
-/// difference of a block, finds what few blocks show.
+/// each is a sum of a term for each tile (or block, if none is larger), independent and of mean 0 if the pictures are
+/// equal, over the root of the sum of its squares. With some hundred tiles that is a standard normal deviate. The
+/// fourth, the largest difference of a block, finds what few blocks show.
 ///
 /// ```
 /// use globillum_integrator::{Comparison, Estimates, Film};
@@ -43,19 +44,19 @@ pub struct Comparison {
     /// The same for the blocks of 4 x 4 pixels. The error of a block of a side of several seeds is their spread.
     /// That of a single picture is computed from the errors of its pixels, times how much less or more the blocks around
     /// it vary than if pixels were independent ([`Estimates::block_errors`]); where that is unknown, times the most that
-    /// it can be ([`PathReuse::dependent_pixels`](crate::PathReuse::dependent_pixels)), so that deviates are too small.
+    /// it can be, the number of its pixels if they depend on each other, so that deviates are too small.
     pub blocks: Vec<Rgb>,
     /// The first side's mean radiance over the second's, all components together; NaN if the second is black.
     pub ratio: f64,
-    /// The 95 % confidence interval of `ratio`, by the differences of blocks: too wide where blocks truly differ.
+    /// The 95 % confidence interval of `ratio`, by the differences of tiles: too wide where tiles truly differ.
     pub ratio_95: [f64; 2],
     /// The ratio of each component.
     pub component_ratios: Rgb,
-    /// Test of the means: the sum of the differences of blocks in units of their errors. A standard normal deviate if
+    /// Test of the means: the sum of the differences of tiles in units of their errors. A standard normal deviate if
     /// pictures are equal.
     pub mean: f64,
-    /// Test of structure: the sum of the products of such differences of neighbouring blocks (Moran 1950), above 0
-    /// where pictures differ alike in neighbouring blocks. A standard normal deviate if pictures are equal.
+    /// Test of structure: the sum of the products of such differences of neighbouring tiles (Moran 1950), above 0
+    /// where pictures differ alike in neighbouring tiles. A standard normal deviate if pictures are equal.
     pub neighbours: f64,
     /// Test of the errors; `None` if no errors are known.
     pub chi_square: Option<ChiSquare>,
@@ -68,9 +69,9 @@ pub struct Comparison {
 #[non_exhaustive]
 pub struct ChiSquare {
     /// Squared differences over variances: about 1 if pictures are equal and errors are right, above if pictures
-    /// differ or errors are too small. Pixels are weighted by the inverse variance of the blocks around their own.
+    /// differ or errors are too small. Pixels are weighted by the inverse variance of the tiles around their own.
     pub reduced: f64,
-    /// By how much squared differences exceed variances, block by block. A standard normal deviate if pictures are
+    /// By how much squared differences exceed variances, tile by tile. A standard normal deviate if pictures are
     /// equal and errors are right; below -4, errors are too large or the pictures are not independent.
     pub z: f64,
 }
@@ -82,8 +83,10 @@ impl Comparison {
         if a.iter().chain(b).any(|picture| (picture.width, picture.height) != (width, height)) {
             return None;
         }
-        let pair = Pair { width, height, a: Side::of(a)?, b: Side::of(b)? };
-        let variances = pair.block_variances();
+        let tile_side = a.iter().chain(b).map(|picture| picture.path_reuse.tile_side()).max()?;
+        let tile_side = tile_side.max(BLOCK_SIDE);
+        let pair = Pair { width, height, tile_side, a: Side::of(a)?, b: Side::of(b)? };
+        let variances = pair.tile_variances();
         let differences = pair.differences(&variances);
         let blocks = deviates(&pair.a.blocks, &pair.b.blocks);
         let components = blocks.iter().flat_map(|z| z.to_array()).filter(|z| !z.is_nan());
@@ -131,34 +134,41 @@ impl Comparison {
 struct Pair {
     width: u32,
     height: u32,
+    /// Pixels along each side of the tiles within which errors may depend on each other.
+    tile_side: u32,
     a: Side,
     b: Side,
 }
 
 impl Pair {
-    /// The differences of the sums of blocks, the mean of the components, over the root of their pixels' variances;
+    /// The tiles, row by row.
+    fn tiles(&self) -> impl Iterator<Item = Tile> {
+        Tile::grid([self.width, self.height], [self.tile_side; 2])
+    }
+
+    /// What `of` takes of the means of both sides, summed over each tile.
+    fn sums(&self, of: impl Fn(Rgb) -> f64) -> impl Iterator<Item = [f64; 2]> {
+        self.tiles().map(move |tile| {
+            places(tile, self.width)
+                .fold([0.0; 2], |[a, b], at| [a + of(self.a.pixels[at].mean), b + of(self.b.pixels[at].mean)])
+        })
+    }
+
+    /// The differences of the sums of tiles, the mean of the components, over the root of their pixels' variances;
     /// as they are if these are unknown.
     ///
-    /// The variances bring blocks to one scale, so that no few outweigh the others; no test needs them to be right.
+    /// The variances bring tiles to one scale, so that no few outweigh the others; no test needs them to be right.
     fn differences(&self, variances: &[f64]) -> Vec<f64> {
         let floor = floor(variances);
         let scale =
             |variance: f64| if floor > 0.0 && floor.is_finite() { (variance + floor).sqrt() } else { 1.0 };
-        let cells = self.a.blocks.iter().zip(&self.b.blocks).zip(variances);
-        let blocks = blocks(self.width, self.height).zip(cells);
-        let difference = |(block, ((a, b), &variance)): (Tile, ((&Cell, &Cell), &f64))| {
-            block.pixel_count() as f64 * (a.mean.mean() - b.mean.mean()) / scale(variance)
-        };
-        blocks.map(difference).collect()
+        self.sums(Rgb::mean).zip(variances).map(|([a, b], &variance)| (a - b) / scale(variance)).collect()
     }
 
-    /// The ratio of the sums of what `of` takes of a block, and its 95 % confidence interval.
+    /// The ratio of the sums of what `of` takes of a pixel, and its 95 % confidence interval.
     fn ratio(&self, of: impl Fn(Rgb) -> f64) -> (f64, [f64; 2]) {
         const QUANTILE_975: f64 = 1.959_963_984_540_054;
-        let sizes = blocks(self.width, self.height).map(|block| block.pixel_count() as f64);
-        let blocks = sizes.zip(self.a.blocks.iter().zip(&self.b.blocks));
-        let sums: Vec<[f64; 2]> =
-            blocks.map(|(size, (a, b))| [of(a.mean), of(b.mean)].map(|mean| size * mean)).collect();
+        let sums: Vec<[f64; 2]> = self.sums(of).collect();
         let (a, b) = sums.iter().fold((0.0, 0.0), |(a, b), sums| (a + sums[0], b + sums[1]));
         let ratio = a / b;
         let squares: f64 = sums.iter().map(|sums| (sums[0] - ratio * sums[1]).powi(2)).sum();
@@ -166,9 +176,9 @@ impl Pair {
         (ratio, [ratio - margin, ratio + margin])
     }
 
-    /// [`Comparison::neighbours`], given the differences of blocks.
+    /// [`Comparison::neighbours`], given the differences of tiles.
     fn neighbours(&self, apart: &[f64]) -> f64 {
-        let columns = self.width.div_ceil(BLOCK_SIDE) as usize;
+        let columns = self.width.div_ceil(self.tile_side) as usize;
         let right = |at: usize| (!(at + 1).is_multiple_of(columns)).then_some(at + 1);
         let below = |at: usize| Some(at + columns).filter(|&at| at < apart.len());
         let pairs = (0..apart.len())
@@ -183,8 +193,8 @@ impl Pair {
         }
         let weights = self.weights(variances);
         let (mut squares, mut expected, mut excesses) = (0.0, 0.0, Vec::new());
-        for ((block, variance), weight) in blocks(self.width, self.height).zip(variances).zip(weights) {
-            let square = places(block, self.width).map(|at| {
+        for ((tile, variance), weight) in self.tiles().zip(variances).zip(weights) {
+            let square = places(tile, self.width).map(|at| {
                 let apart = self.a.pixels[at].mean + self.b.pixels[at].mean * -1.0;
                 (apart * apart).mean()
             });
@@ -197,16 +207,16 @@ impl Pair {
         Some(ChiSquare { reduced, z: normal::of_sum(excesses.into_iter()) })
     }
 
-    /// The variances of the differences of pixels, summed over each block; infinite if unknown.
-    fn block_variances(&self) -> Vec<f64> {
+    /// The variances of the differences of pixels, summed over each tile; infinite if unknown.
+    fn tile_variances(&self) -> Vec<f64> {
         let variance = |at: usize| (self.a.pixels[at].variance + self.b.pixels[at].variance).mean();
-        blocks(self.width, self.height).map(|block| places(block, self.width).map(variance).sum()).collect()
+        self.tiles().map(|tile| places(tile, self.width).map(variance).sum()).collect()
     }
 
-    /// The inverse of the mean variance of the blocks around each, of which chance in the block itself is
+    /// The inverse of the mean variance of the tiles around each, of which chance in the tile itself is
     /// independent.
     fn weights(&self, variances: &[f64]) -> Vec<f64> {
-        let columns = self.width.div_ceil(BLOCK_SIDE) as usize;
+        let columns = self.width.div_ceil(self.tile_side) as usize;
         let rows = variances.len() / columns;
         let floor = floor(variances);
         let near = |x: usize, size: usize| x.saturating_sub(1)..(x + 2).min(size);

@@ -19,8 +19,8 @@ pub(super) struct Side {
     pub(super) blocks: Vec<Cell>,
 }
 
-/// Blocks of 4 x 4 pixels, row by row: whatever the path reuse, blocks are independent of each other.
-pub(super) fn blocks(width: u32, height: u32) -> impl Iterator<Item = Tile> {
+/// Blocks of 4 x 4 pixels, row by row.
+fn blocks(width: u32, height: u32) -> impl Iterator<Item = Tile> {
     Tile::grid([width, height], [BLOCK_SIDE; 2])
 }
 
@@ -59,7 +59,7 @@ impl Side {
                 count += 1.0;
             }
             // Satterthwaite 1946; at least those of one pixel, also where squares underflow.
-            let dependent = f64::from(picture.path_reuse.dependent_pixels());
+            let dependent = dependent_pixels(picture, block);
             let dof = f64::max(variance.mean().powi(2) / (uncertain * dependent), least);
             Cell { mean: mean / count, variance: variance * (dependence / (count * count)), dof }
         };
@@ -98,14 +98,20 @@ fn dependence(picture: &Estimates, pixels: &[Cell]) -> Vec<f64> {
     let whole = Tile { x: 0, y: 0, width: picture.width, height: picture.height };
     let all = whole.squares_in(&whole);
     let near = |x: u32, size: u32| x.saturating_sub(1)..(x + 2).min(size);
-    let of_block = |(x, y)| {
+    let of_block = |(block, (x, y))| {
         let around = near(y, all.height).flat_map(|y| near(x, all.width).map(move |x| all.index(x, y)));
         let (mut joint, mut alone) = (0.0, 0.0);
         around.for_each(|at| (joint, alone) = (joint + told(at), alone + independent[at]));
         let ratio = joint / alone;
-        if ratio.is_finite() { ratio } else { picture.path_reuse.dependent_pixels().into() }
+        if ratio.is_finite() { ratio } else { dependent_pixels(picture, block) }
     };
-    all.pixels().map(of_block).collect()
+    blocks(picture.width, picture.height).zip(all.pixels()).map(of_block).collect()
+}
+
+/// How many times the variance of a block's mean may be what it were if its pixels were independent.
+fn dependent_pixels(picture: &Estimates, block: Tile) -> f64 {
+    let pixels = block.pixel_count() as f64;
+    pixels.min(picture.path_reuse.dependent_pixels().into())
 }
 
 /// The variance of what programs that sum in `f32` round: a millionth of the mean.

@@ -38,7 +38,7 @@ pub struct Estimates {
     pub samples: Vec<u32>,
     /// Independent observations on which the standard error rests ([`Film::observations`]); 0 if unknown.
     pub observations: Vec<u32>,
-    /// Whether errors of pixels within a block of 4 x 4 depend on each other ([`Film::path_reuse`]).
+    /// Whether errors of pixels within a tile of 16 x 16 depend on each other ([`Film::path_reuse`]).
     pub path_reuse: PathReuse,
 }
 
@@ -170,7 +170,7 @@ mod tests {
 
     /// A strip whose pixels have sums of 0, 1, 2, ... and so large spreads too.
     fn strip(rows: Range<u32>) -> Film {
-        let mut film = Film::new(3, rows, PathReuse::Fours);
+        let mut film = Film::new(3, rows, PathReuse::Sixteens);
         let pixel = |i: usize| Moments { sum: Rgb::splat(i as f64), spread: Rgb::splat(i as f64) };
         let pixels = (0..film.pixel_count()).map(pixel).collect();
         film.insert(Block::of_pass(0, Tally { samples: 8, observations: 4 }, pixels, 3));
@@ -183,7 +183,7 @@ mod tests {
         let estimates = Estimates::of(&film);
         assert!(film.means().eq(estimates.means.iter().copied()));
         assert_eq!((estimates.samples[5], estimates.observations[0]), (8, 4));
-        assert_eq!(estimates.path_reuse, PathReuse::Fours);
+        assert_eq!(estimates.path_reuse, PathReuse::Sixteens);
         let margins = estimates.margins_95();
         assert_eq!(margins.len(), 6);
         for (margin, expected) in margins.iter().zip(film.margins_95()) {

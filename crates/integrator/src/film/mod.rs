@@ -44,7 +44,7 @@ use std::ops::Range;
 /// The standard error comes from the spread of independent observations: of samples where those
 /// are independent, of the means of passes where the samples of a pass are stratified. Errors of
 /// different pixels are independent, unless they share paths and points ([`Film::path_reuse`]): then those of different
-/// blocks of 4 x 4 are.
+/// tiles of 16 x 16 are.
 ///
 /// ```
 /// use globillum_integrator::Film;
@@ -94,7 +94,7 @@ impl Film {
         self.rows.clone()
     }
 
-    /// Whether the errors of the pixels of a block depend on each other. [`Film::block_variances_of_mean`] allows for
+    /// Whether the errors of the pixels of a tile depend on each other. [`Film::block_variances_of_mean`] allows for
     /// that.
     pub fn path_reuse(&self) -> PathReuse {
         self.path_reuse
@@ -281,7 +281,7 @@ impl Film {
 
     /// The squares of pixels whose errors are independent of each other's.
     pub(crate) fn squares(&self) -> Squares {
-        Squares { width: self.width, side: self.path_reuse.block_side() }
+        Squares { width: self.width, side: self.path_reuse.tile_side() }
     }
 
     pub(crate) fn all_sums(&self) -> impl Iterator<Item = (Moments, Tally)> + '_ {
@@ -348,7 +348,7 @@ mod tests {
     fn errors_of_a_block_are_those_of_its_mean() {
         let sum = |value: f64| Moments { sum: Rgb::splat(value), spread: Rgb::BLACK };
         let values: Vec<f64> = (0..37).map(|i| 1.0 / f64::from(3 + i)).collect();
-        let mut film = Film::new(6, 0..1, PathReuse::Fours);
+        let mut film = Film::new(6, 0..1, PathReuse::Sixteens);
         for (first, &x) in (0..).zip(&values) {
             let pixels = [x, 1.0 - x, 0.5, 0.5, x, x].map(sum).to_vec();
             film.insert(Block::of_pass(first, Tally { samples: 1, observations: 1 }, pixels, 6));

@@ -1,7 +1,7 @@
 use super::counters::Counters;
 use super::light_edges::LightEdges;
 use super::path_state::Path;
-use super::pixel_groups::block_around;
+use super::pixel_groups::square_around;
 use super::render_context::RenderContext;
 use super::training::guide;
 use super::wavefront::{IRRADIANCE, Wavefront, receiver};
@@ -79,16 +79,16 @@ pub fn replay(
     let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
     let context = RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref());
     let one = sample..sample + 1;
-    let block = block_around(x, y, settings.width, settings.height);
-    let place = (y - block.y) * block.width + (x - block.x);
+    let square = square_around(x, y, settings.width, settings.height);
+    let place = (y - square.y) * square.width + (x - square.x);
     let mut wavefront = Wavefront::default();
-    let edges = LightEdges::of(&context, block);
-    wavefront.trace(&context, (block, &edges), &one, || false);
+    let edges = LightEdges::of(&context, square);
+    wavefront.trace(&context, (square, &edges), &one, || false);
     let radiance = wavefront.radiance()[place as usize];
     let lights = wavefront.lights_seen_by(place);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
-    wavefront.start(&context, (block, &edges), &one);
+    wavefront.start(&context, (square, &edges), &one);
     for bounce in 0.. {
         if !wavefront.step(&context, place, bounce, &mut replay) {
             break;

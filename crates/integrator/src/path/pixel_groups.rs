@@ -1,64 +1,85 @@
-//! The groups of pixels that reuse each other's paths, and how their blocks are stratified.
+//! The groups of pixels that reuse each other's paths, and how their samples are stratified.
 
-use super::tile_bounds::{BLOCK_SIDE as SIDE, Tile};
+use super::tile_bounds::{BLOCK_SIDE, SIDE, Tile};
 use crate::sampler::Member;
 
-/// The affine plane of order 4: five classes of parallel lines through the points `4 y + x`; any two
-/// points lie on one line. Listed is the line of each class through 0. The others follow by adding, without
-/// carry, a point of a line of another class. The first classes leap over rows and columns, since errors that rows of
-/// pixels have in common are seen as streaks.
-const LINES: [[u32; 4]; 5] = [[0, 6, 11, 13], [0, 7, 9, 14], [0, 5, 10, 15], [0, 1, 2, 3], [0, 4, 8, 12]];
+/// Blocks of a square of 16 x 16 pixels, and pixels of a block and of a group.
+const COUNT: usize = 16;
 
-/// Four pixels as indices into [`Tile::pixels`]; `None` for a pixel outside the tile.
-pub(super) type PixelGroup = [Option<u32>; 4];
+/// A pixel of each block of a square, as indices into [`Tile::pixels`]; `None` for a pixel outside the tile.
+pub(super) type PixelGroup = [Option<u32>; COUNT];
+
+/// The squares of 16 x 16 pixels are the largest tiles: each holds whole groups.
+const _: () = assert!(SIDE == BLOCK_SIDE * BLOCK_SIDE && (BLOCK_SIDE * BLOCK_SIDE) as usize == COUNT);
+
+/// The power of `a` in pass 0. With it the pixels of a group are a (0, 4, 2)-net: no two are in one row or column.
+const FIRST_POWER: u32 = 6;
+/// The number of different powers of `a`.
+const POWERS: u32 = 15;
+
+/// An element of the field of sixteen elements times `a^power`, where `a^4 = a + 1`. Its binary digits are the
+/// coefficients of a polynomial in `a`.
+fn times_power(element: u32, power: u32) -> u32 {
+    (0..power).fold(element, |x, _| (x << 1) ^ ((x >> 3) * 0b1_0011))
+}
+
+/// The power of `a` by which a pass multiplies pixels.
+fn power(pass: u32) -> u32 {
+    (pass % POWERS + FIRST_POWER) % POWERS
+}
+
+/// The number of a pixel or block among the 4 x 4 of a block or square, row by row.
+fn index(x: u32, y: u32) -> u32 {
+    y % BLOCK_SIDE * BLOCK_SIDE + x % BLOCK_SIDE
+}
+
+/// The squares' pixels in one pass, as members of groups and of nets.
+///
+/// Pixel `p` of block `b`, both elements of the field of sixteen elements, belongs to group `a^k p + b`, with another
+/// `k` for each of fifteen passes. So a group has one pixel of each block, and two pixels of different blocks and
+/// places in them meet in one of the passes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Groups {
+    power: u32,
+}
+
+impl Groups {
+    pub(super) fn of_pass(pass: u32) -> Self {
+        Self { power: power(pass) }
+    }
+
+    /// Pixel (`x`, `y`) of a picture of this width, as a member of the net of its square. The first half of its digits is
+    /// the number of its group, the sum of both halves that of its block.
+    pub(super) fn member(self, x: u32, y: u32, width: u32) -> Member {
+        let block = index(x / BLOCK_SIDE, y / BLOCK_SIDE);
+        let place = times_power(index(x, y), self.power);
+        let group = place ^ block;
+        let square = u64::from(y / SIDE) * u64::from(width.div_ceil(SIDE)) + u64::from(x / SIDE);
+        Member { net: square, number: group * COUNT as u32 + place, digits: 8 }
+    }
+
+    /// The groups of a tile. Each pixel is in one.
+    pub(super) fn of_tile(self, tile: Tile) -> impl Iterator<Item = PixelGroup> {
+        let pixels: [u32; COUNT] =
+            std::array::from_fn(|place| times_power(place as u32, POWERS - self.power));
+        Tile::grid([tile.width, tile.height], [SIDE; 2]).flat_map(move |square| {
+            (0..COUNT).map(move |group| {
+                std::array::from_fn(|block| {
+                    let (pixel, block) = (pixels[group ^ block], block as u32);
+                    let x = square.x + block % BLOCK_SIDE * BLOCK_SIDE + pixel % BLOCK_SIDE;
+                    let y = square.y + block / BLOCK_SIDE * BLOCK_SIDE + pixel / BLOCK_SIDE;
+                    (x < tile.width && y < tile.height).then_some(y * tile.width + x)
+                })
+            })
+        })
+    }
+}
 
 /// The part of a picture of `width` x `height` pixels that holds all groups of pixel (`x`, `y`).
-pub(super) fn block_around(x: u32, y: u32, width: u32, height: u32) -> Tile {
+pub(super) fn square_around(x: u32, y: u32, width: u32, height: u32) -> Tile {
     let start = |x: u32| x - x % SIDE;
     let length = |x: u32, end: u32| SIDE.min(end - start(x));
     Tile { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
-}
-
-/// The line through 0 by which blocks are divided in `pass`, and by what it is shifted to the others.
-fn lines(pass: u32) -> ([u32; 4], [u32; 4]) {
-    let class = pass as usize % LINES.len();
-    (LINES[class], LINES[usize::from(class == 0)])
-}
-
-/// The pixels of a block as members of one net in `pass`, by their points: the first two of four digits are those of
-/// the group, so that its samples are a net by themselves.
-pub(super) fn members(pass: u32) -> [u32; 16] {
-    let (line, across) = lines(pass);
-    let mut members = [0; 16];
-    for (number, (shift, point)) in
-        (0..).zip(across.iter().flat_map(|shift| line.map(|point| (shift, point))))
-    {
-        members[(point ^ shift) as usize] = number;
-    }
-    members
-}
-
-/// Pixel (`x`, `y`) of a picture of this width as one of [`members`].
-pub(super) fn member(x: u32, y: u32, width: u32, members: &[u32; 16]) -> Member {
-    let net = u64::from(y / SIDE) * u64::from(width.div_ceil(SIDE)) + u64::from(x / SIDE);
-    Member { net, number: members[(y % SIDE * SIDE + x % SIDE) as usize], digits: 4 }
-}
-
-/// The groups of a tile in `pass`. Each pixel is in one group; in five passes it meets each other pixel of
-/// its block once.
-pub(super) fn pixel_groups(tile: Tile, pass: u32) -> impl Iterator<Item = PixelGroup> {
-    let Tile { width, height, .. } = tile;
-    let (line, across) = lines(pass);
-    let starts = |size: u32| (0..size).step_by(SIDE as usize);
-    let blocks = starts(height).flat_map(move |y| starts(width).map(move |x| (x, y)));
-    blocks.flat_map(move |(x, y)| {
-        across.map(|shift| {
-            line.map(|point| {
-                let (x, y) = (x + (point ^ shift) % SIDE, y + (point ^ shift) / SIDE);
-                (x < width && y < height).then_some(y * width + x)
-            })
-        })
-    })
 }
 
 #[cfg(test)]
@@ -66,42 +87,81 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
+    const SQUARE: Tile = Tile { x: 0, y: 0, width: 16, height: 16 };
+
+    /// The groups of a whole square.
+    fn groups(pass: u32) -> impl Iterator<Item = [u32; COUNT]> {
+        Groups::of_pass(pass).of_tile(SQUARE).map(|group| group.map(Option::unwrap))
+    }
+
     #[test]
     fn in_each_pass_every_pixel_is_in_one_group() {
-        for (width, height) in [(1, 1), (4, 4), (16, 16), (7, 2), (3, 13)] {
+        for (width, height) in [(1, 1), (4, 4), (16, 16), (7, 2), (3, 45), (16, 32)] {
             let tile = Tile { x: 32, y: 16, width, height };
-            for pass in 0..5 {
-                let mut pixels: Vec<u32> = pixel_groups(tile, pass).flatten().flatten().collect();
+            for pass in 0..POWERS {
+                let of_tile = Groups::of_pass(pass).of_tile(tile);
+                let mut pixels: Vec<u32> = of_tile.flatten().flatten().collect();
                 pixels.sort_unstable();
                 assert_eq!(pixels, (0..width * height).collect::<Vec<_>>(), "{width} x {height}, {pass}");
             }
         }
     }
 
-    /// The members of a group have the first two of four digits in common, and all members other numbers.
     #[test]
-    fn groups_are_parts_of_the_net() {
-        let tile = Tile { x: 0, y: 0, width: 4, height: 4 };
-        for pass in 0..5 {
-            let numbers = members(pass);
-            assert_eq!(numbers.iter().copied().collect::<BTreeSet<_>>(), (0..16).collect());
-            for group in pixel_groups(tile, pass).map(|group| group.map(Option::unwrap)) {
-                let parts = group.map(|pixel| numbers[pixel as usize] / 4);
-                assert!(parts.iter().all(|&part| part == parts[0]), "{pass}: {group:?}");
+    fn a_group_has_a_pixel_of_each_block() {
+        for group in (0..POWERS).flat_map(groups) {
+            let blocks: BTreeSet<_> =
+                group.iter().map(|&pixel| SQUARE.pixel(pixel)).map(|(x, y)| (x / 4, y / 4)).collect();
+            assert_eq!(blocks.len(), COUNT, "{group:?}");
+        }
+    }
+
+    #[test]
+    fn in_the_first_pass_each_elementary_interval_holds_a_pixel_of_a_group() {
+        for group in groups(0) {
+            for [width, height] in [[1, 16], [2, 8], [4, 4], [8, 2], [16, 1]] {
+                let of_pixel = |&pixel: &u32| (SQUARE.pixel(pixel).0 / width, SQUARE.pixel(pixel).1 / height);
+                assert_eq!(group.iter().map(of_pixel).collect::<BTreeSet<_>>().len(), COUNT, "{group:?}");
+            }
+        }
+    }
+
+    /// All members of a square have other numbers. Those of a group have the first half in common, those of a block the
+    /// sum of both.
+    #[test]
+    fn groups_and_blocks_are_parts_of_a_net() {
+        for pass in 0..POWERS {
+            let member = |pixel: u32| {
+                let (x, y) = SQUARE.pixel(pixel);
+                Groups::of_pass(pass).member(x + 32, y + 16, 70)
+            };
+            let all: BTreeSet<_> = (0..256).map(|pixel| member(pixel).number).collect();
+            assert_eq!(all, (0..256).collect());
+            for group in groups(pass) {
+                let numbers = group.map(|pixel| member(pixel).number);
+                assert!(numbers.iter().all(|number| number / 16 == numbers[0] / 16), "{pass}: {numbers:?}");
+            }
+            for pixel in 0..256 {
+                let (number, (x, y)) = (member(pixel).number, SQUARE.pixel(pixel));
+                assert_eq!(
+                    (number / 16) ^ (number % 16),
+                    index(x / BLOCK_SIDE, y / BLOCK_SIDE),
+                    "{pass}: {pixel}"
+                );
+                assert_eq!(member(pixel).net, member(0).net);
             }
         }
     }
 
     #[test]
-    fn in_five_passes_any_two_pixels_of_a_block_meet_once() {
-        let tile = Tile { x: 0, y: 0, width: 4, height: 4 };
+    fn in_fifteen_passes_two_pixels_meet_once_at_most() {
         let mut pairs = BTreeSet::new();
-        for group in (0..5).flat_map(|pass| pixel_groups(tile, pass)).map(|group| group.map(Option::unwrap)) {
-            for (i, j) in (0..4).flat_map(|i| (i + 1..4).map(move |j| (i, j))) {
+        for group in (0..POWERS).flat_map(groups) {
+            for (i, j) in (0..COUNT).flat_map(|i| (i + 1..COUNT).map(move |j| (i, j))) {
                 let pair = [group[i].min(group[j]), group[i].max(group[j])];
                 assert!(pairs.insert(pair), "{pair:?}");
             }
         }
-        assert_eq!(pairs.len(), 16 * 15 / 2);
+        assert_eq!(pairs.len(), 15 * 16 * 120);
     }
 }

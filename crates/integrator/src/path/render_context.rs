@@ -45,7 +45,7 @@ impl RenderContext<'_> {
     /// first.
     pub(super) fn reuses_paths(&self) -> bool {
         let Settings { max_bounces, roulette, path_reuse, .. } = *self.settings;
-        path_reuse == PathReuse::Fours && max_bounces.is_none_or(|max| max >= 2) && roulette.start > 0
+        path_reuse == PathReuse::Sixteens && max_bounces.is_none_or(|max| max >= 2) && roulette.start > 0
     }
 
     /// Whether the edges of lights are supersampled.
@@ -64,9 +64,9 @@ impl RenderContext<'_> {
         self.sensor.start(&ElementSample { column, row, x, y, aspect: width / height })
     }
 
-    /// Whether the samples of a block of pixels are one net.
-    pub(super) fn stratifies_blocks(&self) -> bool {
-        self.settings.path_reuse == PathReuse::Fours && self.settings.sampler == Sampler::Sobol
+    /// Whether the samples of pixels that reuse each other's paths are one net.
+    pub(super) fn stratifies_groups(&self) -> bool {
+        self.settings.path_reuse == PathReuse::Sixteens && self.settings.sampler == Sampler::Sobol
     }
 
     /// Whether a prefix may end at this bounce. Roulette, which could end the path there, would change

@@ -6,7 +6,7 @@
 
 use super::counters::Counters;
 use super::path_state::{Path, RadianceSums, Stage, Target};
-use super::pixel_groups::{PixelGroup, pixel_groups};
+use super::pixel_groups::{Groups, PixelGroup};
 use super::render_context::RenderContext;
 use super::shading_point::ShadingPoint;
 use super::tile_bounds::Tile;
@@ -80,7 +80,7 @@ impl Prefixes {
             let count = samples.len() as u32;
             self.all.resize(tile.pixel_count() * samples.len(), None);
             let of_sample = |group: PixelGroup, sample| group.map(|pixel| Some(pixel? * count + sample));
-            let groups = pixel_groups(tile, samples.start / context.settings.pass_samples);
+            let groups = Groups::of_pass(samples.start / context.settings.pass_samples).of_tile(tile);
             self.groups.extend(groups.flat_map(|group| (0..count).map(move |i| of_sample(group, i))));
         }
         self.all.len()

@@ -10,8 +10,7 @@ pub(crate) struct Tile {
 /// Pixels along a side: with four samples each, a wavefront of about a thousand rays.
 pub(crate) const SIDE: u32 = 16;
 
-/// Pixels along each side of the blocks within which errors depend on each other, and of the squares whose means are
-/// observed.
+/// Pixels along each side of the blocks whose means are observed.
 pub(crate) const BLOCK_SIDE: u32 = 4;
 
 impl Tile {

@@ -2,7 +2,7 @@ use super::counters::Counters;
 use super::light_edges::{EmissionRays, LightEdges};
 use super::next_event::{MirrorSample, Reflected};
 use super::path_state::{Path, RadianceSums, Stage, Target};
-use super::pixel_groups::{member, members};
+use super::pixel_groups::Groups;
 use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
@@ -194,11 +194,11 @@ impl Wavefront {
         let settings = context.settings;
         self.paths.clear();
         let pass = settings.pass_of(samples.start);
-        let members = context.stratifies_blocks().then(|| members(samples.start / settings.pass_samples));
+        let groups =
+            context.stratifies_groups().then(|| Groups::of_pass(samples.start / settings.pass_samples));
         for (x, y) in tile.pixels_by_block() {
             let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
-            let of_block = |members| member(x, y, settings.width, members);
-            let member = members.as_ref().map_or_else(alone, of_block);
+            let member = groups.map_or_else(alone, |groups| groups.member(x, y, settings.width));
             let pixel = tile.index(x, y) as u32;
             let supersampled = edges.pixels.binary_search(&pixel).is_ok();
             for (i, sample) in (0..).zip(samples.clone()) {

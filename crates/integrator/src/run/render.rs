@@ -86,7 +86,7 @@ impl<'a> Render<'a> {
     /// bits of the whole one's. Column and row 0 are at the upper left.
     ///
     /// Where [pixels depend on each other](crate::PathReuse), columns and rows begin at a multiple of
-    /// [`PathReuse::block_side`](crate::PathReuse::block_side), and end at one or with the picture. Passes and strips
+    /// [`PathReuse::tile_side`](crate::PathReuse::tile_side), and end at one or with the picture. Passes and strips
     /// of equal crops can be merged.
     ///
     /// ```
@@ -100,8 +100,8 @@ impl<'a> Render<'a> {
     /// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
     /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
     /// let settings = Settings::new(640, 480, 16);
-    /// let crop = Render::new(&scene, &camera, &settings).crop(320..360, 240..300).run(&())?;
-    /// assert_eq!((crop.film.width(), crop.film.height()), (40, 60));
+    /// let crop = Render::new(&scene, &camera, &settings).crop(320..352, 240..304).run(&())?;
+    /// assert_eq!((crop.film.width(), crop.film.height()), (32, 64));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
@@ -180,10 +180,10 @@ impl<'a> Render<'a> {
     fn checked_crop(&self, settings: &Settings) -> Result<Tile, RenderError> {
         let Settings { width, height, .. } = *settings;
         let Some([columns, rows]) = &self.crop else { return Ok(Tile { x: 0, y: 0, width, height }) };
-        let step = settings.path_reuse.block_side();
+        let step = settings.path_reuse.tile_side();
         let range = match step {
             1 => "the columns and rows of the picture, of which at least one must be asked for",
-            _ => "the multiples of 4 and the size, of which start and end are two",
+            _ => "the multiples of 16 and the size, of which start and end are two",
         };
         for (name, asked, size) in
             [("columns of the crop", columns, width), ("rows of the crop", rows, height)]

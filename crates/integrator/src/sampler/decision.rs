@@ -11,6 +11,10 @@ impl Decision {
     /// The positions in the pixel of rays that supersample lights: two dimensions for each of sixteen.
     pub(super) const SUPERSAMPLING: Self = Self(Self::FIRST_OF_MIRRORS - 11);
 
+    /// Up to this one, decisions are of pixels by themselves, and stratified by blocks. All others are of paths that a
+    /// group may reuse, and stratified by groups.
+    pub(super) const LAST_OF_BLOCKS: Self = Self(1);
+
     /// Decisions at each bounce.
     const OF_BOUNCE: u32 = 3;
 

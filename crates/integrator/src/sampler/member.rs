@@ -3,8 +3,8 @@
 pub(crate) struct Member {
     /// Which of all nets.
     pub(crate) net: u64,
-    /// Its number in the net, of [`digits`](Member::digits) binary digits. Members with the first digits in common are
-    /// the better stratified together.
+    /// Its number in the net, of [`digits`](Member::digits) binary digits. Members of a group have the first half of them
+    /// in common, members of a block the sum of both halves, digit by digit without carry.
     pub(crate) number: u32,
     /// The net has `2^digits` members.
     pub(crate) digits: u32,

@@ -22,8 +22,8 @@ pub enum Sampler {
     /// Independent numbers, hashes of their address. The error falls with the square root of the number of
     /// samples, and is estimated from their variance.
     Independent,
-    /// Sobol' points with Owen scrambling, stratified over each pass of a pixel, and of a block of pixels where these
-    /// depend on each other anyway ([`PathReuse::Fours`](crate::PathReuse)). Passes are independent replicates; the
+    /// Sobol' points with Owen scrambling, stratified over each pass of a pixel, and of tiles of pixels where these
+    /// depend on each other anyway ([`PathReuse::Sixteens`](crate::PathReuse)). Passes are independent replicates; the
     /// error is estimated from their variance.
     #[default]
     Sobol,

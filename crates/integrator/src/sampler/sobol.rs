@@ -1,3 +1,4 @@
+use super::decision::Decision;
 use super::digits::{Axis, FAURE, SOBOL, backward};
 use super::member::Member;
 use super::nested::{NestedPermutations, permuted};
@@ -10,8 +11,9 @@ use crate::hash::{fold, nth, unit};
 /// any length, but does not stratify across decisions.
 ///
 /// The members of a net have equal aligned parts of the sequence, in an order of their own for each decision. So the
-/// samples of a member are a net too, and those of the members whose numbers have the first digits in common
-/// (Ahmed and Wonka 2020, who number pixels in Morton order).
+/// samples of a member are a net too, and those of the members of a group, whose numbers have the first digits in common
+/// (Ahmed and Wonka 2020, who number pixels in Morton order). For decisions up to [`Decision::LAST_OF_BLOCKS`], it is
+/// those of the members of a block.
 ///
 /// Each point is uniform in the unit cube, so the mean over a replicate is unbiased. Points of one replicate
 /// are dependent, replicates are independent.
@@ -38,6 +40,9 @@ struct Shape {
 /// Purposes of permutations: two for the order of the points, and one for each [`Axis`].
 const MIXING: u64 = 0;
 const ORDER: u64 = 1;
+
+/// The first of the hashes of a key by which members are ordered.
+const MEMBERS: u64 = 1 << 60;
 
 /// Two of four coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -159,8 +164,10 @@ impl<const N: usize> SobolPoints<N> {
             *member >>= sample_digits;
             *sample &= (1 << sample_digits) - 1;
         }
-        // The keys' own bits: members are few.
-        members = permuted(keys, members, digits - sample_digits);
+        if dimension <= Decision::LAST_OF_BLOCKS.0 {
+            members = by_blocks(members, digits - sample_digits);
+        }
+        members = in_random_order(keys, members, digits - sample_digits);
         let mut places = shuffled(of_dimension(self.member_keys, dimension), samples, sample_digits);
         for (place, member) in places.iter_mut().zip(members) {
             *place |= member << sample_digits;
@@ -208,6 +215,37 @@ fn shuffled<const N: usize>(keys: [u64; N], indices: [u64; N], digits: u32) -> [
     NestedPermutations::new(keys, ORDER).apply(backward(mixed, digits), digits)
 }
 
+/// Members by blocks instead of groups: the first half of their digits becomes the sum of both.
+#[inline(always)]
+fn by_blocks<const N: usize>(mut members: [u64; N], digits: u32) -> [u64; N] {
+    for member in &mut members {
+        *member ^= *member << (digits / 2) & ((1 << digits) - 1);
+    }
+    members
+}
+
+/// A random nested order of the members, whose numbers have up to eight digits.
+#[inline(always)]
+fn in_random_order<const N: usize>(keys: [u64; N], members: [u64; N], digits: u32) -> [u64; N] {
+    let last = digits.min(6);
+    let (mut firsts, mut lasts) = (members, members);
+    for i in 0..N {
+        firsts[i] >>= last;
+        lasts[i] &= (1 << last) - 1;
+    }
+    let mut coins = keys;
+    for (coin, first) in coins.iter_mut().zip(firsts) {
+        *coin = nth(*coin, MEMBERS + first);
+    }
+    // The keys' own bits: these digits are few.
+    firsts = permuted(keys, firsts, digits - last);
+    lasts = permuted(coins, lasts, last);
+    for i in 0..N {
+        lasts[i] |= firsts[i] << last;
+    }
+    lasts
+}
+
 #[inline(always)]
 fn of_dimension<const N: usize>(mut keys: [u64; N], dimension: u32) -> [u64; N] {
     for key in &mut keys {
@@ -249,23 +287,26 @@ mod tests {
         })
     }
 
-    /// The samples of all members are a net, those of one are, and those of four whose numbers have the first digits in
-    /// common.
+    /// The samples of all members are a net, and those of one. So are those of the sixteen members whose numbers have the
+    /// first half in common, or for the first decisions the sum of both halves.
     #[test]
     fn members_share_a_net_and_have_nets_of_their_own() {
-        for (sample_digits, dimension) in [(0, 3), (2, 0), (4, 7), (6, 1)] {
+        for (sample_digits, dimension) in [(0, 3), (2, 0), (4, 7), (4, 1), (6, 2)] {
             let point = |number, sample| {
-                let member = Member { net: 77, number, digits: 4 };
+                let member = Member { net: 77, number, digits: 8 };
                 SobolPoint::new(5, member, 2, sample, sample_digits).uniform::<2>(dimension)
             };
-            let of_members = |members: std::ops::Range<u32>| -> Vec<[f64; 2]> {
-                members.flat_map(|m| (0..1 << sample_digits).map(move |sample| point(m, sample))).collect()
+            let of_members = |members: Vec<u32>| -> Vec<[f64; 2]> {
+                let samples = 0..1 << sample_digits;
+                members.iter().flat_map(|&m| samples.clone().map(move |sample| point(m, sample))).collect()
             };
-            assert!(is_net(&of_members(0..16), sample_digits + 4), "{sample_digits} digits");
-            for first in [0, 4, 8, 12] {
-                assert!(is_net(&of_members(first..first + 4), sample_digits + 2), "{sample_digits} digits");
+            let part = |number: u32| if dimension < 2 { (number / 16) ^ (number % 16) } else { number / 16 };
+            assert!(is_net(&of_members((0..256).collect()), sample_digits + 8), "{sample_digits} digits");
+            for all in 0..16 {
+                let members = (0..256).filter(|&number| part(number) == all).collect();
+                assert!(is_net(&of_members(members), sample_digits + 4), "{sample_digits} digits");
             }
-            assert!((0..16).all(|m| is_net(&of_members(m..m + 1), sample_digits)), "{sample_digits} digits");
+            assert!((0..256).all(|m| is_net(&of_members(vec![m]), sample_digits)), "{sample_digits} digits");
         }
     }
 

@@ -6,7 +6,7 @@ mod pixel_filter;
 pub use estimator::Estimator;
 pub use pixel_filter::PixelFilter;
 
-use crate::path::BLOCK_SIDE;
+use crate::path::TILE_SIDE;
 use crate::{LightSampling, RenderError, Sampler, Sensor};
 use std::ops::Range;
 
@@ -74,28 +74,28 @@ pub struct Settings {
 pub enum PathReuse {
     /// Pixels are independent.
     Off = 0,
-    /// Groups of four pixels within a block of 4 x 4 share the suffixes of their paths, weighted by the
-    /// balance heuristic (Bekaert, Sbert and Halton 2002), for three more shadow rays per sample. A suffix
-    /// begins at the vertex after the first diffuse one, if it is diffuse too. The groups change with each pass.
+    /// Groups of sixteen pixels share the suffixes of their paths, weighted by the balance heuristic (Bekaert, Sbert and
+    /// Halton 2002), for up to fifteen more shadow rays per sample. A suffix begins at the vertex after the first diffuse
+    /// one, if it is diffuse too. The pixels of a group are apart: one in each block of 4 x 4 pixels of a tile of
+    /// 16 x 16. The groups change with each pass.
     ///
-    /// With [`Sampler::Sobol`] the samples of a block in a pass are one set of points (Ahmed and Wonka 2020), of which
+    /// With [`Sampler::Sobol`] the samples of a tile in a pass are one set of points (Ahmed and Wonka 2020), of which
     /// those of a group, and those of a pixel, are well distributed by themselves.
     ///
-    /// The errors of a block are correlated: positively in a group, which shares suffixes, and on the whole negatively
-    /// where points are shared. The variance of a block's mean is measured ([`Film::block_variances_of_mean`]). Blocks
-    /// are independent of each other.
+    /// The errors of a group are correlated positively. The pixels of a block are in different groups, and its mean has a
+    /// variance of its own, which is measured ([`Film::block_variances_of_mean`]). Tiles are independent of each other.
     ///
     /// A prefix that Russian roulette could have ended ([`Roulette::start`]) is not shared.
     ///
     /// [`Film::block_variances_of_mean`]: crate::Film::block_variances_of_mean
     #[default]
-    Fours = 1,
+    Sixteens = 2,
 }
 
 impl PathReuse {
     /// The inverse of [`code`](PathReuse::code).
     pub(crate) fn of_code(code: u32) -> Option<Self> {
-        [Self::Off, Self::Fours].into_iter().find(|kind| kind.code() == code)
+        [Self::Off, Self::Sixteens].into_iter().find(|kind| kind.code() == code)
     }
 
     /// A number that is the same in all versions.
@@ -103,19 +103,19 @@ impl PathReuse {
         self as u32
     }
 
-    /// Pixels along each side of the blocks within which errors depend on each other: a
+    /// Pixels along each side of the tiles within which errors depend on each other: a
     /// [crop](crate::Render::crop) begins at multiples of it.
-    pub fn block_side(self) -> u32 {
+    pub fn tile_side(self) -> u32 {
         match self {
             Self::Off => 1,
-            Self::Fours => BLOCK_SIDE,
+            Self::Sixteens => TILE_SIDE,
         }
     }
 
     /// The number of pixels whose errors depend on each other. The variance of a sum over pixels is at most
     /// this many times the sum of their variances (Cauchy-Schwarz inequality).
     pub fn dependent_pixels(self) -> u32 {
-        self.block_side() * self.block_side()
+        self.tile_side() * self.tile_side()
     }
 }
 

@@ -33,7 +33,7 @@ impl Combination {
     const REUSE: Self = Self {
         estimator: Estimator::Mis,
         sampler: Sampler::Sobol,
-        path_reuse: PathReuse::Fours,
+        path_reuse: PathReuse::Sixteens,
         max_bounces: None,
     };
 

@@ -16,22 +16,22 @@ pub(crate) struct Truth {
     /// The pixels that are compared.
     counted: Vec<bool>,
     /// Pixels along each side of the blocks within which errors depend on each other; 1 if all are independent.
-    block_side: u32,
+    tile_side: u32,
 }
 
 impl Truth {
     /// A closed form, pixel by pixel.
     pub(crate) fn exact(means: Vec<Rgb>) -> Self {
         let (variances, counted) = (vec![Rgb::BLACK; means.len()], vec![true; means.len()]);
-        Self { means, variances, counted, block_side: 1 }
+        Self { means, variances, counted, tile_side: 1 }
     }
 
     /// The result of a long run: the film's means and its estimates of their variances.
     pub(crate) fn of_film(film: &Film) -> Self {
         let means: Vec<Rgb> = film.means().collect();
         let counted = vec![true; means.len()];
-        let block_side = film.path_reuse().block_side();
-        Self { means, variances: film.variances_of_mean().collect(), counted, block_side }
+        let tile_side = film.path_reuse().tile_side();
+        Self { means, variances: film.variances_of_mean().collect(), counted, tile_side }
     }
 
     /// Restricts the comparison to the pixels whose entry in `counted` is true.
@@ -144,7 +144,7 @@ impl Errors {
         let square = |x: f64| x * x;
         let squares = || differences().map(|e| e.map(square).mean());
         let own = || truth.of_counted(truth.variances.iter()).map(|v| v.mean() / square(scale));
-        let side = film.path_reuse().block_side().max(truth.block_side);
+        let side = film.path_reuse().tile_side().max(truth.tile_side);
         let blocks = || truth.of_counted(blocks_of_pixels(film.width(), film.height(), side));
         let (mse, mse_std_err) = mean_of_blocks(blocks().zip(squares().zip(own()).map(|(e, own)| e - own)));
         let (error, std_err) = mean_of_blocks(blocks().zip(differences().map(|e| e.mean())));

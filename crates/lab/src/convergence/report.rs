@@ -37,7 +37,7 @@ fn head(text: &mut String, plan: &Plan) -> Result<()> {
          are also in `samples.csv` and `time.csv`.\n\n\
          - **RMSE**: root of the mean squared error over pixels and components, in percent of their mean \
          radiance. The 95 % confidence interval follows in parentheses, by the sample variance over the pixels. \
-         With path reuse it is twice as wide, because the errors of four pixels may depend on each other.\n\
+         With path reuse, whose errors depend on each other within tiles of 16 x 16 pixels, it is by the spread over these.\n\
          - **slope** of the logarithm of the RMSE over that of the number of samples. Each number of samples has \
          its own random numbers. The slope is -0.5 for independent samples without bias, and less for Sobol' points \
          (here stratified over all samples of a picture).\n\
