@@ -23,6 +23,7 @@ mod guiding;
 mod in_every_structure;
 mod irradiance;
 mod light_leaks;
+mod light_sample_counts;
 mod light_samples;
 mod materials;
 mod mirrors;

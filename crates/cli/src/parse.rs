@@ -37,10 +37,12 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "must be a finite number".into())
 }
 
-/// A power of two up to `2^16`.
-pub(crate) fn power_of_two(text: &str) -> Result<u32, String> {
-    let number = text.parse().ok().filter(|&number: &u32| number.is_power_of_two() && number <= 1 << 16);
-    number.ok_or_else(|| "must be a power of two from 1 to 65536".into())
+/// A power of two up to `largest`.
+pub(crate) fn power_of_two(largest: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync {
+    move |text| {
+        let number = text.parse().ok().filter(|&number: &u32| number.is_power_of_two() && number <= largest);
+        number.ok_or_else(|| format!("must be a power of two from 1 to {largest}"))
+    }
 }
 
 /// `A..B`, a range that is not empty.
@@ -80,7 +82,8 @@ mod tests {
     fn passes_and_powers_of_two() {
         assert_eq!(passes("3..8"), Ok(3..8));
         assert!(["3", "3..", "4..4", "4..2", "0..-1", "a..b"].into_iter().all(|text| passes(text).is_err()));
-        assert_eq!(["1", "65536"].map(power_of_two), [Ok(1), Ok(65536)]);
-        assert!(["0", "3", "131072"].into_iter().all(|text| power_of_two(text).is_err()));
+        let power_of_two = power_of_two(16);
+        assert_eq!(["1", "16"].map(&power_of_two), [Ok(1), Ok(16)]);
+        assert!(["0", "3", "32"].into_iter().all(|text| power_of_two(text).is_err()));
     }
 }

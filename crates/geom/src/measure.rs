@@ -28,6 +28,13 @@ impl PdfArea {
 }
 
 impl PdfSolidAngle {
+    /// The sum of the densities of `count` samples. It takes the place of one sample's density in the power heuristic, and
+    /// in the estimate of which each sample is a part.
+    #[must_use]
+    pub fn of_samples(self, count: u32) -> Self {
+        Self(self.0 * f64::from(count))
+    }
+
     /// The density times the probability `choice_prob`, in `[0, 1]`, of choosing this sampling domain.
     #[must_use]
     pub fn chosen_with(self, choice_prob: f64) -> Self {

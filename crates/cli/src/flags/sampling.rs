@@ -21,7 +21,7 @@ pub(crate) struct SamplingFlags {
     ///
     /// A picture is made of whole passes. The points of the Sobol' sampler are stratified within a pass, and
     /// the standard error is estimated from the differences between passes.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = parse::power_of_two)]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = parse::power_of_two(1 << 16))]
     #[arg(allow_negative_numbers = true)]
     pub(crate) pass_spp: u32,
     /// Seed of the random numbers, from 0 to 2^64 - 1
@@ -37,6 +37,13 @@ pub(crate) struct SamplingFlags {
     /// How next event estimation chooses a point on a light
     #[arg(long, value_enum, default_value_t = LightSamplingKind::SolidAngle)]
     light_sampling: LightSamplingKind,
+    /// Light samples at the first diffuse vertex of a path, where lights or curved mirrors are many
+    ///
+    /// A power of two up to 16. It counts for eight lights and more, a directional light beside another, and curved
+    /// mirrors. Elsewhere there is one.
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    #[arg(value_parser = parse::power_of_two(Settings::MAX_LIGHT_SAMPLES), allow_negative_numbers = true)]
+    light_samples: u32,
     /// Whether next event estimation also reaches lights by way of mirrors
     #[arg(long, value_enum, default_value_t = MirrorSamplingKind::Images)]
     mirror_sampling: MirrorSamplingKind,
@@ -78,6 +85,7 @@ impl SamplingFlags {
         settings.sampler = self.sampler.into();
         settings.estimator = self.estimator.into();
         settings.light_sampling = self.light_sampling.into();
+        settings.light_samples = self.light_samples;
         settings.mirror_sampling = self.mirror_sampling.into();
         settings.supersampling = self.supersampling.into();
         settings.path_reuse = self.path_reuse.into();

@@ -70,7 +70,8 @@ impl ImageMirrors {
         draw: impl Fn() -> f64,
     ) -> Option<ChosenFacet<'_>> {
         let shows = |place| self.may_show(triangles, from, place);
-        let (index, prob) = self.tree.choose(&self.viewpoint(from, side), f64::INFINITY, draw, shows)?;
+        let root = self.tree.root(&self.viewpoint(from, side), f64::INFINITY, shows)?;
+        let (index, prob) = self.tree.choose(&root, draw, shows)?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
 
@@ -84,7 +85,8 @@ impl ImageMirrors {
         index: u32,
     ) -> Option<ChosenFacet<'_>> {
         let shows = |place| self.may_show(triangles, from, place);
-        let prob = self.tree.prob(&self.viewpoint(from, side), f64::INFINITY, index, shows)?;
+        let root = self.tree.root(&self.viewpoint(from, side), f64::INFINITY, shows)?;
+        let prob = self.tree.prob(&root, index, shows)?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
 

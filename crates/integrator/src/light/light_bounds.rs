@@ -1,10 +1,12 @@
 use glam::DVec3;
 use globillum_geom::{Aabb, Triangle, Triangles};
 
-/// The sphere around some area lights.
+/// The box around some area lights, and the sphere around that.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
     pub(super) centre: DVec3,
+    /// The distances of the box's faces from the centre.
+    pub(super) half_extents: DVec3,
     pub(super) radius: f64,
 }
 
@@ -14,7 +16,17 @@ impl LightBounds {
         let Aabb { min, max } =
             Aabb::around(lights.into_iter().flat_map(|index| triangles.get(index).vertices));
         let (min, max) = (min.as_dvec3(), max.as_dvec3());
-        Self { centre: 0.5 * (min + max), radius: 0.5 * min.distance(max) }
+        Self { centre: 0.5 * (min + max), half_extents: 0.5 * (max - min), radius: 0.5 * min.distance(max) }
+    }
+
+    /// Whether a ray of this origin and unit `direction` may meet the box. Rounding to less than `2^-20` of the distance
+    /// loses none.
+    pub(super) fn may_be_hit_by(&self, origin: DVec3, direction: DVec3) -> bool {
+        let to_centre = self.centre - origin;
+        let margin = (to_centre.length() + self.radius) / f64::from(1 << 20);
+        let reach = self.half_extents + margin;
+        let (a, b) = ((to_centre - reach) / direction, (to_centre + reach) / direction);
+        a.min(b).max_element().max(0.0) <= a.max(b).min_element()
     }
 
     /// Whether part of the sphere may be visible from `eye` through `window`: not if all of it is outside one
@@ -29,5 +41,37 @@ impl LightBounds {
             distance < 0.0 && distance * distance > self.radius * self.radius * inward.length_squared()
         };
         !(is_beyond(a, b) || is_beyond(b, c) || is_beyond(c, a))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Stream;
+    use glam::Vec3;
+
+    /// A ray to a point of the lights may meet their box, flat or not, from anywhere; most others do not.
+    #[test]
+    fn rays_to_lights_may_meet_their_box() {
+        let mut others = 0;
+        for i in 0..2000 {
+            let numbers = Stream::new(4, 0, i);
+            let vector =
+                |k: u32| DVec3::from_array([0, 1, 2].map(|axis| 2.0 * numbers.uniform(k + axis) - 1.0));
+            let size = 10.0_f64.powf(6.0 * numbers.uniform(40) - 3.0);
+            let flat = if i % 2 == 0 { DVec3::ONE } else { DVec3::new(1.0, 0.0, 1.0) };
+            let corner = |k: u32| (vector(0) + size * flat * vector(k)).as_vec3();
+            let light = Triangle::new(corner(3), corner(6), corner(9));
+            let triangles = Triangles::new(vec![light]).unwrap();
+            let bounds = LightBounds::around(&triangles, [0]);
+            let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(20));
+            let [a, b, c] = light.vertices.map(Vec3::as_dvec3);
+            let origin = 4.0 * vector(30);
+            let direction = (a + u * (b - a) + v * (c - a) - origin).normalize();
+            assert!(bounds.may_be_hit_by(origin, direction), "{i}: {bounds:?}");
+            others += i32::from(bounds.may_be_hit_by(origin, vector(50).normalize()));
+            others += i32::from(bounds.may_be_hit_by(origin, -direction));
+        }
+        assert!(others < 1000, "{others}");
     }
 }

@@ -143,6 +143,11 @@ impl Lights {
         self.areas.len() + self.deltas.len()
     }
 
+    /// Whether lights are chosen at each shading point anew, in a light tree.
+    pub(crate) fn are_in_a_tree(&self) -> bool {
+        matches!(self.choice, Choice::Tree(_))
+    }
+
     /// Whether there are no lights of either kind.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

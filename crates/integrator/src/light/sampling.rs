@@ -126,6 +126,18 @@ impl LightSample {
         incident / probability
     }
 
+    /// The same as one of `count` samples, which share the light between them.
+    #[inline(always)]
+    pub(crate) fn of_samples(self, count: u32) -> Self {
+        match self {
+            Self::Area(light) => Self::Area(AreaLightSample { pdf: light.pdf.of_samples(count), ..light }),
+            Self::Delta(light) => {
+                let choice_prob = light.choice_prob * f64::from(count);
+                Self::Delta(DeltaLightSample { choice_prob, ..light })
+            }
+        }
+    }
+
     /// Dividend and divisor of [`LightSample::irradiance`].
     #[inline(always)]
     pub(crate) fn quotient(&self) -> (Rgb, f64) {

@@ -1,5 +1,5 @@
 use super::light_clusters::LightClusters;
-use super::mirror_tree::{FacetBounds, MirrorTree, Viewpoint};
+use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
 use glam::{DVec3, Vec3};
 use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Triangles};
 
@@ -22,16 +22,16 @@ pub(crate) struct WindowSample {
     pub(crate) point: SurfacePoint,
     /// Unit direction from the shading point.
     pub(crate) direction: DVec3,
-    /// The density of the direction per steradian, for a light of the cluster.
+    /// The density per steradian of all directions sampled at the vertex, for a light of the cluster.
     pub(crate) pdf: PdfSolidAngle,
     /// The cluster whose lights count.
     pub(crate) cluster: u32,
 }
 
 impl WindowMirrors {
-    /// Triangles are sampled with certainty where those that show lights take up a solid angle of about
-    /// `1 / ATTEMPTS`. Below it, they bring less than they cost.
-    const ATTEMPTS: f64 = 30.0;
+    /// The samples of a vertex, at most as many as are asked for, over the solid angle, about, of the triangles that show
+    /// lights.
+    const ATTEMPTS: f64 = 120.0;
 
     /// Of one or more triangles, each with what the tree is told of it.
     pub(super) fn new(
@@ -53,51 +53,87 @@ impl WindowMirrors {
         self.clusters.of_light(index)
     }
 
-    /// Samples a cluster of lights and a mirror triangle that may show part of it to `from`, on the side of its
-    /// surface to which `side` points, by `window`, which returns a number in `[0, 1)`, and a point on that, by
-    /// `others`, which returns one in `[0, 1)` and one in `[0, 1)^2`. `None` if there is none.
-    #[inline(never)]
-    pub(crate) fn sample(
-        &self,
-        triangles: &Triangles,
+    /// Samples up to `count` windows for the shading point `from`, on the side of its surface to which `side` points.
+    pub(crate) fn sampler<'a>(
+        &'a self,
+        triangles: &'a Triangles,
         from: DVec3,
         side: Vec3,
-        window: impl Fn() -> f64,
-        others: impl Fn() -> (f64, [f64; 2]),
-    ) -> Option<WindowSample> {
-        let cluster = if self.clusters.len() > 1 { others().0 } else { 0.0 };
-        let (cluster, cluster_prob, lights) = self.clusters.choose(cluster)?;
-        let (place, prob) =
-            self.tree.choose(&Viewpoint { from, side, lights }, Self::ATTEMPTS, window, |_| true)?;
-        let triangle = self.windows[place as usize];
-        let (u, v) = Triangle::sample_uniform(others().1);
-        let point = triangles.surface_point(triangle, u, v);
-        let direction = (point.position - from).try_normalize()?;
-        let pdf = pdf(triangles.get(triangle), from, direction)?.chosen_with(cluster_prob * prob);
-        (pdf.0 > 0.0).then_some(WindowSample { triangle, point, direction, pdf, cluster })
+        count: u32,
+    ) -> WindowSampler<'a> {
+        WindowSampler { mirrors: self, triangles, from, side, count, root: None }
     }
 
-    /// The density per steradian with which [`WindowMirrors::sample`] samples the direction that leads from `from` by
-    /// way of the mirror triangle `index` to `position` on the light triangle `light`; `None` if it never does.
+    /// The density per steradian of all `count` directions that [`WindowSampler::sample`] samples, at the one that leads
+    /// from `from` by way of the mirror triangle `index` to `position` on the light triangle `light`; `None` if it never
+    /// samples that.
     #[inline(never)]
     pub(crate) fn pdf(
         &self,
         triangles: &Triangles,
         from: DVec3,
         side: Vec3,
+        count: u32,
         index: u32,
         (light, position): (u32, DVec3),
     ) -> Option<PdfSolidAngle> {
         let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
         let (cluster_prob, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
         let at = Viewpoint { from, side, lights };
-        let prob = self.tree.prob(&at, Self::ATTEMPTS, self.places[place].1, |_| true)?;
+        let root = self.tree.root(&at, Self::ATTEMPTS / f64::from(count), |_| true)?;
+        let prob = self.tree.prob(&root, self.places[place].1, |_| true)?;
         let triangle = triangles.get(index);
         let (normal, height) = plane(triangle, from);
         let image = from - 2.0 * height * normal;
         // At the image, the direction has the same angle with the plane.
-        let pdf = pdf(triangle, from, (position - image).try_normalize()?)?.chosen_with(cluster_prob * prob);
+        let pdf = pdf(triangle, from, (position - image).try_normalize()?)?;
+        let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);
         (pdf.0 > 0.0).then_some(pdf)
+    }
+}
+
+/// Samples the windows that may show lights to one shading point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WindowSampler<'a> {
+    mirrors: &'a WindowMirrors,
+    triangles: &'a Triangles,
+    from: DVec3,
+    side: Vec3,
+    count: u32,
+    /// The cluster of lights of the last sample, with what the root of the tree says of it.
+    root: Option<(u32, Option<Root>)>,
+}
+
+impl WindowSampler<'_> {
+    /// Samples a cluster of lights and a mirror triangle that may show part of it, by `window`, which returns a number in
+    /// `[0, 1)`, and a point on that, by `others`, which returns one in `[0, 1)` and one in `[0, 1)^2`. `None` if there
+    /// is none, or the point shows no light of the cluster.
+    #[inline(never)]
+    pub(crate) fn sample(
+        &mut self,
+        window: impl Fn() -> f64,
+        others: impl Fn() -> (f64, [f64; 2]),
+    ) -> Option<WindowSample> {
+        let WindowMirrors { tree, windows, clusters, .. } = self.mirrors;
+        let cluster = if clusters.len() > 1 { others().0 } else { 0.0 };
+        let (cluster, cluster_prob, lights) = clusters.choose(cluster)?;
+        let at = Viewpoint { from: self.from, side: self.side, lights };
+        let known = self.root.filter(|(of, _)| *of == cluster).map(|(_, root)| root);
+        let attempts = WindowMirrors::ATTEMPTS / f64::from(self.count);
+        let root = known.unwrap_or_else(|| tree.root(&at, attempts, |_| true));
+        self.root = Some((cluster, root));
+        let (place, prob) = tree.choose(&root?, window, |_| true)?;
+        let triangle = windows[place as usize];
+        let (u, v) = Triangle::sample_uniform(others().1);
+        let point = self.triangles.surface_point(triangle, u, v);
+        let direction = (point.position - self.from).try_normalize()?;
+        let reflected = direction - 2.0 * point.normal.dot(direction) * point.normal;
+        if !lights.may_be_hit_by(point.position, reflected) {
+            return None;
+        }
+        let pdf = pdf(self.triangles.get(triangle), self.from, direction)?;
+        let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(self.count);
+        (pdf.0 > 0.0).then_some(WindowSample { triangle, point, direction, pdf, cluster })
     }
 }
 
@@ -127,7 +163,8 @@ impl WindowMirrors {
         u: f64,
     ) -> Option<(u32, f64)> {
         let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
-        let (place, prob) = self.tree.choose(&Viewpoint { from, side, lights }, attempts, || u, |_| true)?;
+        let root = self.tree.root(&Viewpoint { from, side, lights }, attempts, |_| true)?;
+        let (place, prob) = self.tree.choose(&root, || u, |_| true)?;
         Some((self.windows[place as usize], prob))
     }
 
@@ -142,6 +179,7 @@ impl WindowMirrors {
     ) -> Option<f64> {
         let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
         let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
-        self.tree.prob(&Viewpoint { from, side, lights }, attempts, self.places[place].1, |_| true)
+        let root = self.tree.root(&Viewpoint { from, side, lights }, attempts, |_| true)?;
+        self.tree.prob(&root, self.places[place].1, |_| true)
     }
 }

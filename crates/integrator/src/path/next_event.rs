@@ -10,6 +10,9 @@ use glam::DVec3;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 
+/// How many light samples of a vertex have their random numbers computed at once.
+const LIGHTS_AT_ONCE: usize = 4;
+
 /// A light sample by way of a mirror. It counts if its ray hits the mirror first, and the light follows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MirrorSample {
@@ -48,11 +51,14 @@ impl RenderContext<'_> {
         if path.mis.supersampled && bounce <= MAX_REFLECTIONS {
             return Rgb::BLACK;
         }
-        let MisContext { density, from, mirror, .. } = path.mis;
+        let MisContext { density, from, mirror, is_first, .. } = path.mis;
         let weight =
             |light: &dyn Fn() -> PdfSolidAngle| self.settings.estimator.weight_of_emission(density, light);
         match mirror {
-            None => emitted * weight(&|| self.light_sampler(from).pdf(hit, at)),
+            None => {
+                let count = self.direct_samples(is_first);
+                emitted * weight(&|| self.light_sampler(from).pdf(hit, at).of_samples(count))
+            }
             // Where the mirror is not sampled, scattering alone finds the light.
             Some(mirror) => match self.pdf_by_mirror(&path.mis, mirror, hit, at) {
                 None => emitted,
@@ -61,7 +67,7 @@ impl RenderContext<'_> {
         }
     }
 
-    /// The density of a light sample by way of the triangle `mirror` that hits a light as told; `None` if this mirror is
+    /// The density of all light samples by way of the triangle `mirror` that hit a light as told; `None` if this mirror is
     /// not sampled.
     #[inline(never)]
     fn pdf_by_mirror(
@@ -71,11 +77,12 @@ impl RenderContext<'_> {
         hit: &Hit,
         at: &Interaction<'_>,
     ) -> Option<PdfSolidAngle> {
-        let MisContext { from, side, .. } = *mis;
+        let MisContext { from, side, is_first, .. } = *mis;
         let Mirrors { images, windows } = self.mirrors?;
         let triangles = self.scene.triangles();
         let by_window = |windows: &WindowMirrors| {
-            windows.pdf(triangles, from, side, mirror, (hit.triangle, at.point.position))
+            let count = self.window_samples(is_first);
+            windows.pdf(triangles, from, side, count, mirror, (hit.triangle, at.point.position))
         };
         let by_image = |images: &ImageMirrors| {
             let chosen = images.choice(triangles, from, side, images.facet_of(mirror)?)?;
@@ -89,16 +96,28 @@ impl RenderContext<'_> {
         self.scene.light_sampler(self.settings.light_sampling, from)
     }
 
-    /// Samples a light: the shadow ray, and the contribution if it is not occluded.
+    /// Samples lights, and calls `add` with each shadow ray and the contribution if it is not occluded.
     #[inline(always)]
-    pub(super) fn next_event(&self, path: &Path, vertex: &ShadingPoint<'_>) -> Option<(Ray, Rgb)> {
-        let ShadingPoint { at, numbers, .. } = vertex;
+    pub(super) fn next_event(&self, path: &Path, vertex: &ShadingPoint<'_>, mut add: impl FnMut(Ray, Rgb)) {
+        let ShadingPoint { at, numbers, bounce, .. } = vertex;
         if !self.samples_lights || at.material.bsdf.is_delta() {
-            return None;
+            return;
         }
-        let light = self.light_sampler(at.point.position).sample(numbers.light, numbers.point)?;
-        let radiance = self.scattered(path, vertex, &light)?;
-        Some((light.shadow_ray(&at.point)?, radiance))
+        let sampler = self.light_sampler(at.point.position);
+        let count = self.direct_samples(path.is_prefix());
+        let mut drawn = [(numbers.light, numbers.point); LIGHTS_AT_ONCE];
+        for part in 0..count {
+            let place = part as usize % LIGHTS_AT_ONCE;
+            if count > 1 && place == 0 {
+                drawn = path.numbers.lights(*bounce, part, count);
+            }
+            let (choice, point) = drawn[place];
+            let Some(light) = sampler.sample(choice, point) else { continue };
+            let light = light.of_samples(count);
+            let Some(radiance) = self.scattered(path, vertex, &light) else { continue };
+            let Some(shadow_ray) = light.shadow_ray(&at.point) else { continue };
+            add(shadow_ray, radiance);
+        }
     }
 
     /// Samples area lights as mirrors show them, and calls `add` with each ray that must hit a mirror.
@@ -115,18 +134,16 @@ impl RenderContext<'_> {
         if !within_limit || at.material.bsdf.is_delta() {
             return;
         }
-        let mut add_seen = |seen: AreaLightSample, by: MirrorSampleKind| {
+        let mut add_seen = |by: MirrorSampleKind, seen: AreaLightSample| {
             let Some(radiance) = self.scattered(path, vertex, &LightSample::Area(seen)) else { return };
             add(at.point.spawn(seen.direction), MirrorSample { by, radiance });
         };
         // Two kinds of samples, each with random numbers of its own.
         if let Some((by, seen)) = images.as_ref().and_then(|images| self.image_sample(images, path, vertex)) {
-            add_seen(seen, by);
+            add_seen(by, seen);
         }
-        if let Some((by, seen)) =
-            windows.as_ref().and_then(|windows| self.window_sample(windows, path, vertex))
-        {
-            add_seen(seen, by);
+        if let Some(windows) = windows {
+            self.sample_windows(windows, path, vertex, add_seen);
         }
     }
 
@@ -156,21 +173,25 @@ impl RenderContext<'_> {
         is_hit.then_some((by, AreaLightSample { direction, pdf, ..light }))
     }
 
-    /// A point on a small mirror triangle, which may show a light of radiance 1.
-    fn window_sample(
+    /// Samples points on small mirror triangles, and calls `add` with each: it may show a light of radiance 1.
+    fn sample_windows(
         &self,
         windows: &WindowMirrors,
         path: &Path,
         vertex: &ShadingPoint<'_>,
-    ) -> Option<(MirrorSampleKind, AreaLightSample)> {
+        mut add: impl FnMut(MirrorSampleKind, AreaLightSample),
+    ) {
         let ShadingPoint { at, bounce, .. } = vertex;
         let decision = 2 * bounce + 1;
-        let (from, number) = (at.point.position, || path.numbers.mirror(decision));
-        let others = || path.numbers.light_in_mirror(decision);
-        let sample = windows.sample(self.scene.triangles(), from, vertex.side(), number, others)?;
-        let WindowSample { triangle, point, direction, pdf, cluster } = sample;
-        let seen = AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf };
-        Some((MirrorSampleKind::Window { triangle, cluster }, seen))
+        let count = self.window_samples(path.is_prefix());
+        let mut sampler = windows.sampler(self.scene.triangles(), at.point.position, vertex.side(), count);
+        for numbers in (0..count).map(|part| path.numbers.part(part, count)) {
+            let window = || numbers.mirror(decision);
+            let Some(sample) = sampler.sample(window, || numbers.light_in_mirror(decision)) else { continue };
+            let WindowSample { triangle, point, direction, pdf, cluster } = sample;
+            let seen = AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf };
+            add(MirrorSampleKind::Window { triangle, cluster }, seen);
+        }
     }
 
     /// The contribution of a light sample: what arrives from it, scattered along the path, times its multiple

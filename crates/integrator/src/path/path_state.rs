@@ -33,9 +33,9 @@ pub(super) enum Target {
 pub(super) enum Stage {
     /// The prefix has not ended.
     Prefix,
-    /// The prefix has ended at the last vertex.
+    /// The prefix has ended at the last vertex, and others may reuse what follows.
     PrefixEnded,
-    /// The vertex after the prefix has been passed.
+    /// The vertex after the prefix has been passed, or the prefix has ended and is not reused.
     Beyond,
 }
 
@@ -59,6 +59,12 @@ impl Path {
             prefix_throughput: Rgb::WHITE,
             mis: MisContext::new(Density::Delta, DVec3::ZERO, Vec3::ZERO),
         }
+    }
+
+    /// Whether no vertex before the present one was diffuse.
+    #[inline(always)]
+    pub(super) fn is_prefix(&self) -> bool {
+        self.stage == Stage::Prefix
     }
 
     /// Whether the path survives Russian roulette by `u` in `[0, 1)`; scales its throughput. A guide changes nothing: it

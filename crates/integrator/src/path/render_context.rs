@@ -69,9 +69,21 @@ impl RenderContext<'_> {
         self.settings.path_reuse == PathReuse::Sixteens && self.settings.sampler == Sampler::Sobol
     }
 
-    /// Whether a prefix may end at this bounce. Roulette, which could end the path there, would change
+    /// How many light samples a diffuse vertex takes, by whether it is the first one of the path.
+    #[inline(always)]
+    pub(super) fn direct_samples(&self, is_first: bool) -> u32 {
+        if is_first && self.scene.lights().are_in_a_tree() { self.settings.light_samples } else { 1 }
+    }
+
+    /// How many light samples by way of small mirrors it takes.
+    #[inline(always)]
+    pub(super) fn window_samples(&self, is_first: bool) -> u32 {
+        if is_first { self.settings.light_samples } else { 1 }
+    }
+
+    /// Whether a prefix that ends at this bounce may be reused. Roulette, which could end the path there, would change
     /// the density of the prefix.
-    pub(super) fn may_end_prefix(&self, bounce: u32) -> bool {
+    pub(super) fn may_reuse_prefix(&self, bounce: u32) -> bool {
         self.reuses_paths() && bounce < self.settings.roulette.start
     }
 }

@@ -80,11 +80,13 @@ pub(super) struct MisContext {
     pub(super) mirror: Option<u32>,
     /// Whether other camera rays find what the path would find of lights before its first diffuse vertex.
     pub(super) supersampled: bool,
+    /// Whether `from` is the first diffuse vertex of the path, which may have several light samples.
+    pub(super) is_first: bool,
 }
 
 impl MisContext {
     /// A direction of this density that starts at `from`, on this side of its surface.
     pub(super) fn new(density: Density, from: DVec3, side: Vec3) -> Self {
-        Self { density, from, side, mirror: None, supersampled: false }
+        Self { density, from, side, mirror: None, supersampled: false, is_first: false }
     }
 }

@@ -59,6 +59,7 @@ fn training_settings(settings: &Settings) -> Settings {
         samples,
         pass_samples: samples,
         seed: !settings.seed,
+        light_samples: 1,
         path_reuse: PathReuse::Off,
         supersampling: Supersampling::Off,
         ..*settings

@@ -350,18 +350,25 @@ impl Wavefront {
         hit: Option<&Hit>,
         counters: &mut Counters,
     ) -> Option<Ray> {
-        if let Some((shadow_ray, radiance)) = context.next_event(path, vertex) {
-            self.shadow_rays.push(shadow_ray);
-            self.contributions.push(Contribution { target: path.target, radiance });
-        }
+        context.next_event(
+            path,
+            vertex,
+            #[inline(always)]
+            |shadow_ray, radiance| {
+                self.shadow_rays.push(shadow_ray);
+                self.contributions.push(Contribution { target: path.target, radiance });
+            },
+        );
         context.next_event_in_mirrors(path, vertex, |mirror_ray, sample| {
             self.mirror_rays.push(mirror_ray);
             self.mirror_samples.push((path.target, sample));
         });
         let next = path.scatter(context, hit, vertex)?;
-        let is_diffuse = vertex.at.material.bsdf.is_diffuse();
-        if path.stage == Stage::Prefix && context.may_end_prefix(vertex.bounce) && is_diffuse {
-            self.prefixes.end(path, vertex);
+        if path.is_prefix() && vertex.at.material.bsdf.is_diffuse() {
+            path.stage = Stage::Beyond;
+            if context.may_reuse_prefix(vertex.bounce) {
+                self.prefixes.end(path, vertex);
+            }
         }
         if vertex.numbers.roulette.is_some_and(|u| !path.survives(context.settings.roulette, u)) {
             counters.roulette_ends += 1;
@@ -432,7 +439,10 @@ impl Path {
         self.throughput *= sample.weight;
         self.guided *= ratio;
         self.mis = match sample.density {
-            Density::SolidAngle(_) => MisContext::new(sample.density, at.point.position, vertex.side()),
+            Density::SolidAngle(_) => MisContext {
+                is_first: self.is_prefix(),
+                ..MisContext::new(sample.density, at.point.position, vertex.side())
+            },
             Density::Delta => context.mis_after_mirror(self.mis, hit?.triangle),
         };
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))

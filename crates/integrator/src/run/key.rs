@@ -73,7 +73,7 @@ impl Key {
             settings.supersampling as u32,
             settings.guiding as u32,
         ];
-        for part in [width, height, pass_samples].into_iter().chain(kinds) {
+        for part in [width, height, pass_samples, settings.light_samples].into_iter().chain(kinds) {
             self.add(part.into());
         }
         self.add(settings.roulette.start.into());

@@ -43,6 +43,9 @@ impl Sampler {
     /// The most samples in a pass.
     pub(crate) const MAX_PASS: u32 = 1 << 16;
 
+    /// The most parts of a sample.
+    pub(crate) const MAX_PARTS: u32 = 16;
+
     /// How many rays supersample the lights that one sample sees.
     pub(crate) const RAYS: usize = 16;
 
@@ -180,6 +183,42 @@ impl Numbers {
             *point = *this;
         }
         SobolPoints::new(&points)
+    }
+
+    /// The numbers of part `part` of `count`, a power of two up to [`Sampler::MAX_PARTS`], for a decision that a sample
+    /// takes as many times. By Sobol' points, those of all parts of the samples of a pass are one net.
+    #[inline]
+    pub(crate) fn part(&self, part: u32, count: u32) -> Self {
+        match self {
+            _ if count == 1 => *self,
+            Self::Independent(stream) => Self::Independent(stream.part(part)),
+            Self::Sobol(point) => Self::Sobol(point.part(part, count.trailing_zeros())),
+        }
+    }
+
+    /// For the choices of `N` lights by parts `first` and on, and of points on them.
+    #[inline(always)]
+    pub(crate) fn lights<const N: usize>(&self, bounce: u32, first: u32, count: u32) -> [(f64, [f64; 2]); N] {
+        let parts = std::array::from_fn(
+            #[inline(always)]
+            |i| self.part((first + i as u32) % count, count),
+        );
+        match Self::as_points(&parts) {
+            Some(points) => {
+                let [x, y, light] = points.uniform(Decision::light(bounce).0);
+                std::array::from_fn(
+                    #[inline(always)]
+                    |i| (light[i], [x[i], y[i]]),
+                )
+            }
+            None => Self::lights_one_by_one(&parts, bounce),
+        }
+    }
+
+    /// Rarely used, and so not inlined.
+    #[inline(never)]
+    fn lights_one_by_one<const N: usize>(parts: &[Self; N], bounce: u32) -> [(f64, [f64; 2]); N] {
+        parts.map(|numbers| numbers.light(Decision::light(bounce)))
     }
 
     /// For the choice of a mirror: uniform in `[0, 1)`.
@@ -349,6 +388,38 @@ mod tests {
             let ratio = variance * 144.0 * (n - 1.0);
             assert!((ratio - 1.0).abs() < 5.85 * 0.012, "{i}: {ratio} times the variance expected");
         }
+    }
+
+    /// Of the 64 points of four parts of each sample of a pass, one lies in each cell of every grid of 64 cells;
+    /// parts one by one and side by side are the same.
+    #[test]
+    fn the_parts_of_all_samples_are_one_net() {
+        let samples = (0..PASS).map(|sample| numbers(Sampler::Sobol, 9, sample));
+        let points: Vec<_> = samples.flat_map(|numbers| numbers.lights::<4>(2, 0, 4)).collect();
+        for (i, point) in (0..).zip(&points) {
+            let part = numbers(Sampler::Sobol, 9, i / 4).part(i % 4, 4);
+            assert_eq!(part.light(Decision::light(2)), *point);
+        }
+        for columns in (0..=6).map(|digits| f64::from(1 << digits)) {
+            let cell = |&(_, [x, y]): &(f64, [f64; 2])| {
+                let rows = 64.0 / columns;
+                (x * columns).floor() * rows + (y * rows).floor()
+            };
+            let cells: std::collections::BTreeSet<_> =
+                points.iter().map(|point| cell(point) as u32).collect();
+            assert_eq!(cells.len(), 64, "{columns} columns");
+        }
+    }
+
+    #[test]
+    fn parts_of_independent_samples_differ() {
+        let numbers = numbers(Sampler::Independent, 9, 3);
+        let mut drawn: Vec<f64> =
+            (0..16).map(|part| numbers.part(part, 16).single(Decision::light(0))).collect();
+        drawn.push(numbers.single(Decision::light(0)));
+        drawn.sort_by(f64::total_cmp);
+        assert!(drawn.windows(2).all(|pair| pair[0] != pair[1]));
+        assert_eq!(numbers.part(0, 1), numbers);
     }
 
     /// Of the 256 points of a pass, one lies in each cell of a grid of 4 x 4 x 4 x 4.

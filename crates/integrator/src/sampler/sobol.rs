@@ -67,6 +67,14 @@ impl SobolPoint {
         Self { key, member_key, index: number << sample_digits | sample, shape }
     }
 
+    /// Point `part` of the `2^digits` that take the place of this one in a larger net.
+    pub(super) fn part(&self, part: u32, digits: u32) -> Self {
+        let Shape { digits: all, sample_digits } = self.shape;
+        debug_assert!(part >> digits == 0 && sample_digits + digits <= Self::MAX_DIGITS);
+        let shape = Shape { digits: all + digits, sample_digits: sample_digits + digits };
+        Self { index: self.index << digits | part, shape, ..*self }
+    }
+
     /// The first `D` coordinates, up to three, of the point of `dimension`.
     #[inline]
     pub(super) fn uniform<const D: usize>(&self, dimension: u32) -> [f64; D] {

@@ -1,5 +1,8 @@
 use crate::hash::{fold, nth, unit};
 
+/// The first of the numbers by which keys of parts are hashed, beyond those of samples.
+const PARTS: u64 = 1 << 32;
+
 /// The independent random numbers of one sample of one pixel, addressed by dimension.
 ///
 /// Counter-based: a number depends on seed, pixel, sample and dimension only, so samples can be computed in
@@ -14,6 +17,11 @@ impl Stream {
     /// The stream of sample `sample` of pixel `pixel` (counted row by row) for `seed`.
     pub fn new(seed: u64, pixel: u64, sample: u32) -> Self {
         Self { key: [seed, pixel, u64::from(sample)].into_iter().fold(0, fold) }
+    }
+
+    /// A stream of its own for part `part` of the sample.
+    pub(crate) fn part(&self, part: u32) -> Self {
+        Self { key: fold(self.key, PARTS + u64::from(part)) }
     }
 
     /// A number uniform in `[0, 1)`, a multiple of `2^-53`.

@@ -53,9 +53,6 @@ pub(super) struct Viewpoint {
 const OPEN: u32 = 1 << 31;
 
 impl MirrorTree {
-    /// The least probability with which any facet is chosen at a point. Where it is less, scattering does as well.
-    const LEAST_PROB: f64 = 1.0 / 32.0;
-
     /// A tree over one or more facets, and their order in the tree.
     pub(super) fn new(triangles: &Triangles, facets: &[FacetBounds], bodies: Vec<Aabb>) -> (Self, Vec<u32>) {
         let Aabb { min, max } = triangles.bounds();
@@ -80,39 +77,46 @@ impl MirrorTree {
         (Self { nodes, depth, paths, bodies, origin, scale, level: SimdLevel::best() }, order)
     }
 
+    /// Where choices among the facets for which `shows` holds begin; `None` if none is ever chosen.
+    ///
+    /// The probability of any choice is `attempts` times the solid angle, about, that shows lights, where that is less
+    /// than 1.
+    #[inline(always)]
+    pub(super) fn root(&self, at: &Viewpoint, attempts: f64, shows: impl Fn(u32) -> bool) -> Option<Root> {
+        self.level.run(
+            #[inline(always)]
+            || {
+                let query = self.query(at);
+                let weights = self.weights(&query, 0, 1, shows)?;
+                let attempt_prob = (weights.total() * attempts).min(1.0);
+                Some(Root { query, weights, attempt_prob })
+            },
+        )
+    }
+
     /// Chooses one of the facets for which `shows` holds by `draw`, which returns the same number in `[0, 1)` each time:
     /// its place, and the probability of the choice, above zero. `None` if none is chosen.
-    ///
-    /// The probability of any choice is `attempts` over the solid angle, about, that shows lights, where that is less
-    /// than 1; none where it is less than [`MirrorTree::LEAST_PROB`].
     #[inline(always)]
     pub(super) fn choose(
         &self,
-        at: &Viewpoint,
-        attempts: f64,
+        root: &Root,
         draw: impl Fn() -> f64,
         shows: impl Fn(u32) -> bool,
     ) -> Option<(u32, f64)> {
         self.level.run(
             #[inline(always)]
-            || self.descend(at, attempts, Guide::Number(None, draw), shows),
+            || self.descend(root, Guide::Number(None, draw), shows),
         )
     }
 
     /// The probability with which [`MirrorTree::choose`] chooses the facet at `place`, to the bit; `None` if it never
     /// does.
     #[inline(always)]
-    pub(super) fn prob(
-        &self,
-        at: &Viewpoint,
-        attempts: f64,
-        place: u32,
-        shows: impl Fn(u32) -> bool,
-    ) -> Option<f64> {
+    pub(super) fn prob(&self, root: &Root, place: u32, shows: impl Fn(u32) -> bool) -> Option<f64> {
         let path: Guide<fn() -> f64> = Guide::Path(self.paths[place as usize]);
         let found = self.level.run(
             #[inline(always)]
-            || self.descend(at, attempts, path, shows),
+            || self.descend(root, path, shows),
         );
         found.map(|(_, prob)| prob)
     }
@@ -121,39 +125,40 @@ impl MirrorTree {
     #[inline(always)]
     fn descend(
         &self,
-        at: &Viewpoint,
-        attempts: f64,
+        root: &Root,
         mut guide: Guide<impl Fn() -> f64>,
         shows: impl Fn(u32) -> bool,
     ) -> Option<(u32, f64)> {
-        let query = self.query(at);
-        let (mut index, mut prob) = (0, 1.0);
+        let Root { query, mut weights, attempt_prob: mut prob } = *root;
+        if !guide.attempts(prob) {
+            return None;
+        }
+        let mut index = 0;
         for level in 1..=self.depth {
-            let node = &self.nodes[index as usize];
-            let mut importance = node.importance(&query);
-            if level == self.depth {
-                for (place, importance) in (node.first..).zip(&mut importance) {
-                    if *importance > 0.0 && !shows(place) {
-                        *importance = 0.0;
-                    }
-                }
+            if level > 1 {
+                weights = self.weights(&query, index, level, &shows)?;
             }
-            let ends = sums(&importance);
-            let total = ends[WIDTH - 1];
-            if total.is_nan() || total <= 0.0 {
-                return None;
-            }
-            if level == 1 {
-                prob = (total * attempts).min(1.0);
-                if prob < Self::LEAST_PROB || !guide.attempts(prob) {
-                    return None;
-                }
-            }
-            let lane = guide.lane(&importance, &ends);
-            prob *= f64::from(importance[lane]) / total;
-            index = node.first + lane as u32;
+            let lane = guide.lane(&weights);
+            prob *= f64::from(weights.of_lanes[lane]) / weights.total();
+            index = self.nodes[index as usize].first + lane as u32;
         }
         (prob > 0.0).then_some((index, prob))
+    }
+
+    /// The weights of the children of a node of this level; `None` if none has any.
+    #[inline(always)]
+    fn weights(&self, query: &Query, index: u32, level: u32, shows: impl Fn(u32) -> bool) -> Option<Weights> {
+        let node = &self.nodes[index as usize];
+        let mut importance = node.importance(query);
+        if level == self.depth {
+            for (place, importance) in (node.first..).zip(&mut importance) {
+                if *importance > 0.0 && !shows(place) {
+                    *importance = 0.0;
+                }
+            }
+        }
+        let weights = Weights { ends: sums(&importance), of_lanes: importance };
+        (weights.total() > 0.0).then_some(weights)
     }
 
     /// Whether `from` is outside of this body.
@@ -170,9 +175,34 @@ impl MirrorTree {
             from: place(at.from),
             side: at.side,
             lights: place(at.lights.centre),
+            lights_half_extents: (at.lights.half_extents * self.scale).as_vec3(),
             lights_radius: (at.lights.radius * self.scale) as f32,
             around: (0..self.bodies.len() as u32).fold(OPEN, |all, body| all | within(body)),
         }
+    }
+}
+
+/// The root of a tree as it is seen from a shading point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Root {
+    query: Query,
+    weights: Weights,
+    /// The probability that any facet is chosen.
+    attempt_prob: f64,
+}
+
+/// To what each child of a node is chosen in proportion.
+#[derive(Clone, Copy, Debug)]
+struct Weights {
+    of_lanes: Lanes,
+    /// The sums of the weights up to each lane.
+    ends: [f64; WIDTH],
+}
+
+impl Weights {
+    #[inline(always)]
+    fn total(&self) -> f64 {
+        self.ends[WIDTH - 1]
     }
 }
 
@@ -198,21 +228,21 @@ impl<F: Fn() -> f64> Guide<F> {
         u < prob
     }
 
-    /// The lane to descend to, with a probability proportional to its weight; `ends` are the sums of weights up to each.
+    /// The lane to descend to, with a probability proportional to its weight.
     #[inline(always)]
-    fn lane(&mut self, weights: &Lanes, ends: &[f64; WIDTH]) -> usize {
+    fn lane(&mut self, Weights { of_lanes, ends }: &Weights) -> usize {
         match self {
             Self::Number(number, draw) => {
                 let total = ends[WIDTH - 1];
-                let last = last(weights);
-                if f64::from(weights[last]) == total {
+                let last = last(of_lanes);
+                if f64::from(of_lanes[last]) == total {
                     return last;
                 }
                 let u = number.unwrap_or_else(draw);
                 let below: usize = ends.iter().map(|end| usize::from(*end <= u * total)).sum();
                 // The product may round to the last sum, which also those of empty lanes are.
                 let lane = below.min(last);
-                let weight = f64::from(weights[lane]);
+                let weight = f64::from(of_lanes[lane]);
                 let rest = 1.0 - (ends[lane] - u * total) / weight;
                 *number = Some(rest.clamp(0.0, 1.0_f64.next_down()));
                 lane

@@ -16,8 +16,10 @@ pub(super) struct Query {
     pub(super) from: Vec3,
     /// The unit normal on the side of the surface where mirrors count.
     pub(super) side: Vec3,
-    /// The centre of the sphere around the lights, and its radius.
+    /// The centre of the box around the lights, the distances of its faces from there, and the radius of the sphere
+    /// around it.
     pub(super) lights: Vec3,
+    pub(super) lights_half_extents: Vec3,
     pub(super) lights_radius: f32,
     /// The bits of the bodies that the shading point may be within, and of mirrors that are in no body.
     pub(super) around: u32,
@@ -100,13 +102,14 @@ impl Node {
             let (from_size, lights_size) = (radius * per_from, radius * per_lights);
             let is_near = max(from_size, lights_size) >= 1.0;
             let turn = turn(from_size) + turn(lights_size);
-            let window = self::turn(query.lights_radius * per_lights);
+            let lights = LightsFromChild::new(query, to_lights, per_lights);
+            let window = lights.largest_turn;
             let along = dot(half, lane(&self.axis, i));
-            let along_front = if self.bodies[i] & query.around == 0 { along } else { max(along, -along) };
+            let along_front = if self.bodies[i] & query.around == 0 { along } else { abs(along) };
             let facing = if along_front > -(turn + window) { 1.0 } else { 0.0 };
-            let along = max(along, -along);
-            let a = overlap(dot(half, lane(&self.sides[0], i)), self.sines[0][i] * along + turn, window);
-            let b = overlap(dot(half, lane(&self.sides[1], i)), self.sines[1][i] * along + turn, window);
+            let along = abs(along);
+            let a = self.share(i, 0, half, along, turn, &lights);
+            let b = self.share(i, 1, half, along, turn, &lights);
             let is_flat = max(self.sines[0][i], self.sines[1][i]) < Self::FLAT;
             let share = if is_near && is_flat { 1.0 } else { facing * a * b };
             let cos = if is_near { 1.0 } else { 0.5 * dot(half, half).sqrt() };
@@ -116,12 +119,75 @@ impl Node {
         }
         all
     }
+
+    /// The share of the normals of child `i` along side `k` of its cone for which a ray goes on to the lights.
+    #[inline(always)]
+    fn share(
+        &self,
+        i: usize,
+        k: usize,
+        half: [f32; 3],
+        along: f32,
+        turn: f32,
+        lights: &LightsFromChild,
+    ) -> f32 {
+        let (side, sin) = (lane(&self.sides[k], i), self.sines[k][i]);
+        let window = if sin < 1.0 { lights.turn_along(side) } else { lights.largest_turn };
+        overlap(dot(half, side), sin * along + turn, window)
+    }
+}
+
+/// The directions from the centre of a child to the lights.
+struct LightsFromChild {
+    /// That to the centre of the lights, a unit vector.
+    middle: [f32; 3],
+    /// The half extents of the lights, and the radius around them, over the distance of their centre.
+    half_extents: [f32; 3],
+    size: f32,
+    /// A lower bound of the depths of the lights along `middle`, over the distance of their centre. Bounds of a single
+    /// component are not valid unless it is positive.
+    nearest: f32,
+    /// An upper bound of the difference between `middle` and the direction to any point of the lights.
+    largest_turn: f32,
+}
+
+impl LightsFromChild {
+    /// Below this depth, bounds of single components are too wide to help.
+    const TOO_NEAR: f32 = 1e-3;
+
+    #[inline(always)]
+    fn new(query: &Query, to_lights: [f32; 3], per_distance: f32) -> Self {
+        let [x, y, z] = to_lights;
+        let middle = [x * per_distance, y * per_distance, z * per_distance];
+        let Vec3 { x, y, z } = query.lights_half_extents;
+        let half_extents = [x * per_distance, y * per_distance, z * per_distance];
+        let size = query.lights_radius * per_distance;
+        let nearest = 1.0 - dot(half_extents, middle.map(abs));
+        Self { middle, half_extents, size, nearest, largest_turn: turn(size) }
+    }
+
+    /// An upper bound of the component along `side`, a vector of length up to 1, of the difference between `middle` and
+    /// the direction to any point of the lights.
+    ///
+    /// In units of the distance of the centre, a point is `middle + d`, where `d` has the component `d_m` along `middle`
+    /// and the rest `d_r`. Its distance is at least `1 + d_m`, and exceeds that by at most `d_r^2 / (2 (1 + d_m))`. So
+    /// the component is at most `(|side . d_r| + |side . middle| d_r^2 / (2 (1 + d_m))) / (1 + d_m)`.
+    #[inline(always)]
+    fn turn_along(&self, side: [f32; 3]) -> f32 {
+        let along = dot(side, self.middle);
+        let middle = self.middle;
+        let across = [0, 1, 2].map(|k| abs(side[k] - along * middle[k]));
+        let per_nearest = 1.0 / max(self.nearest, Self::TOO_NEAR);
+        let excess = 0.5 * abs(along) * self.size * self.size * per_nearest;
+        let bound = (dot(self.half_extents, across) + excess) * per_nearest;
+        if self.nearest > Self::TOO_NEAR { min(bound, self.largest_turn) } else { self.largest_turn }
+    }
 }
 
 /// The share of the interval of half width `spread` around `middle` that is within `[-window, window]`.
 #[inline(always)]
 fn overlap(middle: f32, spread: f32, window: f32) -> f32 {
-    let (middle, spread) = (max(middle, -middle), max(spread, f32::MIN_POSITIVE));
+    let (middle, spread) = (abs(middle), max(spread, f32::MIN_POSITIVE));
     let common = min(middle + spread, window) - max(middle - spread, -window);
     min(max(common / (spread + spread), 0.0), 1.0)
 }
@@ -129,6 +195,11 @@ fn overlap(middle: f32, spread: f32, window: f32) -> f32 {
 #[inline(always)]
 fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn abs(a: f32) -> f32 {
+    max(a, -a)
 }
 
 #[inline(always)]
