@@ -8,8 +8,8 @@ use std::fmt::Debug;
 /// `conformance`) checks it.
 ///
 /// 1. A hit is reported iff `t_min < t < t_max`, both strict, with `t` as
-///    [`decide::Shear::decide`](crate::decide::Shear::decide) computes it. `occluded(r)` is
-///    `intersect(r).is_some()`, always.
+///    [`decide::Shear::decide`](crate::decide::Shear::decide) computes it, and the ray does not
+///    [exclude](Ray::excludes) the triangle. `occluded(r)` is `intersect(r).is_some()`, always.
 /// 2. Among equal `t` the smallest triangle index wins.
 /// 3. A ray that is not [traceable](Ray::is_traceable) hits nothing. `-0.0` acts as `+0.0`.
 /// 4. Scaling a direction by `2^k` scales `t` by exactly `2^-k`, as long as it stays within

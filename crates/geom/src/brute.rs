@@ -19,7 +19,7 @@ impl BruteForce {
 
     fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
         if let Some(shear) = Shear::new(ray) {
-            offer_all(&shear, &self.triangles, self.triangles.live().iter().copied(), &mut query, probe);
+            offer_all(ray, &shear, &self.triangles, self.triangles.live().iter().copied(), &mut query, probe);
         }
         query
     }

@@ -110,9 +110,10 @@ impl Query for AnyHit {
     }
 }
 
-/// Tests the triangles of these `indices` and offers their intersections to `query`.
+/// Tests the triangles of these `indices` that the ray does not exclude, and offers their intersections to `query`.
 #[inline]
 pub(crate) fn offer_all<Q: Query, P: Probe>(
+    ray: &Ray,
     shear: &Shear,
     triangles: &Triangles,
     indices: impl IntoIterator<Item = u32>,
@@ -121,6 +122,9 @@ pub(crate) fn offer_all<Q: Query, P: Probe>(
 ) {
     for index in indices {
         probe.test(index);
+        if ray.excludes(index) {
+            continue;
+        }
         if let Some(intersection) = shear.decide(triangles.get(index)) {
             query.offer(intersection, index);
         }

@@ -13,6 +13,12 @@ pub struct Ray {
     pub t_min: f64,
     /// The upper end of the range, excluded; may be infinite.
     pub t_max: f64,
+    /// The indices of two triangles that the ray never hits; [`Ray::NO_TRIANGLE`] stands for none.
+    ///
+    /// Rays that leave a surface exclude the triangle that they start on, and segments between surfaces the one that
+    /// they end on, too. They miss these triangles by rounding errors only, so an accelerator that did not know them
+    /// would have to decide each exactly.
+    pub excluded: [u32; 2],
 }
 
 impl Ray {
@@ -21,22 +27,38 @@ impl Ray {
     /// The range of the largest magnitude of a direction component of a traceable ray: `2^-600..=2^600`.
     pub const DIRECTION_DOMAIN: std::ops::RangeInclusive<f64> = power_of_two(-600)..=power_of_two(600);
 
-    /// A ray with the range `0 < t < infinity`.
+    /// The index of no triangle.
+    pub const NO_TRIANGLE: u32 = u32::MAX;
+
+    /// A ray with the range `0 < t < infinity`, which excludes no triangle.
     #[inline(always)]
     pub const fn new(origin: DVec3, direction: DVec3) -> Self {
-        Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
+        Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY, excluded: [Self::NO_TRIANGLE; 2] }
     }
 
-    /// The open segment from `from` (`t = 0`) to `to` (`t = 1`).
+    /// The open segment from `from` (`t = 0`) to `to` (`t = 1`), which excludes no triangle.
     #[inline(always)]
     pub fn segment(from: DVec3, to: DVec3) -> Self {
-        Self { origin: from, direction: to - from, t_min: 0.0, t_max: 1.0 }
+        Self { t_max: 1.0, ..Self::new(from, to - from) }
     }
 
     /// The same ray with the range `t_min < t < t_max`.
     #[must_use]
     pub const fn with_range(self, t_min: f64, t_max: f64) -> Self {
         Self { t_min, t_max, ..self }
+    }
+
+    /// The same ray, which never hits the triangles `excluded`.
+    #[must_use]
+    #[inline(always)]
+    pub const fn excluding(self, excluded: [u32; 2]) -> Self {
+        Self { excluded, ..self }
+    }
+
+    /// Whether triangle `index` is excluded.
+    #[inline(always)]
+    pub const fn excludes(&self, index: u32) -> bool {
+        (self.excluded[0] == index) | (self.excluded[1] == index)
     }
 
     /// The point `origin + t * direction`, rounded.

@@ -20,7 +20,7 @@ const GIVEN_ERR: f64 = 1.0 / (1 << 22) as f64;
 /// Rounding displaces the computed position from the triangle's plane, and also the computed intersection of
 /// a ray with the triangle. `plane_err` bounds the sum of both errors. The origin of a spawned ray is offset
 /// by it along the normal, to the side of the direction. The bound scales with the scene; there is no epsilon
-/// to choose.
+/// to choose. Rays also [exclude](Ray::excluded) the triangle itself, so no accelerator has to decide it.
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
@@ -42,10 +42,12 @@ pub struct SurfacePoint {
     /// A distance from the triangle's plane, in units of length: a ray that starts this far off the plane and
     /// leads away from it hits no triangle in the plane.
     pub plane_err: f64,
+    /// The index of the triangle; [`Ray::NO_TRIANGLE`] for a [given point](crate::Triangles::given_point).
+    pub triangle: u32,
 }
 
 impl SurfacePoint {
-    /// The point of `triangle`, with its unit `normal`, at the barycentrics `u` (second vertex) and `v`
+    /// The point of triangle `index`, with its unit `normal`, at the barycentrics `u` (second vertex) and `v`
     /// (third vertex), in a scene whose bounds have the longest side `scene_extent`.
     ///
     /// With `eps = 2^-53` and `extent` the largest component of `|e1| + |e2| + |e1 - e2|`, the error is the
@@ -54,21 +56,26 @@ impl SurfacePoint {
     /// Artifacts in DirectX Raytracing", 2023), the last that of a decision within the scene
     /// (docs/numerics.md).
     #[inline(always)]
-    pub(crate) fn on(triangle: &Triangle, normal: DVec3, u: f64, v: f64, scene_extent: f64) -> Self {
+    pub(crate) fn on(
+        (triangle, index): (&Triangle, u32),
+        normal: DVec3,
+        [u, v]: [f64; 2],
+        scene_extent: f64,
+    ) -> Self {
         let [e1, e2] = triangle.edges();
         let v0 = triangle.vertices[0].as_dvec3();
         let position = v0 + (u * e1 + v * e2);
         let extent = (e1.abs() + e2.abs() + (e1 - e2).abs()).max_element();
         let evenly = DVec3::splat(3.0 * extent + HIT_ERR * scene_extent);
         let err = U * (v0.abs() + evenly + 2.0 * position.abs());
-        Self { position, normal, plane_err: normal.abs().dot(err) }
+        Self { position, normal, plane_err: normal.abs().dot(err), triangle: index }
     }
 
     /// The point that stands for `position`, in a scene whose bounds have the longest side `scene_extent`; `reach` has
     /// the largest magnitudes of coordinates along each axis, of the scene and of `position`.
     pub(crate) fn given(position: DVec3, normal: DVec3, reach: DVec3, scene_extent: f64) -> Self {
         let lift = normal.abs().dot(GIVEN_ERR * reach + DVec3::splat(U * HIT_ERR * scene_extent));
-        Self { position: position + lift * normal, normal, plane_err: 0.0 }
+        Self { position: position + lift * normal, normal, plane_err: 0.0, triangle: Ray::NO_TRIANGLE }
     }
 
     /// The origin of a ray toward `direction`: the position, offset by `plane_err` to that side of the plane.
@@ -78,31 +85,37 @@ impl SurfacePoint {
         self.position + (side * self.plane_err) * self.normal
     }
 
-    /// The ray from this point toward `direction`, of any length, with the range `0 < t < infinity`.
+    /// The ray from this point toward `direction`, of any length, with the range `0 < t < infinity`. It excludes the
+    /// triangle.
     #[inline(always)]
     pub fn spawn(&self, direction: DVec3) -> Ray {
-        Ray::new(self.leave_toward(direction), direction)
+        Ray::new(self.leave_toward(direction), direction).excluding([self.triangle, Ray::NO_TRIANGLE])
     }
 
-    /// The open segment to `other`, each end offset toward the other one.
+    /// The open segment to `other`, each end offset toward the other one. It excludes both triangles.
     ///
     /// `None` if one of the points lies in the plane of the other within `plane_err`, where the cosine is
     /// zero up to rounding.
     #[inline(always)]
     pub fn segment_to(&self, other: &Self) -> Option<Ray> {
         let between = other.position - self.position;
-        (self.stands_off(between) && other.stands_off(between))
-            .then(|| Ray::segment(self.leave_toward(between), other.leave_toward(-between)))
+        (self.stands_off(between) && other.stands_off(between)).then(|| {
+            Ray::segment(self.leave_toward(between), other.leave_toward(-between))
+                .excluding([self.triangle, other.triangle])
+        })
     }
 
-    /// The open segment to `position`, a point on no surface, offset toward it at this end.
+    /// The open segment to `position`, a point on no surface, offset toward it at this end. It excludes this point's
+    /// triangle.
     ///
     /// `None` if `position` lies in this point's plane within `plane_err`. If it lies on another triangle,
     /// rounding decides whether the segment meets that triangle.
     #[inline(always)]
     pub fn segment_to_position(&self, position: DVec3) -> Option<Ray> {
         let between = position - self.position;
-        self.stands_off(between).then(|| Ray::segment(self.leave_toward(between), position))
+        self.stands_off(between).then(|| {
+            Ray::segment(self.leave_toward(between), position).excluding([self.triangle, Ray::NO_TRIANGLE])
+        })
     }
 
     /// Whether `offset` leads out of the plane by more than `plane_err`.

@@ -50,6 +50,7 @@ hard_cases! {
     origins_far_away
     no_triangles
     duplicate_triangles
+    excluded_triangles
     a_scene_flat_in_x
     a_scene_flat_in_y
     a_scene_flat_in_z

@@ -1,4 +1,5 @@
-//! Rays and segments that leave surfaces: they meet what is there, and never what they leave.
+//! Rays and segments that leave surfaces: they meet what is there, and never what they leave. But for the last test, the
+//! offset of their ends alone must see to it, without the triangles that they exclude.
 //!
 //! `GLOBILLUM_EFFORT` multiplies the number of rays; 10 makes it a million of each kind.
 
@@ -66,6 +67,10 @@ fn on_triangle(source: &mut Seeded) -> [f64; 2] {
     [u, v]
 }
 
+fn excluding_none(ray: Ray) -> Ray {
+    ray.excluding([Ray::NO_TRIANGLE; 2])
+}
+
 /// A ray and the triangle that it leaves.
 struct Departure {
     ray: Ray,
@@ -126,7 +131,7 @@ fn no_ray_escapes_from_the_edges_inside_a_tetrahedron() {
                 let distance = size * magnitude(&mut source, -14.0, -1.0);
                 let [u, v] = near_an_edge(&mut source, &faces[from], distance);
                 let point = scene.surface_point(from as u32, u, v);
-                Departure { ray: point.spawn(leaving(&mut source, -point.normal)), from }
+                Departure { ray: excluding_none(point.spawn(leaving(&mut source, -point.normal))), from }
             };
             let departures: Vec<_> = (0..10_000 * effort()).map(|_| depart()).collect();
             let lands = |d: &Departure, hit: Option<Hit>| hit.is_some_and(|h| h.triangle as usize != d.from);
@@ -142,7 +147,7 @@ fn assert_none_returns(source: &mut Seeded, triangles: &[Triangle], count: usize
         let from = source.below(triangles.len());
         let [u, v] = on_border(source);
         let point = scene.surface_point(from as u32, u, v);
-        Departure { ray: point.spawn(leaving(source, point.normal)), from }
+        Departure { ray: excluding_none(point.spawn(leaving(source, point.normal))), from }
     };
     let departures: Vec<_> = (0..count).map(|_| depart()).collect();
     assert_all(triangles, &departures, |_, hit| hit.is_none(), what);
@@ -233,7 +238,8 @@ fn two_triangles_apart_never_shade_each_other() {
                 let [u, v] = on_triangle(&mut source);
                 triangles.surface_point(index, u, v)
             };
-            let segments: Vec<Ray> = (0..10).filter_map(|_| point(0).segment_to(&point(1))).collect();
+            let segments: Vec<Ray> =
+                (0..10).filter_map(|_| point(0).segment_to(&point(1))).map(excluding_none).collect();
             for (name, build) in ACCELERATORS {
                 let accel = build(&triangles).expect("the accelerator can be built");
                 let shaded = segments.iter().find(|segment| accel.occluded(segment));
@@ -261,7 +267,7 @@ fn a_surface_does_not_shade_itself_from_a_point() {
             assert_eq!(at.segment_to_position(at.position), None);
             let distance = size * magnitude(&mut source, -12.0, 6.0);
             let position = at.position + leaving(&mut source, at.normal) * distance * whole(&mut source, 1);
-            let Some(segment) = at.segment_to_position(position) else { continue };
+            let Some(segment) = at.segment_to_position(position).map(excluding_none) else { continue };
             count += 1;
             assert_eq!((segment.t_min, segment.t_max), (0.0, 1.0));
             let rounding = 4.0 * f64::EPSILON * (position.abs() + segment.origin.abs());
@@ -306,10 +312,35 @@ fn a_small_triangle_far_away_does_not_shade_itself() {
             let (a, b) = (point(0), point(1));
             for (name, build) in ACCELERATORS {
                 let accel = build(&triangles).expect("the accelerator can be built");
-                for segment in [a.segment_to(&b), b.segment_to(&a)].into_iter().flatten() {
+                for segment in [a.segment_to(&b), b.segment_to(&a)].into_iter().flatten().map(excluding_none)
+                {
                     assert!(!accel.occluded(&segment), "{name}, {small:?}, {large:?}, {segment:?}");
                 }
             }
         }
     }
+}
+
+#[test]
+fn rays_exclude_the_triangles_at_their_ends() {
+    let mut source = Seeded::new(503);
+    let [triangles, _] = tetrahedra(1.0).map(|faces| Triangles::new(faces).expect("a tetrahedron is good"));
+    for _ in 0..1000 {
+        let (from, to) = (source.below(4) as u32, source.below(4) as u32);
+        let mut point = |index| {
+            let [u, v] = on_triangle(&mut source);
+            triangles.surface_point(index, u, v)
+        };
+        let (a, b) = (point(from), point(to));
+        let ray = a.spawn(leaving(&mut source, a.normal));
+        assert_eq!(ray.excluded, [from, Ray::NO_TRIANGLE]);
+        let segment =
+            a.segment_to_position(b.position + 0.1 * in_cube(&mut source)).expect("it is off the plane");
+        assert_eq!(segment.excluded, [from, Ray::NO_TRIANGLE]);
+        let Some(segment) = a.segment_to(&b) else { continue };
+        assert_eq!(segment.excluded, [from, to]);
+        assert!(segment.excludes(from) && segment.excludes(to) && !segment.excludes(Ray::NO_TRIANGLE - 1));
+    }
+    let given = triangles.given_point(DVec3::ONE, DVec3::Z).spawn(DVec3::Z);
+    assert_eq!(given, excluding_none(given));
 }

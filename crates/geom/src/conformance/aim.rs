@@ -1,5 +1,6 @@
 //! Rays that are sensitive to rounding: at edges and vertices, along axes, and within planes.
 
+use super::oracle;
 use super::source::Source;
 use crate::{Ray, Triangle};
 use glam::DVec3;
@@ -47,6 +48,22 @@ fn snapped(target: DVec3, elsewhere: DVec3, source: &mut impl Source) -> DVec3 {
 
 fn with_signed_zeros(direction: DVec3, source: &mut impl Source) -> DVec3 {
     direction.map(|x| if x == 0.0 && source.one_in(2) { -0.0 } else { x })
+}
+
+/// Mostly the same ray; otherwise one that excludes one or two triangles, mostly such that it would hit.
+pub(super) fn with_some_excluded(ray: Ray, triangles: &[Triangle], source: &mut impl Source) -> Ray {
+    if triangles.is_empty() || !source.one_in(4) {
+        return ray;
+    }
+    let ray = excluding_one_more(ray, triangles, source);
+    if source.one_in(2) { excluding_one_more(ray, triangles, source) } else { ray }
+}
+
+fn excluding_one_more(ray: Ray, triangles: &[Triangle], source: &mut impl Source) -> Ray {
+    let at_random = source.below(triangles.len()) as u32;
+    let closest = if source.one_in(4) { None } else { oracle::closest(triangles, &ray) };
+    let index = closest.map_or(at_random, |hit| hit.triangle);
+    ray.excluding(if source.one_in(2) { [ray.excluded[1], index] } else { [index, ray.excluded[0]] })
 }
 
 /// Mostly the whole ray; otherwise a range with an end at or near the target, which is at `t = 1`.

@@ -100,6 +100,7 @@ pub fn all() -> Vec<Case> {
         origins_far_away(),
         no_triangles(),
         duplicate_triangles(),
+        excluded_triangles(),
         a_scene_flat_in_x(),
         a_scene_flat_in_y(),
         a_scene_flat_in_z(),
@@ -345,6 +346,29 @@ pub fn duplicate_triangles() -> Case {
 }
 
 /// A scene within one plane perpendicular to `axis`, 0 to 2.
+/// Rays that exclude triangles of the cube, of two copies of it, and none that there is.
+pub fn excluded_triangles() -> Case {
+    let triangles = [cube(), cube()].concat();
+    let ray = Ray::new(p(0.7, 0.2, -1.0), DVec3::Z);
+    let met: Vec<u32> = oracle::hits(&triangles, &ray).iter().map(|hit| hit.triangle).collect();
+    let [front, back, front_copy, back_copy] = met[..] else {
+        unreachable!("a ray through the cube meets two triangles of each copy")
+    };
+    let none = Ray::NO_TRIANGLE;
+    let rays = [
+        ([none; 2], vec![1.0, 1.0, 2.0, 2.0]),
+        ([front, none], vec![1.0, 2.0, 2.0]),
+        ([none, front_copy], vec![1.0, 2.0, 2.0]),
+        ([front, front_copy], vec![2.0, 2.0]),
+        ([front_copy, back], vec![1.0, 2.0]),
+        ([back_copy, back], vec![1.0, 1.0]),
+        ([triangles.len() as u32, none], vec![1.0, 1.0, 2.0, 2.0]),
+    ];
+    let rays = rays.map(|(excluded, all)| (ray.excluding(excluded), Known::All(all)));
+    let segment = Ray::segment(p(0.7, 0.2, -1.0), p(0.7, 0.2, 0.5)).excluding([front, front_copy]);
+    Case::new("excluded triangles", triangles, rays.into_iter().chain([(segment, Known::Miss)]))
+}
+
 fn flat_scene(name: &'static str, axis: usize) -> Case {
     let mut source = Seeded::new(23);
     let mut flat = || {

@@ -125,7 +125,7 @@ fn check_scaling(accel: &dyn Accel, ray: &Ray, expected: Option<Hit>) -> Result<
     }
     for k in [-500, -1, 37, 500] {
         let factor = 2.0_f64.powi(k);
-        let scaled = Ray::new(ray.origin, ray.direction * factor);
+        let scaled = Ray { direction: ray.direction * factor, ..*ray };
         let actual = accel.intersect(&scaled);
         let back = actual.map(|h| Hit { t: h.t * factor, ..h });
         if bits(back) != bits(expected) {

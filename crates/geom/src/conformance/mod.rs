@@ -70,7 +70,7 @@
 //!         for &index in self.triangles.live() {
 //!             let triangle = self.triangles.get(index);
 //!             let t_end = best.map_or(ray.t_max, |hit| hit.t);
-//!             if !admits(ray, &triangle.bounds(), slack, t_end) {
+//!             if ray.excludes(index) || !admits(ray, &triangle.bounds(), slack, t_end) {
 //!                 continue;
 //!             }
 //!             let Some(met) = shear.decide(triangle) else { continue };

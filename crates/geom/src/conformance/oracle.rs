@@ -23,7 +23,12 @@ pub fn hits(triangles: &[Triangle], ray: &Ray) -> Vec<Hit> {
     }
     let hit = |(triangle, t): (u32, &Triangle)| -> Option<Hit> {
         let (t, u, v) = meet(o, d, t)?;
-        (ray.t_min < t && t < ray.t_max).then_some(Hit { t, u, v, triangle })
+        (ray.t_min < t && t < ray.t_max && !ray.excluded.contains(&triangle)).then_some(Hit {
+            t,
+            u,
+            v,
+            triangle,
+        })
     };
     (0..).zip(triangles).filter_map(hit).collect()
 }

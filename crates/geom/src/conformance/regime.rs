@@ -1,4 +1,4 @@
-use super::aim::{point_of, ray_at, with_some_range};
+use super::aim::{point_of, ray_at, with_some_excluded, with_some_range};
 use super::compare::{Tally, Violation, compare};
 use super::source::Source;
 use crate::{Accel, GeomError, Ray, Triangle, Triangles};
@@ -53,6 +53,11 @@ impl Regime {
 
     /// A random ray for a scene of this regime, usually aimed at one of `triangles`.
     pub fn ray(self, triangles: &[Triangle], source: &mut impl Source) -> Ray {
+        let ray = self.ray_to_all(triangles, source);
+        with_some_excluded(ray, triangles, source)
+    }
+
+    fn ray_to_all(self, triangles: &[Triangle], source: &mut impl Source) -> Ray {
         let elsewhere = self.point(source);
         match self {
             Self::RawBits if source.one_in(8) => {
@@ -124,7 +129,7 @@ impl Regime {
 }
 
 /// Coherent rays: parallel to `ray`, from its origin, or from a distant origin toward one point. Each has its
-/// own range. Half the pencils contain a few rays that are not traceable.
+/// own range. Half the pencils contain a few rays that are not traceable, and some that exclude triangles.
 fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray> {
     let vertices = triangles.iter().flat_map(|triangle| triangle.vertices);
     let reach = f64::from(vertices.map(|v| v.abs().max_element()).fold(1e-6, f32::max));
@@ -147,7 +152,10 @@ fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray
             return Ray { direction: DVec3::splat(source.pick(&[f64::NAN, 0.0])), ..ray };
         }
         let ranged = with_some_range(ray, source);
-        Ray { t_min: if is_plain { ranged.t_min.max(0.0) } else { ranged.t_min }, ..ranged }
+        if is_plain {
+            return Ray { t_min: ranged.t_min.max(0.0), ..ranged };
+        }
+        with_some_excluded(ranged, triangles, source)
     };
     (0..PENCIL).map(member).collect()
 }

@@ -22,7 +22,7 @@ impl UniformGrid {
             if !listed.is_empty() {
                 probe.open();
                 let new = listed.iter().copied().filter(|&triangle| mailbox.is_new(triangle));
-                offer_all(&shear, &self.triangles, new, &mut query, probe);
+                offer_all(ray, &shear, &self.triangles, new, &mut query, probe);
             }
             query.t_end()
         });

@@ -27,7 +27,7 @@ impl KdTree {
             if !bounds.is_empty() {
                 let pruner = Pruner::new(ray, &bounds);
                 let span = pruner.clip(ray, &bounds);
-                self.traverse(&shear, &pruner, span, &mut query, probe);
+                self.traverse(ray, &shear, &pruner, span, &mut query, probe);
             }
         }
         query
@@ -35,6 +35,7 @@ impl KdTree {
 
     fn traverse<Q: Query, P: Probe>(
         &self,
+        ray: &Ray,
         shear: &Shear,
         pruner: &Pruner,
         span: Span,
@@ -52,7 +53,7 @@ impl KdTree {
                             probe.open();
                         }
                         let listed = &self.references[first as usize..][..count as usize];
-                        offer_all(shear, &self.triangles, listed.iter().copied(), query, probe);
+                        offer_all(ray, shear, &self.triangles, listed.iter().copied(), query, probe);
                         break;
                     }
                     Node::Split { axis, position, upper } => {
@@ -103,7 +104,7 @@ mod tests {
         let mut pruner = Pruner::new(ray, &bounds);
         pruner.slack *= factor;
         let (mut query, mut visits) = (ClosestHit::new(ray), Visits::default());
-        tree.traverse(&shear, &pruner, pruner.clip(ray, &bounds), &mut query, &mut visits);
+        tree.traverse(ray, &shear, &pruner, pruner.clip(ray, &bounds), &mut query, &mut visits);
         visits.0
     }
 

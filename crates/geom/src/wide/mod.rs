@@ -78,7 +78,7 @@ impl WideKdTree {
     /// Builds a tree over the leaves of the [`KdTree`](crate::KdTree) with these options.
     ///
     /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n`
-    /// references (see [`KdTree::build`](crate::KdTree::build)), and this tree takes at most `296 b + 576` bytes: for
+    /// references (see [`KdTree::build`](crate::KdTree::build)), and this tree takes at most `296 b + 608` bytes: for
     /// each reference, a leaf block of one and a node of two children. Building takes at most `1100 b + 2^17` bytes
     /// beside the triangles, on up to a hundred threads. For each reference these are two nodes of the k-d tree, a
     /// reference, and a box in a list with room for twice its length, 84 bytes; two binary nodes, 152; a leaf block of

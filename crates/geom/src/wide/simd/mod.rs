@@ -42,8 +42,8 @@ impl Iterator for Bits {
     }
 }
 
-/// Nine rows of `count` coordinates, up to eight, one after another: those of three vertices along
-/// each axis. Readable a vector beyond the end.
+/// A leaf block of up to eight triangles, as rows of one number for each triangle, one after another: nine rows of
+/// coordinates, those of three vertices along each axis, and one of indices. Readable a vector beyond the end.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     words: &'a [f32; (Rows::COUNT + 1) * LANES],
@@ -51,7 +51,16 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub(super) const COUNT: usize = 9;
+    pub(super) const COUNT: usize = 10;
+
+    /// This bit makes an index, which has 30, the bits of a normal `f32`: the lanes beyond a row of coordinates may
+    /// hold indices, and denormal numbers are slow to compute with.
+    const NORMAL: u32 = 1 << 30;
+
+    /// The word that stands for the triangle of this index.
+    pub(super) fn word_of(index: u32) -> f32 {
+        f32::from_bits(index | Self::NORMAL)
+    }
 
     #[inline(always)]
     pub(super) fn new(words: &'a [f32], count: usize) -> Self {
@@ -68,9 +77,23 @@ impl<'a> Rows<'a> {
         [self.row(start), self.row(start + self.count), self.row(start + 2 * self.count)]
     }
 
+    /// The index of the triangle in `lane`.
+    #[inline(always)]
+    pub(super) fn index(self, lane: usize) -> u32 {
+        assert!(lane < LANES);
+        self.words[(Self::COUNT - 1) * self.count + lane].to_bits() & !Self::NORMAL
+    }
+
+    /// The lanes that hold one of two triangles. Lanes beyond the block may be among them.
+    #[inline(always)]
+    pub(super) fn lanes_of<S: Simd>(self, simd: S, [a, b]: [u32; 2]) -> u8 {
+        let words = simd.load(self.row((Self::COUNT - 1) * self.count)).to_bits();
+        (words.simd_eq(a | Self::NORMAL) | words.simd_eq(b | Self::NORMAL)).to_bitmask() as u8
+    }
+
     #[inline(always)]
     fn row(self, start: usize) -> &'a [f32; LANES] {
-        // At most 8 rows of 8 words precede a row, and `words` has 10.
+        // At most 9 rows of 8 words precede a row, and `words` has 11.
         self.words[start..].first_chunk().expect("a vector follows the last row")
     }
 
@@ -222,7 +245,7 @@ fn zip<S: Simd, V: SimdBase<S>>(a: V, b: V) -> (V, V) {
 /// Origin, direction, `t_min` and `t_max`.
 #[inline(always)]
 fn numbers(ray: &Ray) -> [f64; 8] {
-    let Ray { origin: o, direction: d, t_min, t_max } = *ray;
+    let Ray { origin: o, direction: d, t_min, t_max, .. } = *ray;
     [o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max]
 }
 
@@ -248,7 +271,7 @@ mod tests {
         let number = |at: usize, column: usize| (9 * at + column) as f64;
         let rays: [Ray; LANES] = std::array::from_fn(|i| {
             let [ox, oy, oz, dx, dy, dz, t_min, t_max] = std::array::from_fn(|column| number(i, column));
-            Ray { origin: DVec3::new(ox, oy, oz), direction: DVec3::new(dx, dy, dz), t_min, t_max }
+            Ray::new(DVec3::new(ox, oy, oz), DVec3::new(dx, dy, dz)).with_range(t_min, t_max)
         });
         let triangles: [Triangle; LANES] = std::array::from_fn(|i| {
             let corner = |at: usize| Vec3::from_array([0, 1, 2].map(|axis| number(i, 3 * at + axis) as f32));

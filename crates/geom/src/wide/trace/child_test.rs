@@ -28,7 +28,8 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
             continue;
         }
         probe.open();
-        tree.listed(traversal.child).iter().for_each(|&index| probe.test(index));
+        let rows = tree.rows(traversal.child);
+        Bits(rows.lanes().into()).for_each(|lane| probe.test(rows.index(lane)));
         let hits = test_leaf(simd, tree, traversal);
         if hits.any() {
             record(simd, tree, ray, &hits, traversal, query);
@@ -69,8 +70,8 @@ fn crossings<S: Simd>(simd: S, node: &Node, setup: &RaySetup, axis: usize) -> [S
 /// The triangles of a leaf block that a ray may hit.
 #[derive(Clone, Copy, Default)]
 pub(super) struct LeafHits {
-    /// The block's first reference.
-    first: usize,
+    /// The block.
+    child: u32,
     filtered: Filtered,
 }
 
@@ -82,14 +83,15 @@ impl LeafHits {
     }
 }
 
-/// Tests the current child, a leaf block.
+/// Tests the current child, a leaf block. Triangles that the ray excludes are missed.
 #[inline(always)]
 pub(super) fn test_leaf<S: Simd>(simd: S, tree: &Tree, traversal: &mut Traversal) -> LeafHits {
-    let (first, count) = Child::block(traversal.child);
-    let rows = tree.leaves.rows(first, count);
+    let child = traversal.child;
+    let rows = tree.rows(child);
     let vertices = Vertices::load(simd, rows, traversal.setup.axes.map(usize::from));
-    let filtered = prefilter(simd, &traversal.setup, traversal.t_end, &vertices).among(rows.lanes());
-    LeafHits { first, filtered }
+    let lanes = rows.lanes() & !rows.lanes_of(simd, traversal.excluded);
+    let filtered = prefilter(simd, &traversal.setup, traversal.t_end, &vertices).among(lanes);
+    LeafHits { child, filtered }
 }
 
 /// Adds the possible hits to the candidates, and ends the traversal as soon as a certain one permits.
@@ -98,7 +100,7 @@ pub(super) fn record<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     ray: &Ray,
-    LeafHits { first, filtered }: &LeafHits,
+    LeafHits { child, filtered }: &LeafHits,
     traversal: &mut Traversal,
     query: &mut Q,
 ) {
@@ -107,8 +109,9 @@ pub(super) fn record<S: Simd, Q: Query>(
         traversal.clear();
         return;
     }
+    let rows = tree.rows(*child);
     for lane in Bits(filtered.possible.into()) {
-        let index = tree.leaves.index(*first, lane);
+        let index = rows.index(lane % LANES);
         tree.triangles.prefetch(index);
         traversal.candidates.add(filtered.start[lane % LANES], index);
         if traversal.candidates.is_full() {

@@ -262,7 +262,7 @@ impl<S: Simd, Q: Query> Packet<'_, S, Q> {
         if self.begun >> slot & 1 == 0 {
             self.begun |= 1 << slot;
             if let Some(setup) = self.setups[slot / LANES % GROUPS].get(slot % LANES) {
-                traversal.begin(setup, slot as u32);
+                traversal.begin(setup, slot as u32, &self.rays[slot]);
             }
         }
         traversal.go_to(child);

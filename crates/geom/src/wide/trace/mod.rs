@@ -31,7 +31,7 @@ use traversal_state::Traversal;
 pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: &Ray, probe: &mut P) -> Q {
     let mut query = Q::new(ray);
     let mut setups = RaySetups::idle();
-    let Ray { origin: o, direction: d, t_min, t_max } = *ray;
+    let Ray { origin: o, direction: d, t_min, t_max, .. } = *ray;
     let columns = Aligned([o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max].map(|x| [x]));
     setups.set(&columns, &tree.triangles.bounds(), &tree.space);
     let Some(setup) = setups.get(0) else { return query };
@@ -39,7 +39,7 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
         #[inline(always)]
         |scratch| {
             let traversal = &mut scratch.traversals[0];
-            traversal.begin(setup, 0);
+            traversal.begin(setup, 0, ray);
             visit_all(simd, tree, ray, traversal, &mut query, probe);
             traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, &mut query);
         },

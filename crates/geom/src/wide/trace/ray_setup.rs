@@ -204,5 +204,5 @@ fn ray<const N: usize>(columns: &RayColumns<N>, i: usize) -> Ray {
         #[inline(always)]
         |column| column[i],
     );
-    Ray { origin: DVec3::new(ox, oy, oz), direction: DVec3::new(dx, dy, dz), t_min, t_max }
+    Ray::new(DVec3::new(ox, oy, oz), DVec3::new(dx, dy, dz)).with_range(t_min, t_max)
 }

@@ -128,7 +128,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
             let ray = &self.rays[id];
             let query = Q::new(ray);
             if let Some(setup) = self.setups.get(id % LANES) {
-                self.traversals[slot].begin(setup, id as u32);
+                self.traversals[slot].begin(setup, id as u32, ray);
                 self.queries[slot] = Some(query);
                 return true;
             }

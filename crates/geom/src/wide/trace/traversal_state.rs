@@ -2,10 +2,10 @@
 
 use super::deferred_decision::Candidates;
 use super::ray_setup::RaySetup;
-use crate::KdTree;
 use crate::wide::simd::{LANES, Simd, SimdBase};
 use crate::wide::tree::MAX_LEVELS;
 use crate::wide::tree::node::Child;
+use crate::{KdTree, Ray};
 
 /// The stack's size: at most one node for each level, and the entry that ends the traversal.
 const DEPTH: usize = 128;
@@ -37,6 +37,8 @@ pub(super) struct Traversal {
     pub(super) candidates: Candidates,
     /// The index of the ray.
     pub(super) ray: u32,
+    /// The triangles that the ray excludes.
+    pub(super) excluded: [u32; 2],
     depth: usize,
     /// The children of each entry that are still to be visited, a bit each.
     pending: [u8; DEPTH],
@@ -51,16 +53,18 @@ impl Traversal {
             setup: RaySetup::default(),
             candidates: Candidates::default(),
             ray: 0,
+            excluded: [Ray::NO_TRIANGLE; 2],
             depth: 0,
             pending: [0; DEPTH],
             entries: [StackEntry::END; DEPTH],
         }
     }
 
-    /// Starts at the root.
+    /// Starts at the root, for `ray` of index `index`.
     #[inline(always)]
-    pub(super) fn begin(&mut self, setup: RaySetup, ray: u32) {
-        (self.child, self.setup, self.ray, self.t_end) = (Child::ROOT, setup, ray, setup.end);
+    pub(super) fn begin(&mut self, setup: RaySetup, index: u32, ray: &Ray) {
+        (self.child, self.setup, self.t_end) = (Child::ROOT, setup, setup.end);
+        (self.ray, self.excluded) = (index, ray.excluded);
         self.clear();
     }
 

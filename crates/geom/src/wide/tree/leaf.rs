@@ -4,19 +4,15 @@ use super::normalize::NormalizedSpace;
 use crate::wide::simd::{LANES, Rows};
 use crate::{Triangle, Triangles};
 use arrayvec::ArrayVec;
-use prefetch_index::prefetch_index;
 
 /// What a vector read at the last row may see beyond the end.
 const PADDING: usize = Rows::COUNT * LANES + LANES;
 
-/// All blocks, one after another. A block of `n` triangles is nine rows of `n` coordinates: each
-/// vertex's x, each one's y, each one's z. A vector read from a row holds what follows in its
-/// excess lanes. Indices are stored apart, since as coordinates they would be denormal numbers, which are
-/// slow to compute with.
+/// All blocks, one after another. A block of `n` triangles is ten rows of `n` words: each vertex's x, each one's y,
+/// each one's z, and the indices. A vector read from a row holds what follows in its excess lanes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LeafBlocks {
-    coordinates: Vec<f32>,
-    indices: Vec<u32>,
+    words: Vec<f32>,
 }
 
 impl LeafBlocks {
@@ -27,12 +23,10 @@ impl LeafBlocks {
         space: &NormalizedSpace,
         indices: impl Iterator<Item = u32>,
     ) -> u32 {
-        let first = self.indices.len();
-        self.indices.extend(indices);
-        let (indices, start) = (&self.indices[first..], self.coordinates.len());
-        let count = indices.len();
-        self.coordinates.resize(start + Rows::COUNT * count, 0.0);
-        let rows = &mut self.coordinates[start..];
+        let indices: ArrayVec<u32, LANES> = indices.collect();
+        let (start, count) = (self.words.len(), indices.len());
+        self.words.resize(start + Rows::COUNT * count, 0.0);
+        let rows = &mut self.words[start..];
         // All are read at once, so that the reads wait for memory together.
         let block: ArrayVec<Triangle, LANES> = indices.iter().map(|&index| *triangles.get(index)).collect();
         for (lane, triangle) in block.iter().enumerate() {
@@ -41,47 +35,30 @@ impl LeafBlocks {
                     rows[(3 * axis + vertex) * count + lane] = x;
                 }
             }
+            rows[(Rows::COUNT - 1) * count + lane] = Rows::word_of(indices[lane]);
         }
-        first as u32
+        (start / Rows::COUNT) as u32
     }
 
     /// Ends the last block.
     pub(crate) fn finish(&mut self) {
-        self.coordinates.extend([0.0; PADDING]);
-        self.coordinates.shrink_to_fit();
-        self.indices.shrink_to_fit();
+        self.words.extend([0.0; PADDING]);
+        self.words.shrink_to_fit();
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.coordinates) + size_of_val(&*self.indices)
+        size_of_val(&*self.words)
     }
 
-    /// The coordinates of all blocks: [`Rows::COUNT`] for each reference.
+    /// The words of all blocks: [`Rows::COUNT`] for each reference.
     #[inline(always)]
-    pub(crate) fn coordinates(&self) -> &[f32] {
-        &self.coordinates
+    pub(crate) fn words(&self) -> &[f32] {
+        &self.words
     }
 
     /// The block's rows.
     #[inline(always)]
     pub(crate) fn rows(&self, first: usize, count: usize) -> Rows<'_> {
-        Rows::new(&self.coordinates[Rows::COUNT * first..], count)
-    }
-
-    /// The triangles of the block.
-    pub(crate) fn indices(&self, first: usize, count: usize) -> &[u32] {
-        &self.indices[first..][..count]
-    }
-
-    /// Asks for the cache line of a block's first index.
-    #[inline(always)]
-    pub(crate) fn prefetch_indices(&self, first: usize) {
-        prefetch_index(&self.indices, first);
-    }
-
-    /// The index of a triangle of the block.
-    #[inline(always)]
-    pub(crate) fn index(&self, first: usize, lane: usize) -> u32 {
-        self.indices[first + lane]
+        Rows::new(&self.words[Rows::COUNT * first..], count)
     }
 }

@@ -35,17 +35,18 @@ impl Tree {
         self.triangles.bytes() + size_of_val(&*self.nodes) + self.leaves.bytes()
     }
 
-    /// The triangles of a leaf block.
-    pub(super) fn listed(&self, child: u32) -> &[u32] {
+    /// The rows of a leaf block.
+    #[inline(always)]
+    pub(super) fn rows(&self, child: u32) -> Rows<'_> {
         let (first, count) = Child::block(child);
-        self.leaves.indices(first, count)
+        self.leaves.rows(first, count)
     }
 
     /// Asks for the first cache lines of a child, without a branch, which would be mispredicted.
     #[inline(always)]
     pub(super) fn prefetch<const LINES: usize>(&self, child: u32) {
         let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) == 1);
-        let (nodes, blocks) = (self.nodes[0].faces.as_flattened(), self.leaves.coordinates());
+        let (nodes, blocks) = (self.nodes[0].faces.as_flattened(), self.leaves.words());
         let start = select_unpredictable(is_block, blocks, nodes);
         let words = select_unpredictable(is_block, Rows::COUNT, size_of::<Node>() / size_of::<f32>());
         for line in 0..LINES {

@@ -96,7 +96,7 @@ mod tests {
             |rays: &[Ray; PACKET]| Packet::idle().query(portable(), &tree, rays, |_, _: ClosestHit| {});
         let rays = packet(&mut source);
         assert!(is_packet(&rays));
-        let spoil: [fn(&mut Ray); 10] = [
+        let spoil: [fn(&mut Ray); 12] = [
             |ray| ray.origin.x = ray.origin.x.next_up(),
             |ray| ray.origin.y = ray.origin.y.next_up(),
             |ray| ray.origin.z = ray.origin.z.next_up(),
@@ -106,6 +106,8 @@ mod tests {
             |ray| ray.t_min = -1.0,
             |ray| ray.t_min = f64::NAN,
             |ray| ray.t_max = 0.0,
+            |ray| ray.excluded[0] = 0,
+            |ray| ray.excluded[1] = 1,
             |ray| ray.direction *= 2.0_f64.powi(700),
         ];
         for spoil in spoil {

@@ -123,9 +123,15 @@ impl PacketRays {
         [x, y].iter().all(|[least, greatest]| f64::from(greatest - least) <= WIDEST)
     }
 
-    /// Sets up eight rays; returns which of them belong to the packet.
+    /// Sets up eight rays; returns which of them belong to the packet: none if one of them excludes a triangle.
     #[inline(always)]
     fn set_group<S: Simd>(&mut self, simd: S, g: usize, common: &CommonOrigin, group: &[Ray; LANES]) -> u8 {
+        // `NO_TRIANGLE` has all bits set.
+        let excluded =
+            group.iter().fold(Ray::NO_TRIANGLE, |all, ray| all & ray.excluded[0] & ray.excluded[1]);
+        if excluded != Ray::NO_TRIANGLE {
+            return 0;
+        }
         let columns = simd.columns(group);
         let Aligned([ox, oy, oz, .., t_min, t_max]) = &columns;
         let [dx, dy, dz] = common.axes.map(|axis| &columns.0[3 + axis % 3]);

@@ -5,7 +5,7 @@ use super::edge_functions::{CentralRay, EdgeFunctions, RayLanes};
 use super::setup::{CommonOrigin, PacketRays};
 use crate::Ray;
 use crate::query::{ClosestHit, Query};
-use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase};
+use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Rows, Simd, SimdBase};
 use crate::wide::trace::deferred_decision::{CAPACITY, Candidates, Decisions};
 use crate::wide::trace::prefilter::{Filtered, Vertices};
 use crate::wide::tree::Tree;
@@ -59,9 +59,8 @@ pub(super) struct PacketTraversal<'a, S: Simd, Q> {
 }
 
 /// The triangles of a leaf block that a ray of the packet may hit, and the rays that may meet the block.
-struct LeafTest<S: Simd> {
-    /// The block's first reference.
-    first: usize,
+struct LeafTest<'a, S: Simd> {
+    rows: Rows<'a>,
     triangles: u8,
     rays: RayMask,
     center: CentralRay,
@@ -116,16 +115,14 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         }
         let simd = self.simd;
         let groups = (0..GROUPS).filter(|g| group_of(rays, *g) != 0).count();
-        let (first, count) = Child::block(entry.child);
-        let rows = self.tree.leaves.rows(first, count);
-        self.tree.leaves.prefetch_indices(first);
+        let rows = self.tree.rows(entry.child);
         let center = CentralRay::new(&self.common, &entry.bounds);
         let edges = EdgeFunctions::new(simd, &center, &Vertices::load(simd, rows, self.common.axes));
         let triangles = edges.may_hit(simd, &center) & rows.lanes();
         if triangles == 0 {
             return;
         }
-        let test = LeafTest { first, triangles, rays, center, edges };
+        let test = LeafTest { rows, triangles, rays, center, edges };
         let is_shorter = if triangles.count_ones() as usize * groups < rays.count_ones() as usize {
             self.test_by_triangle(&test)
         } else {
@@ -156,7 +153,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     ///
     /// Results are recorded when all rays have been tested: which of them hit something is unpredictable.
     #[inline(always)]
-    fn test_by_ray(&mut self, test: &LeafTest<S>) -> bool {
+    fn test_by_ray(&mut self, test: &LeafTest<'_, S>) -> bool {
         let (simd, rays) = (self.simd, &self.memory.rays);
         let (mut with_possible, mut with_certain) = (0, 0);
         for slot in Bits(test.rays) {
@@ -182,7 +179,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
                 continue;
             }
             for lane in Bits(possible.into()) {
-                self.add(g, i, start[lane % LANES], self.tree.leaves.index(test.first, lane));
+                self.add(g, i, start[lane % LANES], test.rows.index(lane % LANES));
             }
             if certain != 0 {
                 let nearest = simd.min_of(simd.load(&end), certain);
@@ -195,10 +192,10 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
 
     /// Eight rays at once, for each triangle. Returns whether any ray has become shorter.
     #[inline(always)]
-    fn test_by_triangle(&mut self, test: &LeafTest<S>) -> bool {
+    fn test_by_triangle(&mut self, test: &LeafTest<'_, S>) -> bool {
         let (simd, mut is_shorter) = (self.simd, false);
         for at in Bits(test.triangles.into()) {
-            let index = self.tree.leaves.index(test.first, at);
+            let index = test.rows.index(at % LANES);
             let edges = test.edges.lane(simd, at);
             let (mut possible, mut certain) = (0, 0);
             for g in 0..GROUPS {
