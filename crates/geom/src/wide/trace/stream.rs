@@ -176,7 +176,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
             let child = traversal.child;
             waiting.blocks |= RayMask::from(Child::is_block(child)) << slot;
             waiting.ended |= RayMask::from(Child::is_end(child)) << slot;
-            self.tree.prefetch::<5>(child);
+            self.tree.prefetch::<6>(child);
         }
         waiting.nodes = slots & !(waiting.blocks | waiting.ended);
         waiting
