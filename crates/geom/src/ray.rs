@@ -48,7 +48,14 @@ impl Ray {
         Self { t_min, t_max, ..self }
     }
 
-    /// The same ray, which never hits the triangles `excluded`.
+    /// The same ray, which never hits the triangles `excluded`, in place of those that it excluded before. Indices that
+    /// no triangle has are allowed.
+    ///
+    /// ```
+    /// # use {glam::DVec3, globillum_geom::Ray};
+    /// let ray = Ray::new(DVec3::Z, -DVec3::Z).excluding([7, Ray::NO_TRIANGLE]);
+    /// assert!(ray.excludes(7) && !ray.excludes(8));
+    /// ```
     #[must_use]
     #[inline(always)]
     pub const fn excluding(self, excluded: [u32; 2]) -> Self {

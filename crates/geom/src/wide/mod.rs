@@ -31,9 +31,9 @@ use tree::Tree;
 /// triangles into leaf blocks of up to eight. Every node stores the bounds of up to eight children.
 ///
 /// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
-/// 64 coherent rays in a row are traversed as a packet: rays from one point, such as those of 8 x 8 pixels, and for
-/// any-hit queries other rays as well, such as those from there to one light. Packets are counted from the start of
-/// the batch.
+/// 64 coherent rays in a row are traversed as a packet: rays from one point that exclude no triangle, such as those of 8 x
+/// 8 pixels, and for any-hit queries other rays as well, such as those from there to one light. Packets are counted from
+/// the start of the batch.
 ///
 /// The tree is traversed with the best vector instructions of the machine; the answers are the same with any.
 ///
