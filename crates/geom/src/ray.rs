@@ -16,7 +16,7 @@ pub struct Ray {
     /// The indices of two triangles that the ray never hits; [`Ray::NO_TRIANGLE`] stands for none.
     ///
     /// Rays that leave a surface exclude the triangle that they start on, and segments between surfaces the one that
-    /// they end on, too. They miss these triangles by rounding errors only, so an accelerator that did not know them
+    /// they end on, too. They miss these triangles by less than `f32` resolves, so an accelerator that did not know them
     /// would have to decide each exactly.
     pub excluded: [u32; 2],
 }
