@@ -1,6 +1,6 @@
 use super::alias_table::AliasTable;
 use super::delta::DeltaLight;
-use super::tree::{Cluster, LightTree, Reach};
+use super::tree::{ChosenLight, Cluster, LightTree, Reach};
 use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
@@ -169,23 +169,45 @@ impl Lights {
         self.deltas.iter().map(|delta| &delta.light)
     }
 
-    /// Samples a light for the shading point `from` by `u` in `[0, 1)`; `None` if there is none.
+    /// Chooses a light for the shading point `from` by each of `us`, in `[0, 1)`; `None` if there are none.
     #[inline(always)]
-    pub(crate) fn choose(&self, from: DVec3, u: f64) -> Option<Light<'_>> {
-        let (index, prob) = match &self.choice {
-            Choice::Power(table) => (table.sample(u)?, None),
-            Choice::Tree(tree) => {
-                let (index, prob) = tree.choose(from, u);
-                (index, Some(prob))
-            }
-        };
-        Some(match self.areas.get(index) {
+    pub(crate) fn choose<const N: usize>(&self, from: DVec3, us: [f64; N]) -> [Option<Light<'_>>; N] {
+        match &self.choice {
+            Choice::Power(table) => us.map(|u| Some(self.light(table.sample(u)?, None))),
+            Choice::Tree(tree) => tree.choose(from, us).map(|chosen| Some(self.chosen(chosen))),
+        }
+    }
+
+    /// Chooses a light for each of the shading points `from` by the number of the same index, as [`Lights::choose`] does.
+    /// `None` if lights are chosen by power, which is not faster for several points.
+    #[inline(always)]
+    pub(crate) fn choose_each<const N: usize>(
+        &self,
+        from: [DVec3; N],
+        us: [f64; N],
+    ) -> [Option<ChosenLight>; N] {
+        match &self.choice {
+            Choice::Power(_) => [None; N],
+            Choice::Tree(tree) => tree.choose_each(from, us).map(Some),
+        }
+    }
+
+    /// The light that [`Lights::choose_each`] has chosen.
+    #[inline(always)]
+    pub(crate) fn chosen(&self, ChosenLight { index, prob }: ChosenLight) -> Light<'_> {
+        self.light(index as usize, Some(prob))
+    }
+
+    /// The light of this index, with the probability of its choice; that by power if `prob` is `None`.
+    #[inline(always)]
+    fn light(&self, index: usize, prob: Option<f64>) -> Light<'_> {
+        match self.areas.get(index) {
             Some(light) => Light::Area(light, prob.map_or(light.prob, |prob| light.chosen_with(prob))),
             None => {
                 let Delta { light, prob: by_power } = &self.deltas[index - self.areas.len()];
                 Light::Delta(light, prob.unwrap_or(*by_power))
             }
-        })
+        }
     }
 
     /// The probability with which [`Lights::choose`] chooses triangle `index` for the shading point `from`, to

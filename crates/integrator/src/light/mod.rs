@@ -19,4 +19,5 @@ pub(crate) use image_mirrors::ImageMirrors;
 pub use lights::Lights;
 pub(crate) use mirrors::Mirrors;
 pub use sampling::{AreaLightSample, LightSample, LightSampler, LightSampling};
+pub(crate) use tree::ChosenLight;
 pub(crate) use window_mirrors::{WindowMirrors, WindowSample};

@@ -164,9 +164,22 @@ impl LightSampler<'_> {
     /// contributes 0.
     #[inline(always)]
     pub fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
-        match self.lights.choose(self.from, choice)? {
-            Light::Area(light, prob) => self.sample_area(light, prob, u).map(LightSample::Area),
-            Light::Delta(light, prob) => light.sample(self.from, prob).map(LightSample::Delta),
+        let [light] = self.choose([choice]);
+        self.sample_chosen(&light?, u)
+    }
+
+    /// Chooses a light by each of `choices`, in `[0, 1)`; `None` if there are none.
+    #[inline(always)]
+    pub(crate) fn choose<const N: usize>(&self, choices: [f64; N]) -> [Option<Light<'_>>; N] {
+        self.lights.choose(self.from, choices)
+    }
+
+    /// [`LightSampler::sample`] for a light chosen before.
+    #[inline(always)]
+    pub(crate) fn sample_chosen(&self, light: &Light<'_>, u: [f64; 2]) -> Option<LightSample> {
+        match light {
+            Light::Area(light, prob) => self.sample_area(light, *prob, u).map(LightSample::Area),
+            Light::Delta(light, prob) => light.sample(self.from, *prob).map(LightSample::Delta),
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod counters;
 mod debug_sample;
+mod light_choices;
 mod light_edges;
 mod next_event;
 mod path_state;

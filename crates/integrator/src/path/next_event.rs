@@ -105,14 +105,23 @@ impl RenderContext<'_> {
         }
         let sampler = self.light_sampler(at.point.position);
         let count = self.direct_samples(path.is_prefix());
-        let mut drawn = [(numbers.light, numbers.point); LIGHTS_AT_ONCE];
+        let mut chosen = [None; LIGHTS_AT_ONCE];
+        let mut points = [numbers.point; LIGHTS_AT_ONCE];
+        if count == 1 {
+            chosen[0] = match vertex.light {
+                Some(chosen) => Some(self.scene.lights().chosen(chosen)),
+                None => sampler.choose([numbers.light])[0],
+            };
+        }
         for part in 0..count {
             let place = part as usize % LIGHTS_AT_ONCE;
             if count > 1 && place == 0 {
-                drawn = path.numbers.lights(*bounce, part, count);
+                let drawn = path.numbers.lights(*bounce, part, count);
+                chosen = sampler.choose(drawn.map(|(choice, _)| choice));
+                points = drawn.map(|(_, point)| point);
             }
-            let (choice, point) = drawn[place];
-            let Some(light) = sampler.sample(choice, point) else { continue };
+            let Some(chosen) = chosen[place] else { continue };
+            let Some(light) = sampler.sample_chosen(&chosen, points[place]) else { continue };
             let light = light.of_samples(count);
             let Some(radiance) = self.scattered(path, vertex, &light) else { continue };
             let Some(shadow_ray) = light.shadow_ray(&at.point) else { continue };
@@ -159,7 +168,8 @@ impl RenderContext<'_> {
         let decision = 2 * bounce;
         let chosen = images.choose(triangles, position, vertex.side(), || path.numbers.mirror(decision))?;
         let facet = chosen.facet;
-        let (choice, u) = path.numbers.light_in_mirror(decision);
+        let drawn = vertex.image_numbers;
+        let (choice, u) = drawn.unwrap_or_else(|| path.numbers.light_in_mirror(decision));
         let light = match self.light_sampler(facet.image_of(position)).sample(choice, u)? {
             LightSample::Area(light) => light,
             LightSample::Delta(_) => return None,

@@ -75,6 +75,11 @@ impl RenderContext<'_> {
         if is_first && self.scene.lights().are_in_a_tree() { self.settings.light_samples } else { 1 }
     }
 
+    /// Whether vertices sample lights in large mirrors.
+    pub(super) fn samples_images(&self) -> bool {
+        self.mirrors.is_some_and(|mirrors| mirrors.images.is_some())
+    }
+
     /// How many light samples by way of small mirrors it takes.
     #[inline(always)]
     pub(super) fn window_samples(&self, is_first: bool) -> u32 {

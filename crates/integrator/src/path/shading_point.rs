@@ -1,5 +1,6 @@
 use crate::Interaction;
 use crate::guide::GuideCell;
+use crate::light::ChosenLight;
 use crate::sampler::BounceNumbers;
 use glam::{DVec3, Vec3};
 use globillum_geom::{Frame, PdfSolidAngle};
@@ -17,6 +18,10 @@ pub(super) struct ShadingPoint<'a> {
     pub(super) bounce: u32,
     /// The random numbers of this bounce.
     pub(super) numbers: BounceNumbers,
+    /// The light that `numbers` choose, if it was chosen before.
+    pub(super) light: Option<ChosenLight>,
+    /// The random numbers for a light in a large mirror, if they were drawn before.
+    pub(super) image_numbers: Option<(f64, [f64; 2])>,
 }
 
 impl<'a> ShadingPoint<'a> {
@@ -29,7 +34,16 @@ impl<'a> ShadingPoint<'a> {
     ) -> Self {
         let frame = Frame::around(at.side());
         let guide_cell = guide_cell.filter(|_| at.material.bsdf.is_diffuse());
-        Self { at, frame, wo: frame.to_local(at.wo), guide_cell, bounce, numbers }
+        Self {
+            at,
+            frame,
+            wo: frame.to_local(at.wo),
+            guide_cell,
+            bounce,
+            numbers,
+            light: None,
+            image_numbers: None,
+        }
     }
 
     /// The frame's normal.

@@ -1,4 +1,5 @@
 use super::counters::Counters;
+use super::light_choices::LightChoices;
 use super::light_edges::{EmissionRays, LightEdges};
 use super::next_event::{MirrorSample, Reflected};
 use super::path_state::{Path, RadianceSums, Stage, Target};
@@ -33,6 +34,9 @@ pub(crate) struct Wavefront {
     guide_cells: Vec<u32>,
     /// The random numbers of each path's next bounce.
     bounce_numbers: Vec<BounceNumbers>,
+    light_choices: LightChoices,
+    /// The random numbers of each path for a light in a large mirror, if there are such mirrors.
+    image_numbers: Vec<(f64, [f64; 2])>,
     /// Light samples.
     pub(super) contributions: Vec<Contribution>,
     /// The shadow ray of each contribution.
@@ -247,6 +251,7 @@ impl Wavefront {
     pub(super) fn shade(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         let with_roulette = bounce >= context.settings.roulette.start;
         draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
+        self.draw_image_numbers(context, bounce);
         self.contributions.clear();
         self.shadow_rays.clear();
         self.mirror_samples.clear();
@@ -263,11 +268,26 @@ impl Wavefront {
         self.prefixes.update_group_throughputs(bounce);
     }
 
+    /// Draws the numbers for lights in large mirrors, if there are such mirrors.
+    fn draw_image_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
+        self.image_numbers.clear();
+        if context.samples_images() {
+            draw_numbers(
+                context.simd,
+                &self.paths,
+                &mut self.image_numbers,
+                #[inline(always)]
+                |samples| Numbers::lights_in_mirrors(samples, 2 * bounce),
+            );
+        }
+    }
+
     /// Functions called here for most paths are inlined, so that they are compiled for the same
     /// instruction set.
     #[inline(always)]
     fn shade_paths(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         self.find_guide_cells(context);
+        self.light_choices.choose(context, &self.paths, &self.hits, &self.bounce_numbers);
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
@@ -287,7 +307,9 @@ impl Wavefront {
                 continue;
             }
             let guide_cell = self.guide_cells.get(i).and_then(|&cell| Some(context.guide?.cell(cell)));
-            let vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
+            let mut vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
+            vertex.light = self.light_choices.of_path(i);
+            vertex.image_numbers = self.image_numbers.get(i).copied();
             if path.stage == Stage::PrefixEnded {
                 path.stage = Stage::Beyond;
                 if at.material.bsdf.is_diffuse() {

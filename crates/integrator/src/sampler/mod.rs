@@ -196,6 +196,24 @@ impl Numbers {
         }
     }
 
+    /// What [`Numbers::light_in_mirror`] returns for `N` samples. Sobol' points of passes of one length are vectorised.
+    #[inline(always)]
+    pub(crate) fn lights_in_mirrors<const N: usize>(
+        samples: &[Self; N],
+        decision: u32,
+    ) -> [(f64, [f64; 2]); N] {
+        match Self::as_points(samples) {
+            Some(points) => {
+                let [x, y, light] = points.uniform(Decision::light_in_mirror(decision).0);
+                std::array::from_fn(
+                    #[inline(always)]
+                    |i| (light[i], [x[i], y[i]]),
+                )
+            }
+            None => samples.map(|numbers| numbers.light_in_mirror(decision)),
+        }
+    }
+
     /// For the choices of `N` lights by parts `first` and on, and of points on them.
     #[inline(always)]
     pub(crate) fn lights<const N: usize>(&self, bounce: u32, first: u32, count: u32) -> [(f64, [f64; 2]); N] {

@@ -1,5 +1,7 @@
+use super::child_weights::{LANE_BITS, WIDTH};
 use super::cluster::Cluster;
-use super::node::{Child, LANE_BITS, Node, WIDTH};
+use super::frame::TreeFrame;
+use super::node::{Child, Node};
 use glam::DVec3;
 use std::collections::VecDeque;
 
@@ -20,8 +22,8 @@ struct Pending<'a> {
     path: u64,
 }
 
-/// The nodes of a tree over `lights`, the root first; none without lights. `place` is told the path to each.
-pub(super) fn nodes(lights: &mut [Light], mut place: impl FnMut(u32, u64)) -> Vec<Node> {
+/// The nodes of a tree over `lights`, in this frame, the root first; none without lights. `place` is told the path to each.
+pub(super) fn nodes(lights: &mut [Light], frame: &TreeFrame, mut place: impl FnMut(u32, u64)) -> Vec<Node> {
     let mut nodes = Vec::new();
     if lights.is_empty() {
         return nodes;
@@ -46,7 +48,7 @@ pub(super) fn nodes(lights: &mut [Light], mut place: impl FnMut(u32, u64)) -> Ve
                 }
             }
         }
-        nodes.push(Node::new(&children));
+        nodes.push(Node::new(&children, frame));
     }
     nodes
 }

@@ -2,15 +2,21 @@
 //! (Conty Estevez and Kulla 2018).
 
 mod build;
+mod child_weights;
 mod cluster;
+mod descent;
+mod frame;
 mod node;
 
 pub(super) use cluster::Cluster;
 
 use super::alias_table::AliasTable;
+use child_weights::{LANE_BITS, WIDTH};
+use descent::Descent;
+use frame::TreeFrame;
 use glam::DVec3;
 use globillum_geom::SimdLevel;
-use node::{Child, LANE_BITS, Node, WIDTH, sum};
+use node::{Child, Node};
 
 /// A tree over lights, each of which is chosen with a probability above zero at every point.
 ///
@@ -20,6 +26,7 @@ use node::{Child, LANE_BITS, Node, WIDTH, sum};
 pub(super) struct LightTree {
     /// The first is the root; none if all lights are infinitely far away.
     nodes: Vec<Node>,
+    frame: TreeFrame,
     /// Over `far`, by irradiance.
     far_table: AliasTable,
     /// The indices of the lights that are infinitely far away.
@@ -29,6 +36,14 @@ pub(super) struct LightTree {
     places: Vec<Place>,
     /// All levels give the same bits.
     level: SimdLevel,
+}
+
+/// A light that a tree has chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ChosenLight {
+    pub(in crate::light) index: u32,
+    /// The probability of the choice.
+    pub(in crate::light) prob: f64,
 }
 
 /// What the tree knows of a light.
@@ -68,39 +83,73 @@ impl LightTree {
         for (&index, irradiance) in far.iter().zip(&irradiances) {
             places[index as usize] = Place::Far(irradiance / far_irradiance);
         }
-        let nodes = build::nodes(&mut near, |index, path| places[index as usize] = Place::Path(path));
+        let frame = TreeFrame::around(near.iter().map(|&(_, cluster)| cluster));
+        let nodes = build::nodes(&mut near, &frame, |index, path| places[index as usize] = Place::Path(path));
         let (far_table, level) = (AliasTable::new(&irradiances), SimdLevel::best());
-        Self { nodes, far_table, far, far_irradiance, places, level }
+        Self { nodes, frame, far_table, far, far_irradiance, places, level }
     }
 
-    /// Chooses a light for the point `from` by `u` in `[0, 1)`: its index and the probability of the choice.
+    /// Chooses a light for the point `from` by each of `us`, in `[0, 1)`.
     #[inline(never)] // compiled once for all accelerators
-    pub(super) fn choose(&self, from: DVec3, u: f64) -> (usize, f64) {
+    pub(super) fn choose<const N: usize>(&self, from: DVec3, us: [f64; N]) -> [ChosenLight; N] {
         self.level.run(
             #[inline(always)]
-            || self.choose_at_level(from, u),
+            || {
+                let from = self.frame.position(from);
+                self.descend([from; N], self.begin(from, us))
+            },
         )
     }
 
+    /// Chooses a light for each of the points `from` by the number of the same index, as [`LightTree::choose`] does.
+    #[inline(never)]
+    pub(super) fn choose_each<const N: usize>(&self, from: [DVec3; N], us: [f64; N]) -> [ChosenLight; N] {
+        self.level.run(
+            #[inline(always)]
+            || {
+                let (mut places, mut descents) = ([DVec3::ZERO; N], [Descent::new(1.0, 0.0); N]);
+                for k in 0..N {
+                    places[k] = self.frame.position(from[k]);
+                    [descents[k]] = self.begin(places[k], [us[k]]);
+                }
+                self.descend(places, descents)
+            },
+        )
+    }
+
+    /// The choices at the root for the point `from`, in the tree's frame, by each of `us`.
     #[inline(always)]
-    fn choose_at_level(&self, from: DVec3, u: f64) -> (usize, f64) {
-        let Some(mut node) = self.nodes.first() else { return self.choose_far(u, 1.0) };
-        let mut importance = node.importance(from);
-        let far_prob = self.far_prob(sum(&importance));
-        if u < far_prob {
-            return self.choose_far(u / far_prob, far_prob);
-        }
-        let (mut u, mut prob) = ((u - far_prob) / (1.0 - far_prob), 1.0 - far_prob);
+    fn begin<const N: usize>(&self, from: DVec3, us: [f64; N]) -> [Descent; N] {
+        let Some(root) = self.nodes.first() else { return us.map(|u| self.choose_far(u, 1.0)) };
+        let weights = root.weights(from);
+        let far_prob = self.far_prob(weights.total());
+        us.map(
+            #[inline(always)]
+            |u| match u < far_prob {
+                true => self.choose_far(u / far_prob, far_prob),
+                false => Descent::new(1.0 - far_prob, (u - far_prob) / (1.0 - far_prob)).step(root, &weights),
+            },
+        )
+    }
+
+    /// The ends of `descents`, each for one of the points `from`. They do not depend on each other, so a processor works
+    /// on several at once.
+    #[inline(always)]
+    fn descend<const N: usize>(&self, from: [DVec3; N], mut descents: [Descent; N]) -> [ChosenLight; N] {
         loop {
-            let probs = node.probs(&importance);
-            let (lane, rest) = node.choose(&probs, u);
-            prob *= probs[lane];
-            match node.child(lane) {
-                Child::Light(index) => return (index as usize, prob),
-                Child::Node(index) => node = &self.nodes[index as usize],
+            let mut have_ended = true;
+            for (descent, &from) in descents.iter_mut().zip(&from) {
+                if let Child::Node(index) = descent.child {
+                    let node = &self.nodes[index as usize];
+                    *descent = descent.step(node, &node.weights(from));
+                    have_ended = false;
+                }
             }
-            u = rest;
-            importance = node.importance(from);
+            if have_ended {
+                return descents.map(|Descent { child, prob, .. }| match child {
+                    Child::Light(index) | Child::Node(index) => ChosenLight { index, prob },
+                });
+            }
         }
     }
 
@@ -109,28 +158,28 @@ impl LightTree {
     pub(super) fn prob(&self, from: DVec3, index: usize) -> f64 {
         self.level.run(
             #[inline(always)]
-            || self.prob_at_level(from, index),
+            || self.prob_at_level(self.frame.position(from), index),
         )
     }
 
     #[inline(always)]
     fn prob_at_level(&self, from: DVec3, index: usize) -> f64 {
         let Some(mut node) = self.nodes.first() else { return self.far_share(index, 1.0) };
-        let mut importance = node.importance(from);
-        let far_prob = self.far_prob(sum(&importance));
+        let mut weights = node.weights(from);
+        let far_prob = self.far_prob(weights.total());
         let Place::Path(mut path) = self.places[index] else { return self.far_share(index, far_prob) };
         let mut prob = 1.0 - far_prob;
         loop {
             let lane = path as usize % WIDTH;
-            prob *= node.probs(&importance)[lane];
+            prob *= weights.prob(lane);
             let Child::Node(index) = node.child(lane) else { return prob };
             node = &self.nodes[index as usize];
             path >>= LANE_BITS;
-            importance = node.importance(from);
+            weights = node.weights(from);
         }
     }
 
-    /// The probability of the lights that are infinitely far away, beside the importance of all others.
+    /// The probability of the lights that are infinitely far away, beside the weight of all others.
     #[inline(always)]
     fn far_prob(&self, near: f64) -> f64 {
         if self.far.is_empty() {
@@ -140,12 +189,12 @@ impl LightTree {
         share.clamp(Self::LEAST_PROB, 1.0 - Self::LEAST_PROB)
     }
 
-    fn choose_far(&self, u: f64, far_prob: f64) -> (usize, f64) {
+    fn choose_far(&self, u: f64, far_prob: f64) -> Descent {
         // Without far lights their probability is 0, and this is not called.
         let place =
             self.far_table.sample(u.min(1.0_f64.next_down())).expect("only called if there are far lights");
-        let index = self.far[place] as usize;
-        (index, self.far_share(index, far_prob))
+        let index = self.far[place];
+        Descent::ended(index, self.far_share(index as usize, far_prob))
     }
 
     fn far_share(&self, index: usize, far_prob: f64) -> f64 {
@@ -227,7 +276,8 @@ mod tests {
             for from in places() {
                 let (draws, mut counts) = (10_000, vec![0.0; n as usize]);
                 for i in 0..draws {
-                    let (index, prob) = tree.choose(from, (f64::from(i) + 0.5) / f64::from(draws));
+                    let [chosen] = tree.choose(from, [(f64::from(i) + 0.5) / f64::from(draws)]);
+                    let (index, prob) = (chosen.index as usize, chosen.prob);
                     assert_eq!(prob.to_bits(), tree.prob(from, index).to_bits(), "light {index} from {from}");
                     counts[index] += 1.0;
                 }
@@ -244,6 +294,20 @@ mod tests {
     }
 
     #[test]
+    fn several_choices_at_once_are_those_one_by_one() {
+        let tree = LightTree::new(&lights(300, 1.0));
+        let places: Vec<_> = places().collect();
+        for i in 0..1000 {
+            let numbers = Stream::new(10, 0, i);
+            let us = [0, 1, 2, 3].map(|k| numbers.uniform(k));
+            let from = [4, 5, 6, 7].map(|k| places[(numbers.uniform(k) * places.len() as f64) as usize]);
+            let alone = |from: DVec3, u: f64| tree.choose(from, [u])[0];
+            assert_eq!(tree.choose_each(from, us), std::array::from_fn(|k| alone(from[k], us[k])), "{i}");
+            assert_eq!(tree.choose(from[0], us), us.map(|u| alone(from[0], u)), "{i}");
+        }
+    }
+
+    #[test]
     fn the_unit_of_length_does_not_matter() {
         for unit in [2.0_f64.powi(-40), 2.0_f64.powi(60)] {
             // Irradiances from infinity have a unit of their own.
@@ -255,7 +319,7 @@ mod tests {
             for from in places() {
                 for i in 0..100 {
                     let u = f64::from(i) / 100.0;
-                    assert_eq!(tree.choose(from, u), scaled.choose(unit * from, u), "{unit} {from} {u}");
+                    assert_eq!(tree.choose(from, [u]), scaled.choose(unit * from, [u]), "{unit} {from} {u}");
                 }
             }
         }
@@ -282,7 +346,7 @@ mod tests {
             lights(400, 1.0).iter().filter(|light| matches!(light, Reach::Near(_))).map(near).collect();
         let node = |mut cluster: Cluster| {
             cluster.intensity = 1.0;
-            Node::new(&[(Child::Light(0), cluster)])
+            Node::new(&[(Child::Light(0), cluster)], &TreeFrame::around(std::iter::empty()))
         };
         let mut shining = 0;
         for group in lights.chunks(4) {
