@@ -16,6 +16,7 @@ mod window_mirrors;
 
 pub use delta::{DeltaLight, DeltaLightSample};
 pub(crate) use image_mirrors::ImageMirrors;
+pub(crate) use lights::Light;
 pub use lights::Lights;
 pub(crate) use mirrors::Mirrors;
 pub use sampling::{AreaLightSample, LightSample, LightSampler, LightSampling};

@@ -4,7 +4,7 @@ use super::render_context::RenderContext;
 use super::shading_point::{MisContext, ShadingPoint};
 use crate::Interaction;
 use crate::light::{
-    AreaLightSample, ImageMirrors, LightSample, LightSampler, Mirrors, WindowMirrors, WindowSample,
+    AreaLightSample, ImageMirrors, Light, LightSample, LightSampler, Mirrors, WindowMirrors, WindowSample,
 };
 use glam::DVec3;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
@@ -105,28 +105,45 @@ impl RenderContext<'_> {
         }
         let sampler = self.light_sampler(at.point.position);
         let count = self.direct_samples(path.is_prefix());
-        let mut chosen = [None; LIGHTS_AT_ONCE];
-        let mut points = [numbers.point; LIGHTS_AT_ONCE];
         if count == 1 {
-            chosen[0] = match vertex.light {
+            let light = match vertex.light {
                 Some(chosen) => Some(self.scene.lights().chosen(chosen)),
                 None => sampler.choose([numbers.light])[0],
             };
-        }
-        for part in 0..count {
-            let place = part as usize % LIGHTS_AT_ONCE;
-            if count > 1 && place == 0 {
-                let drawn = path.numbers.lights(*bounce, part, count);
-                chosen = sampler.choose(drawn.map(|(choice, _)| choice));
-                points = drawn.map(|(_, point)| point);
+            if let Some((ray, radiance)) =
+                self.light_sample(path, vertex, &sampler, (light, numbers.point), 1)
+            {
+                add(ray, radiance);
             }
-            let Some(chosen) = chosen[place] else { continue };
-            let Some(light) = sampler.sample_chosen(&chosen, points[place]) else { continue };
-            let light = light.of_samples(count);
-            let Some(radiance) = self.scattered(path, vertex, &light) else { continue };
-            let Some(shadow_ray) = light.shadow_ray(&at.point) else { continue };
-            add(shadow_ray, radiance);
+            return;
         }
+        for first in (0..count).step_by(LIGHTS_AT_ONCE) {
+            let drawn: [_; LIGHTS_AT_ONCE] = path.numbers.lights(*bounce, first, count);
+            let lights = sampler.choose(drawn.map(|(choice, _)| choice));
+            for (light, (_, point)) in lights.into_iter().zip(drawn).take((count - first) as usize) {
+                if let Some((ray, radiance)) =
+                    self.light_sample(path, vertex, &sampler, (light, point), count)
+                {
+                    add(ray, radiance);
+                }
+            }
+        }
+    }
+
+    /// One of `count` light samples: the shadow ray to a point on a chosen light, and the contribution if it is not
+    /// occluded. `None` if that is black.
+    #[inline(always)]
+    fn light_sample(
+        &self,
+        path: &Path,
+        vertex: &ShadingPoint<'_>,
+        sampler: &LightSampler<'_>,
+        (light, point): (Option<Light<'_>>, [f64; 2]),
+        count: u32,
+    ) -> Option<(Ray, Rgb)> {
+        let light = sampler.sample_chosen(&light?, point)?.of_samples(count);
+        let radiance = self.scattered(path, vertex, &light)?;
+        Some((light.shadow_ray(&vertex.at.point)?, radiance))
     }
 
     /// Samples area lights as mirrors show them, and calls `add` with each ray that must hit a mirror.
