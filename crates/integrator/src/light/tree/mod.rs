@@ -127,7 +127,10 @@ impl LightTree {
             #[inline(always)]
             |u| match u < far_prob {
                 true => self.choose_far(u / far_prob, far_prob),
-                false => Descent::new(1.0 - far_prob, (u - far_prob) / (1.0 - far_prob)).step(root, &weights),
+                false => {
+                    let rest = ((u - far_prob) / (1.0 - far_prob)).min(1.0_f64.next_down());
+                    Descent::new(1.0 - far_prob, rest).step(root, &weights)
+                }
             },
         )
     }
@@ -290,6 +293,18 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    /// What lights infinitely far away leave of the largest number below 1 must not round to 1. Each light has a
+    /// probability above 1e-8.
+    #[test]
+    fn the_largest_number_chooses_the_last_light() {
+        let tree = LightTree::new(&lights(40, 1.0));
+        for i in 0..200 {
+            let from = vector(Stream::new(11, 0, i), 0);
+            let [last, before] = tree.choose(from, [1.0_f64.next_down(), 1.0 - 1e-12]);
+            assert_eq!(last, before, "{i}");
         }
     }
 
