@@ -1,3 +1,4 @@
+use super::caustic_probes::share_rare_caustics;
 use super::counters::Counters;
 use super::light_edges::LightEdges;
 use super::path_state::Path;
@@ -77,7 +78,7 @@ pub fn replay(
         return Err(RenderError::Param { name, value: value.into(), range });
     }
     let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
-    let context = RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref());
+    let context = share_rare_caustics(RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref()));
     let one = sample..sample + 1;
     let square = square_around(x, y, settings.width, settings.height);
     let place = (y - square.y) * square.width + (x - square.x);
@@ -113,11 +114,12 @@ impl Wavefront {
         let ray = on_ray.map(|i| self.rays[i]);
         // Sums that begin at zero hold the radiance of this bounce alone.
         self.radiance.reset(self.radiance.samples.len(), self.radiance.suffixes.len());
+        self.caustics.clear();
         self.trace_rays(context);
         let hit = on_ray.and_then(|i| self.hits[i]);
         self.shade(context, bounce, &mut Counters::default());
         let throughput_before = self.prefixes.throughput_before(path.target) * unit;
-        let emitted = throughput_before * *self.radiance.at(path.target);
+        let emitted = throughput_before * (*self.radiance.at(path.target) + self.caustics.found_by(sample));
         replay.alone += emitted;
         let at = match (ray.zip(hit), from_point) {
             (Some((ray, hit)), _) => context.scene.interaction(&ray, &hit),

@@ -1,7 +1,10 @@
 //! Path tracing (Kajiya 1986) in wavefronts: next event estimation, scattering, path reuse and the training of a guide.
 
+mod caustic_probes;
+mod caustics;
 mod counters;
 mod debug_sample;
+mod emission_rays;
 mod light_choices;
 mod light_edges;
 mod next_event;
@@ -14,6 +17,7 @@ mod tile_bounds;
 mod training;
 mod wavefront;
 
+pub(crate) use caustic_probes::share_rare_caustics;
 pub use counters::Counters;
 pub use debug_sample::{Replay, Vertex, replay};
 pub(crate) use light_edges::LightEdges;

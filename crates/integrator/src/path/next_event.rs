@@ -1,4 +1,4 @@
-use super::light_edges::MAX_REFLECTIONS;
+use super::emission_rays::MAX_REFLECTIONS;
 use super::path_state::Path;
 use super::render_context::RenderContext;
 use super::shading_point::{MisContext, ShadingPoint};
@@ -51,19 +51,22 @@ impl RenderContext<'_> {
         if path.mis.supersampled && bounce <= MAX_REFLECTIONS {
             return Rgb::BLACK;
         }
-        let MisContext { density, from, mirror, is_first, .. } = path.mis;
+        emitted * self.weight_of_emission(&path.mis, (hit, at))
+    }
+
+    /// The multiple importance sampling weight of emission that a ray has hit.
+    #[inline(always)]
+    pub(super) fn weight_of_emission(&self, mis: &MisContext, (hit, at): (&Hit, &Interaction<'_>)) -> f64 {
+        let MisContext { density, from, mirror, is_first, .. } = *mis;
         let weight =
             |light: &dyn Fn() -> PdfSolidAngle| self.settings.estimator.weight_of_emission(density, light);
         match mirror {
             None => {
                 let count = self.direct_samples(is_first);
-                emitted * weight(&|| self.light_sampler(from).pdf(hit, at).of_samples(count))
+                weight(&|| self.light_sampler(from).pdf(hit, at).of_samples(count))
             }
             // Where the mirror is not sampled, scattering alone finds the light.
-            Some(mirror) => match self.pdf_by_mirror(&path.mis, mirror, hit, at) {
-                None => emitted,
-                Some(pdf) => emitted * weight(&|| pdf),
-            },
+            Some(mirror) => self.pdf_by_mirror(mis, mirror, hit, at).map_or(1.0, |pdf| weight(&|| pdf)),
         }
     }
 

@@ -1,8 +1,7 @@
 use super::shading_point::MisContext;
 use crate::Roulette;
 use crate::sampler::Numbers;
-use glam::{DVec3, Vec3};
-use globillum_material::{Density, Rgb};
+use globillum_material::Rgb;
 
 /// The state of a path between two bounces.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +34,9 @@ pub(super) enum Stage {
     Prefix,
     /// The prefix has ended at the last vertex, and others may reuse what follows.
     PrefixEnded,
+    /// Of the vertices since the end of the prefix, all were mirrors, of this number. Others may share what the path finds
+    /// of lights ([`Caustics`](super::caustics::Caustics)).
+    Reflected(u8),
     /// The vertex after the prefix has been passed, or the prefix has ended and is not reused.
     Beyond,
 }
@@ -57,7 +59,7 @@ impl Path {
             throughput: Rgb::WHITE,
             guided: 1.0,
             prefix_throughput: Rgb::WHITE,
-            mis: MisContext::new(Density::Delta, DVec3::ZERO, Vec3::ZERO),
+            mis: MisContext::of_camera(),
         }
     }
 
@@ -65,6 +67,13 @@ impl Path {
     #[inline(always)]
     pub(super) fn is_prefix(&self) -> bool {
         self.stage == Stage::Prefix
+    }
+
+    /// Whether Russian roulette may end the path. Not between mirrors after the prefix: what is found by way of them must
+    /// follow from the first one.
+    #[inline(always)]
+    pub(super) fn plays_roulette(&self) -> bool {
+        !matches!(self.stage, Stage::Reflected(_))
     }
 
     /// Whether the path survives Russian roulette by `u` in `[0, 1)`; scales its throughput. A guide changes nothing: it

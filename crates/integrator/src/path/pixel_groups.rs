@@ -75,6 +75,13 @@ impl Groups {
     }
 }
 
+/// The pixels of a tile that are in one square with `pixel`, as indices into [`Tile::pixels`], row by row.
+pub(super) fn square_of(tile: Tile, pixel: u32) -> impl Iterator<Item = u32> {
+    let (x, y) = (pixel % tile.width, pixel / tile.width);
+    let square = square_around(x, y, tile.width, tile.height);
+    square.pixels().map(move |(x, y)| y * tile.width + x)
+}
+
 /// The part of a picture of `width` x `height` pixels that holds all groups of pixel (`x`, `y`).
 pub(super) fn square_around(x: u32, y: u32, width: u32, height: u32) -> Tile {
     let start = |x: u32| x - x % SIDE;

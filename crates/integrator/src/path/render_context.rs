@@ -17,6 +17,8 @@ pub(crate) struct RenderContext<'a> {
     pub(super) mirrors: Option<&'a Mirrors>,
     /// By which diffuse vertices scatter; `None` for the cosine alone.
     pub(super) guide: Option<&'a Guide>,
+    /// Whether pixels share the caustics that their paths find.
+    pub(super) shares_caustics: bool,
     /// The instructions that shade; they change no bit.
     pub(super) simd: SimdLevel,
 }
@@ -31,7 +33,8 @@ impl<'a> RenderContext<'a> {
         let samples_lights = samples_areas || scene.lights().delta_lights().next().is_some();
         let samples_mirrors = samples_areas && settings.mirror_sampling == MirrorSampling::Images;
         let mirrors = samples_mirrors.then(|| scene.mirrors()).filter(|mirrors| !mirrors.is_empty());
-        Self { scene, sensor, settings, samples_lights, mirrors, guide: None, simd: SimdLevel::best() }
+        let (guide, shares_caustics, simd) = (None, false, SimdLevel::best());
+        Self { scene, sensor, settings, samples_lights, mirrors, guide, shares_caustics, simd }
     }
 
     /// The same with this guide.

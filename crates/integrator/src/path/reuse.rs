@@ -18,29 +18,30 @@ use std::ops::Range;
 
 /// A vertex at which a prefix ends or a suffix begins.
 #[derive(Clone, Copy, Debug)]
-struct ReuseVertex {
-    point: SurfacePoint,
+pub(super) struct ReuseVertex {
+    pub(super) point: SurfacePoint,
     /// Unit normal on the path's side.
-    normal: DVec3,
+    pub(super) normal: DVec3,
     /// The cell of the guide, if there is one.
     guide_cell: Option<u32>,
+    is_mirror: bool,
 }
 
 /// A path up to its first diffuse vertex.
 #[derive(Clone, Copy, Debug)]
-struct Prefix {
-    end: ReuseVertex,
+pub(super) struct Prefix {
+    pub(super) end: ReuseVertex,
     /// The bounce at which it ends. A limit on bounces gives suffixes of one length to prefixes of one
     /// length, so only these share them.
-    bounce: u32,
+    pub(super) bounce: u32,
     /// The factor on the radiance that arrives at the end along the path, if directions there are sampled by the BSDF.
-    throughput: Rgb,
+    pub(super) throughput: Rgb,
     /// How many times as dense as by the BSDF its own direction there was sampled.
-    guided: f64,
+    pub(super) guided: f64,
     /// The largest throughput of the prefixes of its group that end at this bounce, by component.
     group_throughput: Rgb,
-    /// Where its own suffix begins.
-    suffix: Option<ReuseVertex>,
+    /// Where its own suffix begins: at a diffuse vertex, or at a mirror where pixels share caustics.
+    pub(super) suffix: Option<ReuseVertex>,
 }
 
 /// A suffix as the continuation of a prefix, both named by their samples.
@@ -84,6 +85,11 @@ impl Prefixes {
             self.groups.extend(groups.flat_map(|group| (0..count).map(move |i| of_sample(group, i))));
         }
         self.all.len()
+    }
+
+    /// The prefix of a sample, if it has ended.
+    pub(super) fn of(&self, sample: u32) -> Option<&Prefix> {
+        self.all[sample as usize].as_ref()
     }
 
     /// The throughput of the prefix before what is added to `target`.
@@ -133,13 +139,15 @@ impl Prefixes {
         }
     }
 
-    /// Begins the suffix of a path at a diffuse vertex.
+    /// Begins the suffix of a path at this vertex.
     #[inline(always)]
     pub(super) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let sample = path.target.sample();
         let Some(prefix) = &mut self.all[sample as usize] else { return };
-        prefix.suffix = Some(ReuseVertex::at(vertex));
-        (path.prefix_throughput, path.throughput) = (prefix.group_throughput, Rgb::WHITE);
+        let start = ReuseVertex::at(vertex);
+        prefix.suffix = Some(start);
+        path.prefix_throughput = if start.is_mirror { prefix.throughput } else { prefix.group_throughput };
+        path.throughput = Rgb::WHITE;
         path.guided = 1.0;
         path.target = Target::Suffix(sample);
     }
@@ -174,8 +182,10 @@ impl Prefixes {
                 let radiance = suffixes[suffix as usize];
                 let Some(own) = &all[suffix as usize] else { continue };
                 let Some(start) = own.suffix.as_ref().filter(|_| !radiance.is_black()) else { continue };
-                // A radiance that is not finite stays with its own sample, so that an error names that one.
-                let found = own.end.connection_to(start).filter(|_| radiance.is_finite());
+                // What leaves a mirror depends on the direction, so it stays with its own sample. So does a radiance that is
+                // not finite, so that an error names that one.
+                let is_shared = !start.is_mirror && radiance.is_finite();
+                let found = own.end.connection_to(start).filter(|_| is_shared);
                 let density = found.map_or(1.0, |(density, _)| density);
                 connections.push(Connection {
                     prefix: suffix,
@@ -221,13 +231,14 @@ impl Prefixes {
 impl ReuseVertex {
     #[inline(always)]
     fn at(vertex: &ShadingPoint<'_>) -> Self {
-        let point = vertex.at.point;
-        Self { point, normal: vertex.frame.normal, guide_cell: vertex.guide_cell.map(|cell| cell.index) }
+        let (point, is_mirror) = (vertex.at.point, vertex.at.material.bsdf.is_delta());
+        let guide_cell = vertex.guide_cell.map(|cell| cell.index);
+        Self { point, normal: vertex.frame.normal, guide_cell, is_mirror }
     }
 
     /// How many times as dense as cosine sampling the guide makes `direction`.
     #[inline(always)]
-    fn guided(&self, guide: Option<&Guide>, direction: DVec3) -> f64 {
+    pub(super) fn guided(&self, guide: Option<&Guide>, direction: DVec3) -> f64 {
         let Some((guide, cell)) = guide.zip(self.guide_cell) else { return 1.0 };
         guide.cell(cell).directions.ratio(Frame::around(self.normal).to_local(direction))
     }
@@ -236,7 +247,7 @@ impl ReuseVertex {
     /// between them. `None` if one of them is not clearly in front of the other, or if the density is not a
     /// normal number.
     #[inline(always)]
-    fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
+    pub(super) fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
         let between = other.point.position - self.point.position;
         let [near, far] = [self.normal.dot(between), -other.normal.dot(between)];
         let square = between.length_squared();

@@ -99,6 +99,12 @@ pub(super) struct MisContext {
 }
 
 impl MisContext {
+    /// That of a ray from the camera.
+    #[inline(always)]
+    pub(super) fn of_camera() -> Self {
+        Self::new(Density::Delta, DVec3::ZERO, Vec3::ZERO)
+    }
+
     /// A direction of this density that starts at `from`, on this side of its surface.
     pub(super) fn new(density: Density, from: DVec3, side: Vec3) -> Self {
         Self { density, from, side, mirror: None, supersampled: false, is_first: false }

@@ -1,6 +1,8 @@
+use super::caustics::Caustics;
 use super::counters::Counters;
+use super::emission_rays::MAX_REFLECTIONS;
 use super::light_choices::LightChoices;
-use super::light_edges::{EmissionRays, LightEdges};
+use super::light_edges::{LightEdges, LightRays};
 use super::next_event::{MirrorSample, Reflected};
 use super::path_state::{Path, RadianceSums, Stage, Target};
 use super::pixel_groups::Groups;
@@ -51,9 +53,10 @@ pub(crate) struct Wavefront {
     /// unit of their radiance adds.
     reflected: Vec<(Contribution, u32)>,
     reflected_rays: Vec<Ray>,
-    emission_rays: EmissionRays,
+    light_rays: LightRays,
     pub(super) radiance: RadianceSums,
     pub(super) prefixes: Prefixes,
+    pub(super) caustics: Caustics,
 }
 
 /// Radiance that is added if its shadow ray is not occluded.
@@ -97,6 +100,7 @@ impl Wavefront {
             }
         }
         self.prefixes.share_suffixes(context, &mut self.radiance, &mut counters);
+        self.caustics.share(context, (tile, &self.prefixes), &mut self.radiance.samples, &mut counters);
         for path in &self.from_points {
             *self.radiance.at(path.target) *= IRRADIANCE;
         }
@@ -116,8 +120,8 @@ impl Wavefront {
         (tile, edges): (Tile, &LightEdges),
         samples: &Range<u32>,
     ) -> u64 {
-        let rays = self.emission_rays.find(context, (tile, edges), samples);
-        for &(sample, emitted) in &self.emission_rays.found {
+        let rays = self.light_rays.find(context, (tile, edges), samples);
+        for &(sample, emitted) in &self.light_rays.found {
             self.radiance.samples[sample as usize] += emitted;
         }
         rays
@@ -125,7 +129,7 @@ impl Wavefront {
 
     /// What these camera rays have found for a sample.
     pub(super) fn lights_seen_by(&self, sample: u32) -> Rgb {
-        let found = self.emission_rays.found.iter().find(|&&(of, _)| of == sample);
+        let found = self.light_rays.found.iter().find(|&&(of, _)| of == sample);
         found.map_or(Rgb::BLACK, |&(_, emitted)| emitted)
     }
 
@@ -215,6 +219,7 @@ impl Wavefront {
         draw_film_numbers(context.simd, &self.paths, &mut self.film_numbers);
         let suffixes = self.prefixes.start(context, tile, samples);
         self.radiance.reset(self.paths.len(), suffixes);
+        self.caustics.clear();
         self.place(context, tile, samples.len());
     }
 
@@ -301,7 +306,10 @@ impl Wavefront {
                 *self.radiance.at(path.target) = Rgb::splat(f64::NAN);
                 continue;
             }
-            *self.radiance.at(path.target) += path.throughput * context.emitted(&path, bounce, &hit, &at);
+            *self.radiance.at(path.target) += match path.stage {
+                Stage::Reflected(_) => self.caustics.take_emission(context, &path, (&hit, &at)),
+                _ => path.throughput * context.emitted(&path, bounce, &hit, &at),
+            };
             if context.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
@@ -310,18 +318,34 @@ impl Wavefront {
             let mut vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
             vertex.light = self.light_choices.of_path(i);
             vertex.image_numbers = self.image_numbers.get(i).copied();
-            if path.stage == Stage::PrefixEnded {
-                path.stage = Stage::Beyond;
-                if at.material.bsdf.is_diffuse() {
-                    self.prefixes.begin_suffix(&mut path, &vertex);
-                }
-            }
+            self.pass(context, &mut path, &vertex);
             let Some(next) = self.leave(context, &mut path, &vertex, Some(&hit), counters) else { continue };
             (self.paths[kept], self.rays[kept]) = (path, next);
             kept += 1;
         }
         self.paths.truncate(kept);
         self.rays.truncate(kept);
+    }
+
+    /// Notes that a path passes a vertex after its prefix: its suffix may begin there.
+    #[inline(always)]
+    fn pass(&mut self, context: &RenderContext<'_>, path: &mut Path, vertex: &ShadingPoint<'_>) {
+        let is_shared_mirror = || context.shares_caustics && vertex.at.material.bsdf.is_delta();
+        path.stage = match path.stage {
+            Stage::PrefixEnded if vertex.at.material.bsdf.is_diffuse() => {
+                self.prefixes.begin_suffix(path, vertex);
+                Stage::Beyond
+            }
+            Stage::PrefixEnded if is_shared_mirror() => {
+                self.prefixes.begin_suffix(path, vertex);
+                Stage::Reflected(1)
+            }
+            Stage::Reflected(count) if is_shared_mirror() && u32::from(count) < MAX_REFLECTIONS => {
+                Stage::Reflected(count + 1)
+            }
+            Stage::Prefix => Stage::Prefix,
+            Stage::PrefixEnded | Stage::Reflected(_) | Stage::Beyond => Stage::Beyond,
+        };
     }
 
     /// Finds the cells of all hits, if there is a guide.
@@ -392,7 +416,8 @@ impl Wavefront {
                 self.prefixes.end(path, vertex);
             }
         }
-        if vertex.numbers.roulette.is_some_and(|u| !path.survives(context.settings.roulette, u)) {
+        let roulette = vertex.numbers.roulette.filter(|_| path.plays_roulette());
+        if roulette.is_some_and(|u| !path.survives(context.settings.roulette, u)) {
             counters.roulette_ends += 1;
             return None;
         }

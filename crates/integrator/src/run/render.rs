@@ -4,7 +4,8 @@ use super::monitor::Monitor;
 use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
-use crate::path::{RenderContext, Tile, guide};
+use crate::caught::caught;
+use crate::path::{RenderContext, Tile, guide, share_rare_caustics};
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use std::ops::{ControlFlow, Range};
@@ -159,6 +160,11 @@ impl<'a> Render<'a> {
                 return Ok(Picture { ending: Ending::Cancelled, ..picture });
             };
             let context = RenderContext::new(self.scene, self.sensor, &settings).guided_by(guide.as_ref());
+            let context = caught(|| share_rare_caustics(context)).map_err(|message| RenderError::Worker {
+                x: window.x,
+                y: window.y,
+                message,
+            })?;
             let edges = Tile::all(window).map(|_| OnceLock::new()).collect();
             let renderer = PassRenderer { context, monitor, meter: &meter, window, edges };
             PassLoop { renderer, stop: self.stop }.add_passes(picture, passes)

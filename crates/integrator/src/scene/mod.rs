@@ -38,6 +38,11 @@ impl<A: ?Sized> Scene<A> {
         self.material_ids[index as usize]
     }
 
+    /// Whether the model has a mirror material.
+    pub(crate) fn has_mirrors(&self) -> bool {
+        self.materials.iter().any(|material| material.bsdf.is_delta())
+    }
+
     /// The triangles, in the order of the model.
     pub fn triangles(&self) -> &Triangles {
         &self.triangles

@@ -7,7 +7,8 @@ use globillum_material::Density;
 /// Delta lights, which no path hits, are found by next event estimation with any of them.
 ///
 /// Scattering alone finds a constant environment, what the camera sees in a mirror, and caustics by way
-/// of more than one mirror ([`MirrorSampling`](crate::MirrorSampling)).
+/// of more than one mirror ([`MirrorSampling`](crate::MirrorSampling)), which pixels share
+/// ([`PathReuse`](crate::PathReuse)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Estimator {

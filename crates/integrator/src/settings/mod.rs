@@ -90,6 +90,9 @@ pub enum PathReuse {
     /// The errors of a group are correlated positively. The pixels of a block are in different groups, and its mean has a
     /// variance of its own, which is measured ([`Film::block_variances_of_mean`]). Tiles are independent of each other.
     ///
+    /// Light that a path finds after its first diffuse vertex by way of up to four mirrors is shared by all pixels of the
+    /// tile, if few of some paths at fixed places find such light. It takes a query for each of these pixels.
+    ///
     /// A prefix that Russian roulette could have ended ([`Roulette::start`]) is not shared.
     ///
     /// [`Film::block_variances_of_mean`]: crate::Film::block_variances_of_mean

@@ -1,0 +1,79 @@
+//! Probes that find whether caustics are rare, so that sharing them costs little.
+
+use super::caustics::{LEAST_WEIGHT, at_first_vertex, reflection, weight};
+use super::emission_rays::{EmissionRays, MAX_REFLECTIONS};
+use super::render_context::RenderContext;
+use super::shading_point::MisContext;
+use crate::{PathStart, Stream};
+use globillum_geom::{Frame, Ray};
+use globillum_material::Bsdf;
+
+/// Probes along each side of the picture, by which caustics are found to be rare.
+const PROBES: u32 = 64;
+
+/// The most probes that find a caustic where caustics are rare. Sharing then takes two connections per sample at most, on
+/// average.
+const MOST_FOUND: usize = (PROBES * PROBES) as usize / 128;
+
+/// The context in which pixels share caustics if these are rare: if of some paths at fixed places, few find one.
+pub(crate) fn share_rare_caustics<'a>(context: RenderContext<'a>) -> RenderContext<'a> {
+    let may_share = context.reuses_paths() && context.scene.has_mirrors();
+    RenderContext { shares_caustics: may_share && probes_that_find(&context) <= MOST_FOUND, ..context }
+}
+
+/// How many of [`PROBES`] x [`PROBES`] paths find a caustic that would be shared. They follow from the scene and the
+/// sensor, never from samples.
+fn probes_that_find(context: &RenderContext<'_>) -> usize {
+    let scattered = scattered(context);
+    let rays: Vec<Ray> = scattered.iter().map(|(ray, _)| *ray).collect();
+    let mut hits = Vec::new();
+    context.scene.accel().intersect_batch(&rays, &mut hits);
+    let mut reflected = EmissionRays::default();
+    for (i, (ray, hit)) in (0..).zip(rays.iter().zip(&hits)) {
+        let Some(at) = hit.as_ref().map(|hit| context.scene.interaction(ray, hit)) else { continue };
+        let Bsdf::Mirror(reflectance) = at.material.bsdf else { continue };
+        if at.point.position.is_finite() {
+            reflected.push(reflection(&at.point, ray.direction), i, reflectance.rgb());
+        }
+    }
+    let mut count = 0;
+    reflected.trace(context, MAX_REFLECTIONS - 1, |found| {
+        let i = found.target as usize;
+        let mirror = hits[i].as_ref().map_or(Ray::NO_TRIANGLE, |hit| hit.triangle);
+        count += usize::from(weight(context, scattered[i].1, mirror, &found) >= LEAST_WEIGHT);
+    });
+    count
+}
+
+/// The rays that the diffuse surfaces scatter which the probes see, with what weights depend on.
+fn scattered(context: &RenderContext<'_>) -> Vec<(Ray, MisContext)> {
+    let places = (0..PROBES).flat_map(|y| (0..PROBES).map(move |x| [x, y]));
+    let rays: Vec<Ray> = places.filter_map(|place| probe(context, place)).collect();
+    let mut hits = Vec::new();
+    context.scene.accel().intersect_batch(&rays, &mut hits);
+    let of_probe = |(i, (ray, hit)): (u32, (&Ray, &Option<_>))| {
+        let at = context.scene.interaction(ray, hit.as_ref()?);
+        if !(at.material.bsdf.is_diffuse() && at.point.position.is_finite()) {
+            return None;
+        }
+        let frame = Frame::around(at.side());
+        let u = Stream::new(0, 0, i).uniform_pair(0);
+        let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
+        let mis = at_first_vertex(sample.density, at.point.position, frame.normal);
+        Some((at.point.spawn(frame.to_world(sample.wi)), mis))
+    };
+    (0..).zip(rays.iter().zip(&hits)).filter_map(of_probe).collect()
+}
+
+/// The ray at a place of the grid of probes.
+fn probe(context: &RenderContext<'_>, [column, row]: [u32; 2]) -> Option<Ray> {
+    let place = |probe: u32, pixels: u32| {
+        let at = (f64::from(probe) + 0.5) / f64::from(PROBES) * f64::from(pixels);
+        (at as u32, at.fract())
+    };
+    let ((x, u), (y, v)) = (place(column, context.settings.width), place(row, context.settings.height));
+    match context.path_start((x, y), [u, v]) {
+        PathStart::Ray(ray) if ray.is_traceable() => Some(ray),
+        _ => None,
+    }
+}

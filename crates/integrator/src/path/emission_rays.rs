@@ -1,0 +1,97 @@
+//! Rays that find the emission of lights, directly and by way of mirrors.
+
+use super::render_context::RenderContext;
+use crate::Interaction;
+use globillum_geom::{Hit, Ray};
+use globillum_material::{Bsdf, Material, Rgb};
+
+/// The most mirrors by way of which a ray finds a light.
+pub(super) const MAX_REFLECTIONS: u32 = 4;
+
+/// Rays that find emission only.
+#[derive(Debug, Default)]
+pub(super) struct EmissionRays {
+    rays: Vec<Ray>,
+    /// What each ray is for, and the throughput along it.
+    states: Vec<(u32, Rgb)>,
+    hits: Vec<Option<Hit>>,
+}
+
+/// What a ray has found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FoundEmission<'a> {
+    /// What the ray is for.
+    pub(super) target: u32,
+    /// The radiance times the throughput.
+    pub(super) radiance: Rgb,
+    /// How many mirrors the ray has followed.
+    pub(super) reflections: u32,
+    /// Where it was found.
+    pub(super) at: (&'a Hit, &'a Interaction<'a>),
+}
+
+impl EmissionRays {
+    /// The number of rays to be traced.
+    pub(super) fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    pub(super) fn push(&mut self, ray: Ray, target: u32, throughput: Rgb) {
+        self.rays.push(ray);
+        self.states.push((target, throughput));
+    }
+
+    /// Calls `add` with each emission that a ray finds by way of up to `max_reflections` mirrors. Returns how many rays
+    /// were traced; none are left.
+    pub(super) fn trace(
+        &mut self,
+        context: &RenderContext<'_>,
+        max_reflections: u32,
+        mut add: impl FnMut(FoundEmission<'_>),
+    ) -> u64 {
+        let scene = context.scene;
+        let mut traced = 0;
+        for reflections in 0..=max_reflections {
+            if self.rays.is_empty() {
+                break;
+            }
+            traced += self.rays.len() as u64;
+            scene.accel().intersect_batch(&self.rays, &mut self.hits);
+            let mut kept = 0;
+            for i in 0..self.rays.len() {
+                let (ray, (target, throughput)) = (self.rays[i], self.states[i]);
+                let Some(hit) = &self.hits[i] else { continue };
+                let Material { bsdf, emission, .. } = *scene.material(hit.triangle);
+                if bsdf.is_diffuse() && emission.is_none() {
+                    continue;
+                }
+                let at = scene.interaction(&ray, hit);
+                let mut found =
+                    |radiance| add(FoundEmission { target, radiance, reflections, at: (hit, &at) });
+                if !at.point.position.is_finite() {
+                    // As for the path of a sample: no ray can leave it.
+                    found(Rgb::splat(f64::NAN));
+                    continue;
+                }
+                let emitted = at.emitted();
+                if !emitted.is_black() {
+                    found(throughput * emitted);
+                }
+                let Bsdf::Mirror(reflectance) = bsdf else { continue };
+                let throughput = throughput * reflectance.rgb();
+                let cos = at.point.normal.dot(at.wo);
+                if cos == 0.0 || throughput.is_black() {
+                    continue;
+                }
+                self.rays[kept] = at.point.spawn(2.0 * cos * at.point.normal - at.wo);
+                self.states[kept] = (target, throughput);
+                kept += 1;
+            }
+            self.rays.truncate(kept);
+            self.states.truncate(kept);
+        }
+        self.rays.clear();
+        self.states.clear();
+        traced
+    }
+}
