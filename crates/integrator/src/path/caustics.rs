@@ -206,10 +206,11 @@ pub(super) fn weight(
 mod tests {
     use super::*;
     use crate::path::{LightEdges, Wavefront, share_rare_caustics};
-    use crate::{Camera, Estimator, MirrorSampling, Model, Scene, Settings};
+    use crate::{Camera, Estimator, MirrorSampling, Model, Roulette, Scene, Settings};
     use globillum_geom::conformance::shapes::{icosphere, quad};
     use globillum_geom::{KdOptions, KdTree, Triangle};
     use globillum_material::{Emission, Material, Sides};
+    use std::ops::Range;
 
     const TILE: Tile = Tile { x: 0, y: 0, width: 13, height: 16 };
     const SEEDS: u64 = 200;
@@ -257,51 +258,50 @@ mod tests {
         })
     }
 
-    /// The same seeds with and without shared caustics, so that all other light cancels. Any of the deviations exceeds
-    /// its limit with a probability of 1e-6 (Student's distribution with 199 degrees of freedom).
+    /// Radiance with shared caustics minus radiance without, by bands of four rows and of all pixels, each with the sum of
+    /// its squares over all seeds.
+    type Deviations = [[(f64, f64); 3]; 5];
+
+    /// The same seeds with and without shared caustics, so that all other light cancels. Single pixels of few caustics have
+    /// a skewed distribution, so rows are compared together. Any of the deviations exceeds the limit with a probability of
+    /// 3e-6 (Student's distribution with 199 degrees of freedom).
     #[test]
-    fn every_pixel_keeps_its_mean() {
+    fn pixels_keep_their_mean() {
         let scene = room(0.6);
+        let settings = Settings::new(13, 16, 4);
+        let with = |estimator, max_bounces| Settings { estimator, max_bounces, ..settings };
         let all = [
-            (0.9, Estimator::Mis, MirrorSampling::Images, None),
-            (0.2, Estimator::Mis, MirrorSampling::Off, Some(4)),
-            (0.9, Estimator::Light, MirrorSampling::Images, None),
-            (0.2, Estimator::Bsdf, MirrorSampling::Images, None),
-            (0.2, Estimator::Mis, MirrorSampling::Images, Some(2)),
-            (0.9, Estimator::Mis, MirrorSampling::Images, Some(3)),
+            (0.9, settings),
+            (0.2, Settings { mirror_sampling: MirrorSampling::Off, max_bounces: Some(4), ..settings }),
+            (0.9, with(Estimator::Light, None)),
+            (0.2, with(Estimator::Bsdf, None)),
+            (0.2, with(Estimator::Mis, Some(2))),
+            (0.9, with(Estimator::Mis, Some(3))),
+            (0.2, Settings { roulette: Roulette { start: 1, threshold: 1.0 }, ..settings }),
         ];
-        for (fov, estimator, mirror_sampling, max_bounces) in all {
-            let mut settings =
-                Settings { estimator, mirror_sampling, max_bounces, ..Settings::new(13, 16, 4) };
-            let count = TILE.pixel_count();
-            let (mut sums, mut squares) = (vec![[0.0; 3]; count + 1], vec![[0.0; 3]; count + 1]);
+        for (i, (fov, settings)) in all.into_iter().enumerate() {
+            let mut deviations = Deviations::default();
             let mut level = 0.0;
             for seed in 0..SEEDS {
-                settings.seed = seed;
-                let [shared, alone] = pixels(&scene, fov, &settings);
-                let mut differences: Vec<_> =
-                    shared.iter().zip(&alone).map(|(&a, &b)| (a + b * -1.0).to_array()).collect();
-                let total = differences.iter().fold([0.0; 3], |sum, d| [0, 1, 2].map(|c| sum[c] + d[c]));
-                differences.push(total);
+                let [shared, alone] = pixels(&scene, fov, &Settings { seed, ..settings });
                 level += alone.iter().map(|radiance| radiance.mean()).sum::<f64>();
-                for (i, difference) in differences.iter().enumerate() {
-                    for c in 0..3 {
-                        sums[i][c] += difference[c];
-                        squares[i][c] += difference[c] * difference[c];
-                    }
+                let difference = |pixels: Range<usize>| {
+                    let of_pixel = |i: usize| shared[i] + alone[i] * -1.0;
+                    pixels.map(of_pixel).fold(Rgb::BLACK, |sum, difference| sum + difference).to_array()
+                };
+                let bands = [0, 1, 2, 3].map(|band| difference(52 * band..52 * (band + 1)));
+                let of_all = bands.iter().copied().chain([difference(0..TILE.pixel_count())]);
+                for ((sum, square), d) in deviations.as_flattened_mut().iter_mut().zip(of_all.flatten()) {
+                    *sum += d;
+                    *square += d * d;
                 }
             }
-            let z = |i: usize, c: usize| {
-                let (sum, square): (f64, f64) = (sums[i][c], squares[i][c]);
-                if square == 0.0 { 0.0 } else { sum.abs() / square.sqrt() }
-            };
-            let of_pixels = (0..count).flat_map(|i| (0..3).map(move |c| z(i, c))).fold(0.0, f64::max);
-            let of_tile = (0..3).map(|c| z(count, c)).fold(0.0, f64::max);
-            let error = squares[count].iter().sum::<f64>().sqrt() / level;
-            let what = format!("{estimator:?}, {mirror_sampling:?}, {max_bounces:?}");
-            println!("{what}: {of_pixels:.2}, {of_tile:.2}, standard error of the mean {error:.5}");
-            assert!(of_pixels < 7.2 && of_tile < 5.85, "{what}: {of_pixels}, {of_tile}");
-            assert!(error > 0.0 && error < 0.0065, "{what}: {error}");
+            let z = |&(sum, square): &(f64, f64)| if square == 0.0 { 0.0 } else { sum.abs() / square.sqrt() };
+            let largest = deviations.as_flattened().iter().map(z).fold(0.0, f64::max);
+            let error = deviations[4].iter().map(|(_, square)| square).sum::<f64>().sqrt() / level;
+            println!("{i}: z {largest:.2}, standard error of the mean {error:.5}");
+            assert!(largest < 5.85, "{i}: {largest}");
+            assert!(error > 0.0 && error < 0.0065, "{i}: {error}");
         }
     }
 
