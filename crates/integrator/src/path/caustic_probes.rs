@@ -1,7 +1,7 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
-use super::caustics::{LEAST_WEIGHT, at_first_vertex, reflection, weight};
-use super::emission_rays::{EmissionRays, MAX_REFLECTIONS};
+use super::caustics::{LEAST_WEIGHT, at_first_vertex, weight};
+use super::emission_rays::{EmissionRays, MAX_REFLECTIONS, reflection};
 use super::render_context::RenderContext;
 use super::shading_point::MisContext;
 use crate::{PathStart, Stream};
@@ -11,8 +11,8 @@ use globillum_material::Bsdf;
 /// Probes along each side of the picture, by which caustics are found to be rare.
 const PROBES: u32 = 64;
 
-/// The most probes that find a caustic where caustics are rare. Sharing then takes two connections per sample at most, on
-/// average.
+/// The most probes that find a caustic where caustics are rare. Sharing then takes two connections per sample or less, as
+/// far as the probes tell.
 const MOST_FOUND: usize = (PROBES * PROBES) as usize / 128;
 
 /// The context in which pixels share caustics if these are rare: if of some paths at fixed places, few find one.
@@ -45,7 +45,8 @@ fn probes_that_find(context: &RenderContext<'_>) -> usize {
     count
 }
 
-/// The rays that the diffuse surfaces scatter which the probes see, with what weights depend on.
+/// The rays that diffuse surfaces scatter where probes see them, with what weights depend on. A probe that sees a mirror
+/// has none.
 fn scattered(context: &RenderContext<'_>) -> Vec<(Ray, MisContext)> {
     let places = (0..PROBES).flat_map(|y| (0..PROBES).map(move |x| [x, y]));
     let rays: Vec<Ray> = places.filter_map(|place| probe(context, place)).collect();

@@ -7,7 +7,7 @@
 //! that it sees in `y`.
 
 use super::counters::Counters;
-use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS};
+use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflection};
 use super::path_state::Path;
 use super::pixel_groups::square_of;
 use super::render_context::RenderContext;
@@ -183,11 +183,6 @@ pub(super) fn at_first_vertex(density: Density, position: DVec3, normal: DVec3) 
     MisContext { is_first: true, ..MisContext::new(density, position, normal.as_vec3()) }
 }
 
-/// The ray that leaves a mirror after one in `direction` has met it.
-pub(super) fn reflection(mirror: &SurfacePoint, direction: DVec3) -> Ray {
-    mirror.spawn(direction - 2.0 * mirror.normal.dot(direction) * mirror.normal)
-}
-
 /// The weight of what a ray has found that triangle `mirror` reflected first. A second mirror is not sampled.
 pub(super) fn weight(
     context: &RenderContext<'_>,
@@ -202,7 +197,6 @@ pub(super) fn weight(
 }
 
 #[cfg(test)]
-#[allow(clippy::print_stdout, reason = "figures of the tests, with --nocapture")]
 mod tests {
     use super::*;
     use crate::path::{LightEdges, Wavefront, share_rare_caustics};
@@ -299,7 +293,6 @@ mod tests {
             let z = |&(sum, square): &(f64, f64)| if square == 0.0 { 0.0 } else { sum.abs() / square.sqrt() };
             let largest = deviations.as_flattened().iter().map(z).fold(0.0, f64::max);
             let error = deviations[4].iter().map(|(_, square)| square).sum::<f64>().sqrt() / level;
-            println!("{i}: z {largest:.2}, standard error of the mean {error:.5}");
             assert!(largest < 5.85, "{i}: {largest}");
             assert!(error > 0.0 && error < 0.0065, "{i}: {error}");
         }
@@ -321,7 +314,6 @@ mod tests {
         }
         let n = (SEEDS as usize * TILE.pixel_count()) as f64;
         let [shared, alone] = sums.map(|[sum, square]| square / n - (sum / n) * (sum / n));
-        println!("variance {:.3} of that of pixels alone", shared / alone);
         assert!(shared < 0.6 * alone, "{shared}, {alone}");
     }
 

@@ -2,7 +2,8 @@
 
 use super::render_context::RenderContext;
 use crate::Interaction;
-use globillum_geom::{Hit, Ray};
+use glam::DVec3;
+use globillum_geom::{Hit, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Material, Rgb};
 
 /// The most mirrors by way of which a ray finds a light.
@@ -28,6 +29,11 @@ pub(super) struct FoundEmission<'a> {
     pub(super) reflections: u32,
     /// Where it was found.
     pub(super) at: (&'a Hit, &'a Interaction<'a>),
+}
+
+/// The ray that leaves a mirror after one in `direction` has met it.
+pub(super) fn reflection(mirror: &SurfacePoint, direction: DVec3) -> Ray {
+    mirror.spawn(direction - 2.0 * mirror.normal.dot(direction) * mirror.normal)
 }
 
 impl EmissionRays {

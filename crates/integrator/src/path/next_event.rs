@@ -1,4 +1,4 @@
-use super::emission_rays::MAX_REFLECTIONS;
+use super::emission_rays::{MAX_REFLECTIONS, reflection};
 use super::path_state::Path;
 use super::render_context::RenderContext;
 use super::shading_point::{MisContext, ShadingPoint};
@@ -266,8 +266,7 @@ impl RenderContext<'_> {
         let next = match sample.by {
             MirrorSampleKind::Light(_, light) => Reflected::ShadowRay(point.segment_to(&light)?),
             MirrorSampleKind::Window { cluster, .. } => {
-                let direction = ray.direction - 2.0 * point.normal.dot(ray.direction) * point.normal;
-                Reflected::Ray(point.spawn(direction), cluster)
+                Reflected::Ray(reflection(&point, ray.direction), cluster)
             }
         };
         Some((next, radiance))
