@@ -343,7 +343,7 @@ fn a_sheet_of_triangles_lets_nothing_through() {
                 for triangle in [0, 1] {
                     let [u, v] = [i, k].map(|n| f64::from(n) / 32.0);
                     let at = scene.triangles().surface_point(triangle, u, v);
-                    let sampler = scene.light_sampler(LightSampling::Area, at.position);
+                    let sampler = scene.light_sampler(LightSampling::Area, at.position, at.normal);
                     let Some(sample) = sampler.sample(0.5, [0.5; 2]) else { continue };
                     let shadow_ray = sample.shadow_ray(&at).unwrap();
                     assert!(scene.accel().occluded(&shadow_ray), "{name}, {light:?}, {}", at.position);

@@ -38,8 +38,9 @@ fn alone(lights: &[DeltaLight]) -> Scene<BruteForce> {
     scene(row([0.0]), lights)
 }
 
+/// On a surface that faces the row of lights.
 fn sample(scene: &Scene<BruteForce>, from: DVec3, choice: f64) -> Option<LightSample> {
-    scene.light_sampler(LightSampling::Area, from).sample(choice, [0.25, 0.5])
+    scene.light_sampler(LightSampling::Area, from, DVec3::NEG_Z).sample(choice, [0.25, 0.5])
 }
 
 /// What the only light of a scene, a delta light, brings to `from`.
@@ -245,7 +246,7 @@ fn few_lights_are_chosen_by_their_power() {
 /// directional light is chosen by its irradiance, not by the size of the scene.
 #[test]
 fn many_lights_and_the_sun_are_chosen_by_the_shading_point() {
-    let sun = DeltaLight::directional(Vec3::NEG_Z, Rgb::splat(5.0)).unwrap();
+    let sun = |direction| [DeltaLight::directional(direction, Rgb::splat(5.0)).unwrap()];
     // The probability of the light beside `from`, counted by evenly spaced numbers.
     let share_of_nearest = |scene: &Scene<BruteForce>| {
         let from = DVec3::new(0.3, 0.3, 1.0);
@@ -262,8 +263,10 @@ fn many_lights_and_the_sun_are_chosen_by_the_shading_point() {
     // The light's irradiance is about 0.5, that of the sun 5, at any size of the scene.
     for floor in [30, 3000] {
         let row = row(std::iter::once(1.0).chain(vec![0.0; floor]));
-        let count = share_of_nearest(&scene(row, &[sun]));
+        let count = share_of_nearest(&scene(row.clone(), &sun(Vec3::Z)));
         assert!((60..120).contains(&count), "{count}");
+        // Behind the surface, the sun has the least probability.
+        assert_eq!(share_of_nearest(&scene(row, &sun(Vec3::NEG_Z))), 999);
     }
 }
 
@@ -308,7 +311,7 @@ fn the_density_asked_for_is_that_of_the_sample() {
     for (sampling, from) in
         [LightSampling::Area, LightSampling::SolidAngle].into_iter().flat_map(|s| places.map(|p| (s, p)))
     {
-        let (lights, mut compared) = (scene.light_sampler(sampling, from), 0);
+        let (lights, mut compared) = (scene.light_sampler(sampling, from, DVec3::Y), 0);
         for i in 0..1000 {
             let numbers = Stream::new(3, 0, i);
             let light = lights.sample(numbers.uniform(0), numbers.uniform_pair(1));
@@ -342,7 +345,7 @@ fn densities_cover_what_is_seen_of_the_lights() {
     let centre = DVec3::new(30.0, 1.0 / 3.0, 1.0 / 3.0);
     let truth = solid_angle(0) + solid_angle(2) + 0.5 * 30.0 / centre.length().powi(3);
     for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
-        let lights = scene.light_sampler(sampling, DVec3::ZERO);
+        let lights = scene.light_sampler(sampling, DVec3::ZERO, DVec3::Y);
         let (mut sum, mut sum_sq, n) = (0.0, 0.0, 2_000_000);
         for i in 0..n {
             let numbers = Stream::new(4, 0, i);

@@ -78,7 +78,7 @@ fn own(scene: &Scene<Box<dyn Accel>>, sampling: LightSampling) -> [Estimate; 3] 
     let ray: Ray = camera().ray(0.0, 0.0, 1.0);
     let hit = scene.accel().intersect(&ray).expect("the floor");
     let at = scene.interaction(&ray, &hit);
-    let lights = scene.light_sampler(sampling, at.point.position);
+    let lights = scene.light_sampler(sampling, at.point.position, at.side());
     let count = 400_000;
     let (mut sums, mut squares) = (Rgb::BLACK, Rgb::BLACK);
     for i in 0..count {

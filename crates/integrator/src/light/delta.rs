@@ -1,4 +1,4 @@
-use super::tree::{Cluster, Reach};
+use super::tree::{Cluster, FarLight, Reach};
 use crate::DeltaLightError;
 use glam::{DAffine3, DVec3, Vec3};
 use globillum_geom::Triangles;
@@ -167,7 +167,9 @@ impl DeltaLight {
                 let outer = libm::acos(cone.cos_outer);
                 Reach::Near(Cluster::of_spot(position.as_dvec3(), axis, outer, intensity.luminance()))
             }
-            Kind::Directional { irradiance, .. } => Reach::Far(irradiance.luminance()),
+            Kind::Directional { direction, irradiance } => {
+                Reach::Far(FarLight { irradiance: irradiance.luminance(), direction: -direction })
+            }
         }
     }
 

@@ -1,4 +1,5 @@
 use super::light_bounds::LightBounds;
+use super::receiver::Receiver;
 use glam::DVec3;
 use globillum_geom::decide::Shear;
 use globillum_geom::{Ray, Triangle, Triangles};
@@ -60,9 +61,10 @@ impl Facet {
         self.normal.dot(position - self.point)
     }
 
-    /// The mirror image of `position`.
-    pub(crate) fn image_of(&self, position: DVec3) -> DVec3 {
-        position - 2.0 * self.height(position) * self.normal
+    /// The mirror image of `receiver`.
+    pub(crate) fn image_of(&self, Receiver { position, side }: Receiver) -> Receiver {
+        let position = position - 2.0 * self.height(position) * self.normal;
+        Receiver { position, side: self.reflect(side.as_dvec3()).as_vec3() }
     }
 
     /// The reflection of the unit vector `direction`.

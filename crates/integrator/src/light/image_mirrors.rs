@@ -1,7 +1,8 @@
 use super::facet::Facet;
 use super::light_bounds::LightBounds;
 use super::mirror_tree::{FacetBounds, MirrorTree, Viewpoint};
-use glam::{DVec3, Vec3};
+use super::receiver::Receiver;
+use glam::DVec3;
 use globillum_geom::{Aabb, Triangles};
 
 /// Facets in which lights are sampled by the image method.
@@ -65,12 +66,11 @@ impl ImageMirrors {
     pub(crate) fn choose(
         &self,
         triangles: &Triangles,
-        from: DVec3,
-        side: Vec3,
+        receiver: Receiver,
         draw: impl Fn() -> f64,
     ) -> Option<ChosenFacet<'_>> {
-        let shows = |place| self.may_show(triangles, from, place);
-        let root = self.tree.root(&self.viewpoint(from, side), f64::INFINITY, shows)?;
+        let shows = |place| self.may_show(triangles, receiver.position, place);
+        let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, shows)?;
         let (index, prob) = self.tree.choose(&root, draw, shows)?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
@@ -80,12 +80,11 @@ impl ImageMirrors {
     pub(crate) fn choice(
         &self,
         triangles: &Triangles,
-        from: DVec3,
-        side: Vec3,
+        receiver: Receiver,
         index: u32,
     ) -> Option<ChosenFacet<'_>> {
-        let shows = |place| self.may_show(triangles, from, place);
-        let root = self.tree.root(&self.viewpoint(from, side), f64::INFINITY, shows)?;
+        let shows = |place| self.may_show(triangles, receiver.position, place);
+        let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, shows)?;
         let prob = self.tree.prob(&root, index, shows)?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
@@ -96,7 +95,7 @@ impl ImageMirrors {
         facet.may_show(triangles, &self.lights, from, is_outside)
     }
 
-    fn viewpoint(&self, from: DVec3, side: Vec3) -> Viewpoint {
-        Viewpoint { from, side, lights: self.lights }
+    fn viewpoint(&self, receiver: Receiver) -> Viewpoint {
+        Viewpoint { receiver, lights: self.lights }
     }
 }

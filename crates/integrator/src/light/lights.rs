@@ -1,5 +1,6 @@
 use super::alias_table::AliasTable;
 use super::delta::DeltaLight;
+use super::receiver::Receiver;
 use super::tree::{ChosenLight, Cluster, LightTree, Reach};
 use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
@@ -169,26 +170,26 @@ impl Lights {
         self.deltas.iter().map(|delta| &delta.light)
     }
 
-    /// Chooses a light for the shading point `from` by each of `us`, in `[0, 1)`; `None` if there are none.
+    /// Chooses a light for the receiver by each of `us`, in `[0, 1)`; `None` if there are none.
     #[inline(always)]
-    pub(crate) fn choose<const N: usize>(&self, from: DVec3, us: [f64; N]) -> [Option<Light<'_>>; N] {
+    pub(crate) fn choose<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [Option<Light<'_>>; N] {
         match &self.choice {
             Choice::Power(table) => us.map(|u| Some(self.light(table.sample(u)?, None))),
-            Choice::Tree(tree) => tree.choose(from, us).map(|chosen| Some(self.chosen(chosen))),
+            Choice::Tree(tree) => tree.choose(receiver, us).map(|chosen| Some(self.chosen(chosen))),
         }
     }
 
-    /// Chooses a light for each of the shading points `from` by the number of the same index, as [`Lights::choose`] does.
+    /// Chooses a light for each of the receivers by the number of the same index, as [`Lights::choose`] does.
     /// `None` if lights are chosen by power, which is not faster for several points.
     #[inline(always)]
     pub(crate) fn choose_each<const N: usize>(
         &self,
-        from: [DVec3; N],
+        receivers: [Receiver; N],
         us: [f64; N],
     ) -> [Option<ChosenLight>; N] {
         match &self.choice {
             Choice::Power(_) => [None; N],
-            Choice::Tree(tree) => tree.choose_each(from, us).map(Some),
+            Choice::Tree(tree) => tree.choose_each(receivers, us).map(Some),
         }
     }
 
@@ -210,14 +211,14 @@ impl Lights {
         }
     }
 
-    /// The probability with which [`Lights::choose`] chooses triangle `index` for the shading point `from`, to
+    /// The probability with which [`Lights::choose`] chooses triangle `index` for the receiver, to
     /// the bit; `None` if it is not a light.
-    pub(crate) fn prob(&self, from: DVec3, index: u32) -> Option<AreaProb> {
+    pub(crate) fn prob(&self, receiver: Receiver, index: u32) -> Option<AreaProb> {
         let place = self.areas.binary_search_by_key(&index, |light| light.triangle).ok()?;
         let light = &self.areas[place];
         Some(match &self.choice {
             Choice::Power(_) => light.prob,
-            Choice::Tree(tree) => light.chosen_with(tree.prob(from, place)),
+            Choice::Tree(tree) => light.chosen_with(tree.prob(receiver, place)),
         })
     }
 }

@@ -63,6 +63,7 @@ impl Mirrors {
 mod tests {
     use super::*;
     use crate::Stream;
+    use crate::light::Receiver;
     use glam::{DVec3, Vec3};
     use globillum_geom::conformance::shapes::{cuboid, icosphere, quad, torus};
     use globillum_geom::{Ray, Triangle};
@@ -91,6 +92,11 @@ mod tests {
             ("a ball", icosphere(3).placed(0.7, DVec3::new(0.2, 0.3, 0.0)).triangles()),
             ("a ring", torus(40, 20).triangles()),
         ]
+    }
+
+    /// On a surface that faces up.
+    fn upward(position: DVec3) -> Receiver {
+        Receiver { position, side: Vec3::Y }
     }
 
     /// A point of the floor, and one of a light.
@@ -131,10 +137,10 @@ mod tests {
                     for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
                         shown += 1;
                         let by_image = mirrors.images.as_ref().and_then(|images| {
-                            images.choice(&triangles, from, Vec3::Y, images.facet_of(index)?)
+                            images.choice(&triangles, upward(from), images.facet_of(index)?)
                         });
                         let by_window = mirrors.windows.as_ref().and_then(|windows| {
-                            windows.choice_prob(from, Vec3::Y, index, light, f64::INFINITY)
+                            windows.choice_prob(upward(from), index, light, f64::INFINITY)
                         });
                         assert!(
                             by_image.is_some() || by_window.is_some(),
@@ -160,8 +166,8 @@ mod tests {
                 let mut times = vec![0_u32; triangles.len()];
                 let mut probs = vec![0.0; triangles.len()];
                 if let Some(images) = &mirrors.images {
-                    for chosen in numbers().filter_map(|u| images.choose(&triangles, from, Vec3::Y, || u)) {
-                        let again = images.choice(&triangles, from, Vec3::Y, chosen.index).unwrap();
+                    for chosen in numbers().filter_map(|u| images.choose(&triangles, upward(from), || u)) {
+                        let again = images.choice(&triangles, upward(from), chosen.index).unwrap();
                         assert_eq!(again.prob, chosen.prob, "{what}");
                         times[chosen.index as usize] += 1;
                         probs[chosen.index as usize] = chosen.prob;
@@ -170,9 +176,9 @@ mod tests {
                 if let Some(windows) = &mirrors.windows {
                     let attempts = [30.0, f64::INFINITY][i as usize % 2];
                     for (index, prob) in
-                        numbers().filter_map(|u| windows.choose(from, Vec3::Y, light, attempts, u))
+                        numbers().filter_map(|u| windows.choose(upward(from), light, attempts, u))
                     {
-                        let again = windows.choice_prob(from, Vec3::Y, index, light, attempts);
+                        let again = windows.choice_prob(upward(from), index, light, attempts);
                         assert_eq!(again, Some(prob), "{what}");
                         times[index as usize] += 1;
                         probs[index as usize] = prob;
@@ -199,7 +205,7 @@ mod tests {
             // Between the middle of the ring and the floor.
             let (from, (_, light, to)) = (DVec3::new(x, -0.3, z), ends(&triangles, numbers));
             for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
-                let prob = windows.choice_prob(from, Vec3::Y, index, light, f64::INFINITY);
+                let prob = windows.choice_prob(upward(from), index, light, f64::INFINITY);
                 (shown, least) = (shown + 1, least.min(prob.unwrap_or(0.0)));
             }
         }
@@ -212,8 +218,9 @@ mod tests {
         let images = mirrors.images.unwrap();
         let at = |y: f64| {
             let from = DVec3::new(0.2, y, 0.2);
-            let chosen = images.choose(&triangles, from, -Vec3::Y * y.signum() as f32, || 0.5)?;
-            Some(chosen.facet.image_of(from).y)
+            let receiver = Receiver { position: from, side: -Vec3::Y * y.signum() as f32 };
+            let chosen = images.choose(&triangles, receiver, || 0.5)?;
+            Some(chosen.facet.image_of(receiver).position.y)
         };
         assert_eq!((at(0.0), at(1e-7), at(-1.0), at(1.0)), (None, None, None, Some(-1.0)));
     }

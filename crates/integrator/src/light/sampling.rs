@@ -1,5 +1,6 @@
 use super::delta::DeltaLightSample;
 use super::lights::{AreaLight, AreaProb, Light, Lights};
+use super::receiver::Receiver;
 use crate::Interaction;
 use glam::DVec3;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SphericalTriangle, SurfacePoint, Triangle, Triangles};
@@ -34,7 +35,7 @@ pub enum LightSampling {
 /// fn radiance(scene: &Scene<WideKdTree>, ray: &Ray, numbers: Stream) -> Rgb {
 ///     let Some(hit) = scene.accel().intersect(ray) else { return scene.environment() };
 ///     let at = scene.interaction(ray, &hit);
-///     let lights = scene.light_sampler(LightSampling::SolidAngle, at.point.position);
+///     let lights = scene.light_sampler(LightSampling::SolidAngle, at.point.position, at.side());
 ///     let Some(light) = lights.sample(numbers.uniform(0), numbers.uniform_pair(1)) else {
 ///         return at.emitted();
 ///     };
@@ -67,7 +68,7 @@ pub struct LightSampler<'a> {
     pub(crate) triangles: &'a Triangles,
     pub(crate) sampling: LightSampling,
     /// The shading point.
-    pub(crate) from: DVec3,
+    pub(crate) receiver: Receiver,
 }
 
 /// A light sampled by [`LightSampler::sample`].
@@ -171,7 +172,7 @@ impl LightSampler<'_> {
     /// Chooses a light by each of `choices`, in `[0, 1)`; `None` if there are none.
     #[inline(always)]
     pub(crate) fn choose<const N: usize>(&self, choices: [f64; N]) -> [Option<Light<'_>>; N] {
-        self.lights.choose(self.from, choices)
+        self.lights.choose(self.receiver, choices)
     }
 
     /// [`LightSampler::sample`] for a light chosen before.
@@ -179,14 +180,15 @@ impl LightSampler<'_> {
     pub(crate) fn sample_chosen(&self, light: &Light<'_>, u: [f64; 2]) -> Option<LightSample> {
         match light {
             Light::Area(light, prob) => self.sample_area(light, *prob, u).map(LightSample::Area),
-            Light::Delta(light, prob) => light.sample(self.from, *prob).map(LightSample::Delta),
+            Light::Delta(light, prob) => light.sample(self.receiver.position, *prob).map(LightSample::Delta),
         }
     }
 
     #[inline(always)]
     fn sample_area(&self, light: &AreaLight, prob: AreaProb, u: [f64; 2]) -> Option<AreaLightSample> {
         let triangle = self.triangles.get(light.triangle);
-        let spherical = if light.may_look_large(self.from) { self.by_solid_angle(triangle) } else { None };
+        let spherical =
+            if light.may_look_large(self.receiver.position) { self.by_solid_angle(triangle) } else { None };
         let (u, v) = match &spherical {
             Some(spherical) => spherical.sample(u),
             None => Triangle::sample_uniform(u),
@@ -221,7 +223,7 @@ impl LightSampler<'_> {
     /// [`LightSampler::pdf`] for `point`, which lies on triangle `index`.
     fn density(&self, index: u32, point: &SurfacePoint) -> PdfSolidAngle {
         let none = PdfSolidAngle(0.0);
-        let Some(prob) = self.lights.prob(self.from, index) else { return none };
+        let Some(prob) = self.lights.prob(self.receiver, index) else { return none };
         match self.by_solid_angle(self.triangles.get(index)) {
             Some(spherical) => spherical.pdf().chosen_with(prob.choice),
             None => {
@@ -237,13 +239,13 @@ impl LightSampler<'_> {
     fn by_solid_angle(&self, triangle: &Triangle) -> Option<SphericalTriangle> {
         match self.sampling {
             LightSampling::Area => None,
-            LightSampling::SolidAngle => SphericalTriangle::new(triangle, self.from),
+            LightSampling::SolidAngle => SphericalTriangle::new(triangle, self.receiver.position),
         }
     }
 
     #[inline(always)]
     fn line_to(&self, point: &SurfacePoint) -> Line {
-        let between = point.position - self.from;
+        let between = point.position - self.receiver.position;
         let distance_sq = between.length_squared();
         let direction = between / distance_sq.sqrt();
         Line { direction, distance_sq, cos_light: -point.normal.dot(direction) }

@@ -1,6 +1,7 @@
 use super::light_clusters::LightClusters;
 use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
-use glam::{DVec3, Vec3};
+use super::receiver::Receiver;
+use glam::DVec3;
 use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Triangles};
 
 /// Mirror triangles that look smaller than the lights which they show: points on them are sampled, as on windows
@@ -53,36 +54,34 @@ impl WindowMirrors {
         self.clusters.of_light(index)
     }
 
-    /// Samples up to `count` windows for the shading point `from`, on the side of its surface to which `side` points.
+    /// Samples up to `count` windows for the receiver.
     pub(crate) fn sampler<'a>(
         &'a self,
         triangles: &'a Triangles,
-        from: DVec3,
-        side: Vec3,
+        receiver: Receiver,
         count: u32,
     ) -> WindowSampler<'a> {
-        WindowSampler { mirrors: self, triangles, from, side, count, root: None }
+        WindowSampler { mirrors: self, triangles, receiver, count, root: None }
     }
 
     /// The density per steradian of all `count` directions that [`WindowSampler::sample`] samples, at the one that leads
-    /// from `from` by way of the mirror triangle `index` to `position` on the light triangle `light`; `None` if it never
+    /// from the receiver by way of the mirror triangle `index` to `position` on the light triangle `light`; `None` if it never
     /// samples that.
     #[inline(never)]
     pub(crate) fn pdf(
         &self,
         triangles: &Triangles,
-        from: DVec3,
-        side: Vec3,
+        receiver: Receiver,
         count: u32,
         index: u32,
         (light, position): (u32, DVec3),
     ) -> Option<PdfSolidAngle> {
         let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
         let (cluster_prob, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
-        let at = Viewpoint { from, side, lights };
+        let at = Viewpoint { receiver, lights };
         let root = self.tree.root(&at, Self::ATTEMPTS / f64::from(count), |_| true)?;
         let prob = self.tree.prob(&root, self.places[place].1, |_| true)?;
-        let triangle = triangles.get(index);
+        let (triangle, from) = (triangles.get(index), receiver.position);
         let (normal, height) = plane(triangle, from);
         let image = from - 2.0 * height * normal;
         // At the image, the direction has the same angle with the plane.
@@ -97,8 +96,7 @@ impl WindowMirrors {
 pub(crate) struct WindowSampler<'a> {
     mirrors: &'a WindowMirrors,
     triangles: &'a Triangles,
-    from: DVec3,
-    side: Vec3,
+    receiver: Receiver,
     count: u32,
     /// The cluster of lights of the last sample, with what the root of the tree says of it.
     root: Option<(u32, Option<Root>)>,
@@ -117,7 +115,8 @@ impl WindowSampler<'_> {
         let WindowMirrors { tree, windows, clusters, .. } = self.mirrors;
         let cluster = if clusters.len() > 1 { others().0 } else { 0.0 };
         let (cluster, cluster_prob, lights) = clusters.choose(cluster)?;
-        let at = Viewpoint { from: self.from, side: self.side, lights };
+        let from = self.receiver.position;
+        let at = Viewpoint { receiver: self.receiver, lights };
         let known = self.root.filter(|(of, _)| *of == cluster).map(|(_, root)| root);
         let attempts = WindowMirrors::ATTEMPTS / f64::from(self.count);
         let root = known.unwrap_or_else(|| tree.root(&at, attempts, |_| true));
@@ -126,12 +125,12 @@ impl WindowSampler<'_> {
         let triangle = windows[place as usize];
         let (u, v) = Triangle::sample_uniform(others().1);
         let point = self.triangles.surface_point(triangle, u, v);
-        let direction = (point.position - self.from).try_normalize()?;
+        let direction = (point.position - from).try_normalize()?;
         let reflected = direction - 2.0 * point.normal.dot(direction) * point.normal;
         if !lights.may_be_hit_by(point.position, reflected) {
             return None;
         }
-        let pdf = pdf(self.triangles.get(triangle), self.from, direction)?;
+        let pdf = pdf(self.triangles.get(triangle), from, direction)?;
         let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(self.count);
         (pdf.0 > 0.0).then_some(WindowSample { triangle, point, direction, pdf, cluster })
     }
@@ -154,16 +153,9 @@ fn pdf(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<PdfSolidAng
 #[cfg(test)]
 impl WindowMirrors {
     /// The triangle chosen to show the cluster of `light`, with its probability.
-    pub(super) fn choose(
-        &self,
-        from: DVec3,
-        side: Vec3,
-        light: u32,
-        attempts: f64,
-        u: f64,
-    ) -> Option<(u32, f64)> {
+    pub(super) fn choose(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<(u32, f64)> {
         let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
-        let root = self.tree.root(&Viewpoint { from, side, lights }, attempts, |_| true)?;
+        let root = self.tree.root(&Viewpoint { receiver, lights }, attempts, |_| true)?;
         let (place, prob) = self.tree.choose(&root, || u, |_| true)?;
         Some((self.windows[place as usize], prob))
     }
@@ -171,15 +163,14 @@ impl WindowMirrors {
     /// The probability of this choice of triangle `index`.
     pub(super) fn choice_prob(
         &self,
-        from: DVec3,
-        side: Vec3,
+        receiver: Receiver,
         index: u32,
         light: u32,
         attempts: f64,
     ) -> Option<f64> {
         let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
         let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
-        let root = self.tree.root(&Viewpoint { from, side, lights }, attempts, |_| true)?;
+        let root = self.tree.root(&Viewpoint { receiver, lights }, attempts, |_| true)?;
         self.tree.prob(&root, self.places[place].1, |_| true)
     }
 }

@@ -60,7 +60,7 @@ fn scattered(context: &RenderContext<'_>) -> Vec<(Ray, MisContext)> {
         let frame = Frame::around(at.side());
         let u = Stream::new(0, 0, i).uniform_pair(0);
         let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
-        let mis = at_first_vertex(sample.density, at.point.position, frame.normal);
+        let mis = at_first_vertex(sample.density, at.receiver());
         Some((at.point.spawn(frame.to_world(sample.wi)), mis))
     };
     (0..).zip(rays.iter().zip(&hits)).filter_map(of_probe).collect()

@@ -15,7 +15,7 @@ use super::reuse::{Prefix, Prefixes, ReuseVertex};
 use super::shading_point::MisContext;
 use super::tile_bounds::Tile;
 use crate::Interaction;
-use glam::DVec3;
+use crate::light::Receiver;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 use std::f64::consts::PI;
@@ -158,7 +158,7 @@ impl Caustics {
             let Some(Prefix { end, .. }) = prefixes.of(view.sample) else { return };
             let direction = (mirror.position - end.point.position).normalize();
             let pdf = PdfSolidAngle(end.normal.dot(direction) / PI * end.guided(context.guide, direction));
-            let mis = at_first_vertex(Density::SolidAngle(pdf), end.point.position, end.normal);
+            let mis = at_first_vertex(Density::SolidAngle(pdf), end.receiver());
             let weight = weight(context, mis, mirror.triangle, &found);
             if weight >= LEAST_WEIGHT {
                 view.radiance += found.radiance * weight;
@@ -179,8 +179,8 @@ impl Caustics {
 }
 
 /// What weights depend on after a first diffuse vertex has scattered a path with this density.
-pub(super) fn at_first_vertex(density: Density, position: DVec3, normal: DVec3) -> MisContext {
-    MisContext { is_first: true, ..MisContext::new(density, position, normal.as_vec3()) }
+pub(super) fn at_first_vertex(density: Density, receiver: Receiver) -> MisContext {
+    MisContext { is_first: true, ..MisContext::new(density, receiver) }
 }
 
 /// The weight of what a ray has found that triangle `mirror` reflected first. A second mirror is not sampled.
@@ -201,6 +201,7 @@ mod tests {
     use super::*;
     use crate::path::{LightEdges, Wavefront, share_rare_caustics};
     use crate::{Camera, Estimator, MirrorSampling, Model, Roulette, Scene, Settings};
+    use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
     use globillum_geom::{KdOptions, KdTree, Triangle};
     use globillum_material::{Emission, Material, Sides};

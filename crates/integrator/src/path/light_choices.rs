@@ -1,9 +1,8 @@
 use super::path_state::Path;
 use super::render_context::RenderContext;
-use crate::light::ChosenLight;
+use crate::light::{ChosenLight, Receiver};
 use crate::sampler::BounceNumbers;
-use glam::DVec3;
-use globillum_geom::Hit;
+use globillum_geom::{Hit, Ray};
 
 /// How many vertices have their lights chosen at once.
 const AT_ONCE: usize = 4;
@@ -22,7 +21,7 @@ pub(super) struct LightChoices {
 struct Vertex {
     /// The index of its path.
     path: usize,
-    position: DVec3,
+    receiver: Receiver,
     /// The number that chooses the light.
     u: f64,
 }
@@ -34,6 +33,7 @@ impl LightChoices {
         &mut self,
         context: &RenderContext<'_>,
         paths: &[Path],
+        rays: &[Ray],
         hits: &[Option<Hit>],
         numbers: &[BounceNumbers],
     ) {
@@ -48,14 +48,14 @@ impl LightChoices {
             let Some(hit) = hit else { continue };
             let takes_one = context.direct_samples(path.is_prefix()) == 1;
             if takes_one && !scene.material(hit.triangle).bsdf.is_delta() {
-                let position = scene.triangles().surface_point(hit.triangle, hit.u, hit.v).position;
-                self.vertices.push(Vertex { path: i, position, u: numbers[i].light });
+                let receiver = scene.interaction(&rays[i], hit).receiver();
+                self.vertices.push(Vertex { path: i, receiver, u: numbers[i].light });
             }
         }
         for vertices in self.vertices.chunks(AT_ONCE) {
             let mut all = [vertices[0]; AT_ONCE];
             all[..vertices.len()].copy_from_slice(vertices);
-            let chosen = lights.choose_each(all.map(|vertex| vertex.position), all.map(|vertex| vertex.u));
+            let chosen = lights.choose_each(all.map(|vertex| vertex.receiver), all.map(|vertex| vertex.u));
             for (vertex, light) in vertices.iter().zip(chosen) {
                 self.of_paths[vertex.path] = light;
             }
@@ -75,6 +75,7 @@ mod tests {
     use crate::path::path_state::Stage;
     use crate::sampler::Member;
     use crate::{Camera, Model, Scene, Settings};
+    use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
     use globillum_geom::{Accel, KdOptions, KdTree};
     use globillum_material::{Material, Rgb};
@@ -102,9 +103,10 @@ mod tests {
         let context = RenderContext::new(&scene, &camera, &settings);
         let rays = (0..203).map(|i| {
             let aim = DVec3::new(f64::from(i % 14) * 0.2 - 1.6, 0.0, f64::from(i / 14) * 0.2 - 1.5);
-            globillum_geom::Ray::new(eye, aim - eye)
+            Ray::new(eye, aim - eye)
         });
-        let hits: Vec<_> = rays.map(|ray| scene.accel().intersect(&ray)).collect();
+        let rays: Vec<_> = rays.collect();
+        let hits: Vec<_> = rays.iter().map(|ray| scene.accel().intersect(ray)).collect();
         let draw = |i: u64| settings.sampler.numbers(1, Member::alone(i), 0, &(0..4));
         let mut paths: Vec<_> = (0..203).map(|i| Path::new(i as u32, draw(i))).collect();
         for path in paths.iter_mut().step_by(3) {
@@ -113,13 +115,13 @@ mod tests {
         let numbers: Vec<_> =
             paths.iter().flat_map(|path| BounceNumbers::draw(&[path.numbers], 2, false)).collect();
         let mut choices = LightChoices::default();
-        choices.choose(&context, &paths, &hits, &numbers);
+        choices.choose(&context, &paths, &rays, &hits, &numbers);
         let mut chosen = 0;
         for i in 0..paths.len() {
             let takes_one = |hit: &Hit| i % 3 == 0 && !scene.material(hit.triangle).bsdf.is_delta();
             let alone = hits[i].filter(takes_one).and_then(|hit| {
-                let position = scene.triangles().surface_point(hit.triangle, hit.u, hit.v).position;
-                scene.lights().choose_each([position], [numbers[i].light])[0]
+                let receiver = scene.interaction(&rays[i], &hit).receiver();
+                scene.lights().choose_each([receiver], [numbers[i].light])[0]
             });
             chosen += u32::from(alone.is_some());
             assert_eq!(choices.of_path(i), alone, "{i}");

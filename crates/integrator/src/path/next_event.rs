@@ -4,9 +4,9 @@ use super::render_context::RenderContext;
 use super::shading_point::{MisContext, ShadingPoint};
 use crate::Interaction;
 use crate::light::{
-    AreaLightSample, ImageMirrors, Light, LightSample, LightSampler, Mirrors, WindowMirrors, WindowSample,
+    AreaLightSample, ImageMirrors, Light, LightSample, LightSampler, Mirrors, Receiver, WindowMirrors,
+    WindowSample,
 };
-use glam::DVec3;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 
@@ -57,13 +57,13 @@ impl RenderContext<'_> {
     /// The multiple importance sampling weight of emission that a ray has hit.
     #[inline(always)]
     pub(super) fn weight_of_emission(&self, mis: &MisContext, (hit, at): (&Hit, &Interaction<'_>)) -> f64 {
-        let MisContext { density, from, mirror, is_first, .. } = *mis;
+        let MisContext { density, receiver, mirror, is_first, .. } = *mis;
         let weight =
             |light: &dyn Fn() -> PdfSolidAngle| self.settings.estimator.weight_of_emission(density, light);
         match mirror {
             None => {
                 let count = self.direct_samples(is_first);
-                weight(&|| self.light_sampler(from).pdf(hit, at).of_samples(count))
+                weight(&|| self.light_sampler(receiver).pdf(hit, at).of_samples(count))
             }
             // Where the mirror is not sampled, scattering alone finds the light.
             Some(mirror) => self.pdf_by_mirror(mis, mirror, hit, at).map_or(1.0, |pdf| weight(&|| pdf)),
@@ -80,23 +80,23 @@ impl RenderContext<'_> {
         hit: &Hit,
         at: &Interaction<'_>,
     ) -> Option<PdfSolidAngle> {
-        let MisContext { from, side, is_first, .. } = *mis;
+        let MisContext { receiver, is_first, .. } = *mis;
         let Mirrors { images, windows } = self.mirrors?;
         let triangles = self.scene.triangles();
         let by_window = |windows: &WindowMirrors| {
             let count = self.window_samples(is_first);
-            windows.pdf(triangles, from, side, count, mirror, (hit.triangle, at.point.position))
+            windows.pdf(triangles, receiver, count, mirror, (hit.triangle, at.point.position))
         };
         let by_image = |images: &ImageMirrors| {
-            let chosen = images.choice(triangles, from, side, images.facet_of(mirror)?)?;
-            let image = chosen.facet.image_of(from);
+            let chosen = images.choice(triangles, receiver, images.facet_of(mirror)?)?;
+            let image = chosen.facet.image_of(receiver);
             Some(self.light_sampler(image).pdf(hit, at).chosen_with(chosen.prob))
         };
         windows.as_ref().and_then(by_window).or_else(|| by_image(images.as_ref()?))
     }
 
-    fn light_sampler(&self, from: DVec3) -> LightSampler<'_> {
-        self.scene.light_sampler(self.settings.light_sampling, from)
+    fn light_sampler(&self, receiver: Receiver) -> LightSampler<'_> {
+        self.scene.light_sampler_of(self.settings.light_sampling, receiver)
     }
 
     /// Samples lights, and calls `add` with each shadow ray and the contribution if it is not occluded.
@@ -106,7 +106,7 @@ impl RenderContext<'_> {
         if !self.samples_lights || at.material.bsdf.is_delta() {
             return;
         }
-        let sampler = self.light_sampler(at.point.position);
+        let sampler = self.light_sampler(vertex.receiver());
         let count = self.direct_samples(path.is_prefix());
         if count == 1 {
             let light = match vertex.light {
@@ -184,17 +184,17 @@ impl RenderContext<'_> {
         vertex: &ShadingPoint<'_>,
     ) -> Option<(MirrorSampleKind, AreaLightSample)> {
         let ShadingPoint { at, bounce, .. } = vertex;
-        let (triangles, position) = (self.scene.triangles(), at.point.position);
+        let (triangles, receiver) = (self.scene.triangles(), vertex.receiver());
         let decision = 2 * bounce;
-        let chosen = images.choose(triangles, position, vertex.side(), || path.numbers.mirror(decision))?;
+        let chosen = images.choose(triangles, receiver, || path.numbers.mirror(decision))?;
         let facet = chosen.facet;
         let drawn = vertex.image_numbers;
         let (choice, u) = drawn.unwrap_or_else(|| path.numbers.light_in_mirror(decision));
-        let light = match self.light_sampler(facet.image_of(position)).sample(choice, u)? {
+        let light = match self.light_sampler(facet.image_of(receiver)).sample(choice, u)? {
             LightSample::Area(light) => light,
             LightSample::Delta(_) => return None,
         };
-        if !facet.same_side(position, light.point.position) {
+        if !facet.same_side(receiver.position, light.point.position) {
             return None;
         }
         let (direction, pdf) = (facet.reflect(light.direction), light.pdf.chosen_with(chosen.prob));
@@ -211,10 +211,9 @@ impl RenderContext<'_> {
         vertex: &ShadingPoint<'_>,
         mut add: impl FnMut(MirrorSampleKind, AreaLightSample),
     ) {
-        let ShadingPoint { at, bounce, .. } = vertex;
-        let decision = 2 * bounce + 1;
+        let decision = 2 * vertex.bounce + 1;
         let count = self.window_samples(path.is_prefix());
-        let mut sampler = windows.sampler(self.scene.triangles(), at.point.position, vertex.side(), count);
+        let mut sampler = windows.sampler(self.scene.triangles(), vertex.receiver(), count);
         for numbers in (0..count).map(|part| path.numbers.part(part, count)) {
             let window = || numbers.mirror(decision);
             let Some(sample) = sampler.sample(window, || numbers.light_in_mirror(decision)) else { continue };

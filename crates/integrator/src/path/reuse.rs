@@ -11,6 +11,7 @@ use super::render_context::RenderContext;
 use super::shading_point::ShadingPoint;
 use super::tile_bounds::Tile;
 use crate::guide::Guide;
+use crate::light::Receiver;
 use glam::DVec3;
 use globillum_geom::{Frame, Ray, SurfacePoint};
 use globillum_material::Rgb;
@@ -234,6 +235,11 @@ impl ReuseVertex {
         let (point, is_mirror) = (vertex.at.point, vertex.at.material.bsdf.is_delta());
         let guide_cell = vertex.guide_cell.map(|cell| cell.index);
         Self { point, normal: vertex.frame.normal, guide_cell, is_mirror }
+    }
+
+    /// What receives light.
+    pub(super) fn receiver(&self) -> Receiver {
+        Receiver { position: self.point.position, side: self.normal.as_vec3() }
     }
 
     /// How many times as dense as cosine sampling the guide makes `direction`.

@@ -1,6 +1,6 @@
 use crate::Interaction;
 use crate::guide::GuideCell;
-use crate::light::ChosenLight;
+use crate::light::{ChosenLight, Receiver};
 use crate::sampler::BounceNumbers;
 use glam::{DVec3, Vec3};
 use globillum_geom::{Frame, PdfSolidAngle};
@@ -46,10 +46,10 @@ impl<'a> ShadingPoint<'a> {
         }
     }
 
-    /// The frame's normal.
+    /// What receives light.
     #[inline(always)]
-    pub(super) fn side(&self) -> Vec3 {
-        self.frame.normal.as_vec3()
+    pub(super) fn receiver(&self) -> Receiver {
+        Receiver { position: self.at.point.position, side: self.frame.normal.as_vec3() }
     }
 
     /// Samples a direction, and returns it with the ratio of its density to that of the BSDF alone; `None` if nothing is
@@ -86,15 +86,13 @@ pub(super) struct MisContext {
     /// A delta if no light sample could have found what the ray hits: after the camera and most mirrors. The rest is
     /// then of no account.
     pub(super) density: Density,
-    /// The point from which lights would have been sampled: the last diffuse vertex.
-    pub(super) from: DVec3,
-    /// The normal on the side of its surface from which the path came.
-    pub(super) side: Vec3,
+    /// For which lights would have been sampled: the last diffuse vertex.
+    pub(super) receiver: Receiver,
     /// The mirror triangle that the path hit since.
     pub(super) mirror: Option<u32>,
     /// Whether other camera rays find what the path would find of lights before its first diffuse vertex.
     pub(super) supersampled: bool,
-    /// Whether `from` is the first diffuse vertex of the path, which may have several light samples.
+    /// Whether `receiver` is the first diffuse vertex of the path, which may have several light samples.
     pub(super) is_first: bool,
 }
 
@@ -102,11 +100,11 @@ impl MisContext {
     /// That of a ray from the camera.
     #[inline(always)]
     pub(super) fn of_camera() -> Self {
-        Self::new(Density::Delta, DVec3::ZERO, Vec3::ZERO)
+        Self::new(Density::Delta, Receiver { position: DVec3::ZERO, side: Vec3::ZERO })
     }
 
-    /// A direction of this density that starts at `from`, on this side of its surface.
-    pub(super) fn new(density: Density, from: DVec3, side: Vec3) -> Self {
-        Self { density, from, side, mirror: None, supersampled: false, is_first: false }
+    /// A direction of this density that starts at `receiver`.
+    pub(super) fn new(density: Density, receiver: Receiver) -> Self {
+        Self { density, receiver, mirror: None, supersampled: false, is_first: false }
     }
 }

@@ -153,8 +153,8 @@ impl Wavefront {
                 records[index as usize].next = Some((this.index, this.throughput / throughput));
             }
             records.push(GuideRecord {
-                vertex: coordinates(path.mis.from, path.mis.side),
-                bin: bin_of(Frame::around(path.mis.side.as_dvec3()).to_local(ray.direction)) as u8,
+                vertex: coordinates(path.mis.receiver.position, path.mis.receiver.side),
+                bin: bin_of(Frame::around(path.mis.receiver.side.as_dvec3()).to_local(ray.direction)) as u8,
                 radiance: 0.0,
                 next: None,
             });

@@ -292,7 +292,7 @@ impl Wavefront {
     #[inline(always)]
     fn shade_paths(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         self.find_guide_cells(context);
-        self.light_choices.choose(context, &self.paths, &self.hits, &self.bounce_numbers);
+        self.light_choices.choose(context, &self.paths, &self.rays, &self.hits, &self.bounce_numbers);
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
@@ -488,7 +488,7 @@ impl Path {
         self.mis = match sample.density {
             Density::SolidAngle(_) => MisContext {
                 is_first: self.is_prefix(),
-                ..MisContext::new(sample.density, at.point.position, vertex.side())
+                ..MisContext::new(sample.density, vertex.receiver())
             },
             Density::Delta => context.mis_after_mirror(self.mis, hit?.triangle),
         };

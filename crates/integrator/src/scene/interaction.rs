@@ -1,3 +1,4 @@
+use crate::light::Receiver;
 use glam::DVec3;
 use globillum_geom::SurfacePoint;
 use globillum_material::{Material, Rgb};
@@ -23,9 +24,15 @@ impl Interaction<'_> {
         self.material.emission.toward(self.point.normal.dot(self.wo))
     }
 
+    /// What receives light on that side of the surface from which the ray came.
+    #[inline(always)]
+    pub(crate) fn receiver(&self) -> Receiver {
+        Receiver { position: self.point.position, side: self.side().as_vec3() }
+    }
+
     /// The unit normal on the side of the surface from which the ray came.
     #[inline(always)]
-    pub(crate) fn side(&self) -> DVec3 {
+    pub fn side(&self) -> DVec3 {
         let normal = self.point.normal;
         normal * 1.0_f64.copysign(normal.dot(self.wo))
     }

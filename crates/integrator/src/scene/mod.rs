@@ -7,7 +7,7 @@ pub use interaction::Interaction;
 pub use model::{MaterialId, Model};
 
 use crate::RenderError;
-use crate::light::{LightSampler, LightSampling, Lights, Mirrors};
+use crate::light::{LightSampler, LightSampling, Lights, Mirrors, Receiver};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, Triangles};
 use globillum_material::{Bsdf, Emission, Material, Rgb, Sides};
@@ -54,8 +54,17 @@ impl<A: ?Sized> Scene<A> {
     }
 
     /// Samples lights and points on them, distributed as `sampling` says, for the shading point `from`.
-    pub fn light_sampler(&self, sampling: LightSampling, from: DVec3) -> LightSampler<'_> {
-        LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, from }
+    ///
+    /// `side` is the unit normal of the surface there, on the side where light counts
+    /// ([`Interaction::side`]). In a light tree, lights in front of it are chosen more often; one behind it has a
+    /// probability above zero all the same.
+    pub fn light_sampler(&self, sampling: LightSampling, from: DVec3, side: DVec3) -> LightSampler<'_> {
+        self.light_sampler_of(sampling, Receiver { position: from, side: side.as_vec3() })
+    }
+
+    #[inline(always)]
+    pub(crate) fn light_sampler_of(&self, sampling: LightSampling, receiver: Receiver) -> LightSampler<'_> {
+        LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, receiver }
     }
 
     /// The constant radiance of the environment.

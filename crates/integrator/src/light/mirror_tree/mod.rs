@@ -5,9 +5,10 @@ mod build;
 mod node;
 
 use super::light_bounds::LightBounds;
+use super::receiver::Receiver;
 use bounds::Item;
 use build::Built;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use globillum_geom::{Aabb, SimdLevel, Triangles};
 use node::{LANE_BITS, Lanes, Node, Query, WIDTH};
 
@@ -43,9 +44,7 @@ pub(super) struct FacetBounds {
 /// From where a facet is chosen, and to show what.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Viewpoint {
-    pub(super) from: DVec3,
-    /// The unit normal on the side of the surface where mirrors count.
-    pub(super) side: Vec3,
+    pub(super) receiver: Receiver,
     pub(super) lights: LightBounds,
 }
 
@@ -170,10 +169,10 @@ impl MirrorTree {
     #[inline(always)]
     fn query(&self, at: &Viewpoint) -> Query {
         let place = |position: DVec3| ((position - self.origin) * self.scale).as_vec3();
-        let within = |body: u32| u32::from(!self.is_outside(body, at.from)) << body;
+        let within = |body: u32| u32::from(!self.is_outside(body, at.receiver.position)) << body;
         Query {
-            from: place(at.from),
-            side: at.side,
+            from: place(at.receiver.position),
+            side: at.receiver.side,
             lights: place(at.lights.centre),
             lights_half_extents: (at.lights.half_extents * self.scale).as_vec3(),
             lights_radius: (at.lights.radius * self.scale) as f32,

@@ -78,7 +78,7 @@ fn orientation(tilt: f64, spread: f64) -> f64 {
 }
 
 /// The smallest cone around two cones, each an axis and an angle.
-fn cone_around(a: (DVec3, f64), b: (DVec3, f64)) -> (DVec3, f64) {
+pub(super) fn cone_around(a: (DVec3, f64), b: (DVec3, f64)) -> (DVec3, f64) {
     let (wide, narrow) = if a.1 >= b.1 { (a, b) } else { (b, a) };
     if wide.0 == narrow.0 {
         return wide;

@@ -1,4 +1,5 @@
 use super::cluster::Cluster;
+use crate::light::receiver::Receiver;
 use glam::DVec3;
 
 /// The frame of a tree, in which the lights lie within `[-1, 1]`. Single precision has enough range there, and no unit of
@@ -21,6 +22,12 @@ impl TreeFrame {
         let (min, max) = all.unwrap_or_default();
         let (_, exponent) = libm::frexp(0.5 * (max - min).max_element());
         Self { origin: 0.5 * (min + max), scale: libm::ldexp(1.0, -exponent) }
+    }
+
+    /// A receiver in the world.
+    #[inline(always)]
+    pub(super) fn receiver(&self, Receiver { position, side }: Receiver) -> Receiver {
+        Receiver { position: self.position(position), side }
     }
 
     /// The place of a position in the world.

@@ -5,34 +5,32 @@ mod build;
 mod child_weights;
 mod cluster;
 mod descent;
+mod far_lights;
 mod frame;
 mod node;
 
 pub(super) use cluster::Cluster;
+pub(super) use far_lights::FarLight;
 
-use super::alias_table::AliasTable;
+use super::receiver::Receiver;
 use child_weights::{LANE_BITS, WIDTH};
 use descent::Descent;
+use far_lights::FarLights;
 use frame::TreeFrame;
-use glam::DVec3;
+use glam::Vec3;
 use globillum_geom::SimdLevel;
 use node::{Child, Node};
 
 /// A tree over lights, each of which is chosen with a probability above zero at every point.
 ///
-/// The probability is about proportional to the irradiance from the light on a plane that faces it, if the light
-/// is visible. It does not depend on the unit of length.
+/// The probability is about proportional to the irradiance from the light at the receiver, if the light is visible. It
+/// does not depend on the unit of length.
 #[derive(Clone, Debug)]
 pub(super) struct LightTree {
     /// The first is the root; none if all lights are infinitely far away.
     nodes: Vec<Node>,
     frame: TreeFrame,
-    /// Over `far`, by irradiance.
-    far_table: AliasTable,
-    /// The indices of the lights that are infinitely far away.
-    far: Vec<u32>,
-    /// The sum of their irradiances.
-    far_irradiance: f64,
+    far: Option<FarLights>,
     places: Vec<Place>,
     /// All levels give the same bits.
     level: SimdLevel,
@@ -51,8 +49,8 @@ pub(crate) struct ChosenLight {
 pub(in crate::light) enum Reach {
     /// Bounds of a light at a finite distance.
     Near(Cluster),
-    /// The irradiance from a light infinitely far away, as luminance.
-    Far(f64),
+    /// A light infinitely far away.
+    Far(FarLight),
 }
 
 /// Where the tree has a light.
@@ -71,58 +69,61 @@ impl LightTree {
     /// A tree over `lights`, of which each has an intensity or irradiance above zero.
     pub(super) fn new(lights: &[Reach]) -> Self {
         let mut near = Vec::new();
-        let (mut far, mut irradiances) = (Vec::new(), Vec::new());
+        let mut far = Vec::new();
         for (index, light) in (0..).zip(lights) {
             match *light {
                 Reach::Near(cluster) => near.push((index, cluster)),
-                Reach::Far(irradiance) => (far.push(index), irradiances.push(irradiance)).1,
+                Reach::Far(light) => far.push((index, light)),
             }
         }
-        let far_irradiance: f64 = irradiances.iter().sum();
         let mut places = vec![Place::Path(0); lights.len()];
-        for (&index, irradiance) in far.iter().zip(&irradiances) {
-            places[index as usize] = Place::Far(irradiance / far_irradiance);
+        let total: f64 = far.iter().map(|(_, light)| light.irradiance).sum();
+        for (index, light) in &far {
+            places[*index as usize] = Place::Far(light.irradiance / total);
         }
         let frame = TreeFrame::around(near.iter().map(|&(_, cluster)| cluster));
         let nodes = build::nodes(&mut near, &frame, |index, path| places[index as usize] = Place::Path(path));
-        let (far_table, level) = (AliasTable::new(&irradiances), SimdLevel::best());
-        Self { nodes, frame, far_table, far, far_irradiance, places, level }
+        Self { nodes, frame, far: FarLights::new(&far), places, level: SimdLevel::best() }
     }
 
-    /// Chooses a light for the point `from` by each of `us`, in `[0, 1)`.
+    /// Chooses a light for the receiver by each of `us`, in `[0, 1)`.
     #[inline(never)] // compiled once for all accelerators
-    pub(super) fn choose<const N: usize>(&self, from: DVec3, us: [f64; N]) -> [ChosenLight; N] {
+    pub(super) fn choose<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [ChosenLight; N] {
         self.level.run(
             #[inline(always)]
             || {
-                let from = self.frame.position(from);
-                self.descend([from; N], self.begin(from, us))
+                let receiver = self.frame.receiver(receiver);
+                self.descend([receiver; N], self.begin(receiver, us))
             },
         )
     }
 
-    /// Chooses a light for each of the points `from` by the number of the same index, as [`LightTree::choose`] does.
+    /// Chooses a light for each of the receivers by the number of the same index, as [`LightTree::choose`] does.
     #[inline(never)]
-    pub(super) fn choose_each<const N: usize>(&self, from: [DVec3; N], us: [f64; N]) -> [ChosenLight; N] {
+    pub(super) fn choose_each<const N: usize>(
+        &self,
+        receivers: [Receiver; N],
+        us: [f64; N],
+    ) -> [ChosenLight; N] {
         self.level.run(
             #[inline(always)]
             || {
-                let (mut places, mut descents) = ([DVec3::ZERO; N], [Descent::new(1.0, 0.0); N]);
+                let (mut receivers, mut descents) = (receivers, [Descent::new(1.0, 0.0); N]);
                 for k in 0..N {
-                    places[k] = self.frame.position(from[k]);
-                    [descents[k]] = self.begin(places[k], [us[k]]);
+                    receivers[k] = self.frame.receiver(receivers[k]);
+                    [descents[k]] = self.begin(receivers[k], [us[k]]);
                 }
-                self.descend(places, descents)
+                self.descend(receivers, descents)
             },
         )
     }
 
-    /// The choices at the root for the point `from`, in the tree's frame, by each of `us`.
+    /// The choices at the root for the receiver, in the tree's frame, by each of `us`.
     #[inline(always)]
-    fn begin<const N: usize>(&self, from: DVec3, us: [f64; N]) -> [Descent; N] {
+    fn begin<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [Descent; N] {
         let Some(root) = self.nodes.first() else { return us.map(|u| self.choose_far(u, 1.0)) };
-        let weights = root.weights(from);
-        let far_prob = self.far_prob(weights.total());
+        let weights = root.weights(&receiver);
+        let far_prob = self.far_prob(weights.total(), receiver.side);
         us.map(
             #[inline(always)]
             |u| match u < far_prob {
@@ -135,16 +136,20 @@ impl LightTree {
         )
     }
 
-    /// The ends of `descents`, each for one of the points `from`. They do not depend on each other, so a processor works
+    /// The ends of `descents`, each for one of the receivers. They do not depend on each other, so a processor works
     /// on several at once.
     #[inline(always)]
-    fn descend<const N: usize>(&self, from: [DVec3; N], mut descents: [Descent; N]) -> [ChosenLight; N] {
+    fn descend<const N: usize>(
+        &self,
+        receivers: [Receiver; N],
+        mut descents: [Descent; N],
+    ) -> [ChosenLight; N] {
         loop {
             let mut have_ended = true;
-            for (descent, &from) in descents.iter_mut().zip(&from) {
+            for (descent, receiver) in descents.iter_mut().zip(&receivers) {
                 if let Child::Node(index) = descent.child {
                     let node = &self.nodes[index as usize];
-                    *descent = descent.step(node, &node.weights(from));
+                    *descent = descent.step(node, &node.weights(receiver));
                     have_ended = false;
                 }
             }
@@ -158,18 +163,18 @@ impl LightTree {
 
     /// The probability with which [`LightTree::choose`] chooses the light `index`, to the bit.
     #[inline(never)]
-    pub(super) fn prob(&self, from: DVec3, index: usize) -> f64 {
+    pub(super) fn prob(&self, receiver: Receiver, index: usize) -> f64 {
         self.level.run(
             #[inline(always)]
-            || self.prob_at_level(self.frame.position(from), index),
+            || self.prob_at_level(self.frame.receiver(receiver), index),
         )
     }
 
     #[inline(always)]
-    fn prob_at_level(&self, from: DVec3, index: usize) -> f64 {
+    fn prob_at_level(&self, receiver: Receiver, index: usize) -> f64 {
         let Some(mut node) = self.nodes.first() else { return self.far_share(index, 1.0) };
-        let mut weights = node.weights(from);
-        let far_prob = self.far_prob(weights.total());
+        let mut weights = node.weights(&receiver);
+        let far_prob = self.far_prob(weights.total(), receiver.side);
         let Place::Path(mut path) = self.places[index] else { return self.far_share(index, far_prob) };
         let mut prob = 1.0 - far_prob;
         loop {
@@ -178,25 +183,23 @@ impl LightTree {
             let Child::Node(index) = node.child(lane) else { return prob };
             node = &self.nodes[index as usize];
             path >>= LANE_BITS;
-            weights = node.weights(from);
+            weights = node.weights(&receiver);
         }
     }
 
     /// The probability of the lights that are infinitely far away, beside the weight of all others.
     #[inline(always)]
-    fn far_prob(&self, near: f64) -> f64 {
-        if self.far.is_empty() {
-            return 0.0;
-        }
-        let share = self.far_irradiance / (self.far_irradiance + near);
+    fn far_prob(&self, near: f64, side: Vec3) -> f64 {
+        let Some(far) = &self.far else { return 0.0 };
+        let far = far.irradiance_on(side);
+        let share = far / (far + near);
         share.clamp(Self::LEAST_PROB, 1.0 - Self::LEAST_PROB)
     }
 
     fn choose_far(&self, u: f64, far_prob: f64) -> Descent {
         // Without far lights their probability is 0, and this is not called.
-        let place =
-            self.far_table.sample(u.min(1.0_f64.next_down())).expect("only called if there are far lights");
-        let index = self.far[place];
+        let far = self.far.as_ref().expect("only called if there are far lights");
+        let index = far.choose(u.min(1.0_f64.next_down()));
         Descent::ended(index, self.far_share(index as usize, far_prob))
     }
 
@@ -212,6 +215,7 @@ impl LightTree {
 mod tests {
     use super::*;
     use crate::Stream;
+    use glam::DVec3;
     use std::f64::consts::{FRAC_PI_3, PI};
 
     /// Uniform in `[-1, 1]^3`.
@@ -234,13 +238,18 @@ mod tests {
                 }
                 4 => Reach::Near(Cluster::of_point(at, intensity)),
                 5 => Reach::Near(Cluster::of_spot(at, axis, FRAC_PI_3, intensity)),
-                _ => Reach::Far(intensity),
+                _ => Reach::Far(FarLight { irradiance: intensity, direction: axis }),
             }
         };
         (0..n).map(light).collect()
     }
 
-    /// At the lights, between them, and far away.
+    /// At the lights, between them, and far away, on surfaces of all directions.
+    fn receivers() -> impl Iterator<Item = Receiver> {
+        let side = |i| vector(Stream::new(12, 0, i), 0).normalize().as_vec3();
+        (0..).zip(places()).map(move |(i, position)| Receiver { position, side: side(i) })
+    }
+
     fn places() -> impl Iterator<Item = DVec3> {
         (0..6).map(|i| vector(Stream::new(8, 0, i), 0) * [1.0, 0.1, 3.0][i as usize % 3]).chain([
             DVec3::ZERO,
@@ -252,7 +261,7 @@ mod tests {
     fn near(reach: &Reach) -> Cluster {
         match reach {
             Reach::Near(cluster) => *cluster,
-            Reach::Far(irradiance) => panic!("{irradiance} comes from infinity"),
+            Reach::Far(light) => panic!("{light:?}"),
         }
     }
 
@@ -260,12 +269,12 @@ mod tests {
     fn each_light_has_a_chance_and_all_together_certainty() {
         for n in [1, 2, 7, 8, 9, 40, 1000] {
             let tree = LightTree::new(&lights(n, 1.0));
-            for from in places() {
-                let probs = (0..n as usize).map(|index| tree.prob(from, index));
+            for receiver in receivers() {
+                let probs = (0..n as usize).map(|index| tree.prob(receiver, index));
                 let (sum, least) =
                     probs.fold((0.0, 1.0_f64), |(sum, least), prob| (sum + prob, prob.min(least)));
-                assert!((sum - 1.0).abs() < 1e-12, "{n} lights from {from}: {sum}");
-                assert!(least > 1e-30, "{n} lights from {from}: {least}");
+                assert!((sum - 1.0).abs() < 1e-12, "{n} lights from {receiver:?}: {sum}");
+                assert!(least > 1e-30, "{n} lights from {receiver:?}: {least}");
             }
         }
     }
@@ -276,20 +285,24 @@ mod tests {
     fn lights_are_chosen_with_their_probability() {
         for n in [1, 5, 40, 300] {
             let tree = LightTree::new(&lights(n, 1.0));
-            for from in places() {
+            for receiver in receivers() {
                 let (draws, mut counts) = (10_000, vec![0.0; n as usize]);
                 for i in 0..draws {
-                    let [chosen] = tree.choose(from, [(f64::from(i) + 0.5) / f64::from(draws)]);
+                    let [chosen] = tree.choose(receiver, [(f64::from(i) + 0.5) / f64::from(draws)]);
                     let (index, prob) = (chosen.index as usize, chosen.prob);
-                    assert_eq!(prob.to_bits(), tree.prob(from, index).to_bits(), "light {index} from {from}");
+                    assert_eq!(
+                        prob.to_bits(),
+                        tree.prob(receiver, index).to_bits(),
+                        "light {index} from {receiver:?}"
+                    );
                     counts[index] += 1.0;
                 }
                 for (index, count) in counts.iter().enumerate() {
-                    let expected = f64::from(draws) * tree.prob(from, index);
+                    let expected = f64::from(draws) * tree.prob(receiver, index);
                     let ends = if matches!(tree.places[index], Place::Path(_)) { 1.001 } else { n as f64 };
                     assert!(
                         f64::abs(count - expected) <= ends,
-                        "light {index} of {n} from {from}: {count}, {expected}"
+                        "light {index} of {n} from {receiver:?}: {count}, {expected}"
                     );
                 }
             }
@@ -302,8 +315,10 @@ mod tests {
     fn the_largest_number_chooses_the_last_light() {
         let tree = LightTree::new(&lights(40, 1.0));
         for i in 0..200 {
-            let from = vector(Stream::new(11, 0, i), 0);
-            let [last, before] = tree.choose(from, [1.0_f64.next_down(), 1.0 - 1e-12]);
+            let numbers = Stream::new(11, 0, i);
+            let receiver =
+                Receiver { position: vector(numbers, 0), side: vector(numbers, 3).as_vec3().normalize() };
+            let [last, before] = tree.choose(receiver, [1.0_f64.next_down(), 1.0 - 1e-12]);
             assert_eq!(last, before, "{i}");
         }
     }
@@ -311,14 +326,15 @@ mod tests {
     #[test]
     fn several_choices_at_once_are_those_one_by_one() {
         let tree = LightTree::new(&lights(300, 1.0));
-        let places: Vec<_> = places().collect();
+        let receivers: Vec<_> = receivers().collect();
         for i in 0..1000 {
             let numbers = Stream::new(10, 0, i);
             let us = [0, 1, 2, 3].map(|k| numbers.uniform(k));
-            let from = [4, 5, 6, 7].map(|k| places[(numbers.uniform(k) * places.len() as f64) as usize]);
-            let alone = |from: DVec3, u: f64| tree.choose(from, [u])[0];
-            assert_eq!(tree.choose_each(from, us), std::array::from_fn(|k| alone(from[k], us[k])), "{i}");
-            assert_eq!(tree.choose(from[0], us), us.map(|u| alone(from[0], u)), "{i}");
+            let four =
+                [4, 5, 6, 7].map(|k| receivers[(numbers.uniform(k) * receivers.len() as f64) as usize]);
+            let alone = |receiver: Receiver, u: f64| tree.choose(receiver, [u])[0];
+            assert_eq!(tree.choose_each(four, us), std::array::from_fn(|k| alone(four[k], us[k])), "{i}");
+            assert_eq!(tree.choose(four[0], us), us.map(|u| alone(four[0], u)), "{i}");
         }
     }
 
@@ -331,30 +347,37 @@ mod tests {
                 LightTree::new(&near.collect::<Vec<_>>())
             };
             let (tree, scaled) = (lights(1.0), lights(unit));
-            for from in places() {
+            for receiver in receivers() {
                 for i in 0..100 {
                     let u = f64::from(i) / 100.0;
-                    assert_eq!(tree.choose(from, [u]), scaled.choose(unit * from, [u]), "{unit} {from} {u}");
+                    assert_eq!(
+                        tree.choose(receiver, [u]),
+                        scaled.choose(Receiver { position: unit * receiver.position, ..receiver }, [u]),
+                        "{unit} {receiver:?} {u}"
+                    );
                 }
             }
         }
     }
 
-    /// Two equal lights at distances 1 and 10, and one that turns its back.
+    /// Two equal lights at distances 1 and 10, one that turns its back, and one behind the surface.
     #[test]
-    fn near_lights_that_face_the_point_are_preferred() {
+    fn near_lights_in_front_that_face_the_receiver_are_preferred() {
         let light = |x: f64, axis| {
             let vertices = [DVec3::Y, DVec3::Z, DVec3::NEG_ONE].map(|v| DVec3::new(x, 0.0, 0.0) + 1e-3 * v);
             Reach::Near(Cluster::of_triangle(vertices, axis, false, 1.0))
         };
-        let tree = LightTree::new(&[light(1.0, DVec3::NEG_X), light(-10.0, DVec3::X), light(0.5, DVec3::X)]);
-        let [near, distant, averted] = [0, 1, 2].map(|index| tree.prob(DVec3::ZERO, index));
+        let [toward, away] = [DVec3::NEG_X, DVec3::X];
+        let tree =
+            LightTree::new(&[light(1.0, toward), light(10.0, toward), light(0.5, away), light(-0.5, away)]);
+        let receiver = Receiver { position: DVec3::ZERO, side: Vec3::X };
+        let [near, distant, averted, behind] = [0, 1, 2, 3].map(|index| tree.prob(receiver, index));
         assert!((0.985..0.995).contains(&near) && (0.009..0.011).contains(&distant), "{near} {distant}");
-        assert!((0.0003..0.0004).contains(&averted), "{averted}");
+        assert!([averted, behind].iter().all(|prob| (0.0002..0.0003).contains(prob)), "{averted} {behind}");
     }
 
-    /// The cosine that a node assumes for a cluster is not below that of any of its lights, so that no light that
-    /// shines on a point seems not to.
+    /// The cosines that a node assumes for a cluster are not below those of any of its lights, so that no light that
+    /// shines on a receiver seems not to.
     #[test]
     fn bounds_contain_what_they_bound() {
         let lights: Vec<Cluster> =
@@ -368,18 +391,20 @@ mod tests {
             let union = group.iter().copied().reduce(|a, b| a.union(&b)).unwrap();
             let union_node = node(union);
             for i in 0..100 {
-                let from = 2.0 * vector(Stream::new(9, 0, i), 0);
-                let assumed = union_node.importance(from)[0]
-                    * from.distance_squared(union.centre()).max(union.radius().powi(2));
+                let numbers = Stream::new(9, 0, i);
+                let (position, side) = (2.0 * vector(numbers, 0), vector(numbers, 3).normalize());
+                let assumed = union_node.importance(&Receiver { position, side: side.as_vec3() })[0]
+                    * position.distance_squared(union.centre()).max(union.radius().powi(2));
                 for &light in group {
-                    let direction = (from - light.centre()).normalize();
+                    let direction = (position - light.centre()).normalize();
                     let cos = light.axis.dot(direction);
                     let cos = if light.both_sides { cos.abs() } else { cos };
                     // A point light shines the same in all directions.
                     let cos = if light.tilt == PI { 1.0 } else { cos };
-                    if cos > 1e-6 + libm::cos(light.spread) {
+                    let cos_in = -side.dot(direction);
+                    if cos > 1e-6 + libm::cos(light.spread) && cos_in > 0.0 {
                         shining += 1;
-                        assert!(assumed >= cos - 1e-5, "{assumed} {cos}");
+                        assert!(assumed >= cos * cos_in - 1e-5, "{assumed} {cos} {cos_in}");
                     }
                 }
             }

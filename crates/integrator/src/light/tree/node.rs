@@ -1,6 +1,7 @@
 use super::child_weights::{ChildWeights, WIDTH};
 use super::cluster::Cluster;
 use super::frame::TreeFrame;
+use crate::light::receiver::Receiver;
 use glam::DVec3;
 
 /// A number for each child. Single precision is enough for bounds that only guide sampling.
@@ -65,29 +66,29 @@ impl Node {
         self.children[lane]
     }
 
-    /// The weights of the children for the point `from`, in the tree's frame.
+    /// The weights of the children for the receiver, in the tree's frame.
     #[inline(always)]
-    pub(super) fn weights(&self, from: DVec3) -> ChildWeights {
-        ChildWeights::new(self.importance(from), self.count)
+    pub(super) fn weights(&self, receiver: &Receiver) -> ChildWeights {
+        ChildWeights::new(self.importance(receiver), self.count)
     }
 
-    /// The importance of each child: the irradiance from it, about, if it is visible and faces the surface (Conty Estevez
-    /// and Kulla 2018, equation 3, without the cosine at the surface).
+    /// The importance of each child: the irradiance from it, about, if it is visible (Conty Estevez and Kulla 2018,
+    /// equation 3).
     #[inline(always)]
-    pub(super) fn importance(&self, from: DVec3) -> [f64; WIDTH] {
+    pub(super) fn importance(&self, &Receiver { position, side }: &Receiver) -> [f64; WIDTH] {
         let mut importances = [0.0; WIDTH];
         // A plain loop, which the compiler vectorizes.
         for (i, importance) in importances.iter_mut().enumerate() {
-            let x = (from.x - f64::from(self.centre[0][i])) as f32;
-            let y = (from.y - f64::from(self.centre[1][i])) as f32;
-            let z = (from.z - f64::from(self.centre[2][i])) as f32;
+            let x = (position.x - f64::from(self.centre[0][i])) as f32;
+            let y = (position.y - f64::from(self.centre[1][i])) as f32;
+            let z = (position.z - f64::from(self.centre[2][i])) as f32;
             let radius = self.radius[i];
             let radius_sq = radius * radius;
             let to_centre_sq = x * x + y * y + z * z;
             let is_within = to_centre_sq <= radius_sq;
             let per_distance_sq = 1.0 / to_centre_sq.max(radius_sq);
             let per_distance = per_distance_sq.sqrt();
-            // The cosine between the axis and the direction to `from`.
+            // The cosine between the axis and the direction to the receiver.
             let along = x * self.axis[0][i] + y * self.axis[1][i] + z * self.axis[2][i];
             let cos = along.max(self.fold[i] * along) * per_distance;
             let sin = (1.0 - cos * cos).max(0.0).sqrt();
@@ -98,6 +99,11 @@ impl Node {
             let sin_size = if is_within { 0.0 } else { radius * per_distance };
             let (cos, _) = subtract((cos, sin), (cos_size, sin_size));
             let cos = if cos > self.cos_spread[i] { cos.max(0.0) } else { 0.0 };
+            // The cosine at the receiver.
+            let cos_in = -(x * side.x + y * side.y + z * side.z) * per_distance;
+            let sin_in = (1.0 - cos_in * cos_in).max(0.0).sqrt();
+            let (cos_in, _) = subtract((cos_in, sin_in), (cos_size, sin_size));
+            let cos = cos * cos_in.max(0.0);
             // The mean of `1 / d^2` over the ball, about: 3 / r^2 in its centre, 1.5 / r^2 at its surface.
             let within = 3.0 - 1.5 * (to_centre_sq * per_distance_sq);
             let beyond = 1.0 + 0.5 * sin_size_sq * sin_size_sq;
@@ -110,7 +116,7 @@ impl Node {
 
 /// Cosine and sine of the difference of two angles within `[0, pi]`, or of 0 if the second is larger.
 #[inline(always)]
-fn subtract((cos_a, sin_a): (f32, f32), (cos_b, sin_b): (f32, f32)) -> (f32, f32) {
+pub(super) fn subtract((cos_a, sin_a): (f32, f32), (cos_b, sin_b): (f32, f32)) -> (f32, f32) {
     let (cos, sin) = (cos_a * cos_b + sin_a * sin_b, sin_a * cos_b - cos_a * sin_b);
     if cos_a > cos_b { (1.0, 0.0) } else { (cos, sin) }
 }

@@ -1,0 +1,92 @@
+use super::cluster::cone_around;
+use super::node::subtract;
+use crate::light::alias_table::AliasTable;
+use glam::{DVec3, Vec3};
+
+/// A light infinitely far away.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::light) struct FarLight {
+    /// On a plane that faces it, as luminance; above zero.
+    pub(in crate::light) irradiance: f64,
+    /// The unit vector toward it.
+    pub(in crate::light) direction: DVec3,
+}
+
+/// The lights that are infinitely far away, chosen among themselves by irradiance.
+#[derive(Clone, Debug)]
+pub(super) struct FarLights {
+    table: AliasTable,
+    /// Their indices in the scene.
+    indices: Vec<u32>,
+    /// The sum of all.
+    irradiance: f64,
+    /// The axis of a cone around the directions toward them.
+    axis: Vec3,
+    /// Cosine and sine of its angle.
+    angle: (f32, f32),
+}
+
+impl FarLights {
+    /// `None` if there are none. Each comes with its index in the scene.
+    pub(super) fn new(lights: &[(u32, FarLight)]) -> Option<Self> {
+        let cones = lights.iter().map(|(_, light)| (light.direction, 0.0));
+        let (axis, angle) = cones.reduce(cone_around)?;
+        let (sin, cos) = libm::sincos(angle);
+        let irradiances: Vec<_> = lights.iter().map(|(_, light)| light.irradiance).collect();
+        Some(Self {
+            table: AliasTable::new(&irradiances),
+            indices: lights.iter().map(|(index, _)| *index).collect(),
+            irradiance: irradiances.iter().sum(),
+            axis: axis.as_vec3(),
+            angle: (cos as f32, sin as f32),
+        })
+    }
+
+    /// The irradiance from all, about, on the side of a surface to which `side` points.
+    #[inline(always)]
+    pub(super) fn irradiance_on(&self, side: Vec3) -> f64 {
+        let cos = side.dot(self.axis);
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        let (cos, _) = subtract((cos, sin), self.angle);
+        self.irradiance * f64::from(cos.max(0.0))
+    }
+
+    /// The index of the light that `u` in `[0, 1)` chooses.
+    pub(super) fn choose(&self, u: f64) -> u32 {
+        let place = self.table.sample(u).expect("there is a light");
+        self.indices[place]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Stream;
+
+    fn unit(numbers: Stream, dimension: u32) -> DVec3 {
+        DVec3::from_array([0, 1, 2].map(|k| 2.0 * numbers.uniform(dimension + k) - 1.0)).normalize()
+    }
+
+    /// A single light brings its irradiance times the cosine, and nothing from behind; several bring together at most what
+    /// is assumed.
+    #[test]
+    fn cosines_bound_those_of_all_lights() {
+        for i in 0..1000 {
+            let numbers = Stream::new(13, 0, i);
+            let (middle, spread) = (unit(numbers, 0), numbers.uniform(3));
+            let light = |k: u32| {
+                let direction = (middle + spread * unit(numbers, 4 + 4 * k)).normalize();
+                (k, FarLight { irradiance: 1.0 + f64::from(k), direction })
+            };
+            let lights: Vec<_> = (0..4).map(light).collect();
+            let side = unit(numbers, 30).as_vec3();
+            let brings = |(_, light): &(u32, FarLight)| {
+                light.irradiance * side.as_dvec3().dot(light.direction).max(0.0)
+            };
+            let assumed = |lights: &[_]| FarLights::new(lights).unwrap().irradiance_on(side);
+            assert!((assumed(&lights[..1]) - brings(&lights[0])).abs() < 1e-6, "{i}");
+            let (together, bound) = (lights.iter().map(brings).sum::<f64>(), assumed(&lights));
+            assert!(bound >= together - 1e-5 && bound <= 10.0, "{i}: {bound}, {together}");
+        }
+    }
+}
