@@ -2,7 +2,7 @@
 //! test; Kay and Kajiya, 1986). A leaf block: the conservative test of its triangles, and what follows from it.
 
 use super::prefilter::{Filtered, Vertices, prefilter};
-use super::ray_setup::RaySetup;
+use super::ray_setup::{RaySetup, ShearSetup};
 use super::traversal_state::Traversal;
 use crate::query::Query;
 use crate::wide::simd::{Bits, LANES, Simd, SimdBase, SimdFloat};
@@ -30,7 +30,8 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
         probe.open();
         let rows = tree.rows(traversal.child);
         Bits(rows.lanes().into()).for_each(|lane| probe.test(rows.index(lane)));
-        let hits = test_leaf(simd, tree, traversal);
+        let Traversal { child, t_end, setup, excluded, .. } = traversal;
+        let hits = test_leaf(simd, tree, *child, &setup.shear, *t_end, *excluded);
         if hits.any() {
             record(simd, tree, ray, &hits, traversal, query);
         }
@@ -68,7 +69,7 @@ fn crossings<S: Simd>(simd: S, node: &Node, setup: &RaySetup, axis: usize) -> [S
 }
 
 /// The triangles of a leaf block that a ray may hit.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LeafHits {
     /// The block.
     child: u32,
@@ -81,17 +82,28 @@ impl LeafHits {
     pub(super) fn any(&self) -> bool {
         self.filtered.possible != 0
     }
+
+    /// Whether a hit in the ray's range is certain.
+    #[inline(always)]
+    pub(super) fn any_certain(&self) -> bool {
+        self.filtered.certain != 0
+    }
 }
 
-/// Tests the current child, a leaf block. Triangles that the ray excludes are missed.
+/// Tests a leaf block. Triangles that the ray excludes are missed; hits beyond `t_end` cannot matter.
 #[inline(always)]
-pub(super) fn test_leaf<S: Simd>(simd: S, tree: &Tree, traversal: &mut Traversal) -> LeafHits {
-    let child = traversal.child;
+pub(super) fn test_leaf<S: Simd>(
+    simd: S,
+    tree: &Tree,
+    child: u32,
+    ray: &ShearSetup,
+    t_end: f32,
+    excluded: [u32; 2],
+) -> LeafHits {
     let rows = tree.rows(child);
-    let vertices = Vertices::load(simd, rows, traversal.setup.axes.map(usize::from));
-    let lanes = rows.lanes() & !rows.lanes_of(simd, traversal.excluded);
-    let filtered = prefilter(simd, &traversal.setup, traversal.t_end, &vertices).among(lanes);
-    LeafHits { child, filtered }
+    let vertices = Vertices::load(simd, rows, ray.axes.map(usize::from));
+    let lanes = rows.lanes() & !rows.lanes_of(simd, excluded);
+    LeafHits { child, filtered: prefilter(simd, ray, t_end, &vertices).among(lanes) }
 }
 
 /// Adds the possible hits to the candidates, and ends the traversal as soon as a certain one permits.

@@ -41,17 +41,12 @@ impl Candidates {
         self.count = at + usize::from(is_new);
     }
 
+    /// Those that do not begin beyond `t_end`, a bit each.
     #[inline(always)]
-    pub(super) fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Candidate `at`; `None` if it begins beyond `t_end`, or there are no more than `at`.
-    #[inline(always)]
-    pub(super) fn get(&self, at: usize, t_end: f32) -> Option<u32> {
+    fn left<S: Simd>(&self, simd: S, t_end: f32) -> u8 {
         // Comparisons with NaN are false: such a candidate is kept.
-        let is_beyond = at >= self.count || self.starts[at % CAPACITY] > t_end;
-        (!is_beyond).then_some(self.indices[at % CAPACITY])
+        let beyond = simd.lt(simd.splat(t_end), simd.load(&self.starts));
+        !beyond & !(0xff_u32 << self.count) as u8
     }
 
     /// Decides those that do not begin beyond `t_end`, and clears all. The ray must be traceable.
@@ -110,8 +105,8 @@ impl Shears {
         Self { main_axis: 0, origin: [zero; 3], slopes: [zero; 2], direction_z: zero }
     };
 
-    /// Decides those of each ray's candidates that do not begin beyond `t_end`, and returns how many of
-    /// `decisions` were made.
+    /// Decides those of each ray's candidates that do not begin beyond `t_end`, in their order, one of each ray at a time.
+    /// Returns how many of `decisions` were made.
     #[inline(always)]
     pub(super) fn decide<S: Simd>(
         &self,
@@ -121,31 +116,39 @@ impl Shears {
         triangles: &Triangles,
         decisions: &mut [Decisions],
     ) -> usize {
-        let most = candidates.iter().map(Candidates::count).max().unwrap_or(0);
-        let rounds = most.min(decisions.len());
-        for (round, decisions) in decisions.iter_mut().take(rounds).enumerate() {
-            self.decide_one(simd, round, candidates, t_end, triangles, decisions);
+        let mut left = [0; LANES];
+        for (i, left) in left.iter_mut().enumerate() {
+            *left = candidates[i].left(simd, t_end[i]);
+        }
+        let mut rounds = 0;
+        for decisions in decisions {
+            if left == [0; LANES] {
+                break;
+            }
+            self.decide_next(simd, candidates, &mut left, triangles, decisions);
+            rounds += 1;
         }
         rounds
     }
 
+    /// Decides the first of the candidates that are `left` of each ray, and removes it from these.
     #[inline(always)]
-    fn decide_one<S: Simd>(
+    fn decide_next<S: Simd>(
         &self,
         simd: S,
-        round: usize,
         candidates: &[Candidates; LANES],
-        t_end: &[f32; LANES],
+        left: &mut [u8; LANES],
         triangles: &Triangles,
         decisions: &mut Decisions,
     ) {
         let mut chosen = [triangles.get(0); LANES];
         let mut is_candidate = [false; LANES];
         for (i, is_candidate) in is_candidate.iter_mut().enumerate() {
-            let index = candidates[i].get(round, t_end[i]);
-            *is_candidate = index.is_some();
+            *is_candidate = left[i] != 0;
             // Where there is none, any triangle will do.
-            decisions.indices[i] = index.unwrap_or(0);
+            let index = candidates[i].indices[left[i].trailing_zeros() as usize % CAPACITY];
+            decisions.indices[i] = if *is_candidate { index } else { 0 };
+            left[i] &= left[i].wrapping_sub(1);
             chosen[i] = triangles.get(decisions.indices[i]);
         }
         let corners = simd.corners(chosen);

@@ -36,6 +36,8 @@ pub(super) struct GeneralPacket {
     setups: [RaySetups<LANES>; GROUPS],
     /// The children still to be visited, the next one last, with the rays that may meet each.
     stack: Vec<(u32, RayMask)>,
+    /// What the rays may hit in the current leaf block.
+    hits: [LeafHits; PACKET],
     /// How many sets of rays are left to the stream after the next packet that does not pay, and now.
     next_pause: u32,
     pause: u32,
@@ -44,7 +46,8 @@ pub(super) struct GeneralPacket {
 impl GeneralPacket {
     pub(super) fn idle() -> Self {
         let setups = [const { RaySetups::idle() }; GROUPS];
-        Self { setups, stack: Vec::new(), next_pause: 1, pause: 0 }
+        let hits = [LeafHits::default(); PACKET];
+        Self { setups, stack: Vec::new(), hits, next_pause: 1, pause: 0 }
     }
 
     /// Answers the query of every ray and reports it. If the rays are not coherent, or packets like this have not paid,
@@ -65,7 +68,7 @@ impl GeneralPacket {
             self.pause -= 1;
             return false;
         }
-        let Self { setups, stack, .. } = self;
+        let Self { setups, stack, hits, .. } = self;
         let Some((mut left, negative)) = set(simd, tree, rays, setups) else { return false };
         let queries = std::array::from_fn(
             #[inline(always)]
@@ -73,14 +76,13 @@ impl GeneralPacket {
         );
         let (begun, alone) = (0, 0);
         let mut packet = Packet { simd, tree, rays, setups, traversals, queries, left, begun, alone };
-        let mut hits = [LeafHits::default(); PACKET];
         while left != 0 {
             let (octant, of_octant) = first_octant(left, &negative);
             left ^= of_octant;
-            packet.run(octant, of_octant, stack, &mut hits);
+            packet.run(octant, of_octant, stack, hits);
         }
         for (slot, query) in packet.queries.iter_mut().enumerate() {
-            if packet.begun >> slot & 1 != 0 {
+            if (packet.begun & packet.left) >> slot & 1 != 0 {
                 let Traversal { candidates, t_end, .. } = &mut packet.traversals[slot];
                 candidates.decide(*t_end, &rays[slot], &tree.triangles, query);
             }
@@ -145,6 +147,7 @@ fn first_octant(mut rays: RayMask, negative: &[RayMask; 3]) -> (u8, RayMask) {
     (octant, rays)
 }
 
+/// The rays of a packet, whose queries `Q` are any-hit queries.
 struct Packet<'a, S, Q> {
     simd: S,
     tree: &'a Tree,
@@ -227,16 +230,24 @@ impl<S: Simd, Q: Query> Packet<'_, S, Q> {
         met & rays
     }
 
-    /// Tests a leaf block, as the stream does: all rays before the first hit is recorded.
+    /// Tests a leaf block, as the stream does: all rays before the first hit is recorded. A certain hit answers a
+    /// query. Possible ones are candidates, which only a ray's traversal has.
     #[inline(always)]
     fn test_block(&mut self, child: u32, rays: RayMask, hits: &mut [LeafHits; PACKET]) {
-        let mut with_hits: RayMask = 0;
+        let (mut possible, mut certain) = (0, 0);
         for slot in Bits(rays) {
-            self.go_to(slot, child);
-            hits[slot] = test_leaf(self.simd, self.tree, &mut self.traversals[slot]);
-            with_hits |= RayMask::from(hits[slot].any()) << slot;
+            let (setups, i) = (&self.setups[slot / LANES % GROUPS], slot % LANES);
+            let (end, excluded) = (setups.end[i], self.rays[slot].excluded);
+            hits[slot] = test_leaf(self.simd, self.tree, child, &setups.shear(i), end, excluded);
+            possible |= RayMask::from(hits[slot].any()) << slot;
+            certain |= RayMask::from(hits[slot].any_certain()) << slot;
         }
-        for slot in Bits(with_hits) {
+        self.left &= !certain;
+        for slot in Bits(certain) {
+            self.queries[slot] = self.queries[slot].with_some_hit();
+        }
+        for slot in Bits(possible & !certain) {
+            self.go_to(slot, child);
             let (traversal, query) = (&mut self.traversals[slot], &mut self.queries[slot]);
             record(self.simd, self.tree, &self.rays[slot], &hits[slot], traversal, query);
             self.left &= !(RayMask::from(query.is_answered()) << slot);

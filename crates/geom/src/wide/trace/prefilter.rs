@@ -3,7 +3,7 @@
 //! The arithmetic is that of [`Shear::decide`](crate::decide::Shear::decide), with a bound for the
 //! error of each number (docs/numerics.md). Eight triangles are tested at once.
 
-use super::ray_setup::RaySetup;
+use super::ray_setup::ShearSetup;
 use crate::wide::simd::{LANES, Rows, Simd, SimdBase, SimdFloat};
 
 /// The coordinates of eight triangles' vertices along the axes x, y and z of Woop's shear.
@@ -49,7 +49,7 @@ impl Filtered {
 
 /// Tests eight triangles. Hits beyond `t_end` cannot matter.
 #[inline(always)]
-pub(super) fn prefilter<S: Simd>(simd: S, ray: &RaySetup, t_end: f32, v: &Vertices<S>) -> Filtered {
+pub(super) fn prefilter<S: Simd>(simd: S, ray: &ShearSetup, t_end: f32, v: &Vertices<S>) -> Filtered {
     let (zero, t_end) = (simd.splat(0.0), simd.splat(t_end));
     let [x0, x1, x2] = shear::<S>(ray, 0, &v.x, &v.z);
     let [y0, y1, y2] = shear::<S>(ray, 1, &v.y, &v.z);
@@ -79,7 +79,7 @@ pub(super) fn prefilter<S: Simd>(simd: S, ray: &RaySetup, t_end: f32, v: &Vertic
 
 /// The vertices' offsets from the ray's line, along axis x or y.
 #[inline(always)]
-fn shear<S: Simd>(ray: &RaySetup, axis: usize, x: &[S::F; 3], z: &[S::F; 3]) -> [S::F; 3] {
+fn shear<S: Simd>(ray: &ShearSetup, axis: usize, x: &[S::F; 3], z: &[S::F; 3]) -> [S::F; 3] {
     let (slope, offset) = (ray.slope[axis], ray.offset[axis]);
     [
         z[0].mul_add(slope, x[0]) - offset,

@@ -36,6 +36,15 @@ pub(super) struct RaySetup {
     pub(super) far: [f32; 3],
     /// The axes along which the direction is negative, a bit each.
     pub(super) octant: u8,
+    /// All hits lie within `start..=end`.
+    pub(super) start: f32,
+    pub(super) end: f32,
+    pub(super) shear: ShearSetup,
+}
+
+/// The part of a setup that the test of triangles needs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ShearSetup {
     /// The axes x, y and z of Woop's shear; z is the main axis.
     pub(super) axes: [u8; 3],
     /// A vertex is sheared to `(x + slope[0] * z - offset[0], y + slope[1] * z - offset[1])`.
@@ -49,9 +58,6 @@ pub(super) struct RaySetup {
     pub(super) edge_err: [f32; 2],
     /// Error of a parameter, beyond that of the edge functions.
     pub(super) t_err: f32,
-    /// All hits lie within `start..=end`.
-    pub(super) start: f32,
-    pub(super) end: f32,
     /// A hit whose upper bound is below this is certainly within the ray's range.
     pub(super) certain_end: f32,
 }
@@ -177,12 +183,22 @@ impl<const N: usize> RaySetups<N> {
         if !self.may_hit[i] {
             return None;
         }
-        let z = self.main_axis[i] as u8 % 3;
         Some(RaySetup {
             inverse: [self.inverse[0][i], self.inverse[1][i], self.inverse[2][i]],
             near: [self.near[0][i], self.near[1][i], self.near[2][i]],
             far: [self.far[0][i], self.far[1][i], self.far[2][i]],
             octant: self.octant[i] as u8,
+            start: self.start[i],
+            end: self.end[i],
+            shear: self.shear(i),
+        })
+    }
+
+    /// The part of ray `i`'s setup that the test of triangles needs.
+    #[inline(always)]
+    pub(super) fn shear(&self, i: usize) -> ShearSetup {
+        let z = self.main_axis[i] as u8 % 3;
+        ShearSetup {
             axes: AXES[usize::from(z)],
             slope: [self.slope[0][i], self.slope[1][i]],
             offset: [self.offset[0][i], self.offset[1][i]],
@@ -190,10 +206,8 @@ impl<const N: usize> RaySetups<N> {
             depth_offset: self.depth_offset[i],
             edge_err: [self.edge_err[0][i], self.edge_err[1][i]],
             t_err: self.t_err[i],
-            start: self.start[i],
-            end: self.end[i],
             certain_end: self.certain_end[i],
-        })
+        }
     }
 }
 

@@ -153,7 +153,8 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     fn test_leaves<S: Simd>(&mut self, simd: S, blocks: RayMask, hits: &mut [LeafHits; PACKET]) {
         let mut with_hits: RayMask = 0;
         for slot in Bits(blocks) {
-            hits[slot] = test_leaf(simd, self.tree, &mut self.traversals[slot]);
+            let Traversal { child, t_end, setup, excluded, .. } = &self.traversals[slot];
+            hits[slot] = test_leaf(simd, self.tree, *child, &setup.shear, *t_end, *excluded);
             with_hits |= RayMask::from(hits[slot].any()) << slot;
         }
         for slot in Bits(with_hits) {
