@@ -13,6 +13,7 @@ mod mirrors;
 mod receiver;
 mod sampling;
 mod tree;
+mod viewpoints;
 mod window_mirrors;
 
 pub use delta::{DeltaLight, DeltaLightSample};

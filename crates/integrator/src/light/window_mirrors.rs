@@ -1,6 +1,7 @@
 use super::light_clusters::LightClusters;
 use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
 use super::receiver::Receiver;
+use super::viewpoints::viewpoints;
 use glam::DVec3;
 use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Triangles};
 
@@ -32,7 +33,7 @@ pub(crate) struct WindowSample {
 impl WindowMirrors {
     /// The samples of a vertex, at most as many as are asked for, over the solid angle, about, of the triangles that show
     /// lights.
-    const ATTEMPTS: f64 = 120.0;
+    const ATTEMPTS: f64 = 480.0;
 
     /// Of one or more triangles, each with what the tree is told of it.
     pub(super) fn new(
@@ -46,6 +47,8 @@ impl WindowMirrors {
         let windows: Vec<_> = order.iter().map(|&window| windows[window as usize].0).collect();
         let mut places: Vec<_> = windows.iter().copied().zip(0..).collect();
         places.sort_unstable();
+        let mirrors: Vec<_> = places.iter().map(|&(triangle, _)| triangle).collect();
+        let tree = tree.calibrated(&viewpoints(triangles, &mirrors, &clusters));
         Self { tree, windows, places, clusters }
     }
 

@@ -13,9 +13,9 @@ pub(super) struct Built {
     pub(super) paths: Vec<u32>,
 }
 
-/// In the choice of the axis of a split, a difference of normals of 1 counts as much as a quarter of the largest
+/// In the choice of the axis of a split, a difference of normals of 1 counts as much as an eighth of the largest
 /// coordinate.
-const POSITION_WEIGHT: f64 = 4.0;
+const POSITION_WEIGHT: f64 = 8.0;
 
 /// Items that share a node.
 struct Group<'a> {

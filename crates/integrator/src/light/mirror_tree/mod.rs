@@ -2,6 +2,7 @@
 
 mod bounds;
 mod build;
+mod calibration;
 mod node;
 
 use super::light_bounds::LightBounds;

@@ -35,7 +35,7 @@ pub(super) struct Node {
     sides: [[Lanes; 3]; 2],
     /// The sines of the two angles; 1 for wide cones.
     sines: [Lanes; 2],
-    /// 0 where there is no child.
+    /// The areas, in inner nodes times what calibrates them; 0 where there is no child.
     area: Lanes,
     bodies: [u32; WIDTH],
     /// The index of the first child; the others follow.
@@ -72,6 +72,11 @@ impl Node {
             bodies: std::array::from_fn(|lane| children.get(lane).map_or(0, bodies)),
             first,
         }
+    }
+
+    /// Scales the importance of a child.
+    pub(super) fn scale(&mut self, lane: usize, factor: f64) {
+        self.area[lane] = (f64::from(self.area[lane]) * factor) as f32;
     }
 
     /// The importance of each child: the solid angle that it takes up, times the share of its normals for which a ray
