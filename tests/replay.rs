@@ -100,8 +100,8 @@ fn path_reuse_keeps_the_radiance_of_mirrors() {
     assert!(seen > 3, "{seen}");
 }
 
-/// A mirror torus on a floor. The picture is narrow, so a tile has several squares, in which pixels share caustics. Mirrors are
-/// not sampled: where they are, samples of them find nearly all light by way of one.
+/// A mirror torus on a floor. The picture is narrow, so a tile has several squares, in which pixels share caustics.
+/// Mirrors are not sampled: with samples of them, no path here has a caustic that is shared.
 #[test]
 fn shared_caustics_are_those_of_the_picture() {
     let p = DVec3::new;
