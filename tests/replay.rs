@@ -100,37 +100,44 @@ fn path_reuse_keeps_the_radiance_of_mirrors() {
     assert!(seen > 3, "{seen}");
 }
 
-/// A mirror torus on a floor. The picture is narrow, so a tile has several squares, in which pixels share caustics.
-/// Mirrors are not sampled: with samples of them, no path here has a caustic that is shared.
+/// The picture is narrow, so a tile has several squares, in which pixels share caustics. Where mirrors are not sampled,
+/// a torus shows the light. Where they are, samples find nearly all light by way of one mirror, and two that face each other
+/// show it by way of both.
 #[test]
 fn shared_caustics_are_those_of_the_picture() {
     let p = DVec3::new;
-    let mut model = Model::default();
-    let floor = quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0));
-    model.add(Material::lambert(Rgb::new(0.8, 0.6, 0.0)).expect("an albedo"), floor);
     let ring = torus(48, 24).placed(1.0, p(0.0, 0.3, 0.0)).triangles();
-    model.add(Material::mirror(Rgb::splat(0.9)).expect("a reflectance"), ring);
-    let light = quad(p(-0.1, 2.0, -0.1), p(0.1, 2.0, -0.1), p(0.1, 2.0, 0.1), p(-0.1, 2.0, 0.1));
-    model.add(Material::light(Rgb::splat(5.0)).expect("finite"), light);
-    let scene = scenes::scene(&model, STRUCTURES[0].1);
-    let camera = Camera::look_at(p(0.2, 1.9, 0.3), p(0.2, 0.0, 0.0), DVec3::Y, 0.3).expect("they are apart");
-    let mut settings = Settings::new(7, 40, 16);
-    settings.mirror_sampling = MirrorSampling::Off;
-    let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
-    let mut shared = 0;
-    for (x, y) in (0..40).flat_map(|y| (0..7).map(move |x| (x, y))) {
-        let mut sum = Rgb::BLACK;
-        for sample in 0..16 {
-            let path = replay(&scene, &camera, &settings, (x, y), sample).expect("the sample exists");
-            sum += path.radiance;
-            let mirrors = path.vertices.iter().skip(1).take_while(|vertex| vertex.material.bsdf.is_delta());
-            let end = path.vertices.get(1 + mirrors.count());
-            let caustic = end.is_some_and(|end| path.vertices.len() > 2 && !end.emitted.is_black());
-            shared += u32::from(caustic && path.radiance.r < path.alone.r * (1.0 - 1e-9));
+    let wall = |x: f64| quad(p(x, 0.0, -1.0), p(x, 1.5, -1.0), p(x, 1.5, 1.0), p(x, 0.0, 1.0));
+    let walls = [wall(-1.0), wall(1.0)].concat();
+    for (mirrors, sampling) in [(ring, MirrorSampling::Off), (walls, MirrorSampling::Images)] {
+        let mut model = Model::default();
+        let floor = quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0));
+        model.add(Material::lambert(Rgb::new(0.8, 0.6, 0.0)).expect("an albedo"), floor);
+        model.add(Material::mirror(Rgb::splat(0.9)).expect("a reflectance"), mirrors);
+        let light = quad(p(-0.1, 2.0, -0.1), p(0.1, 2.0, -0.1), p(0.1, 2.0, 0.1), p(-0.1, 2.0, 0.1));
+        model.add(Material::light(Rgb::splat(5.0)).expect("finite"), light);
+        let scene = scenes::scene(&model, STRUCTURES[0].1);
+        let camera =
+            Camera::look_at(p(0.2, 1.9, 0.3), p(0.2, 0.0, 0.0), DVec3::Y, 0.3).expect("they are apart");
+        let mut settings = Settings::new(7, 40, 16);
+        settings.mirror_sampling = sampling;
+        let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+        let mut shared = 0;
+        for (x, y) in (0..40).flat_map(|y| (0..7).map(move |x| (x, y))) {
+            let mut sum = Rgb::BLACK;
+            for sample in 0..16 {
+                let path = replay(&scene, &camera, &settings, (x, y), sample).expect("the sample exists");
+                sum += path.radiance;
+                let mirrors =
+                    path.vertices.iter().skip(1).take_while(|vertex| vertex.material.bsdf.is_delta());
+                let end = path.vertices.get(mirrors.count() + 1);
+                let caustic = end.is_some_and(|end| path.vertices.len() > 2 && !end.emitted.is_black());
+                shared += u32::from(caustic && path.radiance.r < path.alone.r * (1.0 - 1e-9));
+            }
+            assert_eq!(film.mean(x, y), sum / 16.0, "{sampling:?}: {x}, {y}");
         }
-        assert_eq!(film.mean(x, y), sum / 16.0, "{x}, {y}");
+        assert!(shared > 0, "{sampling:?}: no caustic is shared");
     }
-    assert!(shared > 0, "no caustic is shared");
 }
 
 #[test]

@@ -41,16 +41,52 @@ impl AliasTable {
         let Column { threshold, alias } = self.columns[index];
         Some(if scaled - (index as f64) < threshold { index } else { alias as usize })
     }
+
+    /// The same with what `u` leaves: another number uniform in `[0, 1)`.
+    pub(crate) fn sample_and_rest(&self, u: f64) -> Option<(usize, f64)> {
+        let sampled = self.sample(u)?;
+        let scaled = u * self.columns.len() as f64;
+        let index = (scaled as usize).min(self.columns.len() - 1);
+        let (in_column, threshold) = (scaled - index as f64, self.columns[index].threshold.min(1.0));
+        let rest = match in_column < threshold {
+            true => in_column / threshold,
+            false => (in_column - threshold) / (1.0 - threshold),
+        };
+        // Where the product rounds up to the number of columns, it may be 1, or NaN if the last one is full.
+        Some((sampled, rest.min(1.0_f64.next_down())))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Of evenly spaced numbers, those that sample one index leave evenly spaced numbers.
+    #[test]
+    fn what_is_left_of_a_number_is_uniform() {
+        let table = AliasTable::new(&[1.0, 3.0, 0.5, 3.5]);
+        let mut rests = [const { Vec::new() }; 4];
+        for i in 0..4096 {
+            let u = (f64::from(i) + 0.5) / 4096.0;
+            let (index, rest) = table.sample_and_rest(u).unwrap();
+            assert_eq!(table.sample(u), Some(index));
+            rests[index].push(rest);
+        }
+        for rests in &mut rests {
+            rests.sort_by(f64::total_cmp);
+            let n = rests.len() as f64;
+            // An index may have several columns, each with evenly spaced numbers of its own.
+            assert!(rests.iter().zip(0..).all(|(rest, i)| (rest - (f64::from(i) + 0.5) / n).abs() < 4.0 / n));
+        }
+    }
+
     #[test]
     fn the_ends_of_the_interval_are_ordinary() {
         let table = AliasTable::new(&[1.0, 3.0]);
-        assert!(table.sample(0.0).is_some() && table.sample(1.0_f64.next_down()).is_some());
+        for (u, expected) in [(0.0, 0.0..0.1), (1.0_f64.next_down(), 0.9..1.0)] {
+            assert!(table.sample(u).is_some());
+            assert!(expected.contains(&table.sample_and_rest(u).unwrap().1));
+        }
         assert_eq!(AliasTable::new(&[]).sample(0.5), None);
     }
 }

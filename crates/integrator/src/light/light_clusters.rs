@@ -63,11 +63,10 @@ impl LightClusters {
         self.clusters.len()
     }
 
-    /// Chooses a cluster by `u` in `[0, 1)`: its index, the probability of the choice, and its bounds.
-    pub(super) fn choose(&self, u: f64) -> Option<(u32, f64, LightBounds)> {
-        let index = self.by_power.sample(u)?;
-        let Cluster { bounds, prob } = self.clusters[index];
-        Some((index as u32, prob, bounds))
+    /// Chooses a cluster by `u` in `[0, 1)`: its index, and what is left of `u`, which is uniform too.
+    pub(super) fn choose(&self, u: f64) -> Option<(u32, f64)> {
+        let (index, rest) = self.by_power.sample_and_rest(u)?;
+        Some((index as u32, rest))
     }
 
     /// The probability of a cluster, and its bounds.

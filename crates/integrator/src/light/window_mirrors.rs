@@ -107,26 +107,30 @@ pub(crate) struct WindowSampler<'a> {
 
 impl WindowSampler<'_> {
     /// Samples a cluster of lights and a mirror triangle that may show part of it, by `window`, which returns a number in
-    /// `[0, 1)`, and a point on that, by `others`, which returns one in `[0, 1)` and one in `[0, 1)^2`. `None` if there
-    /// is none, or the point shows no light of the cluster.
+    /// `[0, 1)`, and a point on that, by `point`, which returns one in `[0, 1)^2`. `None` if there is none, or the point
+    /// shows no light of the cluster.
     #[inline(never)]
     pub(crate) fn sample(
         &mut self,
         window: impl Fn() -> f64,
-        others: impl Fn() -> (f64, [f64; 2]),
+        point: impl Fn() -> [f64; 2],
     ) -> Option<WindowSample> {
         let WindowMirrors { tree, windows, clusters, .. } = self.mirrors;
-        let cluster = if clusters.len() > 1 { others().0 } else { 0.0 };
-        let (cluster, cluster_prob, lights) = clusters.choose(cluster)?;
+        // The choice of one cluster of several leaves a number for that of a window.
+        let (cluster, rest) = match clusters.len() {
+            1 => (0, None),
+            _ => clusters.choose(window()).map(|(cluster, rest)| (cluster, Some(rest)))?,
+        };
+        let (cluster_prob, lights) = clusters.bounds(cluster);
         let from = self.receiver.position;
         let at = Viewpoint { receiver: self.receiver, lights };
         let known = self.root.filter(|(of, _)| *of == cluster).map(|(_, root)| root);
         let attempts = WindowMirrors::ATTEMPTS / f64::from(self.count);
         let root = known.unwrap_or_else(|| tree.root(&at, attempts, |_| true));
         self.root = Some((cluster, root));
-        let (place, prob) = tree.choose(&root?, window, |_| true)?;
+        let (place, prob) = tree.choose(&root?, || rest.unwrap_or_else(&window), |_| true)?;
         let triangle = windows[place as usize];
-        let (u, v) = Triangle::sample_uniform(others().1);
+        let (u, v) = Triangle::sample_uniform(point());
         let point = self.triangles.surface_point(triangle, u, v);
         let direction = (point.position - from).try_normalize()?;
         let reflected = direction - 2.0 * point.normal.dot(direction) * point.normal;

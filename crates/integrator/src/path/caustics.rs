@@ -199,7 +199,7 @@ pub(super) fn weight(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::{LightEdges, Wavefront, share_rare_caustics};
+    use crate::path::{LightEdges, Wavefront, probed};
     use crate::{Camera, Estimator, MirrorSampling, Model, Roulette, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
@@ -326,7 +326,7 @@ mod tests {
             [(0.6, &settings, false), (0.2, &settings, true), (0.2, &off, false)]
         {
             let scene = room(size);
-            let context = share_rare_caustics(RenderContext::new(&scene, &camera, settings));
+            let context = probed(RenderContext::new(&scene, &camera, settings));
             assert_eq!(context.shares_caustics, expected, "{size}, {:?}", settings.path_reuse);
         }
     }

@@ -1,8 +1,8 @@
-use super::caustic_probes::share_rare_caustics;
 use super::counters::Counters;
 use super::light_edges::LightEdges;
 use super::path_state::Path;
 use super::pixel_groups::square_around;
+use super::probes::probed;
 use super::render_context::RenderContext;
 use super::training::guide;
 use super::wavefront::{IRRADIANCE, Wavefront, receiver};
@@ -78,7 +78,7 @@ pub fn replay(
         return Err(RenderError::Param { name, value: value.into(), range });
     }
     let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
-    let context = share_rare_caustics(RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref()));
+    let context = probed(RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref()));
     let one = sample..sample + 1;
     let square = square_around(x, y, settings.width, settings.height);
     let place = (y - square.y) * square.width + (x - square.x);

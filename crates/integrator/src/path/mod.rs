@@ -1,6 +1,5 @@
 //! Path tracing (Kajiya 1986) in wavefronts: next event estimation, scattering, path reuse and the training of a guide.
 
-mod caustic_probes;
 mod caustics;
 mod counters;
 mod debug_sample;
@@ -10,6 +9,7 @@ mod light_edges;
 mod next_event;
 mod path_state;
 mod pixel_groups;
+mod probes;
 mod render_context;
 mod reuse;
 mod shading_point;
@@ -17,10 +17,10 @@ mod tile_bounds;
 mod training;
 mod wavefront;
 
-pub(crate) use caustic_probes::share_rare_caustics;
 pub use counters::Counters;
 pub use debug_sample::{Replay, Vertex, replay};
 pub(crate) use light_edges::LightEdges;
+pub(crate) use probes::probed;
 pub(crate) use render_context::RenderContext;
 pub(crate) use tile_bounds::{BLOCK_SIDE, SIDE as TILE_SIDE, Tile};
 pub(crate) use training::guide;

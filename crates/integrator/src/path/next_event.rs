@@ -90,7 +90,8 @@ impl RenderContext<'_> {
         let by_image = |images: &ImageMirrors| {
             let chosen = images.choice(triangles, receiver, images.facet_of(mirror)?)?;
             let image = chosen.facet.image_of(receiver);
-            Some(self.light_sampler(image).pdf(hit, at).chosen_with(chosen.prob))
+            let prob = chosen.prob * self.image_prob(is_first);
+            Some(self.light_sampler(image).pdf(hit, at).chosen_with(prob))
         };
         windows.as_ref().and_then(by_window).or_else(|| by_image(images.as_ref()?))
     }
@@ -185,8 +186,14 @@ impl RenderContext<'_> {
     ) -> Option<(MirrorSampleKind, AreaLightSample)> {
         let ShadingPoint { at, bounce, .. } = vertex;
         let (triangles, receiver) = (self.scene.triangles(), vertex.receiver());
-        let decision = 2 * bounce;
-        let chosen = images.choose(triangles, receiver, || path.numbers.mirror(decision))?;
+        let (decision, sample_prob) = (2 * bounce, self.image_prob(path.is_prefix()));
+        let number = || path.numbers.mirror(decision);
+        // What the decision to sample leaves of its number chooses the mirror.
+        let rest = (sample_prob < 1.0).then(|| number() / sample_prob);
+        if rest.is_some_and(|rest| rest >= 1.0) {
+            return None;
+        }
+        let chosen = images.choose(triangles, receiver, || rest.unwrap_or_else(number))?;
         let facet = chosen.facet;
         let drawn = vertex.image_numbers;
         let (choice, u) = drawn.unwrap_or_else(|| path.numbers.light_in_mirror(decision));
@@ -197,7 +204,8 @@ impl RenderContext<'_> {
         if !facet.same_side(receiver.position, light.point.position) {
             return None;
         }
-        let (direction, pdf) = (facet.reflect(light.direction), light.pdf.chosen_with(chosen.prob));
+        let (direction, pdf) =
+            (facet.reflect(light.direction), light.pdf.chosen_with(chosen.prob * sample_prob));
         let is_hit = facet.may_be_hit_by(triangles, &at.point.spawn(direction));
         let by = MirrorSampleKind::Light(chosen.index, light.point);
         is_hit.then_some((by, AreaLightSample { direction, pdf, ..light }))
@@ -215,8 +223,8 @@ impl RenderContext<'_> {
         let count = self.window_samples(path.is_prefix());
         let mut sampler = windows.sampler(self.scene.triangles(), vertex.receiver(), count);
         for numbers in (0..count).map(|part| path.numbers.part(part, count)) {
-            let window = || numbers.mirror(decision);
-            let Some(sample) = sampler.sample(window, || numbers.light_in_mirror(decision)) else { continue };
+            let point = || numbers.light_in_mirror(decision).1;
+            let Some(sample) = sampler.sample(|| numbers.mirror(decision), point) else { continue };
             let WindowSample { triangle, point, direction, pdf, cluster } = sample;
             let seen = AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf };
             add(MirrorSampleKind::Window { triangle, cluster }, seen);

@@ -17,6 +17,8 @@ pub(crate) struct RenderContext<'a> {
     pub(super) mirrors: Option<&'a Mirrors>,
     /// By which diffuse vertices scatter; `None` for the cosine alone.
     pub(super) guide: Option<&'a Guide>,
+    /// The probability, above zero, with which a vertex after the first diffuse one samples lights in large mirrors.
+    pub(super) image_prob: f64,
     /// Whether pixels share the caustics that their paths find.
     pub(super) shares_caustics: bool,
     /// The instructions that shade; they change no bit.
@@ -33,8 +35,17 @@ impl<'a> RenderContext<'a> {
         let samples_lights = samples_areas || scene.lights().delta_lights().next().is_some();
         let samples_mirrors = samples_areas && settings.mirror_sampling == MirrorSampling::Images;
         let mirrors = samples_mirrors.then(|| scene.mirrors()).filter(|mirrors| !mirrors.is_empty());
-        let (guide, shares_caustics, simd) = (None, false, SimdLevel::best());
-        Self { scene, sensor, settings, samples_lights, mirrors, guide, shares_caustics, simd }
+        Self {
+            scene,
+            sensor,
+            settings,
+            samples_lights,
+            mirrors,
+            guide: None,
+            image_prob: 1.0,
+            shares_caustics: false,
+            simd: SimdLevel::best(),
+        }
     }
 
     /// The same with this guide.
@@ -81,6 +92,12 @@ impl RenderContext<'_> {
     /// Whether vertices sample lights in large mirrors.
     pub(super) fn samples_images(&self) -> bool {
         self.mirrors.is_some_and(|mirrors| mirrors.images.is_some())
+    }
+
+    /// The probability with which a diffuse vertex samples them, by whether it is the first one of the path.
+    #[inline(always)]
+    pub(super) fn image_prob(&self, is_first: bool) -> f64 {
+        if is_first { 1.0 } else { self.image_prob }
     }
 
     /// How many light samples by way of small mirrors it takes.

@@ -42,7 +42,7 @@ pub(crate) struct Wavefront {
     /// Light samples.
     pub(super) contributions: Vec<Contribution>,
     /// The shadow ray of each contribution.
-    shadow_rays: Vec<Ray>,
+    pub(super) shadow_rays: Vec<Ray>,
     pub(super) occluded: Vec<bool>,
     /// Light samples by way of a mirror, with the sums that they are for.
     mirror_samples: Vec<(Target, MirrorSample)>,
@@ -273,10 +273,10 @@ impl Wavefront {
         self.prefixes.update_group_throughputs(bounce);
     }
 
-    /// Draws the numbers for lights in large mirrors, if there are such mirrors.
+    /// Draws the numbers for lights in large mirrors, if most paths take them.
     fn draw_image_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
         self.image_numbers.clear();
-        if context.samples_images() {
+        if context.samples_images() && (bounce == 0 || context.image_prob > 0.5) {
             draw_numbers(
                 context.simd,
                 &self.paths,

@@ -5,7 +5,7 @@ use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
 use crate::caught::caught;
-use crate::path::{RenderContext, Tile, guide, share_rare_caustics};
+use crate::path::{RenderContext, Tile, guide, probed};
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use std::ops::{ControlFlow, Range};
@@ -160,7 +160,7 @@ impl<'a> Render<'a> {
                 return Ok(Picture { ending: Ending::Cancelled, ..picture });
             };
             let context = RenderContext::new(self.scene, self.sensor, &settings).guided_by(guide.as_ref());
-            let context = caught(|| share_rare_caustics(context)).map_err(|message| RenderError::Worker {
+            let context = caught(|| probed(context)).map_err(|message| RenderError::Worker {
                 x: window.x,
                 y: window.y,
                 message,

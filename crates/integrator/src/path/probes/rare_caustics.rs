@@ -1,9 +1,9 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
-use super::caustics::{LEAST_WEIGHT, at_first_vertex, weight};
-use super::emission_rays::{EmissionRays, MAX_REFLECTIONS, reflection};
-use super::render_context::RenderContext;
-use super::shading_point::MisContext;
+use crate::path::caustics::{LEAST_WEIGHT, at_first_vertex, weight};
+use crate::path::emission_rays::{EmissionRays, MAX_REFLECTIONS, reflection};
+use crate::path::render_context::RenderContext;
+use crate::path::shading_point::MisContext;
 use crate::{PathStart, Stream};
 use globillum_geom::{Frame, Ray};
 use globillum_material::Bsdf;
@@ -15,10 +15,10 @@ const PROBES: u32 = 64;
 /// far as the probes tell.
 const MOST_FOUND: usize = (PROBES * PROBES) as usize / 128;
 
-/// The context in which pixels share caustics if these are rare: if of some paths at fixed places, few find one.
-pub(crate) fn share_rare_caustics<'a>(context: RenderContext<'a>) -> RenderContext<'a> {
+/// Whether pixels share caustics: these are rare if of some paths at fixed places, few find one.
+pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
     let may_share = context.reuses_paths() && context.scene.has_mirrors();
-    RenderContext { shares_caustics: may_share && probes_that_find(&context) <= MOST_FOUND, ..context }
+    may_share && probes_that_find(context) <= MOST_FOUND
 }
 
 /// How many of [`PROBES`] x [`PROBES`] paths find a caustic that would be shared. They follow from the scene and the

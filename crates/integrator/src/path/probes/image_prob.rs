@@ -1,0 +1,232 @@
+//! How often vertices after the first diffuse one sample lights in large mirrors: the less often, the less of the light
+//! that they receive comes by way of these.
+
+use crate::path::counters::Counters;
+use crate::path::light_edges::LightEdges;
+use crate::path::render_context::RenderContext;
+use crate::path::tile_bounds::Tile;
+use crate::path::wavefront::{Contribution, Wavefront};
+use crate::{PathReuse, Settings, Supersampling};
+use rayon::prelude::*;
+use std::ops::{AddAssign, Range};
+
+/// The least number of paths, about; at most four times as many are traced.
+const PATHS: u64 = 1 << 12;
+
+/// Pixels along the side of a tile.
+const SIDE: u32 = 8;
+
+/// The seed of their random numbers.
+const SEED: u64 = 0x6d69_7272_6f72;
+
+/// The probability is this many times the ratio of the roots of sums of squares (measured, docs/estimators.md).
+const FACTOR: f64 = 2.0;
+
+/// The least probability: probes may miss where mirrors matter.
+const LEAST: f64 = 1.0 / 16.0;
+
+/// Sums of squares of what light samples of vertices after the first of their path contribute.
+#[derive(Clone, Copy, Debug, Default)]
+struct Squares {
+    /// Of those without a mirror.
+    direct: f64,
+    /// Of those in large mirrors.
+    images: f64,
+}
+
+impl AddAssign for Squares {
+    fn add_assign(&mut self, Self { direct, images }: Self) {
+        self.direct += direct;
+        self.images += images;
+    }
+}
+
+/// The probability for this picture.
+///
+/// Let `v` be the variance of such samples if all are taken and `t` their time, `V` and `T` those of all else. With
+/// probability `p`, variance times time is `(V + v / p) (T + p t)`, and least for `p = sqrt(v T / (V t))`.
+pub(super) fn of(context: &RenderContext<'_>) -> f64 {
+    if !context.samples_images() {
+        return 1.0;
+    }
+    let settings = probe_settings(context.settings);
+    let context = RenderContext { settings: &settings, ..*context };
+    let of_tile = |wavefront: &mut Wavefront, (tile, sample): (Tile, u32)| {
+        wavefront.later_squares(&context, tile, sample..sample + 1)
+    };
+    let of_tiles: Vec<_> = tiles(&settings).into_par_iter().map_init(Wavefront::default, of_tile).collect();
+    let mut squares = Squares::default();
+    of_tiles.into_iter().for_each(|of_tile| squares += of_tile);
+    let prob = FACTOR * (squares.images / squares.direct).sqrt();
+    // NaN if the probes found no light.
+    if prob.is_nan() { 1.0 } else { prob.clamp(LEAST, 1.0) }
+}
+
+/// The settings of the probes' paths.
+fn probe_settings(settings: &Settings) -> Settings {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let samples = (PATHS / pixels).max(1).next_power_of_two() as u32;
+    Settings {
+        samples,
+        pass_samples: samples,
+        seed: SEED,
+        light_samples: 1,
+        path_reuse: PathReuse::Off,
+        supersampling: Supersampling::Off,
+        ..*settings
+    }
+}
+
+/// The tiles, each with a sample of its pixels. In a large picture there are gaps between tiles.
+fn tiles(settings: &Settings) -> Vec<(Tile, u32)> {
+    let Settings { width, height, samples, .. } = *settings;
+    let paths = u64::from(width) * u64::from(height) * u64::from(samples);
+    let step = (paths as f64 / PATHS as f64).sqrt().max(1.0) as u32;
+    let places = Tile::grid([width, height], [SIDE * step; 2]);
+    let tiles =
+        places.map(|place| Tile { width: place.width.min(SIDE), height: place.height.min(SIDE), ..place });
+    tiles.flat_map(|tile| (0..samples).map(move |sample| (tile, sample))).collect()
+}
+
+impl Wavefront {
+    /// The sums for these samples of a tile.
+    fn later_squares(&mut self, context: &RenderContext<'_>, tile: Tile, samples: Range<u32>) -> Squares {
+        self.start(context, (tile, &LightEdges::default()), &samples);
+        let mut squares = Squares::default();
+        for bounce in 0.. {
+            self.trace_rays(context);
+            self.shade(context, bounce, &mut Counters::default());
+            let direct = self.contributions.len();
+            self.trace_mirror_rays(context);
+            self.trace_shadow_rays(context);
+            if bounce > 0 {
+                // What is found in small mirrors follows, without shadow rays.
+                let images = direct..self.shadow_rays.len();
+                squares += Squares { direct: self.square_sum(0..direct), images: self.square_sum(images) };
+            }
+            if self.paths.is_empty() {
+                break;
+            }
+        }
+        squares
+    }
+
+    /// The sum of squares of the luminances of these contributions, where they are not occluded.
+    fn square_sum(&self, range: Range<usize>) -> f64 {
+        let square = |(contribution, occluded): (&Contribution, &bool)| {
+            let luminance = if *occluded { 0.0 } else { contribution.radiance.luminance() };
+            // The path of a picture tells of a radiance that is not finite.
+            if luminance.is_finite() { luminance * luminance } else { 0.0 }
+        };
+        self.contributions[range.clone()].iter().zip(&self.occluded[range]).map(square).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::probes::probed;
+    use crate::{Camera, Model, Scene};
+    use glam::DVec3;
+    use globillum_geom::conformance::shapes::{icosphere, quad};
+    use globillum_geom::{KdOptions, KdTree};
+    use globillum_material::{Material, Rgb};
+
+    const TILE: Tile = Tile { x: 0, y: 0, width: 12, height: 12 };
+
+    /// A floor and a wall under a square light of this size. Another wall is a mirror, and so is a small ball. The light may
+    /// be hidden from the wall by a box that is open below.
+    fn scene(size: f64, is_hidden: bool) -> Scene<KdTree> {
+        let p = DVec3::new;
+        let mut model = Model::default();
+        let white = Material::lambert(Rgb::splat(0.8)).unwrap();
+        model.add(white, quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0)));
+        model.add(white, quad(p(-1.0, 0.0, -1.0), p(1.0, 0.0, -1.0), p(1.0, 2.0, -1.0), p(-1.0, 2.0, -1.0)));
+        let mirror = Material::mirror(Rgb::splat(0.9)).unwrap();
+        model.add(mirror, quad(p(-1.0, 0.0, -1.0), p(-1.0, 2.0, -1.0), p(-1.0, 2.0, 1.0), p(-1.0, 0.0, 1.0)));
+        model.add(mirror, icosphere(2).placed(0.4, p(0.3, 0.5, 0.1)).triangles());
+        let corner = |x: f64, z: f64| p(0.5 * size * x, 1.5, 0.5 * size * z);
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        model.add(
+            Material::light(Rgb::splat(5.0)).unwrap(),
+            quad(corners[0], corners[1], corners[2], corners[3]),
+        );
+        if is_hidden {
+            for (from, to) in [(0, 1), (1, 2), (2, 3), (3, 0)].map(|(i, j)| (corners[i], corners[j])) {
+                let (up, down) = (0.1 * DVec3::Y, 1.4 * DVec3::NEG_Y);
+                model.add(white, quad(from + up, to + up, to + down, from + down));
+            }
+        }
+        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+    }
+
+    fn camera() -> Camera {
+        Camera::look_at(DVec3::new(0.4, 1.0, 2.2), DVec3::new(0.1, 0.4, 0.0), DVec3::Y, 0.9).unwrap()
+    }
+
+    fn settings(seed: u64) -> Settings {
+        Settings { seed, path_reuse: PathReuse::Off, ..Settings::new(12, 12, 4) }
+    }
+
+    /// The sum of the radiances of all pixels, with later vertices that sample the wall this often.
+    fn sum(scene: &Scene<KdTree>, seed: u64, image_prob: f64) -> f64 {
+        let (camera, settings) = (camera(), settings(seed));
+        let context = RenderContext { image_prob, ..RenderContext::new(scene, &camera, &settings) };
+        let mut wavefront = Wavefront::default();
+        wavefront.trace(&context, (TILE, &LightEdges::of(&context, TILE)), &(0..4), || false);
+        wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
+    }
+
+    /// The same seeds, so that most other light cancels. The deviation exceeds the limit with a probability of 1e-6
+    /// (Student's distribution with 799 degrees of freedom). The light is large, so that scattering finds it too.
+    #[test]
+    fn the_mean_does_not_depend_on_the_probability() {
+        const SEEDS: u64 = 800;
+        let scene = scene(1.9, false);
+        let (mut level, mut deviation, mut squares) = (0.0, 0.0_f64, 0.0_f64);
+        for seed in 0..SEEDS {
+            let all = sum(&scene, seed, 1.0);
+            let difference = sum(&scene, seed, 0.2) - all;
+            (level, deviation) = (level + all, deviation + difference);
+            squares += difference * difference;
+        }
+        let (z, error) = (deviation.abs() / squares.sqrt(), squares.sqrt() / level);
+        assert!(z < 4.93, "{z}");
+        assert!(error > 0.0 && error < 5e-4, "{error}");
+    }
+
+    fn found(scene: &Scene<KdTree>, settings: &Settings) -> f64 {
+        probed(RenderContext::new(scene, &camera(), settings)).image_prob
+    }
+
+    #[test]
+    fn mirrors_are_sampled_as_often_as_they_matter() {
+        let settings = settings(0);
+        let bare = found(&scene(0.6, false), &settings);
+        assert!((0.5..1.0).contains(&bare), "{bare}");
+        assert_eq!(found(&scene(0.6, true), &settings), LEAST);
+        let off = Settings { mirror_sampling: crate::MirrorSampling::Off, ..settings };
+        assert_eq!(found(&scene(0.6, true), &off), 1.0);
+    }
+
+    /// Neither the seed nor the number of samples changes it, so all parts of a picture have the same.
+    #[test]
+    fn it_follows_from_the_scene() {
+        let scene = scene(0.6, false);
+        let first = found(&scene, &settings(0));
+        let other = Settings { seed: 5, samples: 64, pass_samples: 64, ..settings(0) };
+        assert_eq!(found(&scene, &other), first);
+    }
+
+    #[test]
+    fn a_picture_of_any_size_has_about_as_many_probes() {
+        for (width, height) in [(1, 1), (7, 9), (64, 64), (100, 65), (1920, 1080), (16_384, 3)] {
+            let settings = probe_settings(&Settings::new(width, height, 1));
+            let paths: usize = tiles(&settings).iter().map(|(tile, _)| tile.pixel_count()).sum();
+            assert!(
+                (PATHS as usize / 2..=5 * PATHS as usize).contains(&paths),
+                "{width} x {height}: {paths}"
+            );
+        }
+    }
+}
