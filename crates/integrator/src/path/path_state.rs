@@ -27,6 +27,13 @@ pub(super) enum Target {
     Suffix(u32),
 }
 
+/// Radiance that is added if its shadow ray is not occluded.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contribution {
+    pub(super) target: Target,
+    pub(super) radiance: Rgb,
+}
+
 /// How far a path has been divided into prefix and suffix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stage {

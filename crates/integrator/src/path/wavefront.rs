@@ -3,8 +3,8 @@ use super::counters::Counters;
 use super::emission_rays::MAX_REFLECTIONS;
 use super::light_choices::LightChoices;
 use super::light_edges::{LightEdges, LightRays};
-use super::next_event::{MirrorSample, Reflected};
-use super::path_state::{Path, RadianceSums, Stage, Target};
+use super::mirror_rays::MirrorRays;
+use super::path_state::{Contribution, Path, RadianceSums, Stage};
 use super::pixel_groups::Groups;
 use super::render_context::RenderContext;
 use super::reuse::Prefixes;
@@ -44,26 +44,11 @@ pub(crate) struct Wavefront {
     /// The shadow ray of each contribution.
     pub(super) shadow_rays: Vec<Ray>,
     pub(super) occluded: Vec<bool>,
-    /// Light samples by way of a mirror, with the sums that they are for.
-    mirror_samples: Vec<(Target, MirrorSample)>,
-    /// The ray of each mirror sample that must hit the mirror.
-    mirror_rays: Vec<Ray>,
-    mirror_hits: Vec<Option<Hit>>,
-    /// The rays from mirrors whose hits may be on lights, with the cluster of lights that counts, and with what each
-    /// unit of their radiance adds.
-    reflected: Vec<(Contribution, u32)>,
-    reflected_rays: Vec<Ray>,
+    mirror_rays: MirrorRays,
     light_rays: LightRays,
     pub(super) radiance: RadianceSums,
     pub(super) prefixes: Prefixes,
     pub(super) caustics: Caustics,
-}
-
-/// Radiance that is added if its shadow ray is not occluded.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Contribution {
-    pub(super) target: Target,
-    pub(super) radiance: Rgb,
 }
 
 /// The surface that a path begins at to measure irradiance. It sends out, in each direction, the irradiance over
@@ -139,8 +124,7 @@ impl Wavefront {
         self.shade(context, bounce, counters);
         self.trace_mirror_rays(context);
         self.trace_shadow_rays(context);
-        let of_mirrors = self.mirror_rays.len() + self.reflected_rays.len();
-        counters.shadow_rays += (of_mirrors + self.shadow_rays.len()) as u64;
+        counters.shadow_rays += (self.mirror_rays.len() + self.shadow_rays.len()) as u64;
         counters.bounce_rays += self.rays.len() as u64;
     }
 
@@ -148,37 +132,9 @@ impl Wavefront {
         context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
     }
 
-    /// Turns each mirror sample whose ray hits its mirror into a contribution. Those without a shadow ray follow all
-    /// others.
+    /// Turns light samples by way of mirrors into contributions. Those without a shadow ray follow all others.
     pub(super) fn trace_mirror_rays(&mut self, context: &RenderContext<'_>) {
-        if self.mirror_samples.is_empty() {
-            return;
-        }
-        context.scene.accel().intersect_batch(&self.mirror_rays, &mut self.mirror_hits);
-        let rays = self.mirror_rays.iter().zip(&self.mirror_hits);
-        for (&(target, ref sample), (ray, &hit)) in self.mirror_samples.iter().zip(rays) {
-            let Some((next, radiance)) = context.reflected(sample, ray, hit) else { continue };
-            let contribution = Contribution { target, radiance };
-            match next {
-                Reflected::ShadowRay(ray) => {
-                    self.shadow_rays.push(ray);
-                    self.contributions.push(contribution);
-                }
-                Reflected::Ray(ray, cluster) => {
-                    self.reflected_rays.push(ray);
-                    self.reflected.push((contribution, cluster));
-                }
-            }
-        }
-        context.scene.accel().intersect_batch(&self.reflected_rays, &mut self.mirror_hits);
-        let rays = self.reflected_rays.iter().zip(&self.mirror_hits);
-        for (&(Contribution { target, radiance }, cluster), (ray, hit)) in self.reflected.iter().zip(rays) {
-            let Some(hit) = hit else { continue };
-            let shown = context.shown(ray, hit, cluster);
-            if !shown.is_black() {
-                self.contributions.push(Contribution { target, radiance: radiance * shown });
-            }
-        }
+        self.mirror_rays.trace(context, &mut self.shadow_rays, &mut self.contributions);
     }
 
     /// Adds the contributions that are not occluded.
@@ -259,10 +215,7 @@ impl Wavefront {
         self.draw_image_numbers(context, bounce);
         self.contributions.clear();
         self.shadow_rays.clear();
-        self.mirror_samples.clear();
         self.mirror_rays.clear();
-        self.reflected.clear();
-        self.reflected_rays.clear();
         context.simd.run(
             #[inline(always)]
             || self.shade_paths(context, bounce, counters),
@@ -406,8 +359,7 @@ impl Wavefront {
             },
         );
         context.next_event_in_mirrors(path, vertex, |mirror_ray, sample| {
-            self.mirror_rays.push(mirror_ray);
-            self.mirror_samples.push((path.target, sample));
+            self.mirror_rays.push(mirror_ray, path.target, sample);
         });
         let next = path.scatter(context, hit, vertex)?;
         if path.is_prefix() && vertex.at.material.bsdf.is_diffuse() {

@@ -3,9 +3,10 @@
 
 use crate::path::counters::Counters;
 use crate::path::light_edges::LightEdges;
+use crate::path::path_state::Contribution;
 use crate::path::render_context::RenderContext;
 use crate::path::tile_bounds::Tile;
-use crate::path::wavefront::{Contribution, Wavefront};
+use crate::path::wavefront::Wavefront;
 use crate::{PathReuse, Settings, Supersampling};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
