@@ -42,8 +42,8 @@ impl AliasTable {
         Some(if scaled - (index as f64) < threshold { index } else { alias as usize })
     }
 
-    /// The same with what `u` leaves: another number uniform in `[0, 1)`.
-    pub(crate) fn sample_and_rest(&self, u: f64) -> Option<(usize, f64)> {
+    /// The same index, and `u` remapped to another number uniform in `[0, 1)`.
+    pub(crate) fn sample_remapped(&self, u: f64) -> Option<(usize, f64)> {
         let sampled = self.sample(u)?;
         let scaled = u * self.columns.len() as f64;
         let index = (scaled as usize).min(self.columns.len() - 1);
@@ -68,7 +68,7 @@ mod tests {
         let mut rests = [const { Vec::new() }; 4];
         for i in 0..4096 {
             let u = (f64::from(i) + 0.5) / 4096.0;
-            let (index, rest) = table.sample_and_rest(u).unwrap();
+            let (index, rest) = table.sample_remapped(u).unwrap();
             assert_eq!(table.sample(u), Some(index));
             rests[index].push(rest);
         }
@@ -85,7 +85,7 @@ mod tests {
         let table = AliasTable::new(&[1.0, 3.0]);
         for (u, expected) in [(0.0, 0.0..0.1), (1.0_f64.next_down(), 0.9..1.0)] {
             assert!(table.sample(u).is_some());
-            assert!(expected.contains(&table.sample_and_rest(u).unwrap().1));
+            assert!(expected.contains(&table.sample_remapped(u).unwrap().1));
         }
         assert_eq!(AliasTable::new(&[]).sample(0.5), None);
     }

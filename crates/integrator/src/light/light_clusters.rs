@@ -65,7 +65,7 @@ impl LightClusters {
 
     /// Chooses a cluster by `u` in `[0, 1)`: its index, and what is left of `u`, which is uniform too.
     pub(super) fn choose(&self, u: f64) -> Option<(u32, f64)> {
-        let (index, rest) = self.by_power.sample_and_rest(u)?;
+        let (index, rest) = self.by_power.sample_remapped(u)?;
         Some((index as u32, rest))
     }
 

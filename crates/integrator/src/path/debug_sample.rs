@@ -56,7 +56,8 @@ pub struct Vertex {
 
 /// Traces sample `sample` of pixel (`x`, `y`) again, with the same sample of each pixel that reuses its path.
 ///
-/// With [`Guiding::Trained`](crate::Guiding) the guide is trained again.
+/// What a render does before its first sample is done again: with [`Guiding::Trained`](crate::Guiding) the guide is trained,
+/// and if mirrors are sampled some thousand paths are traced.
 ///
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture

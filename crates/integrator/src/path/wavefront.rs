@@ -37,7 +37,7 @@ pub(crate) struct Wavefront {
     /// The random numbers of each path's next bounce.
     bounce_numbers: Vec<BounceNumbers>,
     light_choices: LightChoices,
-    /// The random numbers of each path for a light in a large mirror, if there are such mirrors.
+    /// The random numbers of each path for a light in a large mirror; empty unless most paths take such a sample.
     image_numbers: Vec<(f64, [f64; 2])>,
     /// Light samples.
     pub(super) contributions: Vec<Contribution>,

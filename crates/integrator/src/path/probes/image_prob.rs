@@ -1,5 +1,5 @@
-//! How often vertices after the first diffuse one sample lights in large mirrors: the less often, the less of the light
-//! that they receive comes by way of these.
+//! The probability with which vertices after the first diffuse one sample lights in large mirrors. It follows from what
+//! such samples and those without a mirror contribute to the paths of probes.
 
 use crate::path::counters::Counters;
 use crate::path::light_edges::LightEdges;
@@ -11,8 +11,8 @@ use crate::{PathReuse, Settings, Supersampling};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
 
-/// The least number of paths, about; at most four times as many are traced.
-const PATHS: u64 = 1 << 12;
+/// About how many paths are traced.
+const PATHS: u32 = 1 << 12;
 
 /// Pixels along the side of a tile.
 const SIDE: u32 = 8;
@@ -20,13 +20,16 @@ const SIDE: u32 = 8;
 /// The seed of their random numbers.
 const SEED: u64 = 0x6d69_7272_6f72;
 
+/// Their paths end after this many bounces, whatever the settings say of roulette.
+const MOST_BOUNCES: u32 = 16;
+
 /// The probability is this many times the ratio of the roots of sums of squares (measured, docs/estimators.md).
 const FACTOR: f64 = 2.0;
 
 /// The least probability: probes may miss where mirrors matter.
 const LEAST: f64 = 1.0 / 16.0;
 
-/// Sums of squares of what light samples of vertices after the first of their path contribute.
+/// Sums of squares of what light samples contribute at vertices after the first diffuse one of their path.
 #[derive(Clone, Copy, Debug, Default)]
 struct Squares {
     /// Of those without a mirror.
@@ -44,14 +47,18 @@ impl AddAssign for Squares {
 
 /// The probability for this picture.
 ///
-/// Let `v` be the variance of such samples if all are taken and `t` their time, `V` and `T` those of all else. With
-/// probability `p`, variance times time is `(V + v / p) (T + p t)`, and least for `p = sqrt(v T / (V t))`.
+/// Let `v` be the mean square of such samples if all are taken and `t` their time, `V` the variance without `v` and `T`
+/// the time of all else. With probability `p`, variance times time is `(V + v / p) (T + p t)`, and least for
+/// `p = sqrt(v T / (V t))`.
 pub(super) fn of(context: &RenderContext<'_>) -> f64 {
-    if !context.samples_images() {
+    // A sample at the second diffuse vertex takes a third bounce, at the mirror.
+    let has_later = context.settings.max_bounces.is_none_or(|max| max > 2);
+    if !context.samples_images() || !has_later {
         return 1.0;
     }
     let settings = probe_settings(context.settings);
-    let context = RenderContext { settings: &settings, ..*context };
+    // Without a guide, which depends on the seed.
+    let context = RenderContext { settings: &settings, guide: None, ..*context };
     let of_tile = |wavefront: &mut Wavefront, (tile, sample): (Tile, u32)| {
         wavefront.later_squares(&context, tile, sample..sample + 1)
     };
@@ -66,11 +73,12 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
 /// The settings of the probes' paths.
 fn probe_settings(settings: &Settings) -> Settings {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
-    let samples = (PATHS / pixels).max(1).next_power_of_two() as u32;
+    let samples = (u64::from(PATHS) / pixels).max(1).next_power_of_two() as u32;
     Settings {
         samples,
         pass_samples: samples,
         seed: SEED,
+        max_bounces: Some(settings.max_bounces.unwrap_or(MOST_BOUNCES).min(MOST_BOUNCES)),
         light_samples: 1,
         path_reuse: PathReuse::Off,
         supersampling: Supersampling::Off,
@@ -81,9 +89,13 @@ fn probe_settings(settings: &Settings) -> Settings {
 /// The tiles, each with a sample of its pixels. In a large picture there are gaps between tiles.
 fn tiles(settings: &Settings) -> Vec<(Tile, u32)> {
     let Settings { width, height, samples, .. } = *settings;
-    let paths = u64::from(width) * u64::from(height) * u64::from(samples);
-    let step = (paths as f64 / PATHS as f64).sqrt().max(1.0) as u32;
-    let places = Tile::grid([width, height], [SIDE * step; 2]);
+    let most = PATHS / (SIDE * SIDE);
+    let by_shape = f64::from(most) * f64::from(width) / f64::from(height);
+    let columns = (by_shape.sqrt() as u32).clamp(1, width.div_ceil(SIDE));
+    let rows = (most / columns).clamp(1, height.div_ceil(SIDE));
+    let columns = (most / rows).clamp(1, width.div_ceil(SIDE));
+    let step = |size: u32, count: u32| size.div_ceil(count).max(SIDE);
+    let places = Tile::grid([width, height], [step(width, columns), step(height, rows)]);
     let tiles =
         places.map(|place| Tile { width: place.width.min(SIDE), height: place.height.min(SIDE), ..place });
     tiles.flat_map(|tile| (0..samples).map(move |sample| (tile, sample))).collect()
@@ -93,18 +105,21 @@ impl Wavefront {
     /// The sums for these samples of a tile.
     fn later_squares(&mut self, context: &RenderContext<'_>, tile: Tile, samples: Range<u32>) -> Squares {
         self.start(context, (tile, &LightEdges::default()), &samples);
+        let mut is_later = vec![false; tile.pixel_count() * samples.len()];
         let mut squares = Squares::default();
         for bounce in 0.. {
+            self.paths.iter().for_each(|path| is_later[path.target.sample() as usize] = !path.is_prefix());
             self.trace_rays(context);
             self.shade(context, bounce, &mut Counters::default());
             let direct = self.contributions.len();
             self.trace_mirror_rays(context);
             self.trace_shadow_rays(context);
-            if bounce > 0 {
-                // What is found in small mirrors follows, without shadow rays.
-                let images = direct..self.shadow_rays.len();
-                squares += Squares { direct: self.square_sum(0..direct), images: self.square_sum(images) };
-            }
+            // What is found in small mirrors follows, without shadow rays.
+            let images = direct..self.shadow_rays.len();
+            squares += Squares {
+                direct: self.square_sum(0..direct, &is_later),
+                images: self.square_sum(images, &is_later),
+            };
             if self.paths.is_empty() {
                 break;
             }
@@ -112,11 +127,13 @@ impl Wavefront {
         squares
     }
 
-    /// The sum of squares of the luminances of these contributions, where they are not occluded.
-    fn square_sum(&self, range: Range<usize>) -> f64 {
-        let square = |(contribution, occluded): (&Contribution, &bool)| {
-            let luminance = if *occluded { 0.0 } else { contribution.radiance.luminance() };
-            // The path of a picture tells of a radiance that is not finite.
+    /// The sum of squares of the luminances of these contributions, where they are not occluded, to samples of which
+    /// `is_later` holds.
+    fn square_sum(&self, range: Range<usize>, is_later: &[bool]) -> f64 {
+        let square = |(contribution, &occluded): (&Contribution, &bool)| {
+            let counts = !occluded && is_later[contribution.target.sample() as usize];
+            let luminance = if counts { contribution.radiance.luminance() } else { 0.0 };
+            // A radiance that is not finite is reported when the picture is rendered.
             if luminance.is_finite() { luminance * luminance } else { 0.0 }
         };
         self.contributions[range.clone()].iter().zip(&self.occluded[range]).map(square).sum()
@@ -221,13 +238,13 @@ mod tests {
 
     #[test]
     fn a_picture_of_any_size_has_about_as_many_probes() {
-        for (width, height) in [(1, 1), (7, 9), (64, 64), (100, 65), (1920, 1080), (16_384, 3)] {
+        let sizes =
+            [(1, 1), (7, 9), (64, 64), (100, 65), (1920, 1080), (16_384, 3), (16, 1 << 20), (1, 1 << 27)];
+        for (width, height) in sizes {
             let settings = probe_settings(&Settings::new(width, height, 1));
             let paths: usize = tiles(&settings).iter().map(|(tile, _)| tile.pixel_count()).sum();
-            assert!(
-                (PATHS as usize / 2..=5 * PATHS as usize).contains(&paths),
-                "{width} x {height}: {paths}"
-            );
+            let least = PATHS as usize / if width.min(height) < SIDE { 16 } else { 4 };
+            assert!((least..=2 * PATHS as usize).contains(&paths), "{width} x {height}: {paths}");
         }
     }
 }
