@@ -53,6 +53,7 @@ impl FarLights {
 
     /// The index of the light that `u` in `[0, 1)` chooses.
     pub(super) fn choose(&self, u: f64) -> u32 {
+        // `FarLights::new` returns `None` without a light.
         let place = self.table.sample(u).expect("there is a light");
         self.indices[place]
     }
