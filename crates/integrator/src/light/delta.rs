@@ -164,8 +164,8 @@ impl DeltaLight {
                 Reach::Near(Cluster::of_point(position.as_dvec3(), intensity.luminance()))
             }
             Kind::Spot { position, axis, intensity, cone } => {
-                let outer = libm::acos(cone.cos_outer);
-                Reach::Near(Cluster::of_spot(position.as_dvec3(), axis, outer, intensity.luminance()))
+                let intensity = intensity.luminance();
+                Reach::Near(Cluster::of_spot(position.as_dvec3(), axis, cone.cos_outer, intensity))
             }
             Kind::Directional { direction, irradiance } => {
                 Reach::Far(FarLight { irradiance: irradiance.luminance(), direction: -direction })

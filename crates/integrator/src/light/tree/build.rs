@@ -53,7 +53,7 @@ pub(super) fn nodes(lights: &mut [Light], frame: &TreeFrame, mut place: impl FnM
     nodes
 }
 
-/// Lights that share a child, with their bounds.
+/// Lights that share a child, with their moments.
 struct Group<'a> {
     lights: &'a mut [Light],
     cluster: Cluster,
@@ -90,13 +90,13 @@ fn halve(lights: &mut [Light]) -> [Group<'_>; 2] {
 
 /// Splits two or more lights into the two groups of least cost, along the axis on which they extend farthest.
 fn best_split(lights: &mut [Light]) -> [Group<'_>; 2] {
-    let centres = || lights.iter().map(|(_, cluster)| cluster.centre());
+    let centres = || lights.iter().map(|(_, cluster)| cluster.centre);
     let min = centres().fold(DVec3::INFINITY, DVec3::min);
     let max = centres().fold(DVec3::NEG_INFINITY, DVec3::max);
     let axis = (max - min).max_position();
     let scale = BINS as f64 / (max[axis] - min[axis]);
     // The product is not a number where all centres coincide; the cast makes 0 of it.
-    let bin = |(_, cluster): &Light| (((cluster.centre()[axis] - min[axis]) * scale) as usize).min(BINS - 1);
+    let bin = |(_, cluster): &Light| (((cluster.centre[axis] - min[axis]) * scale) as usize).min(BINS - 1);
     let mut bins = [None::<Cluster>; BINS];
     for light in &*lights {
         let bounds = &mut bins[bin(light)];
@@ -109,7 +109,7 @@ fn best_split(lights: &mut [Light]) -> [Group<'_>; 2] {
     [Group { lights: before, cluster: left }, Group { lights: after, cluster: right }]
 }
 
-/// A split before the bin `border`, with the bounds of both sides.
+/// A split before the bin `border`, with the moments of both sides.
 struct Split {
     border: usize,
     clusters: [Cluster; 2],
@@ -139,7 +139,7 @@ fn join(a: Option<Cluster>, b: Option<Cluster>) -> Option<Cluster> {
     }
 }
 
-/// Bounds of one or more lights.
+/// The moments of one or more lights.
 fn union(lights: &[Light]) -> Cluster {
     let clusters = lights.iter().map(|(_, cluster)| *cluster);
     // No group is empty: a split leaves a light on each side.

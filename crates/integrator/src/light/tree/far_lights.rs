@@ -1,5 +1,4 @@
-use super::cluster::cone_around;
-use super::node::subtract;
+use super::cluster::positive_part;
 use crate::light::alias_table::AliasTable;
 use glam::{DVec3, Vec3};
 
@@ -20,35 +19,35 @@ pub(super) struct FarLights {
     indices: Vec<u32>,
     /// The sum of all.
     irradiance: f64,
-    /// The axis of a cone around the directions toward them.
-    axis: Vec3,
-    /// Cosine and sine of its angle.
-    angle: (f32, f32),
+    /// The mean of the directions toward them, by irradiance.
+    direction: Vec3,
+    /// The most that their variance along an axis can be: the sum of those along three.
+    variance: f32,
 }
 
 impl FarLights {
     /// `None` if there are none. Each comes with its index in the scene.
     pub(super) fn new(lights: &[(u32, FarLight)]) -> Option<Self> {
-        let cones = lights.iter().map(|(_, light)| (light.direction, 0.0));
-        let (axis, angle) = cones.reduce(cone_around)?;
-        let (sin, cos) = libm::sincos(angle);
+        if lights.is_empty() {
+            return None;
+        }
         let irradiances: Vec<_> = lights.iter().map(|(_, light)| light.irradiance).collect();
+        let irradiance = irradiances.iter().sum();
+        let direction: DVec3 =
+            lights.iter().map(|(_, light)| light.irradiance / irradiance * light.direction).sum();
         Some(Self {
             table: AliasTable::new(&irradiances),
             indices: lights.iter().map(|(index, _)| *index).collect(),
-            irradiance: irradiances.iter().sum(),
-            axis: axis.as_vec3(),
-            angle: (cos as f32, sin as f32),
+            irradiance,
+            direction: direction.as_vec3(),
+            variance: (1.0 - direction.length_squared()).max(0.0) as f32,
         })
     }
 
     /// The irradiance from all, about, on the side of a surface to which `side` points.
     #[inline(always)]
     pub(super) fn irradiance_on(&self, side: Vec3) -> f64 {
-        let cos = side.dot(self.axis);
-        let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let (cos, _) = subtract((cos, sin), self.angle);
-        self.irradiance * f64::from(cos.max(0.0))
+        self.irradiance * f64::from(0.5 * positive_part(side.dot(self.direction), self.variance))
     }
 
     /// The index of the light that `u` in `[0, 1)` chooses.

@@ -2,7 +2,7 @@ use super::cluster::Cluster;
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 
-/// The frame of a tree, in which the lights lie within `[-1, 1]`. Single precision has enough range there, and no unit of
+/// The frame of a tree, in which the centres of the lights lie within `[-1, 1]`. Single precision has enough range there, and no unit of
 /// length matters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeFrame {
@@ -17,7 +17,10 @@ impl TreeFrame {
 
     /// Around `lights`; the world frame without any.
     pub(super) fn around(lights: impl Iterator<Item = Cluster>) -> Self {
-        let bounds = |light: Cluster| (light.centre() - light.radius(), light.centre() + light.radius());
+        let bounds = |light: Cluster| {
+            let extent = light.variance.map(f64::sqrt);
+            (light.centre - extent, light.centre + extent)
+        };
         let all = lights.map(bounds).reduce(|(min, max), (a, b)| (min.min(a), max.max(b)));
         let (min, max) = all.unwrap_or_default();
         let (_, exponent) = libm::frexp(0.5 * (max - min).max_element());
@@ -37,8 +40,9 @@ impl TreeFrame {
         ((position - self.origin) * self.scale).max(-farthest).min(farthest)
     }
 
-    pub(super) fn length(&self, length: f64) -> f64 {
-        length * self.scale
+    /// Variances of coordinates in the world.
+    pub(super) fn variance(&self, variance: DVec3) -> DVec3 {
+        variance * (self.scale * self.scale)
     }
 
     /// The intensity that brings the irradiance of `intensity` at the same places in this frame.
