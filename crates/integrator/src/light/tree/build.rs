@@ -99,8 +99,8 @@ fn best_split(lights: &mut [Light]) -> [Group<'_>; 2] {
     let bin = |(_, cluster): &Light| (((cluster.centre[axis] - min[axis]) * scale) as usize).min(BINS - 1);
     let mut bins = [None::<Cluster>; BINS];
     for light in &*lights {
-        let bounds = &mut bins[bin(light)];
-        *bounds = join(*bounds, Some(light.1));
+        let cluster = &mut bins[bin(light)];
+        *cluster = join(*cluster, Some(light.1));
     }
     let Some(Split { border, clusters: [left, right] }) = best_border(&bins) else { return halve(lights) };
     lights.sort_by_key(|light| bin(light) >= border);

@@ -10,77 +10,83 @@ pub(crate) struct Cluster {
     pub(super) centre: DVec3,
     /// The variances of the three coordinates.
     pub(super) variance: DVec3,
-    /// The mean of the normals, or of the axes of spot lights. Its length is at most 1.
+    /// The mean of the normals. Its length is at most 1.
     pub(super) normal: DVec3,
-    /// The mean of their squared lengths.
-    pub(super) normal_sq: f64,
+    /// The sum of the variances of their three coordinates: at most 1 for triangles, [`Cluster::POINT_VARIANCE`] for a point
+    /// light, and between 0 and that for a spot light.
+    pub(super) normal_variance: f64,
     /// Whether some of them emit the same in the opposite directions too.
     pub(super) both_sides: bool,
-    /// The cosine of the angle from its normal within which a single light emits; [`Cluster::UNLIMITED`] for several.
-    pub(super) cos_limit: f64,
+    /// The cosine, times the length of the normal, of the angle from the normal within which a single light emits;
+    /// [`Cluster::UNLIMITED`] for several.
+    pub(super) limit: f64,
 }
 
 impl Cluster {
-    /// Below the cosine of any angle.
+    /// Below all cosines.
     const UNLIMITED: f64 = -2.0;
 
-    /// The squared length of a normal that emits in all directions alike, though its mean is 0: by it,
-    /// [`positive_part`] is 1 in all of them.
-    const POINT_NORMAL_SQ: f64 = 12.0;
+    /// With this variance of normals, a third of it along each axis, and a mean of 0, [`positive_part`] is twice the distance
+    /// in all directions.
+    const POINT_VARIANCE: f64 = 12.0;
 
     /// A triangle of these vertices whose front, of unit normal `normal`, has this intensity.
     pub(crate) fn of_triangle(vertices: [DVec3; 3], normal: DVec3, both_sides: bool, intensity: f64) -> Self {
         let centre = vertices.into_iter().sum::<DVec3>() / 3.0;
-        let variance = vertices.iter().map(|&vertex| (vertex - centre).powf(2.0)).sum::<DVec3>() / 12.0;
-        let cos_limit = if both_sides { Self::UNLIMITED } else { 0.0 };
-        Self { intensity, centre, variance, normal, normal_sq: 1.0, both_sides, cos_limit }
+        let square = |vector: DVec3| vector * vector;
+        let variance = vertices.iter().map(|&vertex| square(vertex - centre)).sum::<DVec3>() / 12.0;
+        let limit = if both_sides { Self::UNLIMITED } else { 0.0 };
+        Self { intensity, centre, variance, normal, normal_variance: 0.0, both_sides, limit }
     }
 
     /// A point that emits in all directions.
     pub(crate) fn of_point(position: DVec3, intensity: f64) -> Self {
-        let spot = Self::of_spot(position, DVec3::ZERO, Self::UNLIMITED, intensity);
-        Self { normal_sq: Self::POINT_NORMAL_SQ, ..spot }
+        Self::of_spot(position, DVec3::Y, -1.0, intensity)
     }
 
-    /// A point that emits within the angle of cosine `cos_limit` of `axis`.
-    pub(crate) fn of_spot(position: DVec3, axis: DVec3, cos_limit: f64, intensity: f64) -> Self {
+    /// A point that emits within the angle of cosine `cos_outer` of `axis`. By its moments, it emits `intensity` along the
+    /// axis, and 0.7 of that or more at the angle.
+    pub(crate) fn of_spot(position: DVec3, axis: DVec3, cos_outer: f64, intensity: f64) -> Self {
+        let length = 0.5 * (1.0 + cos_outer);
         Self {
             intensity,
             centre: position,
             variance: DVec3::ZERO,
-            normal: axis,
-            normal_sq: 1.0,
+            normal: length * axis,
+            normal_variance: Self::POINT_VARIANCE * (1.0 - length),
             both_sides: false,
-            cos_limit,
+            limit: length * cos_outer,
         }
     }
 
     pub(super) fn union(&self, other: &Self) -> Self {
         let intensity = self.intensity + other.intensity;
-        let share = other.intensity / intensity;
-        let apart = other.centre - self.centre;
-        let mean = |a: DVec3, b: DVec3| a + share * (b - a);
+        // Neither is 1 less the other: both are exact to rounding, however small.
+        let shares = [self.intensity / intensity, other.intensity / intensity];
+        let both = shares[0] * shares[1];
+        let mean = |a: DVec3, b: DVec3| shares[0] * a + shares[1] * b;
+        // Normals of triangles that emit on both sides have no sign.
+        let is_turned = self.both_sides && other.both_sides && self.normal.dot(other.normal) < 0.0;
+        let other_normal = if is_turned { -other.normal } else { other.normal };
+        let (apart, turned) = (other.centre - self.centre, other_normal - self.normal);
         Self {
             intensity,
             centre: mean(self.centre, other.centre),
-            variance: mean(self.variance, other.variance) + share * (1.0 - share) * apart * apart,
-            normal: mean(self.normal, other.normal),
-            normal_sq: self.normal_sq + share * (other.normal_sq - self.normal_sq),
+            variance: mean(self.variance, other.variance) + both * apart * apart,
+            normal: mean(self.normal, other_normal),
+            normal_variance: shares[0] * self.normal_variance
+                + shares[1] * other.normal_variance
+                + both * turned.length_squared(),
             both_sides: self.both_sides || other.both_sides,
-            cos_limit: Self::UNLIMITED,
+            limit: Self::UNLIMITED,
         }
     }
 
     /// The cost of a node with these lights: intensity by size by how much their directions differ, from 1 to 4. The
     /// surface area orientation heuristic (Conty Estevez and Kulla 2018, equation 1) with moments in place of bounds.
     pub(super) fn cost(&self) -> f64 {
-        let directions = 1.0 + 3.0 * (1.0 - self.normal.length_squared());
+        let directions = 1.0 + 3.0 * self.normal_variance.min(1.0);
         self.intensity * self.variance.element_sum() * directions
-    }
-
-    /// The variance of the normals along an axis, if it is the same along all.
-    pub(super) fn normal_variance(&self) -> f64 {
-        (self.normal_sq - self.normal.length_squared()).max(0.0) / 3.0
     }
 }
 
@@ -127,7 +133,8 @@ mod tests {
             let numbers = Stream::new(17, 0, i);
             let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| numbers.uniform(k + axis) - 0.5));
             let intensity = 10.0_f64.powf(6.0 * numbers.uniform(20));
-            Cluster::of_spot(1000.0 + vector(0), vector(3).normalize(), 0.5, intensity)
+            let corners = [0, 3, 6].map(|k| 1000.0 + vector(k));
+            Cluster::of_triangle(corners, vector(9).normalize(), false, intensity)
         };
         let lights: Vec<_> = (0..32).map(light).collect();
         let total: f64 = lights.iter().map(|light| light.intensity).sum();
@@ -135,14 +142,37 @@ mod tests {
             lights.iter().map(|light| light.intensity / total * value(light)).sum::<DVec3>()
         };
         let centre = mean(&|light| light.centre);
-        let variance = mean(&|light| (light.centre - centre).powf(2.0));
+        let square = |vector: DVec3| vector * vector;
+        let variance = mean(&|light| light.variance + square(light.centre - centre));
         let normal = mean(&|light| light.normal);
+        let normal_variance = 1.0 - normal.length_squared();
         let in_a_row = |lights: &[Cluster]| lights.iter().copied().reduce(|a, b| a.union(&b)).unwrap();
         let halves = in_a_row(&lights[..16]).union(&in_a_row(&lights[16..]));
         for union in [in_a_row(&lights), halves] {
             assert!((union.intensity / total - 1.0).abs() < 1e-14);
             assert!((union.centre - centre).length() < 1e-12 && (union.variance - variance).length() < 1e-12);
-            assert!((union.normal - normal).length() < 1e-14 && (union.normal_sq - 1.0).abs() < 1e-14);
+            assert!((union.normal - normal).length() < 1e-14);
+            assert!((union.normal_variance - normal_variance).abs() < 1e-14);
         }
+    }
+
+    /// A light of a share of 1e-20 of the intensity is not lost among lights of equal normals in a plane.
+    #[test]
+    fn a_dim_light_leaves_a_variance() {
+        let bright = |x: f64| Cluster::of_spot(DVec3::X * x, DVec3::Y, 1.0, 1e20);
+        let dim = Cluster::of_spot(DVec3::new(0.3, 1.0, 0.0), DVec3::NEG_Y, 1.0, 2.0);
+        for union in
+            [bright(0.0).union(&bright(1.0)).union(&dim), dim.union(&bright(0.0)).union(&bright(1.0))]
+        {
+            assert!((union.variance.y / 1e-20 - 1.0).abs() < 1e-10, "{union:?}");
+            assert!((union.normal_variance / 4e-20 - 1.0).abs() < 1e-10, "{union:?}");
+        }
+    }
+
+    #[test]
+    fn opposite_normals_of_lights_with_two_sides_are_one() {
+        let light = |normal| Cluster::of_triangle([DVec3::X, DVec3::Z, DVec3::ZERO], normal, true, 1.0);
+        let union = light(DVec3::Y).union(&light(DVec3::NEG_Y));
+        assert_eq!((union.normal, union.normal_variance), (DVec3::Y, 0.0));
     }
 }

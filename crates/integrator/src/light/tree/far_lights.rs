@@ -87,6 +87,8 @@ mod tests {
             assert!((assumed(&lights[..1]) - brings(&lights[0])).abs() < 1e-6, "{i}");
             let (together, bound) = (lights.iter().map(brings).sum::<f64>(), assumed(&lights));
             assert!(bound >= together - 1e-5 && bound <= 10.0, "{i}: {bound}, {together}");
+            // The directions differ from each other by at most twice the spread.
+            assert!(bound <= together + 10.0 * 2.0 * spread, "{i}: {bound}, {together}");
         }
     }
 }

@@ -2,8 +2,8 @@ use super::cluster::Cluster;
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 
-/// The frame of a tree, in which the centres of the lights lie within `[-1, 1]`. Single precision has enough range there, and no unit of
-/// length matters.
+/// The frame of a tree, in which the centres of the lights, each with the standard deviation of its points, lie within
+/// `[-1, 1]`. Single precision has enough range there, and no unit of length matters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeFrame {
     origin: DVec3,
@@ -17,11 +17,11 @@ impl TreeFrame {
 
     /// Around `lights`; the world frame without any.
     pub(super) fn around(lights: impl Iterator<Item = Cluster>) -> Self {
-        let bounds = |light: Cluster| {
+        let corners = |light: Cluster| {
             let extent = light.variance.map(f64::sqrt);
             (light.centre - extent, light.centre + extent)
         };
-        let all = lights.map(bounds).reduce(|(min, max), (a, b)| (min.min(a), max.max(b)));
+        let all = lights.map(corners).reduce(|(min, max), (a, b)| (min.min(a), max.max(b)));
         let (min, max) = all.unwrap_or_default();
         let (_, exponent) = libm::frexp(0.5 * (max - min).max_element());
         Self { origin: 0.5 * (min + max), scale: libm::ldexp(1.0, -exponent) }
