@@ -2,12 +2,14 @@
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
-use globillum::integrator::{Camera, Estimator, Film, Model, PathReuse, Render, Sampler, Settings, render};
+use globillum::integrator::{
+    Camera, Estimator, Film, Guiding, Model, PathReuse, Render, Sampler, Settings, render,
+};
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::cornell;
 use globillum_testkit::scenes::{self, stare};
-use globillum_testkit::shapes::{cuboid, inside_out, quad};
+use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
 use globillum_testkit::stats::Estimate;
 
 use Estimator::{Bsdf, Light, Mis};
@@ -132,6 +134,73 @@ fn pixels_of_crossing_sheets_have_the_mean_of_their_own_paths() {
     let independent = |s: &mut Settings| s.sampler = Sampler::Independent;
     assert_same_mean_as(&without, "independent samples", &model, &camera, independent);
     assert_same_mean("at most 2 bounces", &model, &camera, |s| s.max_bounces = Some(2));
+}
+
+/// A diffuse room with coloured mirrors: one that emits and reflects no blue, one between camera and wall that reflects on
+/// both sides, and a ball of small triangles. Prefixes end before mirrors, behind them, and in what they show.
+fn mirrors() -> (Model, Camera) {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
+    let glow = Emission::new(Rgb::new(1.0, 0.8, 0.5), Sides::Front).expect("finite");
+    for (i, wall) in walls.chunks(2).enumerate() {
+        let wall = wall.iter().copied();
+        let material = Material::lambert(Rgb::new(0.3 + 0.1 * i as f64, 0.6, 0.4)).expect("an albedo");
+        model.add(if i == 3 { material.emitting(glow) } else { material }, wall);
+    }
+    let mirror = |r, g, b| Material::mirror(Rgb::new(r, g, b)).expect("a reflectance");
+    let glow = Emission::new(Rgb::new(0.1, 0.2, 0.3), Sides::Both).expect("finite");
+    let side = quad(p(-0.9, -0.9, 0.9), p(-0.8, -0.9, -0.9), p(-0.8, 0.9, -0.9), p(-0.9, 0.8, 0.9));
+    model.add(mirror(0.9, 0.7, 0.0).emitting(glow), side);
+    model.add(
+        mirror(0.5, 0.9, 0.8),
+        quad(p(0.2, -0.8, 0.3), p(0.8, -0.8, -0.2), p(0.7, 0.5, -0.4), p(0.1, 0.4, 0.2)),
+    );
+    model.add(mirror(0.9, 0.9, 0.9), icosphere(1).placed(0.25, p(-0.3, -0.7, -0.4)).triangles());
+    let camera =
+        Camera::look_at(p(0.1, 0.2, 0.95), p(0.0, -0.3, -0.2), DVec3::Y, 1.2).expect("they are apart");
+    (model, camera)
+}
+
+#[test]
+fn pixels_among_mirrors_have_the_mean_of_their_own_paths() {
+    let (model, camera) = mirrors();
+    let without = picture(&model, &camera, PathReuse::Off, |s| s.estimator = Mis);
+    for estimator in [Bsdf, Light, Mis] {
+        let what = format!("mirrors, {estimator:?}");
+        assert_same_mean_as(&without, &what, &model, &camera, |s| {
+            (s.estimator, s.samples) = (estimator, 2 * s.samples);
+        });
+    }
+    let guided = |s: &mut Settings| s.guiding = Guiding::Trained;
+    assert_same_mean_as(&without, "mirrors, guided", &model, &camera, guided);
+    assert_same_mean("mirrors, at most 3 bounces", &model, &camera, |s| s.max_bounces = Some(3));
+}
+
+/// The floor is lit by way of a mirror alone, from a wall that a light shines on. A black sheet hides the wall from it.
+/// Without reuse of what mirrors show, the ratio is about 1.
+#[test]
+fn pixels_share_what_mirrors_show() {
+    let (mut model, p) = (Model::default(), DVec3::new);
+    let mut add = |material, [a, b, c, d]: [DVec3; 4]| model.add(material, quad(a, b, c, d));
+    let grey = |albedo| Material::lambert(Rgb::splat(albedo)).expect("an albedo");
+    add(grey(0.8), [p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0)]);
+    add(grey(0.8), [p(1.0, 1.0, 1.1), p(-1.0, 1.0, 1.1), p(-1.0, 2.5, 1.1), p(1.0, 2.5, 1.1)]);
+    add(grey(0.0), [p(-1.0, 0.9, 1.1), p(1.0, 0.9, 1.1), p(1.0, 0.9, 0.2), p(-1.0, 0.9, 0.2)]);
+    let mirror = Material::mirror(Rgb::splat(0.9)).expect("a reflectance");
+    add(mirror, [p(-1.0, 0.0, -1.1), p(1.0, 0.0, -1.1), p(1.0, 2.0, -1.1), p(-1.0, 2.0, -1.1)]);
+    let light = Material::light(Rgb::splat(50.0)).expect("a radiance");
+    add(light, [p(-0.1, 1.6, 0.6), p(0.1, 1.6, 0.6), p(0.1, 1.8, 0.6), p(-0.1, 1.8, 0.6)]);
+    let camera = Camera::look_at(p(0.0, 0.6, 0.0), p(0.0, 0.0, -0.1), DVec3::Z, 0.6).expect("they are apart");
+    let [without, with] = [PathReuse::Off, PathReuse::Sixteens].map(|path_reuse| {
+        let mut settings = Settings::new(SIDE, SIDE, 512);
+        (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
+        let film = film(&model, &camera, &settings);
+        assert!(!film.image_mean().is_black());
+        film.variances_of_mean().map(|variance| variance.g).sum::<f64>()
+    });
+    println!("variance of what a mirror shows: {:.3} of that without path reuse", with / without);
+    assert!(with < 0.5 * without, "{with} {without}");
 }
 
 /// A bright pixel uses the path suffixes of dark pixels of its group like its own. Russian roulette must not

@@ -1,7 +1,7 @@
 //! A replayed sample has the bits of the sample in the picture.
 
 use glam::DVec3;
-use globillum::geom::Accel;
+use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
     Camera, Estimator, MirrorSampling, Model, PathReuse, PixelFilter, Replay, Sampler, Scene, Settings,
     render, replay,
@@ -80,24 +80,51 @@ fn samples_outside_the_picture_are_refused() {
     }
 }
 
-/// Paths whose second vertex is on a mirror are not reused, because the mirror's radiance depends on the
-/// direction.
+/// Two mirrors that face each other.
+fn facing_mirrors() -> Vec<Triangle> {
+    let p = DVec3::new;
+    let wall = |x: f64| quad(p(x, 0.0, -1.0), p(x, 1.5, -1.0), p(x, 1.5, 1.0), p(x, 0.0, 1.0));
+    [wall(-1.0), wall(1.0)].concat()
+}
+
+/// A floor among `mirrors`, under a small light and `ceiling`, and a camera that sees the floor.
+fn floor_among(mirrors: Vec<Triangle>, ceiling: Vec<Triangle>) -> (Scene<Box<dyn Accel>>, Camera) {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    let floor = quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0));
+    model.add(Material::lambert(Rgb::new(0.8, 0.6, 0.0)).expect("an albedo"), floor);
+    model.add(Material::lambert(Rgb::splat(0.7)).expect("an albedo"), ceiling);
+    model.add(Material::mirror(Rgb::splat(0.9)).expect("a reflectance"), mirrors);
+    let light = quad(p(-0.1, 2.0, -0.1), p(0.1, 2.0, -0.1), p(0.1, 2.0, 0.1), p(-0.1, 2.0, 0.1));
+    model.add(Material::light(Rgb::splat(5.0)).expect("finite"), light);
+    let camera = Camera::look_at(p(0.2, 1.9, 0.3), p(0.2, 0.0, 0.0), DVec3::Y, 0.3).expect("they are apart");
+    (scenes::scene(&model, STRUCTURES[0].1), camera)
+}
+
+/// What arrives by way of two mirrors depends on the direction, so it is not reused. By way of one it is.
 #[test]
-fn path_reuse_keeps_the_radiance_of_mirrors() {
-    let scene = the_box();
-    let mut settings = Settings::new(64, 64, 64);
+fn path_reuse_keeps_the_radiance_of_two_mirrors() {
+    let p = DVec3::new;
+    let ceiling = quad(p(-2.0, 2.5, -2.0), p(2.0, 2.5, -2.0), p(2.0, 2.5, 2.0), p(-2.0, 2.5, 2.0));
+    let (scene, camera) = floor_among(facing_mirrors(), ceiling.to_vec());
+    let mut settings = Settings::new(16, 16, 1024);
     settings.sampler = Sampler::Independent;
-    let mut seen = 0;
-    for sample in 0..64 {
-        let path = replayed(&scene, &settings, (12, 52), sample);
-        let [first, second, ..] = &path.vertices[..] else { continue };
-        let [from, to] = [first, second].map(|vertex| matches!(vertex.material.bsdf, Bsdf::Mirror(_)));
-        if !from && to {
-            assert!(path.radiance.g >= path.alone.g * (1.0 - 1e-12), "{path}");
-            seen += 1;
+    let [mut kept, mut shared] = [0, 0];
+    for sample in 0..1024 {
+        let path = replay(&scene, &camera, &settings, (5, 8), sample).expect("the sample exists");
+        let mirrors =
+            path.vertices.iter().skip(1).take_while(|vertex| vertex.material.bsdf.is_delta()).count();
+        let end = path.vertices.get(1 + mirrors);
+        if end.is_none_or(|end| !end.emitted.is_black()) {
+            continue;
         }
+        if mirrors > 1 {
+            assert!(path.radiance.g >= path.alone.g * (1.0 - 1e-12), "{path}");
+            kept += 1;
+        }
+        shared += u32::from(mirrors == 1 && path.radiance.g < path.alone.g * (1.0 - 1e-9));
     }
-    assert!(seen > 3, "{seen}");
+    assert!(kept > 3 && shared > 3, "{kept}, {shared}");
 }
 
 /// The picture is narrow, so a tile has several squares, in which pixels share caustics. Where mirrors are not sampled,
@@ -105,21 +132,11 @@ fn path_reuse_keeps_the_radiance_of_mirrors() {
 /// show it by way of both.
 #[test]
 fn shared_caustics_are_those_of_the_picture() {
-    let p = DVec3::new;
-    let ring = torus(48, 24).placed(1.0, p(0.0, 0.3, 0.0)).triangles();
-    let wall = |x: f64| quad(p(x, 0.0, -1.0), p(x, 1.5, -1.0), p(x, 1.5, 1.0), p(x, 0.0, 1.0));
-    let walls = [wall(-1.0), wall(1.0)].concat();
-    for (mirrors, sampling, samples) in [(ring, MirrorSampling::Off, 16), (walls, MirrorSampling::Images, 4)]
+    let ring = torus(48, 24).placed(1.0, DVec3::new(0.0, 0.3, 0.0)).triangles();
+    for (mirrors, sampling, samples) in
+        [(ring, MirrorSampling::Off, 16), (facing_mirrors(), MirrorSampling::Images, 4)]
     {
-        let mut model = Model::default();
-        let floor = quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0));
-        model.add(Material::lambert(Rgb::new(0.8, 0.6, 0.0)).expect("an albedo"), floor);
-        model.add(Material::mirror(Rgb::splat(0.9)).expect("a reflectance"), mirrors);
-        let light = quad(p(-0.1, 2.0, -0.1), p(0.1, 2.0, -0.1), p(0.1, 2.0, 0.1), p(-0.1, 2.0, 0.1));
-        model.add(Material::light(Rgb::splat(5.0)).expect("finite"), light);
-        let scene = scenes::scene(&model, STRUCTURES[0].1);
-        let camera =
-            Camera::look_at(p(0.2, 1.9, 0.3), p(0.2, 0.0, 0.0), DVec3::Y, 0.3).expect("they are apart");
+        let (scene, camera) = floor_among(mirrors, Vec::new());
         let mut settings = Settings::new(7, 40, samples);
         settings.mirror_sampling = sampling;
         let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;

@@ -11,7 +11,8 @@ use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflect
 use super::path_state::Path;
 use super::pixel_groups::square_of;
 use super::render_context::RenderContext;
-use super::reuse::{Prefix, Prefixes, ReuseVertex};
+use super::reuse::{Prefix, Prefixes};
+use super::reuse_vertex::ReuseVertex;
 use super::shading_point::MisContext;
 use super::tile_bounds::Tile;
 use crate::Interaction;
@@ -54,7 +55,7 @@ impl Caustics {
         self.found.clear();
     }
 
-    /// Takes the emission that a path has met after mirrors. Returns what is left to the path alone.
+    /// Takes the emission that a path has met after mirrors, if caustics are shared. Returns what is left to the path alone.
     #[inline(never)]
     pub(super) fn take_emission(
         &mut self,
@@ -69,7 +70,7 @@ impl Caustics {
         let weight = context.weight_of_emission(&path.mis, (hit, at));
         let radiance = path.throughput * emitted * weight;
         // A radiance that is not finite stays with its own sample, so that an error names that one.
-        if weight < LEAST_WEIGHT || radiance.is_black() || !radiance.is_finite() {
+        if !context.shares_caustics || weight < LEAST_WEIGHT || radiance.is_black() || !radiance.is_finite() {
             return radiance;
         }
         self.found.push((path.target.sample(), radiance));
@@ -97,7 +98,7 @@ impl Caustics {
         for of_sample in found.chunk_by(|a, b| a.0 == b.0) {
             let (sample, _) = of_sample[0];
             let radiance = of_sample.iter().fold(Rgb::BLACK, |sum, &(_, radiance)| sum + radiance);
-            let Some((own, mirror)) = prefixes.of(sample).and_then(|own| Some((own, own.suffix?))) else {
+            let Some((own, mirror)) = prefixes.of(sample).and_then(|own| Some((own, own.mirror?))) else {
                 continue;
             };
             let of_square = square_of(tile, sample / count).map(|pixel| pixel * count + sample % count);

@@ -1,6 +1,6 @@
 use super::counters::Counters;
 use super::light_edges::LightEdges;
-use super::path_state::Path;
+use super::path_state::{Path, Target};
 use super::pixel_groups::square_around;
 use super::probes::probed;
 use super::render_context::RenderContext;
@@ -120,7 +120,13 @@ impl Wavefront {
         let hit = on_ray.and_then(|i| self.hits[i]);
         self.shade(context, bounce, &mut Counters::default());
         let throughput_before = self.prefixes.throughput_before(path.target) * unit;
-        let emitted = throughput_before * (*self.radiance.at(path.target) + self.caustics.found_by(sample));
+        let of_suffix = match path.target {
+            Target::Sample(_) => Rgb::BLACK,
+            Target::Suffix(_) => *self.radiance.at(path.target),
+        };
+        // What a path finds of lights by way of mirrors after its prefix is in the sum of its sample.
+        let of_sample = self.radiance.samples[sample as usize] * unit;
+        let emitted = throughput_before * (of_suffix + self.caustics.found_by(sample)) + of_sample;
         replay.alone += emitted;
         let at = match (ray.zip(hit), from_point) {
             (Some((ray, hit)), _) => context.scene.interaction(&ray, &hit),

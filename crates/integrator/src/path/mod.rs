@@ -13,6 +13,7 @@ mod pixel_groups;
 mod probes;
 mod render_context;
 mod reuse;
+mod reuse_vertex;
 mod shading_point;
 mod tile_bounds;
 mod training;

@@ -42,7 +42,7 @@ pub(super) enum Stage {
     /// The prefix has ended at the last vertex, and others may reuse what follows.
     PrefixEnded,
     /// Of the vertices since the end of the prefix, all were mirrors, of this number. Others may share what the path finds
-    /// of lights ([`Caustics`](super::caustics::Caustics)).
+    /// of lights ([`Caustics`](super::caustics::Caustics)), or the suffix that begins beyond the first mirror.
     Reflected(u8),
     /// The vertex after the prefix has been passed, or the prefix has ended and is not reused.
     Beyond,
@@ -74,6 +74,13 @@ impl Path {
     #[inline(always)]
     pub(super) fn is_prefix(&self) -> bool {
         self.stage == Stage::Prefix
+    }
+
+    /// Makes what follows the suffix: with a throughput of one, and added to a sum of its own.
+    #[inline(always)]
+    pub(super) fn leave_prefix(&mut self) {
+        (self.throughput, self.guided) = (Rgb::WHITE, 1.0);
+        self.target = Target::Suffix(self.target.sample());
     }
 
     /// Whether Russian roulette may end the path. Not between mirrors after the prefix: what is found by way of them must

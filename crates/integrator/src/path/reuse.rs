@@ -2,31 +2,19 @@
 //!
 //! A path's *prefix* ends at its first diffuse vertex `x`; its *suffix* begins at the next vertex `y`. If `y`
 //! is diffuse, the radiance of the suffix leaves `y` equally in all directions, so each prefix of a group
-//! of pixels could have found it. It is shared among these prefixes by the balance heuristic.
+//! of pixels could have found it. It is shared among these prefixes by the balance heuristic. If `y` is on a mirror, the
+//! suffix begins at the diffuse vertex that the mirror shows, and prefixes find it by way of the same triangle.
 
 use super::counters::Counters;
 use super::path_state::{Path, RadianceSums, Stage, Target};
 use super::pixel_groups::{Groups, PixelGroup};
 use super::render_context::RenderContext;
+use super::reuse_vertex::{ReuseVertex, Suffix};
 use super::shading_point::ShadingPoint;
 use super::tile_bounds::Tile;
-use crate::guide::Guide;
-use crate::light::Receiver;
-use glam::DVec3;
-use globillum_geom::{Frame, Ray, SurfacePoint};
+use globillum_geom::Ray;
 use globillum_material::Rgb;
 use std::ops::Range;
-
-/// A vertex at which a prefix ends or a suffix begins.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ReuseVertex {
-    pub(super) point: SurfacePoint,
-    /// Unit normal on the path's side.
-    pub(super) normal: DVec3,
-    /// The cell of the guide, if there is one.
-    guide_cell: Option<u32>,
-    is_mirror: bool,
-}
 
 /// A path up to its first diffuse vertex.
 #[derive(Clone, Copy, Debug)]
@@ -41,8 +29,10 @@ pub(super) struct Prefix {
     pub(super) guided: f64,
     /// The largest throughput of the prefixes of its group that end at this bounce, by component.
     group_throughput: Rgb,
-    /// Where its own suffix begins: at a diffuse vertex, or at a mirror where pixels share caustics.
-    pub(super) suffix: Option<ReuseVertex>,
+    /// The next vertex of its own path, if that is on a mirror.
+    pub(super) mirror: Option<ReuseVertex>,
+    /// Where its own suffix begins: at the next vertex, or at the one that the mirror shows.
+    start: Option<ReuseVertex>,
 }
 
 /// A suffix as the continuation of a prefix, both named by their samples.
@@ -55,6 +45,8 @@ struct Connection {
     density: f64,
     /// The same by the guide, if there is one.
     guided: f64,
+    /// How many rays must be unoccluded: none to a prefix's own suffix, two by way of a mirror.
+    rays: usize,
 }
 
 /// The prefixes of a wavefront, and the buffers by which their suffixes are shared.
@@ -68,7 +60,7 @@ pub(super) struct Prefixes {
     have_ended: bool,
     /// Sorted by suffix; the connection to its own prefix is first.
     connections: Vec<Connection>,
-    /// The segment of each connection, without those between a prefix and its own suffix.
+    /// The segments of all connections, in order.
     rays: Vec<Ray>,
     occluded: Vec<bool>,
 }
@@ -116,7 +108,8 @@ impl Prefixes {
             throughput,
             guided: path.guided,
             group_throughput: throughput,
-            suffix: None,
+            mirror: None,
+            start: None,
         });
         path.stage = Stage::PrefixEnded;
         self.have_ended = true;
@@ -140,17 +133,26 @@ impl Prefixes {
         }
     }
 
-    /// Begins the suffix of a path at this vertex.
+    /// Notes the mirror that a path meets after its prefix. What the path finds from here on is added to the sum of its
+    /// suffix, but no other prefix has a part in it unless the suffix begins at the next vertex.
+    #[inline(always)]
+    pub(super) fn meet_mirror(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+        let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
+        prefix.mirror = Some(ReuseVertex::at(vertex));
+        path.prefix_throughput = prefix.throughput;
+        path.leave_prefix();
+    }
+
+    /// Begins the suffix of a path at this diffuse vertex, the next one after its prefix or after the mirror there. The
+    /// throughput of the suffix includes that of the mirror.
     #[inline(always)]
     pub(super) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
-        let sample = path.target.sample();
-        let Some(prefix) = &mut self.all[sample as usize] else { return };
-        let start = ReuseVertex::at(vertex);
-        prefix.suffix = Some(start);
-        path.prefix_throughput = if start.is_mirror { prefix.throughput } else { prefix.group_throughput };
-        path.throughput = Rgb::WHITE;
-        path.guided = 1.0;
-        path.target = Target::Suffix(sample);
+        let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
+        prefix.start = Some(ReuseVertex::at(vertex));
+        path.prefix_throughput = prefix.group_throughput;
+        if prefix.mirror.is_none() {
+            path.leave_prefix();
+        }
     }
 
     /// Adds the radiance of all suffixes to that of the samples whose prefixes can be continued by them.
@@ -167,7 +169,7 @@ impl Prefixes {
         self.rays.clear();
         context.simd.run(
             #[inline(always)]
-            || self.connect(context.guide, &radiance.suffixes),
+            || self.connect(context, &radiance.suffixes),
         );
         context.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
@@ -176,36 +178,32 @@ impl Prefixes {
 
     /// Connects each suffix to the prefixes of its group.
     #[inline(always)]
-    fn connect(&mut self, guide: Option<&Guide>, suffixes: &[Rgb]) {
+    fn connect(&mut self, context: &RenderContext<'_>, suffixes: &[Rgb]) {
         let Self { all, groups, connections, rays, .. } = self;
         for group in groups {
-            for suffix in group.iter().copied().flatten() {
-                let radiance = suffixes[suffix as usize];
-                let Some(own) = &all[suffix as usize] else { continue };
-                let Some(start) = own.suffix.as_ref().filter(|_| !radiance.is_black()) else { continue };
-                // What leaves a mirror depends on the direction, so it stays with its own sample. So does a radiance that is
-                // not finite, so that an error names that one.
-                let is_shared = !start.is_mirror && radiance.is_finite();
-                let found = own.end.connection_to(start).filter(|_| is_shared);
-                let density = found.map_or(1.0, |(density, _)| density);
-                connections.push(Connection {
-                    prefix: suffix,
-                    suffix,
-                    density,
-                    guided: density * own.guided,
-                });
-                if found.is_none() {
+            for sample in group.iter().copied().flatten() {
+                let radiance = suffixes[sample as usize];
+                let Some(own) = all[sample as usize].as_ref().filter(|_| !radiance.is_black()) else {
                     continue;
-                }
-                for prefix in group.iter().copied().flatten().filter(|&prefix| prefix != suffix) {
+                };
+                // A radiance that is not finite stays with its own sample, so that an error names that one.
+                let suffix = own.suffix().filter(|_| radiance.is_finite());
+                let found = suffix.and_then(|suffix| own.end.density_at(&suffix));
+                let density = found.map_or(1.0, |(density, _)| density);
+                let guided = density * own.guided;
+                connections.push(Connection { prefix: sample, suffix: sample, density, guided, rays: 0 });
+                let Some(suffix) = suffix.filter(|_| found.is_some()) else { continue };
+                for prefix in group.iter().copied().flatten().filter(|&prefix| prefix != sample) {
                     let Some(other) = &all[prefix as usize] else { continue };
                     if other.bounce != own.bounce {
                         continue;
                     }
-                    let Some((density, ray)) = other.end.connection_to(start) else { continue };
-                    let guided = density * other.end.guided(guide, ray.direction);
-                    rays.push(ray);
-                    connections.push(Connection { prefix, suffix, density, guided });
+                    let Some((density, direction)) = other.end.density_at(&suffix) else { continue };
+                    let added = other.end.push_segments(context.scene.triangles(), &suffix, direction, rays);
+                    if added > 0 {
+                        let guided = density * other.end.guided(context.guide, direction);
+                        connections.push(Connection { prefix, suffix: sample, density, guided, rays: added });
+                    }
                 }
             }
         }
@@ -214,9 +212,11 @@ impl Prefixes {
     /// Divides each suffix among the prefixes with an unoccluded connection, weighted by the balance
     /// heuristic.
     fn combine(&mut self, RadianceSums { samples, suffixes }: &mut RadianceSums) {
-        let others = self.connections.iter_mut().filter(|connection| connection.prefix != connection.suffix);
-        for (connection, _) in others.zip(&self.occluded).filter(|(_, occluded)| **occluded) {
-            (connection.density, connection.guided) = (0.0, 0.0);
+        let mut occluded = self.occluded.iter();
+        for connection in &mut self.connections {
+            if occluded.by_ref().take(connection.rays).fold(false, |any, &is_occluded| any | is_occluded) {
+                (connection.density, connection.guided) = (0.0, 0.0);
+            }
         }
         for connections in self.connections.chunk_by(|a, b| a.suffix == b.suffix) {
             let sum: f64 = connections.iter().map(|connection| connection.guided).sum();
@@ -229,38 +229,10 @@ impl Prefixes {
     }
 }
 
-impl ReuseVertex {
+impl Prefix {
+    /// The suffix, if it has begun.
     #[inline(always)]
-    fn at(vertex: &ShadingPoint<'_>) -> Self {
-        let (point, is_mirror) = (vertex.at.point, vertex.at.material.bsdf.is_delta());
-        let guide_cell = vertex.guide_cell.map(|cell| cell.index);
-        Self { point, normal: vertex.frame.normal, guide_cell, is_mirror }
-    }
-
-    /// What receives light.
-    pub(super) fn receiver(&self) -> Receiver {
-        Receiver { position: self.point.position, side: self.normal.as_vec3() }
-    }
-
-    /// How many times as dense as cosine sampling the guide makes `direction`.
-    #[inline(always)]
-    pub(super) fn guided(&self, guide: Option<&Guide>, direction: DVec3) -> f64 {
-        let Some((guide, cell)) = guide.zip(self.guide_cell) else { return 1.0 };
-        guide.cell(cell).directions.ratio(Frame::around(self.normal).to_local(direction))
-    }
-
-    /// The density per area, times pi, with which cosine sampling from here hits `other`, and the segment
-    /// between them. `None` if one of them is not clearly in front of the other, or if the density is not a
-    /// normal number.
-    #[inline(always)]
-    pub(super) fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
-        let between = other.point.position - self.point.position;
-        let [near, far] = [self.normal.dot(between), -other.normal.dot(between)];
-        let square = between.length_squared();
-        let density = (near / square) * (far / square);
-        if !(near > 0.0 && far > 0.0 && density.is_normal()) {
-            return None;
-        }
-        Some((density, self.point.segment_to(&other.point)?))
+    fn suffix(&self) -> Option<Suffix<'_>> {
+        Some(Suffix { start: self.start.as_ref()?, mirror: self.mirror.as_ref() })
     }
 }

@@ -259,10 +259,12 @@ impl Wavefront {
                 *self.radiance.at(path.target) = Rgb::splat(f64::NAN);
                 continue;
             }
-            *self.radiance.at(path.target) += match path.stage {
-                Stage::Reflected(_) => self.caustics.take_emission(context, &path, (&hit, &at)),
-                _ => path.throughput * context.emitted(&path, bounce, &hit, &at),
-            };
+            if let Stage::Reflected(_) = path.stage {
+                self.add_reflected_emission(context, &path, (&hit, &at));
+            } else {
+                let emitted = context.emitted(&path, bounce, &hit, &at);
+                *self.radiance.at(path.target) += path.throughput * emitted;
+            }
             if context.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
@@ -271,7 +273,7 @@ impl Wavefront {
             let mut vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
             vertex.light = self.light_choices.of_path(i);
             vertex.image_numbers = self.image_numbers.get(i).copied();
-            self.pass(context, &mut path, &vertex);
+            self.pass(&mut path, &vertex);
             let Some(next) = self.leave(context, &mut path, &vertex, Some(&hit), counters) else { continue };
             (self.paths[kept], self.rays[kept]) = (path, next);
             kept += 1;
@@ -280,24 +282,38 @@ impl Wavefront {
         self.rays.truncate(kept);
     }
 
+    /// Adds the emission that a path has met after its prefix by way of mirrors. What caustics leave depends on the
+    /// prefix, so it is not shared.
+    #[inline(always)]
+    fn add_reflected_emission(
+        &mut self,
+        context: &RenderContext<'_>,
+        path: &Path,
+        (hit, at): (&Hit, &Interaction<'_>),
+    ) {
+        let left = self.caustics.take_emission(context, path, (hit, at));
+        let throughput = self.prefixes.throughput_before(path.target);
+        self.radiance.samples[path.target.sample() as usize] += throughput * left;
+    }
+
     /// Notes that a path passes a vertex after its prefix: its suffix may begin there.
     #[inline(always)]
-    fn pass(&mut self, context: &RenderContext<'_>, path: &mut Path, vertex: &ShadingPoint<'_>) {
-        let is_shared_mirror = || context.shares_caustics && vertex.at.material.bsdf.is_delta();
-        path.stage = match path.stage {
-            Stage::PrefixEnded if vertex.at.material.bsdf.is_diffuse() => {
+    fn pass(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+        let is_mirror = vertex.at.material.bsdf.is_delta();
+        path.stage = match (path.stage, is_mirror) {
+            (Stage::Prefix, _) => Stage::Prefix,
+            (Stage::PrefixEnded, true) => {
+                self.prefixes.meet_mirror(path, vertex);
+                Stage::Reflected(1)
+            }
+            (Stage::Reflected(count), true) if u32::from(count) < MAX_REFLECTIONS => {
+                Stage::Reflected(count + 1)
+            }
+            (Stage::PrefixEnded | Stage::Reflected(1), false) => {
                 self.prefixes.begin_suffix(path, vertex);
                 Stage::Beyond
             }
-            Stage::PrefixEnded if is_shared_mirror() => {
-                self.prefixes.begin_suffix(path, vertex);
-                Stage::Reflected(1)
-            }
-            Stage::Reflected(count) if is_shared_mirror() && u32::from(count) < MAX_REFLECTIONS => {
-                Stage::Reflected(count + 1)
-            }
-            Stage::Prefix => Stage::Prefix,
-            Stage::PrefixEnded | Stage::Reflected(_) | Stage::Beyond => Stage::Beyond,
+            (Stage::Reflected(_) | Stage::Beyond, _) => Stage::Beyond,
         };
     }
 

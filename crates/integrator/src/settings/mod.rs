@@ -80,9 +80,9 @@ pub enum PathReuse {
     /// Pixels are independent.
     Off = 0,
     /// Groups of sixteen pixels share the suffixes of their paths, weighted by the balance heuristic (Bekaert, Sbert and
-    /// Halton 2002), for up to fifteen more shadow rays per sample. A suffix begins at the vertex after the first diffuse
-    /// one, if it is diffuse too. The pixels of a group are apart: one in each block of 4 x 4 pixels of a tile of
-    /// 16 x 16. The groups change with each pass.
+    /// Halton 2002). A suffix begins at the second diffuse vertex of a path, if it follows the first one directly or by way
+    /// of one mirror. It takes up to fifteen more shadow rays per sample, or thirty by way of a mirror. The pixels of a group
+    /// are apart: one in each block of 4 x 4 pixels of a tile of 16 x 16. The groups change with each pass.
     ///
     /// With [`Sampler::Sobol`] the samples of a tile in a pass are one set of points (Ahmed and Wonka 2020), of which
     /// those of a group, and those of a pixel, are well distributed by themselves.
