@@ -154,7 +154,7 @@ impl Caustics {
         }
         // Two bounces: at the prefix's end, and at this mirror.
         let left = context.settings.max_bounces.map_or(u32::MAX, |max| max - bounce - 2);
-        let traced = emission_rays.trace(context, left.min(MAX_REFLECTIONS - 1), |found| {
+        let show = |found: FoundEmission<'_>| {
             let view = &mut views[found.target as usize];
             let Some(Prefix { end, .. }) = prefixes.of(view.sample) else { return };
             let direction = (mirror.position - end.point.position).normalize();
@@ -164,7 +164,8 @@ impl Caustics {
             if weight >= LEAST_WEIGHT {
                 view.radiance += found.radiance * weight;
             }
-        });
+        };
+        let traced = emission_rays.trace(context, left.min(MAX_REFLECTIONS - 1), show, |_, _| {});
         counters.shadow_rays += rays.len() as u64 + traced;
     }
 

@@ -1,13 +1,13 @@
 //! Rays that find the emission of lights, directly and by way of mirrors.
 
 use super::render_context::RenderContext;
-use crate::Interaction;
+use crate::{Interaction, PathStart};
 use glam::DVec3;
 use globillum_geom::{Hit, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Material, Rgb};
 
 /// The most mirrors by way of which a ray finds a light.
-pub(super) const MAX_REFLECTIONS: u32 = 4;
+pub(super) const MAX_REFLECTIONS: u32 = 8;
 
 /// Rays that find emission only.
 #[derive(Debug, Default)]
@@ -31,6 +31,11 @@ pub(super) struct FoundEmission<'a> {
     pub(super) at: (&'a Hit, &'a Interaction<'a>),
 }
 
+/// By way of how many mirrors the ray of a sensor finds lights.
+pub(super) fn max_reflections(context: &RenderContext<'_>) -> u32 {
+    context.settings.max_bounces.unwrap_or(u32::MAX).min(MAX_REFLECTIONS)
+}
+
 /// The ray that leaves a mirror after one in `direction` has met it.
 pub(super) fn reflection(mirror: &SurfacePoint, direction: DVec3) -> Ray {
     mirror.spawn(direction - 2.0 * mirror.normal.dot(direction) * mirror.normal)
@@ -47,13 +52,24 @@ impl EmissionRays {
         self.states.push((target, throughput));
     }
 
-    /// Calls `add` with each emission that a ray finds by way of up to `max_reflections` mirrors. Returns how many rays
-    /// were traced; none are left.
+    /// The ray of a sensor that begins at `start`.
+    #[inline(always)]
+    pub(super) fn push_start(&mut self, start: PathStart, target: u32) {
+        match start {
+            PathStart::Ray(ray) if ray.is_traceable() => self.push(ray, target, Rgb::WHITE),
+            // The path of the sample tells of a ray that is not traceable.
+            _ => {}
+        }
+    }
+
+    /// Calls `add` with each emission that a ray finds by way of up to `max_reflections` mirrors, and `reflect` with what
+    /// each ray is for and the direction in which a mirror reflects it. Returns how many rays were traced; none are left.
     pub(super) fn trace(
         &mut self,
         context: &RenderContext<'_>,
         max_reflections: u32,
         mut add: impl FnMut(FoundEmission<'_>),
+        mut reflect: impl FnMut(u32, DVec3),
     ) -> u64 {
         let scene = context.scene;
         let mut traced = 0;
@@ -89,7 +105,9 @@ impl EmissionRays {
                 if cos == 0.0 || throughput.is_black() {
                     continue;
                 }
-                self.rays[kept] = at.point.spawn(2.0 * cos * at.point.normal - at.wo);
+                let direction = 2.0 * cos * at.point.normal - at.wo;
+                reflect(target, direction);
+                self.rays[kept] = at.point.spawn(direction);
                 self.states[kept] = (target, throughput);
                 kept += 1;
             }

@@ -6,6 +6,7 @@ mod debug_sample;
 mod emission_rays;
 mod light_choices;
 mod light_edges;
+mod light_rays;
 mod mirror_rays;
 mod next_event;
 mod path_state;

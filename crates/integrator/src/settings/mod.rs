@@ -90,7 +90,7 @@ pub enum PathReuse {
     /// The errors of a group are correlated positively. The pixels of a block are in different groups, and its mean has a
     /// variance of its own, which is measured ([`Film::block_variances_of_mean`]). Tiles are independent of each other.
     ///
-    /// Light that a path finds after its first diffuse vertex by way of up to four mirrors is shared by all pixels of the
+    /// Light that a path finds after its first diffuse vertex by way of up to eight mirrors is shared by all pixels of the
     /// tile, if few of some paths at fixed places find such light. It takes a query for each of these pixels.
     ///
     /// A prefix that Russian roulette could have ended ([`Roulette::start`]) is not shared.
@@ -147,7 +147,7 @@ pub enum Supersampling {
     /// Each sample has one camera ray.
     Off,
     /// Where neighbouring pixels see different emission, directly or by way of mirrors, each sample has sixteen more
-    /// camera rays. They follow mirrors up to four times and find emission only; the sample's path leaves it out.
+    /// camera rays. They follow mirrors up to eight times and find emission only; the sample's path leaves it out.
     #[default]
     Lights,
 }

@@ -1,7 +1,7 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
 use crate::path::caustics::{LEAST_WEIGHT, at_first_vertex, weight};
-use crate::path::emission_rays::{EmissionRays, MAX_REFLECTIONS, reflection};
+use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflection};
 use crate::path::render_context::RenderContext;
 use crate::path::shading_point::MisContext;
 use crate::{PathStart, Stream};
@@ -37,11 +37,12 @@ fn probes_that_find(context: &RenderContext<'_>) -> usize {
         }
     }
     let mut count = 0;
-    reflected.trace(context, MAX_REFLECTIONS - 1, |found| {
+    let add = |found: FoundEmission<'_>| {
         let i = found.target as usize;
         let mirror = hits[i].as_ref().map_or(Ray::NO_TRIANGLE, |hit| hit.triangle);
         count += usize::from(weight(context, scattered[i].1, mirror, &found) >= LEAST_WEIGHT);
-    });
+    };
+    reflected.trace(context, MAX_REFLECTIONS - 1, add, |_, _| {});
     count
 }
 
