@@ -31,7 +31,7 @@ pub(super) struct FoundEmission<'a> {
     pub(super) at: (&'a Hit, &'a Interaction<'a>),
 }
 
-/// By way of how many mirrors the ray of a sensor finds lights.
+/// By way of how many mirrors at most the ray of a sensor finds lights.
 pub(super) fn max_reflections(context: &RenderContext<'_>) -> u32 {
     context.settings.max_bounces.unwrap_or(u32::MAX).min(MAX_REFLECTIONS)
 }
@@ -52,7 +52,7 @@ impl EmissionRays {
         self.states.push((target, throughput));
     }
 
-    /// The ray of a sensor that begins at `start`.
+    /// Adds the ray of a sensor that begins at `start`, if it is traceable.
     #[inline(always)]
     pub(super) fn push_start(&mut self, start: PathStart, target: u32) {
         match start {
@@ -100,6 +100,9 @@ impl EmissionRays {
                     found(throughput * emitted);
                 }
                 let Bsdf::Mirror(reflectance) = bsdf else { continue };
+                if reflections == max_reflections {
+                    continue;
+                }
                 let throughput = throughput * reflectance.rgb();
                 let cos = at.point.normal.dot(at.wo);
                 if cos == 0.0 || throughput.is_black() {

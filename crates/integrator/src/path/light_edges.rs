@@ -6,6 +6,7 @@
 use super::emission_rays::{EmissionRays, FoundEmission, max_reflections};
 use super::render_context::RenderContext;
 use super::tile_bounds::Tile;
+use crate::scene::unit;
 use crate::{PathStart, Settings};
 use glam::DVec3;
 use globillum_material::Rgb;
@@ -13,11 +14,14 @@ use globillum_material::Rgb;
 /// Probes along each side of a pixel.
 const PROBES: u32 = 4;
 
-/// The same of a pixel that sees a curved mirror, in which lights look small.
+/// Probes along each side of a pixel that sees a curved mirror, in which lights look small.
 const PROBES_OF_MIRRORS: u32 = 8;
 
-/// How many times farther apart than camera rays the rays of a pixel are that a curved mirror has reflected.
+/// A pixel sees a curved mirror if the directions of its probes are this many times farther apart after the last mirror
+/// than before the first, and by an angle of more than [`LEAST_ANGLE`] in radians.
 const SPREAD: f64 = 2.0;
+/// More than what rounding makes of the normals of triangles in one plane.
+const LEAST_ANGLE: f64 = 1e-6;
 
 /// Pixels whose probes are traced at once.
 const PIXELS_AT_ONCE: usize = 16;
@@ -34,8 +38,8 @@ struct Probes {
     rays: EmissionRays,
     /// What each has found, pixel by pixel.
     emission: Vec<Rgb>,
-    /// The direction of each, from the camera and from the last mirror.
-    directions: Vec<[DVec3; 2]>,
+    /// The unit direction of each, from the camera and from the last mirror; `None` if there is no ray.
+    directions: Vec<Option<[DVec3; 2]>>,
     /// How many each pixel has.
     count: usize,
 }
@@ -68,7 +72,7 @@ fn emission_seen(context: &RenderContext<'_>, tile: Tile) -> Vec<Option<Rgb>> {
     for chunk in pixels.chunks(PIXELS_AT_ONCE) {
         probes.trace(context, chunk.iter().copied(), PROBES);
         for i in 0..chunk.len() {
-            let emission = probes.emission(i);
+            let emission = probes.common_emission(i);
             if emission.is_some() && probes.are_spread(i) {
                 in_curved_mirrors.push(seen.len());
             }
@@ -78,7 +82,7 @@ fn emission_seen(context: &RenderContext<'_>, tile: Tile) -> Vec<Option<Rgb>> {
     for chunk in in_curved_mirrors.chunks(PIXELS_AT_ONCE) {
         probes.trace(context, chunk.iter().map(|&pixel| pixels[pixel]), PROBES_OF_MIRRORS);
         for (i, &pixel) in chunk.iter().enumerate() {
-            seen[pixel] = seen[pixel].filter(|_| probes.emission(i) == seen[pixel]);
+            seen[pixel] = seen[pixel].filter(|_| probes.common_emission(i) == seen[pixel]);
         }
     }
     seen
@@ -94,42 +98,51 @@ impl Probes {
             for probe in 0..side * side {
                 let u = [probe % side, probe / side].map(|k| (f64::from(k) + 0.5) / f64::from(side));
                 let start = context.path_start(pixel, u);
-                let direction = if let PathStart::Ray(ray) = start { ray.direction } else { DVec3::ZERO };
                 self.rays.push_start(start, self.emission.len() as u32);
                 self.emission.push(Rgb::BLACK);
-                self.directions.push([direction; 2]);
+                self.directions.push(match start {
+                    PathStart::Ray(ray) if ray.is_traceable() => Some([unit(ray.direction); 2]),
+                    _ => None,
+                });
             }
         }
         let Self { rays, emission, directions, .. } = self;
         let add = |found: FoundEmission<'_>| emission[found.target as usize] += found.radiance;
-        let reflect = |probe: u32, direction| directions[probe as usize][1] = direction;
+        let reflect = |probe: u32, direction| {
+            if let Some([_, last]) = &mut directions[probe as usize] {
+                *last = direction;
+            }
+        };
         rays.trace(context, max_reflections(context), add, reflect);
     }
 
     /// What the probes of pixel `i` have found, if all have found the same.
-    fn emission(&self, i: usize) -> Option<Rgb> {
+    fn common_emission(&self, i: usize) -> Option<Rgb> {
         let emission = &self.emission[i * self.count..][..self.count];
         emission.iter().all(|other| *other == emission[0]).then_some(emission[0])
     }
 
-    /// Whether mirrors spread the probes of pixel `i`. Flat ones keep the angles between them.
+    /// Whether mirrors spread the probes of pixel `i`. Flat ones keep the angles between them; only at their edges some
+    /// probes are reflected and some are not.
     fn are_spread(&self, i: usize) -> bool {
-        let directions = &self.directions[i * self.count..][..self.count];
+        let mut directions = self.directions[i * self.count..][..self.count].iter().flatten();
+        let Some(first) = directions.next() else { return false };
         let [from_camera, last] = [0, 1].map(|k| {
-            let squares = directions.iter().map(|of| (of[k] - directions[0][k]).length_squared());
+            let squares = directions.clone().map(|other| (other[k] - first[k]).length_squared());
             squares.fold(0.0, f64::max)
         });
-        last > SPREAD * SPREAD * from_camera
+        last > (SPREAD * SPREAD * from_camera).max(LEAST_ANGLE * LEAST_ANGLE)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Camera, Model, Scene};
+    use crate::{Camera, ElementSample, Model, OrthographicCamera, Scene, Sensor};
     use globillum_geom::conformance::shapes::{icosphere, quad};
-    use globillum_geom::{KdOptions, KdTree, Triangle};
+    use globillum_geom::{KdOptions, KdTree, Ray, Triangle};
     use globillum_material::Material;
+    use std::hash::Hasher;
 
     const TILE: Tile = Tile { x: 0, y: 0, width: 16, height: 16 };
 
@@ -150,9 +163,10 @@ mod tests {
         places.flat_map(|[x, y]| ball.clone().placed(0.24, DVec3::new(x, y, 0.0)).triangles()).collect()
     }
 
-    /// A square of 16 x 16 squares.
+    /// A wall of 16 x 16 squares, aslant.
     fn wall() -> Vec<Triangle> {
-        let corner = |x: i32, y: i32| DVec3::new(f64::from(x) / 8.0, f64::from(y) / 8.0, 0.0);
+        let corner =
+            |x: i32, y: i32| DVec3::new(f64::from(x) / 8.0, f64::from(y) / 8.0, f64::from(x + 2 * y) / 56.0);
         let squares = (-8..8).flat_map(|y| (-8..8).map(move |x| (x, y)));
         squares
             .flat_map(|(x, y)| quad(corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)))
@@ -177,7 +191,7 @@ mod tests {
         TILE.pixels().map(variance).collect()
     }
 
-    /// Of what the balls show, four by four probes a pixel alone find 2 %.
+    /// Four by four probes a pixel alone find 2 % of the variance of what the balls show.
     #[test]
     fn reflections_of_lights_in_curved_mirrors_are_found() {
         let (scene, camera, settings) = (scene(balls()), camera(), Settings::new(16, 16, 1));
@@ -190,17 +204,51 @@ mod tests {
         assert!(edges.len() < TILE.pixel_count() / 2, "{} pixels", edges.len());
     }
 
+    /// A camera with directions of this length.
+    #[derive(Debug)]
+    struct WithLength(Camera, f64);
+
+    impl Sensor for WithLength {
+        fn start(&self, sample: &ElementSample) -> PathStart {
+            match self.0.start(sample) {
+                PathStart::Ray(ray) => PathStart::Ray(Ray::new(ray.origin, ray.direction * self.1)),
+                other => other,
+            }
+        }
+
+        fn hash(&self, key: &mut dyn Hasher) {
+            self.0.hash(key);
+        }
+    }
+
+    #[test]
+    fn the_length_of_directions_does_not_matter() {
+        let (scene, settings) = (scene(balls()), Settings::new(16, 16, 1));
+        let edges = |length| {
+            let sensor = WithLength(camera(), length);
+            LightEdges::of(&RenderContext::new(&scene, &sensor, &settings), TILE).pixels
+        };
+        assert!(edges(1.0).len() > 50);
+        assert_eq!(edges(1.0), edges(1024.0));
+        assert_eq!(edges(1.0), edges(2.0_f64.powi(-500)));
+    }
+
     #[test]
     fn flat_mirrors_spread_no_rays() {
-        let (camera, settings) = (camera(), Settings::new(16, 16, 1));
-        let spread = |mirror| {
+        let settings = Settings::new(16, 16, 1);
+        let parallel =
+            OrthographicCamera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::new(0.1, 0.2, 0.0), DVec3::Y, 1.0);
+        let parallel = parallel.unwrap();
+        let spread = |mirror, sensor: &dyn Sensor| {
             let scene = scene(mirror);
-            let context = RenderContext::new(&scene, &camera, &settings);
+            let context = RenderContext::new(&scene, sensor, &settings);
             let mut probes = Probes::default();
             probes.trace(&context, TILE.pixels(), PROBES);
             (0..TILE.pixel_count()).filter(|&pixel| probes.are_spread(pixel)).count()
         };
-        assert_eq!(spread(wall()), 0);
-        assert!(spread(balls()) > 150);
+        for sensor in [&camera() as &dyn Sensor, &parallel] {
+            assert_eq!(spread(wall(), sensor), 0);
+            assert!(spread(balls(), sensor) > 150);
+        }
     }
 }

@@ -137,7 +137,7 @@ impl<A: Accel + ?Sized> Scene<A> {
 
 /// `v` as a unit vector; its squared length may overflow or underflow.
 #[inline(always)]
-fn unit(v: DVec3) -> DVec3 {
+pub(crate) fn unit(v: DVec3) -> DVec3 {
     let v = v / v.abs().max_element();
     v / v.length()
 }
