@@ -320,6 +320,55 @@ mod tests {
         assert!(shared < 0.6 * alone, "{shared}, {alone}");
     }
 
+    /// A floor between two high mirrors that face each other, below a light: many paths reach it after eight mirrors, and
+    /// many after nine.
+    fn shaft() -> Scene<KdTree> {
+        let p = DVec3::new;
+        let mut model = Model::default();
+        let level = |y| [p(-0.5, y, 9.0), p(0.5, y, 9.0), p(0.5, y, -9.0), p(-0.5, y, -9.0)];
+        let [a, b, c, d] = level(0.0);
+        model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), quad(a, b, c, d));
+        let [a, b, c, d] = level(4.0);
+        model.add(Material::light(Rgb::splat(2.0)).unwrap(), quad(a, d, c, b));
+        for x in [-0.5, 0.5] {
+            let wall = quad(p(x, 0.0, 9.0), p(x, 0.0, -9.0), p(x, 4.0, -9.0), p(x, 4.0, 9.0));
+            model.add(Material::mirror(Rgb::splat(0.95)).unwrap(), wall);
+        }
+        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+    }
+
+    /// What a pixel finds by way of a mirror that another path has met is what its own path finds there: by way of no
+    /// fewer mirrors and of no more.
+    #[test]
+    fn each_path_finds_its_own_caustic_again() {
+        let (scene, settings) = (shaft(), Settings::new(13, 16, 4));
+        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
+        let context =
+            RenderContext { shares_caustics: true, ..RenderContext::new(&scene, &camera, &settings) };
+        let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
+        wavefront.start(&context, (TILE, &LightEdges::default()), &(0..4));
+        for bounce in 0.. {
+            wavefront.advance(&context, bounce, &mut counters);
+            if wavefront.paths.is_empty() {
+                break;
+            }
+        }
+        let Wavefront { prefixes, mut caustics, .. } = wavefront;
+        let mut lit = 0;
+        for sample in 0..4 * TILE.pixel_count() as u32 {
+            let met = prefixes.of(sample).and_then(|own| Some((own, own.mirror?)));
+            let Some((own, mirror)) = met else { continue };
+            let (density, ray) = own.end.connection_to(&mirror).unwrap();
+            caustics.views = vec![View { sample, density, guided: density, radiance: Rgb::BLACK }; 2];
+            caustics.rays = vec![ray];
+            caustics.look(&context, (&prefixes, own.bounce), &mirror.point, &mut counters);
+            let [again, found] = [caustics.views[1].radiance.g, caustics.found_by(sample).g];
+            assert!((again - found).abs() <= 1e-9 * found, "{sample}: {again}, {found}");
+            lit += u32::from(found > 0.0);
+        }
+        assert!(lit > 100, "{lit}");
+    }
+
     #[test]
     fn caustics_are_shared_where_they_are_rare() {
         let (camera, settings) = (camera(0.9), Settings::new(13, 16, 4));
