@@ -84,6 +84,15 @@ impl<'a> Rows<'a> {
         self.words[(Self::COUNT - 1) * self.count + lane].to_bits() & !Self::NORMAL
     }
 
+    /// The indices of all triangles.
+    #[inline(always)]
+    pub(super) fn indices(self) -> impl Iterator<Item = u32> + 'a {
+        (0..self.count).map(
+            #[inline(always)]
+            move |lane| self.index(lane),
+        )
+    }
+
     /// The lanes that hold one of two triangles. Lanes beyond the block may be among them.
     #[inline(always)]
     pub(super) fn lanes_of<S: Simd>(self, simd: S, [a, b]: [u32; 2]) -> u8 {

@@ -3,7 +3,7 @@
 
 use super::prefilter::{Filtered, Vertices, prefilter};
 use super::ray_setup::{RaySetup, ShearSetup};
-use super::traversal_state::Traversal;
+use super::traversal_state::{MetChildren, Traversal};
 use crate::query::Query;
 use crate::wide::simd::{Bits, LANES, Simd, SimdBase, SimdFloat};
 use crate::wide::tree::Tree;
@@ -23,13 +23,12 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
     while Child::is_end(traversal.child) == 0 {
         if Child::is_block(traversal.child) == 0 {
             probe.visit();
-            test_node::<S, Q>(simd, &tree.nodes, traversal);
-            traversal.advance();
+            traversal.descend(test_node::<S, Q>(simd, &tree.nodes, traversal));
             continue;
         }
         probe.open();
         let rows = tree.rows(traversal.child);
-        Bits(rows.lanes().into()).for_each(|lane| probe.test(rows.index(lane)));
+        rows.indices().for_each(|index| probe.test(index));
         let Traversal { child, t_end, setup, excluded, .. } = traversal;
         let hits = test_leaf(simd, tree, *child, &setup.shear, *t_end, *excluded);
         if hits.any() {
@@ -39,26 +38,31 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
     }
 }
 
-/// Tests the current child, a node: pushes those of its children whose bounds the ray meets, from near to far. An
-/// any-hit query needs no order.
+/// Tests the current child, a node: which of its children have bounds that the ray meets, from near to far. An any-hit
+/// query needs no order.
 #[inline(always)]
-pub(super) fn test_node<S: Simd, Q: Query>(simd: S, nodes: &[Node], traversal: &mut Traversal) {
+pub(super) fn test_node<S: Simd, Q: Query>(simd: S, nodes: &[Node], traversal: &Traversal) -> MetChildren<S> {
     let node = &nodes[traversal.child as usize];
     let setup = &traversal.setup;
     let x = crossings(simd, node, setup, 0);
     let y = crossings(simd, node, setup, 1);
     let z = crossings(simd, node, setup, 2);
-    let start = x[0].max(y[0]).max(z[0].max(setup.start));
-    let end = x[1].min(y[1]).min(z[1].min(traversal.t_end));
-    let (missed, children) = (end - start, S::I::load_array(simd, node.children));
+    let starts = x[0].max(y[0]).max(z[0].max(setup.start));
+    let ends = x[1].min(y[1]).min(z[1].min(traversal.t_end));
+    let children = S::I::load_array(simd, node.children);
     if Q::ANY_HIT {
-        traversal.push::<S>(start, children, !simd.signs(missed));
-        return;
+        let mask = !simd.lt(ends, starts);
+        let nearest = node.children[u32::from(mask).trailing_zeros() as usize % LANES];
+        return MetChildren { starts, children, mask, nearest };
     }
-    let order = simd.lane_indices(node.orders[usize::from(setup.octant & 7)]);
-    let missed = simd.signs(simd.permute(missed, order));
-    let children = simd.permute(S::F::from_bits(children), order).to_bits();
-    traversal.push::<S>(simd.permute(start, order), children, !missed);
+    let order = node.orders[usize::from(setup.octant & 7)];
+    let lanes = simd.lane_indices(order);
+    let (starts, ends) = (simd.permute(starts, lanes), simd.permute(ends, lanes));
+    let children = simd.permute(S::F::from_bits(children), lanes).to_bits();
+    let mask = !simd.lt(ends, starts);
+    // Read from the node: a lane of `children` would have to be stored first.
+    let nearest = order.wrapping_shr(3 * u32::from(mask).trailing_zeros());
+    MetChildren { starts, children, mask, nearest: node.children[nearest as usize % LANES] }
 }
 
 /// Where the ray enters the slabs of the bounds along `axis`, rounded down, and where it leaves them, rounded up.

@@ -141,7 +141,8 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     #[inline(always)]
     fn test_nodes<S: Simd>(&mut self, simd: S, nodes: RayMask) {
         for slot in Bits(nodes) {
-            test_node::<S, Q>(simd, &self.tree.nodes, &mut self.traversals[slot]);
+            let traversal = &mut self.traversals[slot];
+            traversal.push(test_node::<S, Q>(simd, &self.tree.nodes, traversal));
         }
     }
 
