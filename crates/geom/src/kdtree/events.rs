@@ -6,7 +6,7 @@
 
 use super::member::Member;
 use super::plane::Place;
-use rayon::slice::ParallelSliceMut;
+use rayon::prelude::*;
 
 /// The kind of an event, in the order in which a sweep counts events of the same position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,17 +94,20 @@ impl Move {
 }
 
 impl Events {
-    /// The events of `members`, sorted in parallel.
+    /// The events of `members`, the axes sorted in parallel.
     pub(super) fn new(members: &[Member]) -> Self {
         let mut events = Self { all: Vec::with_capacity(6 * members.len()), ends: [0; 3] };
         for axis in 0..3 {
-            let start = events.all.len();
             for (member, place) in members.iter().zip(0..) {
                 push_events(member, place, axis, &mut events.all);
             }
-            events.all[start..].par_sort_unstable();
             events.ends[axis] = events.all.len();
         }
+        let [x, y, _] = events.ends;
+        let (xy, z) = events.all.split_at_mut(y);
+        let (x, y) = xy.split_at_mut(x);
+        // Members ascend, and the sort is stable, so their bits need no pass.
+        [x, y, z].into_par_iter().for_each(|axis| radsort::sort_by_key(axis, |event| event.key()));
         events
     }
 
