@@ -71,7 +71,8 @@ impl ImageMirrors {
     ) -> Option<ChosenFacet<'_>> {
         let shows = |place| self.may_show(triangles, receiver.position, place);
         let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, shows)?;
-        let (index, prob) = self.tree.choose(&root, draw, shows)?;
+        let [chosen] = self.tree.choose(&[Some(root)], [draw()], shows);
+        let (index, prob) = chosen?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
 

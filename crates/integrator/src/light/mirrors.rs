@@ -176,7 +176,7 @@ mod tests {
                 if let Some(windows) = &mirrors.windows {
                     let attempts = [30.0, f64::INFINITY][i as usize % 2];
                     for (index, prob) in
-                        numbers().filter_map(|u| windows.choose(upward(from), light, attempts, u))
+                        numbers().filter_map(|u| windows.choice(upward(from), light, attempts, u))
                     {
                         let again = windows.choice_prob(upward(from), index, light, attempts);
                         assert_eq!(again, Some(prob), "{what}");

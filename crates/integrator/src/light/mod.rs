@@ -1,6 +1,7 @@
 //! The lights of a scene, and how they and points on them are chosen, directly and by way of mirrors.
 
 mod alias_table;
+mod child_weights;
 mod delta;
 mod facet;
 mod facets;
@@ -24,4 +25,4 @@ pub(crate) use mirrors::Mirrors;
 pub(crate) use receiver::Receiver;
 pub use sampling::{AreaLightSample, LightSample, LightSampler, LightSampling};
 pub(crate) use tree::ChosenLight;
-pub(crate) use window_mirrors::{WindowMirrors, WindowSample};
+pub(crate) use window_mirrors::{ChosenWindow, WindowMirrors, WindowSample};

@@ -17,6 +17,15 @@ pub(crate) struct WindowMirrors {
     clusters: LightClusters,
 }
 
+/// A mirror triangle that was chosen to show a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ChosenWindow {
+    cluster: u32,
+    place: u32,
+    /// The probability of the choice, for lights of the cluster.
+    prob: f64,
+}
+
 /// A point on a mirror triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WindowSample {
@@ -57,17 +66,63 @@ impl WindowMirrors {
         self.clusters.of_light(index)
     }
 
-    /// Samples up to `count` windows for the receiver.
-    pub(crate) fn sampler<'a>(
-        &'a self,
-        triangles: &'a Triangles,
-        receiver: Receiver,
+    /// Chooses a cluster of lights, and a window that may show part of it to the receiver, for one of `count` samples of each
+    /// receiver by the number of the same index in `[0, 1)`; `None` if there is none.
+    #[inline(never)]
+    pub(crate) fn choose<const N: usize>(
+        &self,
+        receivers: [Receiver; N],
         count: u32,
-    ) -> WindowSampler<'a> {
-        WindowSampler { mirrors: self, triangles, receiver, count, root: None }
+        us: [f64; N],
+    ) -> [Option<ChosenWindow>; N] {
+        let (mut clusters, mut roots, mut rests) = ([0; N], [const { None }; N], us);
+        for i in 0..N {
+            if self.clusters.len() > 1 {
+                // The choice of a cluster leaves a number for that of a window.
+                let Some(chosen) = self.clusters.choose(us[i]) else { continue };
+                (clusters[i], rests[i]) = chosen;
+            }
+            let is_like_last = i > 0 && (receivers[i], clusters[i]) == (receivers[i - 1], clusters[i - 1]);
+            roots[i] = if is_like_last { roots[i - 1] } else { self.root(receivers[i], count, clusters[i]) };
+        }
+        let chosen = self.tree.choose(&roots, rests, |_| true);
+        std::array::from_fn(|i| {
+            chosen[i].map(|(place, prob)| ChosenWindow { cluster: clusters[i], place, prob })
+        })
     }
 
-    /// The density per steradian of all `count` directions that [`WindowSampler::sample`] samples, at the one that leads
+    /// The root of the tree, as the receiver sees it for one of `count` samples of this cluster.
+    fn root(&self, receiver: Receiver, count: u32, cluster: u32) -> Option<Root> {
+        let (_, lights) = self.clusters.bounds(cluster);
+        self.tree.root(&Viewpoint { receiver, lights }, Self::ATTEMPTS / f64::from(count), |_| true)
+    }
+
+    /// A point on a window chosen for one of `count` samples of the receiver, by `point` in `[0, 1)^2`. `None` if it shows no
+    /// light of the cluster.
+    #[inline(never)]
+    pub(crate) fn sample(
+        &self,
+        triangles: &Triangles,
+        receiver: Receiver,
+        count: u32,
+        ChosenWindow { cluster, place, prob }: ChosenWindow,
+        point: [f64; 2],
+    ) -> Option<WindowSample> {
+        let (cluster_prob, lights) = self.clusters.bounds(cluster);
+        let (triangle, from) = (self.windows[place as usize], receiver.position);
+        let (u, v) = Triangle::sample_uniform(point);
+        let point = triangles.surface_point(triangle, u, v);
+        let direction = (point.position - from).try_normalize()?;
+        let reflected = direction - 2.0 * point.normal.dot(direction) * point.normal;
+        if !lights.may_be_hit_by(point.position, reflected) {
+            return None;
+        }
+        let pdf = pdf(triangles.get(triangle), from, direction)?;
+        let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);
+        (pdf.0 > 0.0).then_some(WindowSample { triangle, point, direction, pdf, cluster })
+    }
+
+    /// The density per steradian of all `count` directions that [`WindowMirrors::sample`] samples, at the one that leads
     /// from the receiver by way of the mirror triangle `index` to `position` on the light triangle `light`; `None` if it never
     /// samples that.
     #[inline(never)]
@@ -80,9 +135,9 @@ impl WindowMirrors {
         (light, position): (u32, DVec3),
     ) -> Option<PdfSolidAngle> {
         let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
-        let (cluster_prob, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
-        let at = Viewpoint { receiver, lights };
-        let root = self.tree.root(&at, Self::ATTEMPTS / f64::from(count), |_| true)?;
+        let cluster = self.clusters.of_light(light)?;
+        let (cluster_prob, _) = self.clusters.bounds(cluster);
+        let root = self.root(receiver, count, cluster)?;
         let prob = self.tree.prob(&root, self.places[place].1, |_| true)?;
         let (triangle, from) = (triangles.get(index), receiver.position);
         let (normal, height) = plane(triangle, from);
@@ -91,55 +146,6 @@ impl WindowMirrors {
         let pdf = pdf(triangle, from, (position - image).try_normalize()?)?;
         let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);
         (pdf.0 > 0.0).then_some(pdf)
-    }
-}
-
-/// Samples the windows that may show lights to one shading point.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WindowSampler<'a> {
-    mirrors: &'a WindowMirrors,
-    triangles: &'a Triangles,
-    receiver: Receiver,
-    count: u32,
-    /// The cluster of lights of the last sample, with what the root of the tree says of it.
-    root: Option<(u32, Option<Root>)>,
-}
-
-impl WindowSampler<'_> {
-    /// Samples a cluster of lights and a mirror triangle that may show part of it, by `window`, which returns a number in
-    /// `[0, 1)`, and a point on that, by `point`, which returns one in `[0, 1)^2`. `None` if there is none, or the point
-    /// shows no light of the cluster.
-    #[inline(never)]
-    pub(crate) fn sample(
-        &mut self,
-        window: impl Fn() -> f64,
-        point: impl Fn() -> [f64; 2],
-    ) -> Option<WindowSample> {
-        let WindowMirrors { tree, windows, clusters, .. } = self.mirrors;
-        // The choice of one cluster of several leaves a number for that of a window.
-        let (cluster, rest) = match clusters.len() {
-            1 => (0, None),
-            _ => clusters.choose(window()).map(|(cluster, rest)| (cluster, Some(rest)))?,
-        };
-        let (cluster_prob, lights) = clusters.bounds(cluster);
-        let from = self.receiver.position;
-        let at = Viewpoint { receiver: self.receiver, lights };
-        let known = self.root.filter(|(of, _)| *of == cluster).map(|(_, root)| root);
-        let attempts = WindowMirrors::ATTEMPTS / f64::from(self.count);
-        let root = known.unwrap_or_else(|| tree.root(&at, attempts, |_| true));
-        self.root = Some((cluster, root));
-        let (place, prob) = tree.choose(&root?, || rest.unwrap_or_else(&window), |_| true)?;
-        let triangle = windows[place as usize];
-        let (u, v) = Triangle::sample_uniform(point());
-        let point = self.triangles.surface_point(triangle, u, v);
-        let direction = (point.position - from).try_normalize()?;
-        let reflected = direction - 2.0 * point.normal.dot(direction) * point.normal;
-        if !lights.may_be_hit_by(point.position, reflected) {
-            return None;
-        }
-        let pdf = pdf(self.triangles.get(triangle), from, direction)?;
-        let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(self.count);
-        (pdf.0 > 0.0).then_some(WindowSample { triangle, point, direction, pdf, cluster })
     }
 }
 
@@ -160,11 +166,11 @@ fn pdf(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<PdfSolidAng
 #[cfg(test)]
 impl WindowMirrors {
     /// The triangle chosen to show the cluster of `light`, with its probability.
-    pub(super) fn choose(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<(u32, f64)> {
+    pub(super) fn choice(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<(u32, f64)> {
         let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
         let root = self.tree.root(&Viewpoint { receiver, lights }, attempts, |_| true)?;
-        let (place, prob) = self.tree.choose(&root, || u, |_| true)?;
-        Some((self.windows[place as usize], prob))
+        let [chosen] = self.tree.choose(&[Some(root)], [u], |_| true);
+        chosen.map(|(place, prob)| (self.windows[place as usize], prob))
     }
 
     /// The probability of this choice of triangle `index`.

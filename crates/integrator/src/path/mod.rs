@@ -1,10 +1,10 @@
 //! Path tracing (Kajiya 1986) in wavefronts: next event estimation, scattering, path reuse and the training of a guide.
 
 mod caustics;
+mod choices;
 mod counters;
 mod debug_sample;
 mod emission_rays;
-mod light_choices;
 mod light_edges;
 mod light_rays;
 mod mirror_rays;

@@ -1,17 +1,21 @@
 use super::emission_rays::{MAX_REFLECTIONS, reflection};
 use super::path_state::Path;
 use super::render_context::RenderContext;
-use super::shading_point::{MisContext, ShadingPoint};
+use super::shading_point::{Choice, MisContext, ShadingPoint};
 use crate::Interaction;
 use crate::light::{
-    AreaLightSample, ImageMirrors, Light, LightSample, LightSampler, Mirrors, Receiver, WindowMirrors,
-    WindowSample,
+    AreaLightSample, ChosenWindow, ImageMirrors, Light, LightSample, LightSampler, Mirrors, Receiver,
+    WindowMirrors, WindowSample,
 };
+use crate::sampler::Numbers;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 
 /// How many light samples of a vertex have their random numbers computed at once.
 const LIGHTS_AT_ONCE: usize = 4;
+
+/// How many small mirrors for samples of a vertex are chosen at once.
+const WINDOWS_AT_ONCE: usize = 4;
 
 /// A light sample by way of a mirror. It counts if its ray hits the mirror first, and the light follows.
 #[derive(Clone, Copy, Debug)]
@@ -111,8 +115,8 @@ impl RenderContext<'_> {
         let count = self.direct_samples(path.is_prefix());
         if count == 1 {
             let light = match vertex.light {
-                Some(chosen) => Some(self.scene.lights().chosen(chosen)),
-                None => sampler.choose([numbers.light])[0],
+                Choice::Made(chosen) => chosen.map(|chosen| self.scene.lights().chosen(chosen)),
+                Choice::Open => sampler.choose([numbers.light])[0],
             };
             if let Some((ray, radiance)) =
                 self.light_sample(path, vertex, &sampler, (light, numbers.point), 1)
@@ -159,9 +163,7 @@ impl RenderContext<'_> {
     ) {
         let ShadingPoint { at, bounce, .. } = vertex;
         let Some(Mirrors { images, windows }) = self.mirrors else { return };
-        // Two bounces: at this vertex, and at the mirror.
-        let within_limit = self.settings.max_bounces.is_none_or(|max| *bounce + 1 < max);
-        if !within_limit || at.material.bsdf.is_delta() {
+        if !self.may_sample_mirrors(*bounce) || at.material.bsdf.is_delta() {
             return;
         }
         let mut add_seen = |by: MirrorSampleKind, seen: AreaLightSample| {
@@ -219,15 +221,31 @@ impl RenderContext<'_> {
         vertex: &ShadingPoint<'_>,
         mut add: impl FnMut(MirrorSampleKind, AreaLightSample),
     ) {
-        let decision = 2 * vertex.bounce + 1;
+        let (decision, receiver) = (2 * vertex.bounce + 1, vertex.receiver());
         let count = self.window_samples(path.is_prefix());
-        let mut sampler = windows.sampler(self.scene.triangles(), vertex.receiver(), count);
-        for numbers in (0..count).map(|part| path.numbers.part(part, count)) {
-            let point = || numbers.light_in_mirror(decision).1;
-            let Some(sample) = sampler.sample(|| numbers.mirror(decision), point) else { continue };
+        let mut add_chosen = |chosen: ChosenWindow, numbers: &Numbers| {
+            let (_, point) = numbers.light_in_mirror(decision);
+            let triangles = self.scene.triangles();
+            let Some(sample) = windows.sample(triangles, receiver, count, chosen, point) else { return };
             let WindowSample { triangle, point, direction, pdf, cluster } = sample;
             let seen = AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf };
             add(MirrorSampleKind::Window { triangle, cluster }, seen);
+        };
+        if let Choice::Made(chosen) = vertex.window {
+            if let Some(chosen) = chosen {
+                add_chosen(chosen, &path.numbers);
+            }
+            return;
+        }
+        for first in (0..count).step_by(WINDOWS_AT_ONCE) {
+            let parts: [_; WINDOWS_AT_ONCE] = path.numbers.parts(first, count);
+            let us = Numbers::mirrors(&parts, decision);
+            let chosen = windows.choose([receiver; WINDOWS_AT_ONCE], count, us);
+            for (chosen, numbers) in chosen.into_iter().zip(&parts).take((count - first) as usize) {
+                if let Some(chosen) = chosen {
+                    add_chosen(chosen, numbers);
+                }
+            }
         }
     }
 
@@ -282,8 +300,8 @@ impl RenderContext<'_> {
     /// The radiance from where a ray from a mirror has hit; black if that is not on a light of `cluster`.
     pub(super) fn shown(&self, ray: &Ray, hit: &Hit, cluster: u32) -> Rgb {
         let emitted = self.scene.interaction(ray, hit).emitted();
-        let windows = self.mirrors.and_then(|mirrors| mirrors.windows.as_ref());
-        let of_cluster = || windows.and_then(|windows| windows.cluster_of(hit.triangle)) == Some(cluster);
+        let of_cluster =
+            || self.windows().and_then(|windows| windows.cluster_of(hit.triangle)) == Some(cluster);
         if !emitted.is_black() && of_cluster() { emitted } else { Rgb::BLACK }
     }
 

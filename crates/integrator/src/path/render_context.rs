@@ -1,5 +1,5 @@
 use crate::guide::Guide;
-use crate::light::Mirrors;
+use crate::light::{Mirrors, WindowMirrors};
 use crate::{
     ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
 };
@@ -94,7 +94,17 @@ impl RenderContext<'_> {
         self.mirrors.is_some_and(|mirrors| mirrors.images.is_some())
     }
 
-    /// The probability with which a diffuse vertex samples them, by whether it is the first one of the path.
+    /// The small mirrors in which lights are sampled.
+    pub(super) fn windows(&self) -> Option<&WindowMirrors> {
+        self.mirrors?.windows.as_ref()
+    }
+
+    /// Whether vertices of this bounce sample lights by way of mirrors, which takes two bounces: there, and at the mirror.
+    pub(super) fn may_sample_mirrors(&self, bounce: u32) -> bool {
+        self.settings.max_bounces.is_none_or(|max| bounce + 1 < max)
+    }
+
+    /// The probability with which a diffuse vertex samples lights in large mirrors, by whether it is the first one of the path.
     #[inline(always)]
     pub(super) fn image_prob(&self, is_first: bool) -> f64 {
         if is_first { 1.0 } else { self.image_prob }

@@ -1,10 +1,19 @@
 use crate::Interaction;
 use crate::guide::GuideCell;
-use crate::light::{ChosenLight, Receiver};
+use crate::light::{ChosenLight, ChosenWindow, Receiver};
 use crate::sampler::BounceNumbers;
 use glam::{DVec3, Vec3};
 use globillum_geom::{Frame, PdfSolidAngle};
 use globillum_material::{BsdfSample, Density};
+
+/// What was chosen for a vertex before it is shaded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Choice<T> {
+    /// Nothing: the vertex chooses itself.
+    Open,
+    /// This; `None` if there is nothing to choose.
+    Made(Option<T>),
+}
 
 /// A path vertex that is shaded, with its local frame, whose z axis is on the side from which the path came.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +27,10 @@ pub(super) struct ShadingPoint<'a> {
     pub(super) bounce: u32,
     /// The random numbers of this bounce.
     pub(super) numbers: BounceNumbers,
-    /// The light that `numbers` choose, if it was chosen before.
-    pub(super) light: Option<ChosenLight>,
+    /// The light that `numbers` choose.
+    pub(super) light: Choice<ChosenLight>,
+    /// The small mirror for a light sample.
+    pub(super) window: Choice<ChosenWindow>,
     /// The random numbers for a light in a large mirror, if they were drawn before.
     pub(super) image_numbers: Option<(f64, [f64; 2])>,
 }
@@ -41,7 +52,8 @@ impl<'a> ShadingPoint<'a> {
             guide_cell,
             bounce,
             numbers,
-            light: None,
+            light: Choice::Open,
+            window: Choice::Open,
             image_numbers: None,
         }
     }

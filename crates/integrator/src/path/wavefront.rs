@@ -1,7 +1,7 @@
 use super::caustics::Caustics;
+use super::choices::Choices;
 use super::counters::Counters;
 use super::emission_rays::MAX_REFLECTIONS;
-use super::light_choices::LightChoices;
 use super::light_edges::LightEdges;
 use super::light_rays::LightRays;
 use super::mirror_rays::MirrorRays;
@@ -12,6 +12,7 @@ use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::tile_bounds::Tile;
 use crate::guide::{GuideVertex, guide_vertex};
+use crate::light::{ChosenLight, ChosenWindow};
 use crate::sampler::{BounceNumbers, Member, Numbers};
 use crate::{Interaction, PathStart};
 use globillum_geom::{Hit, Ray, SimdLevel, SurfacePoint};
@@ -37,7 +38,10 @@ pub(crate) struct Wavefront {
     guide_cells: Vec<u32>,
     /// The random numbers of each path's next bounce.
     bounce_numbers: Vec<BounceNumbers>,
-    light_choices: LightChoices,
+    light_choices: Choices<ChosenLight>,
+    /// The random numbers by which paths choose small mirrors; none unless most do so.
+    window_numbers: Vec<f64>,
+    window_choices: Choices<ChosenWindow>,
     /// The random numbers of each path for a light in a large mirror; empty unless most paths take such a sample.
     image_numbers: Vec<(f64, [f64; 2])>,
     /// Light samples.
@@ -214,6 +218,7 @@ impl Wavefront {
         let with_roulette = bounce >= context.settings.roulette.start;
         draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
         self.draw_image_numbers(context, bounce);
+        self.draw_window_numbers(context, bounce);
         self.contributions.clear();
         self.shadow_rays.clear();
         self.mirror_rays.clear();
@@ -241,12 +246,29 @@ impl Wavefront {
         }
     }
 
+    /// Draws the numbers that choose small mirrors, if most paths take one sample of them.
+    fn draw_window_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
+        self.window_numbers.clear();
+        let take_one = context.window_samples(bounce == 0) == 1 && context.may_sample_mirrors(bounce);
+        if take_one && context.windows().is_some() {
+            draw_numbers(
+                context.simd,
+                &self.paths,
+                &mut self.window_numbers,
+                #[inline(always)]
+                |samples| Numbers::mirrors(samples, 2 * bounce + 1),
+            );
+        }
+    }
+
     /// Functions called here for most paths are inlined, so that they are compiled for the same
     /// instruction set.
     #[inline(always)]
     fn shade_paths(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         self.find_guide_cells(context);
-        self.light_choices.choose(context, &self.paths, &self.rays, &self.hits, &self.bounce_numbers);
+        let wave = (&*self.paths, &*self.rays, &*self.hits);
+        self.light_choices.choose_lights(context, wave, &self.bounce_numbers);
+        self.window_choices.choose_windows(context, wave, &self.window_numbers);
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
@@ -273,6 +295,7 @@ impl Wavefront {
             let guide_cell = self.guide_cells.get(i).and_then(|&cell| Some(context.guide?.cell(cell)));
             let mut vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
             vertex.light = self.light_choices.of_path(i);
+            vertex.window = self.window_choices.of_path(i);
             vertex.image_numbers = self.image_numbers.get(i).copied();
             self.pass(&mut path, &vertex);
             let Some(next) = self.leave(context, &mut path, &vertex, Some(&hit), counters) else { continue };

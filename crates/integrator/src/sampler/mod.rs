@@ -214,13 +214,19 @@ impl Numbers {
         }
     }
 
+    /// Parts `first` and on of `count`, and then the first ones again.
+    #[inline(always)]
+    pub(crate) fn parts<const N: usize>(&self, first: u32, count: u32) -> [Self; N] {
+        std::array::from_fn(
+            #[inline(always)]
+            |i| self.part((first + i as u32) % count, count),
+        )
+    }
+
     /// For the choices of `N` lights by parts `first` and on, and of points on them.
     #[inline(always)]
     pub(crate) fn lights<const N: usize>(&self, bounce: u32, first: u32, count: u32) -> [(f64, [f64; 2]); N] {
-        let parts = std::array::from_fn(
-            #[inline(always)]
-            |i| self.part((first + i as u32) % count, count),
-        );
+        let parts = self.parts(first, count);
         match Self::as_points(&parts) {
             Some(points) => {
                 let [x, y, light] = points.uniform(Decision::light(bounce).0);
@@ -243,6 +249,18 @@ impl Numbers {
     #[inline]
     pub(crate) fn mirror(&self, bounce: u32) -> f64 {
         self.single(Decision::mirror(bounce))
+    }
+
+    /// What [`Numbers::mirror`] returns for `N` samples. Sobol' points of passes of one length are vectorised.
+    #[inline(always)]
+    pub(crate) fn mirrors<const N: usize>(samples: &[Self; N], bounce: u32) -> [f64; N] {
+        match Self::as_points(samples) {
+            Some(points) => {
+                let [choice] = points.uniform(Decision::mirror(bounce).0);
+                choice
+            }
+            None => samples.map(|numbers| numbers.mirror(bounce)),
+        }
     }
 
     /// For the choice of a light in that mirror, and of a point on it: together uniform in the unit

@@ -1,5 +1,6 @@
 use super::bounds::{Bounds, Item};
-use super::node::{LANE_BITS, Node, WIDTH};
+use super::node::Node;
+use crate::light::child_weights::{LANE_BITS, WIDTH};
 use glam::DVec3;
 use rayon::prelude::*;
 

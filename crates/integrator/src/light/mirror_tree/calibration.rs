@@ -1,8 +1,9 @@
 //! Calibration: bounds tell only roughly how much light the facets below a node show. Its importance is therefore scaled
 //! to be that of its facets on average.
 
-use super::node::{Query, WIDTH};
+use super::node::Query;
 use super::{MirrorTree, Viewpoint};
+use crate::light::child_weights::WIDTH;
 use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
 
@@ -84,7 +85,6 @@ impl MirrorTree {
             #[inline(always)]
             || node.importance(query),
         );
-        let importance = importance.map(f64::from);
         if level == self.depth {
             return importance.iter().sum();
         }
@@ -162,7 +162,7 @@ mod tests {
         let mut all = vec![0.0; tree.paths.len()];
         for node in &tree.nodes[start..] {
             for (facet, importance) in all[node.first as usize..].iter_mut().zip(node.importance(&query)) {
-                *facet = f64::from(importance);
+                *facet = importance;
             }
         }
         all

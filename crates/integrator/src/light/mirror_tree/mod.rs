@@ -5,13 +5,14 @@ mod build;
 mod calibration;
 mod node;
 
+use super::child_weights::{ChildWeights, LANE_BITS, WIDTH};
 use super::light_bounds::LightBounds;
 use super::receiver::Receiver;
 use bounds::Item;
 use build::Built;
 use glam::DVec3;
 use globillum_geom::{Aabb, SimdLevel, Triangles};
-use node::{LANE_BITS, Lanes, Node, Query, WIDTH};
+use node::{Node, Query};
 
 /// A tree over facets, bounded by spheres and cones of normals.
 #[derive(Clone, Debug)]
@@ -94,60 +95,90 @@ impl MirrorTree {
         )
     }
 
-    /// Chooses one of the facets for which `shows` holds by `draw`, which returns the same number in `[0, 1)` each time:
-    /// its place, and the probability of the choice, above zero. `None` if none is chosen.
+    /// Chooses one of the facets for which `shows` holds for each of `roots`, by the number of the same index in `[0, 1)`: its
+    /// place, and the probability of the choice, above zero. `None` if none is chosen.
+    ///
+    /// The descents take turns: they do not depend on each other, so a processor works on all of them.
     #[inline(always)]
-    pub(super) fn choose(
+    pub(super) fn choose<const N: usize>(
         &self,
-        root: &Root,
-        draw: impl Fn() -> f64,
+        roots: &[Option<Root>; N],
+        us: [f64; N],
         shows: impl Fn(u32) -> bool,
-    ) -> Option<(u32, f64)> {
+    ) -> [Option<(u32, f64)>; N] {
         self.level.run(
             #[inline(always)]
-            || self.descend(root, Guide::Number(None, draw), shows),
+            || {
+                let mut descents = [None; N];
+                for (descent, (root, u)) in descents.iter_mut().zip(roots.iter().zip(us)) {
+                    *descent = root.as_ref().and_then(
+                        #[inline(always)]
+                        |root| self.begin(root, u),
+                    );
+                }
+                for level in 2..=self.depth {
+                    for (descent, root) in descents.iter_mut().zip(roots) {
+                        let (Some(at), Some(root)) = (*descent, root) else { continue };
+                        let weights = self.weights(&root.query, at.index, level, &shows);
+                        *descent = weights.map(
+                            #[inline(always)]
+                            |weights| self.step(at, &weights),
+                        );
+                    }
+                }
+                descents.map(|descent| descent.and_then(Descent::end))
+            },
         )
+    }
+
+    /// A descent to one of the root's children; `None` if none is chosen.
+    #[inline(always)]
+    fn begin(&self, root: &Root, u: f64) -> Option<Descent> {
+        let prob = root.attempt_prob;
+        let u = (u < prob).then(|| (u / prob).min(1.0_f64.next_down()))?;
+        Some(self.step(Descent { index: 0, prob, u }, &root.weights))
+    }
+
+    /// To a child of the node of `descent`, which have these weights.
+    #[inline(always)]
+    fn step(&self, Descent { index, prob, u }: Descent, weights: &ChildWeights) -> Descent {
+        let (lane, u) = weights.choose(u);
+        let index = self.nodes[index as usize].first + lane as u32;
+        Descent { index, prob: prob * weights.prob(lane), u }
     }
 
     /// The probability with which [`MirrorTree::choose`] chooses the facet at `place`, to the bit; `None` if it never
     /// does.
     #[inline(always)]
     pub(super) fn prob(&self, root: &Root, place: u32, shows: impl Fn(u32) -> bool) -> Option<f64> {
-        let path: Guide<fn() -> f64> = Guide::Path(self.paths[place as usize]);
-        let found = self.level.run(
+        self.level.run(
             #[inline(always)]
-            || self.descend(root, path, shows),
-        );
-        found.map(|(_, prob)| prob)
-    }
-
-    /// The facet to which `guide` leads.
-    #[inline(always)]
-    fn descend(
-        &self,
-        root: &Root,
-        mut guide: Guide<impl Fn() -> f64>,
-        shows: impl Fn(u32) -> bool,
-    ) -> Option<(u32, f64)> {
-        let Root { query, mut weights, attempt_prob: mut prob } = *root;
-        if !guide.attempts(prob) {
-            return None;
-        }
-        let mut index = 0;
-        for level in 1..=self.depth {
-            if level > 1 {
-                weights = self.weights(&query, index, level, &shows)?;
-            }
-            let lane = guide.lane(&weights);
-            prob *= f64::from(weights.of_lanes[lane]) / weights.total();
-            index = self.nodes[index as usize].first + lane as u32;
-        }
-        (prob > 0.0).then_some((index, prob))
+            || {
+                let Root { query, mut weights, attempt_prob: mut prob } = *root;
+                let (mut index, mut path) = (0, self.paths[place as usize]);
+                for level in 1..=self.depth {
+                    if level > 1 {
+                        weights = self.weights(&query, index, level, &shows)?;
+                    }
+                    let lane = path as usize % WIDTH;
+                    path >>= LANE_BITS;
+                    prob *= weights.prob(lane);
+                    index = self.nodes[index as usize].first + lane as u32;
+                }
+                (prob > 0.0).then_some(prob)
+            },
+        )
     }
 
     /// The weights of the children of a node of this level; `None` if none has any.
     #[inline(always)]
-    fn weights(&self, query: &Query, index: u32, level: u32, shows: impl Fn(u32) -> bool) -> Option<Weights> {
+    fn weights(
+        &self,
+        query: &Query,
+        index: u32,
+        level: u32,
+        shows: impl Fn(u32) -> bool,
+    ) -> Option<ChildWeights> {
         let node = &self.nodes[index as usize];
         let mut importance = node.importance(query);
         if level == self.depth {
@@ -157,7 +188,7 @@ impl MirrorTree {
                 }
             }
         }
-        let weights = Weights { ends: sums(&importance), of_lanes: importance };
+        let weights = ChildWeights::of_importance(importance);
         (weights.total() > 0.0).then_some(weights)
     }
 
@@ -186,87 +217,26 @@ impl MirrorTree {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     query: Query,
-    weights: Weights,
+    weights: ChildWeights,
     /// The probability that any facet is chosen.
     attempt_prob: f64,
 }
 
-/// To what each child of a node is chosen in proportion.
+/// A choice on its way from the root to a facet.
 #[derive(Clone, Copy, Debug)]
-struct Weights {
-    of_lanes: Lanes,
-    /// The sums of the weights up to each lane.
-    ends: [f64; WIDTH],
+struct Descent {
+    /// Of the node, or of the facet at the end.
+    index: u32,
+    /// The probability of having come here.
+    prob: f64,
+    /// The number in `[0, 1)` that is left for the choices below.
+    u: f64,
 }
 
-impl Weights {
+impl Descent {
+    /// The facet at the end, with its probability; `None` if that is too small for a number.
     #[inline(always)]
-    fn total(&self) -> f64 {
-        self.ends[WIDTH - 1]
+    fn end(self) -> Option<(u32, f64)> {
+        (self.prob > 0.0).then_some((self.index, self.prob))
     }
-}
-
-/// What leads from the root to a facet.
-#[derive(Clone, Copy, Debug)]
-enum Guide<F> {
-    /// A number in `[0, 1)`, drawn where it is needed first: what the levels above leave of it is uniform again.
-    Number(Option<f64>, F),
-    /// The lanes, from the lowest bits up.
-    Path(u32),
-}
-
-impl<F: Fn() -> f64> Guide<F> {
-    /// Whether a facet is chosen at all, which has the probability `prob`.
-    #[inline(always)]
-    fn attempts(&mut self, prob: f64) -> bool {
-        let Self::Number(number, draw) = self else { return true };
-        if prob == 1.0 {
-            return true;
-        }
-        let u = draw();
-        *number = Some((u / prob).min(1.0_f64.next_down()));
-        u < prob
-    }
-
-    /// The lane to descend to, with a probability proportional to its weight.
-    #[inline(always)]
-    fn lane(&mut self, Weights { of_lanes, ends }: &Weights) -> usize {
-        match self {
-            Self::Number(number, draw) => {
-                let total = ends[WIDTH - 1];
-                let last = last(of_lanes);
-                if f64::from(of_lanes[last]) == total {
-                    return last;
-                }
-                let u = number.unwrap_or_else(draw);
-                let below: usize = ends.iter().map(|end| usize::from(*end <= u * total)).sum();
-                // The product may round to the last sum, which also those of empty lanes are.
-                let lane = below.min(last);
-                let weight = f64::from(of_lanes[lane]);
-                let rest = 1.0 - (ends[lane] - u * total) / weight;
-                *number = Some(rest.clamp(0.0, 1.0_f64.next_down()));
-                lane
-            }
-            Self::Path(path) => {
-                let lane = *path as usize % WIDTH;
-                *path >>= LANE_BITS;
-                lane
-            }
-        }
-    }
-}
-
-/// The last lane that has a weight; the first if none has.
-fn last(weights: &Lanes) -> usize {
-    weights.iter().rposition(|&weight| weight > 0.0).unwrap_or(0)
-}
-
-/// The sums of the weights up to each lane.
-#[inline(always)]
-fn sums(weights: &Lanes) -> [f64; WIDTH] {
-    let mut sums = weights.map(f64::from);
-    for lane in 1..WIDTH {
-        sums[lane] += sums[lane - 1];
-    }
-    sums
 }

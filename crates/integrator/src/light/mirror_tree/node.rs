@@ -1,14 +1,9 @@
 use super::bounds::Bounds;
+use crate::light::child_weights::WIDTH;
 use glam::{DVec3, Vec3};
 
-/// The number of children of a node.
-pub(super) const WIDTH: usize = 8;
-
-/// The bits of a lane in a path.
-pub(super) const LANE_BITS: u32 = WIDTH.trailing_zeros();
-
 /// A number for each child. Single precision is enough for bounds that only guide sampling.
-pub(super) type Lanes = [f32; WIDTH];
+type Lanes = [f32; WIDTH];
 
 /// A shading point and the lights, in the tree's frame.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +83,7 @@ impl Node {
     /// point or a light is within the sphere of a plane child, all of it counts; of a curved one, in which every
     /// direction to the point occurs, as much as of any half vector.
     #[inline(always)]
-    pub(super) fn importance(&self, query: &Query) -> Lanes {
+    pub(super) fn importance(&self, query: &Query) -> [f64; WIDTH] {
         const LEAST: f32 = f32::MIN_POSITIVE;
         let mut all = [0.0; WIDTH];
         // A plain loop, which the compiler vectorizes.
@@ -120,7 +115,9 @@ impl Node {
             let cos = if is_near { 1.0 } else { 0.5 * dot(half, half).sqrt() };
             let cos_from = from_size - dot(query.side.to_array(), to_from) * per_from;
             let cos_from = min(max(cos_from, 0.0), 1.0);
-            *importance = self.area[i] * cos * share * cos_from / max(from_sq, radius * radius);
+            // Quotients do not wait for the share.
+            let solid_angle = self.area[i] * cos_from / max(from_sq, radius * radius);
+            *importance = (solid_angle * cos * share).into();
         }
         all
     }
@@ -194,7 +191,7 @@ impl LightsFromChild {
 fn overlap(middle: f32, spread: f32, window: f32) -> f32 {
     let (middle, spread) = (abs(middle), max(spread, f32::MIN_POSITIVE));
     let common = min(middle + spread, window) - max(middle - spread, -window);
-    min(max(common / (spread + spread), 0.0), 1.0)
+    min(max(common * (0.5 / spread), 0.0), 1.0)
 }
 
 #[inline(always)]
@@ -204,7 +201,7 @@ fn max(a: f32, b: f32) -> f32 {
 
 #[inline(always)]
 fn abs(a: f32) -> f32 {
-    max(a, -a)
+    a.abs()
 }
 
 #[inline(always)]

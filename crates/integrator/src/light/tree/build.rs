@@ -1,7 +1,7 @@
-use super::child_weights::{LANE_BITS, WIDTH};
 use super::cluster::Cluster;
 use super::frame::TreeFrame;
 use super::node::{Child, Node};
+use crate::light::child_weights::{LANE_BITS, WIDTH};
 use glam::DVec3;
 use std::collections::VecDeque;
 

@@ -1,5 +1,5 @@
-use super::child_weights::ChildWeights;
 use super::node::{Child, Node};
+use crate::light::child_weights::ChildWeights;
 
 /// A choice on its way from the root to a light.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,6 @@
 //! and Kulla 2018). A cluster is described by moments, which say what it brings on average, instead of bounds.
 
 mod build;
-mod child_weights;
 mod cluster;
 mod descent;
 mod far_lights;
@@ -12,8 +11,8 @@ mod node;
 pub(super) use cluster::Cluster;
 pub(super) use far_lights::FarLight;
 
+use super::child_weights::{LANE_BITS, WIDTH};
 use super::receiver::Receiver;
-use child_weights::{LANE_BITS, WIDTH};
 use descent::Descent;
 use far_lights::FarLights;
 use frame::TreeFrame;

@@ -1,6 +1,6 @@
-use super::child_weights::{ChildWeights, WIDTH};
 use super::cluster::{Cluster, positive_part};
 use super::frame::TreeFrame;
+use crate::light::child_weights::{ChildWeights, WIDTH};
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 
@@ -80,7 +80,7 @@ impl Node {
     /// The weights of the children for the receiver, in the tree's frame.
     #[inline(always)]
     pub(super) fn weights(&self, receiver: &Receiver) -> ChildWeights {
-        ChildWeights::new(self.importance(receiver), self.count)
+        ChildWeights::with_uniform_share(self.importance(receiver), self.count)
     }
 
     /// The importance of each child: the irradiance from it, about, if it is visible. The mean of a product of both cosines

@@ -4,8 +4,7 @@ pub(super) const WIDTH: usize = 8;
 /// The bits of a lane in a path.
 pub(super) const LANE_BITS: u32 = WIDTH.trailing_zeros();
 
-/// The weights of the children of a node: a child is chosen with a probability proportional to its weight, which is
-/// its importance but for a uniform share.
+/// The weights of the children of a node: a child is chosen with a probability proportional to its weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChildWeights {
     of_lanes: [f64; WIDTH],
@@ -14,24 +13,31 @@ pub(super) struct ChildWeights {
 }
 
 impl ChildWeights {
-    /// Every child has at least this probability divided by their number, whatever its importance. Where importances are
-    /// nearly exact, a share of 1/1024 would bring most of the variance.
+    /// The share of all weights that [`ChildWeights::with_uniform_share`] divides evenly. Where importances are nearly exact,
+    /// a share of 1/1024 would bring most of the variance.
     const UNIFORM_SHARE: f64 = 1.0 / 65536.0;
 
     /// The least sum of importances of which uniform shares are shares, so that they are above zero.
     const LEAST_TOTAL: f64 = 1e-280;
 
-    /// Of children with these importances, from 0 up. Lanes from `count` on have no child and the importance 0.
+    /// Weights equal to these importances, from 0 up: a child without importance is never chosen. Some must have one.
     #[inline(always)]
-    pub(super) fn new(importance: [f64; WIDTH], count: f64) -> Self {
+    pub(super) fn of_importance(importance: [f64; WIDTH]) -> Self {
         // Three steps over all lanes. A sum is the one at a lane before it and a rest, so it is not below that when rounded.
+        // Zeros are added exactly, so a lane without weight has no interval.
         let [a, b, c, d, e, f, g, h] = importance;
         let [a, b, c, d, e, f, g, h] = [a, b + a, c, d + c, e, f + e, g, h + g];
         let [a, b, c, d, e, f, g, h] = [a, b, c + b, d + b, e, f, g + f, h + f];
-        let mut ends = [a, b, c, d, e + d, f + d, g + d, h + d];
+        Self { of_lanes: importance, ends: [a, b, c, d, e + d, f + d, g + d, h + d] }
+    }
+
+    /// Like [`ChildWeights::of_importance`], but with a uniform share: every child has at least the probability of an even
+    /// one in it. Lanes from `count` on have no child and the importance 0.
+    #[inline(always)]
+    pub(super) fn with_uniform_share(importance: [f64; WIDTH], count: f64) -> Self {
+        let Self { mut of_lanes, mut ends } = Self::of_importance(importance);
         let least = Self::UNIFORM_SHARE / (1.0 - Self::UNIFORM_SHARE) / count;
         let least = least * ends[WIDTH - 1].max(Self::LEAST_TOTAL);
-        let mut of_lanes = importance;
         for lane in 0..WIDTH {
             of_lanes[lane] += least;
             // Lanes without a child have no interval, and so are never chosen.
@@ -40,7 +46,7 @@ impl ChildWeights {
         Self { of_lanes, ends }
     }
 
-    /// The sum of all weights, above zero.
+    /// The sum of all weights.
     #[inline(always)]
     pub(super) fn total(&self) -> f64 {
         self.ends[WIDTH - 1]
@@ -52,7 +58,7 @@ impl ChildWeights {
         self.of_lanes[lane] / self.total()
     }
 
-    /// The lane of the child that `u` in `[0, 1)` chooses, with the number in `[0, 1)` that is left for the choice below it.
+    /// The lane of the child that `u` in `[0, 1)` chooses, which has a weight above zero, with the number in `[0, 1)` that is left for the choice below it.
     #[inline(always)]
     pub(super) fn choose(&self, u: f64) -> (usize, f64) {
         // Below the total also when rounded, as `u` is at most `1 - 2^-53`.
@@ -81,10 +87,27 @@ mod tests {
     }
 
     #[test]
+    fn a_child_without_importance_is_never_chosen() {
+        for i in 0..1000 {
+            let (importance, _) = importances(i);
+            let weights = ChildWeights::of_importance(importance);
+            if weights.total() == 0.0 {
+                continue;
+            }
+            let borders = weights.ends.map(|end| end / weights.total());
+            let us = borders.iter().flat_map(|&u| [u.next_down(), u, u.next_up()]);
+            for u in us.chain([0.0, 1.0_f64.next_down()]).filter(|u| (0.0..1.0).contains(u)) {
+                let (lane, left) = weights.choose(u);
+                assert!(weights.prob(lane) > 0.0 && (0.0..1.0).contains(&left), "{i}: {u}, {lane}, {left}");
+            }
+        }
+    }
+
+    #[test]
     fn a_child_is_chosen_where_its_interval_begins_and_ends() {
         for i in 0..1000 {
             let (importance, count) = importances(i);
-            let weights = ChildWeights::new(importance, count as f64);
+            let weights = ChildWeights::with_uniform_share(importance, count as f64);
             let total: f64 = importance.iter().sum();
             let mut start = 0.0;
             for (lane, importance) in importance.into_iter().take(count).enumerate() {
