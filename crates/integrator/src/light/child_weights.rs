@@ -20,7 +20,8 @@ impl ChildWeights {
     /// The least sum of importances of which uniform shares are shares, so that they are above zero.
     const LEAST_TOTAL: f64 = 1e-280;
 
-    /// Weights equal to these importances, from 0 up: a child without importance is never chosen. Some must have one.
+    /// Weights equal to these importances, from 0 up: a child without importance is never chosen. [`ChildWeights::choose`] and
+    /// [`ChildWeights::prob`] need a total above zero.
     #[inline(always)]
     pub(super) fn of_importance(importance: [f64; WIDTH]) -> Self {
         // Three steps over all lanes. A sum is the one at a lane before it and a rest, so it is not below that when rounded.
@@ -31,8 +32,8 @@ impl ChildWeights {
         Self { of_lanes: importance, ends: [a, b, c, d, e + d, f + d, g + d, h + d] }
     }
 
-    /// Like [`ChildWeights::of_importance`], but with a uniform share: every child has at least the probability of an even
-    /// one in it. Lanes from `count` on have no child and the importance 0.
+    /// Like [`ChildWeights::of_importance`], but with a uniform share: every child has a probability of at least
+    /// `UNIFORM_SHARE / count`. Lanes from `count` on have no child and the importance 0.
     #[inline(always)]
     pub(super) fn with_uniform_share(importance: [f64; WIDTH], count: f64) -> Self {
         let Self { mut of_lanes, mut ends } = Self::of_importance(importance);
@@ -58,7 +59,8 @@ impl ChildWeights {
         self.of_lanes[lane] / self.total()
     }
 
-    /// The lane of the child that `u` in `[0, 1)` chooses, which has a weight above zero, with the number in `[0, 1)` that is left for the choice below it.
+    /// The lane of the child that `u` in `[0, 1)` chooses, which has a weight above zero, and the number in `[0, 1)` that is
+    /// left for the choice below it.
     #[inline(always)]
     pub(super) fn choose(&self, u: f64) -> (usize, f64) {
         // Below the total also when rounded, as `u` is at most `1 - 2^-53`.

@@ -64,9 +64,9 @@ impl LightClusters {
     }
 
     /// Chooses a cluster by `u` in `[0, 1)`: its index, and what is left of `u`, which is uniform too.
-    pub(super) fn choose(&self, u: f64) -> Option<(u32, f64)> {
-        let (index, rest) = self.by_power.sample_remapped(u)?;
-        Some((index as u32, rest))
+    pub(super) fn choose(&self, u: f64) -> (u32, f64) {
+        let chosen = if self.clusters.len() > 1 { self.by_power.sample_remapped(u) } else { None };
+        chosen.map_or((0, u), |(index, rest)| (index as u32, rest))
     }
 
     /// The probability of a cluster, and its bounds.

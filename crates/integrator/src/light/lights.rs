@@ -186,10 +186,10 @@ impl Lights {
         &self,
         receivers: [Receiver; N],
         us: [f64; N],
-    ) -> [Option<ChosenLight>; N] {
+    ) -> Option<[ChosenLight; N]> {
         match &self.choice {
-            Choice::Power(_) => [None; N],
-            Choice::Tree(tree) => tree.choose_each(receivers, us).map(Some),
+            Choice::Power(_) => None,
+            Choice::Tree(tree) => Some(tree.choose_each(receivers, us)),
         }
     }
 

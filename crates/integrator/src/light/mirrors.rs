@@ -2,12 +2,12 @@
 
 use super::facet::Facet;
 use super::facets::Facets;
-use super::image_mirrors::ImageMirrors;
+use super::large_mirrors::LargeMirrors;
 use super::light_bounds::LightBounds;
 use super::light_clusters::LightClusters;
 use super::lights::Lights;
 use super::mirror_tree::FacetBounds;
-use super::window_mirrors::WindowMirrors;
+use super::small_mirrors::SmallMirrors;
 use globillum_geom::Triangles;
 
 /// The mirrors of a scene, by way of which area lights are sampled. Delta lights are not: BSDF sampling finds them in a
@@ -15,14 +15,14 @@ use globillum_geom::Triangles;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Mirrors {
     /// `None` if there are no large facets.
-    pub(crate) images: Option<ImageMirrors>,
+    pub(crate) large: Option<LargeMirrors>,
     /// `None` if there are no small facets.
-    pub(crate) windows: Option<WindowMirrors>,
+    pub(crate) small: Option<SmallMirrors>,
 }
 
 impl Mirrors {
-    /// The smallest area of a large facet, over that of all lights: those of the scene are then about as large, seen
-    /// from the middle between a facet and a light.
+    /// The least area of a large facet, over the mean area of a light cluster: both look about as large from the middle
+    /// between them.
     const LARGE: f64 = 0.25;
 
     /// The triangles for which `is_mirror` holds.
@@ -39,23 +39,23 @@ impl Mirrors {
         let least = Self::LARGE * light_area / clusters.len() as f64;
         let (large, small): (Vec<_>, Vec<_>) =
             facets.into_iter().partition(|facet| facet.area(triangles) >= least);
-        let window = |facet: &Facet, index: u32| {
+        let small_mirror = |facet: &Facet, index: u32| {
             let triangle = triangles.get(index);
             let (normal, area) = (facet.normal, triangle.area());
             (index, FacetBounds { bounds: triangle.bounds(), normal, area, body: facet.body })
         };
-        let windows: Vec<_> = small
+        let small: Vec<_> = small
             .iter()
-            .flat_map(|facet| facet.triangles.iter().map(move |&index| window(facet, index)))
+            .flat_map(|facet| facet.triangles.iter().map(move |&index| small_mirror(facet, index)))
             .collect();
         let all_lights = LightBounds::around(triangles, lights.triangles());
-        let of_large = || ImageMirrors::new(triangles, &large, bodies.clone(), all_lights);
-        let of_small = || WindowMirrors::new(triangles, &windows, bodies.clone(), clusters);
-        Self { images: (!large.is_empty()).then(of_large), windows: (!windows.is_empty()).then(of_small) }
+        let of_large = || LargeMirrors::new(triangles, &large, bodies.clone(), all_lights);
+        let of_small = || SmallMirrors::new(triangles, &small, bodies.clone(), clusters);
+        Self { large: (!large.is_empty()).then(of_large), small: (!small.is_empty()).then(of_small) }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.images.is_none() && self.windows.is_none()
+        self.large.is_none() && self.small.is_none()
     }
 }
 
@@ -136,14 +136,16 @@ mod tests {
                     let (from, light, to) = ends(&triangles, Stream::new(1, 0, i));
                     for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
                         shown += 1;
-                        let by_image = mirrors.images.as_ref().and_then(|images| {
-                            images.choice(&triangles, upward(from), images.facet_of(index)?)
-                        });
-                        let by_window = mirrors.windows.as_ref().and_then(|windows| {
-                            windows.choice_prob(upward(from), index, light, f64::INFINITY)
-                        });
+                        let by_large = mirrors
+                            .large
+                            .as_ref()
+                            .and_then(|large| large.choice(&triangles, upward(from), large.facet_of(index)?));
+                        let by_small = mirrors
+                            .small
+                            .as_ref()
+                            .and_then(|small| small.choice_prob(upward(from), index, light, f64::INFINITY));
                         assert!(
-                            by_image.is_some() || by_window.is_some(),
+                            by_large.is_some() || by_small.is_some(),
                             "{what}, {size}, {unit}, {i}: {index}"
                         );
                     }
@@ -165,20 +167,20 @@ mod tests {
                 let (from, light, _) = ends(&triangles, Stream::new(2, 0, i));
                 let mut times = vec![0_u32; triangles.len()];
                 let mut probs = vec![0.0; triangles.len()];
-                if let Some(images) = &mirrors.images {
-                    for chosen in numbers().filter_map(|u| images.choose(&triangles, upward(from), || u)) {
-                        let again = images.choice(&triangles, upward(from), chosen.index).unwrap();
+                if let Some(large) = &mirrors.large {
+                    for chosen in numbers().filter_map(|u| large.choose(&triangles, upward(from), || u)) {
+                        let again = large.choice(&triangles, upward(from), chosen.index).unwrap();
                         assert_eq!(again.prob, chosen.prob, "{what}");
                         times[chosen.index as usize] += 1;
                         probs[chosen.index as usize] = chosen.prob;
                     }
                 }
-                if let Some(windows) = &mirrors.windows {
+                if let Some(small) = &mirrors.small {
                     let attempts = [30.0, f64::INFINITY][i as usize % 2];
                     for (index, prob) in
-                        numbers().filter_map(|u| windows.choice(upward(from), light, attempts, u))
+                        numbers().filter_map(|u| small.choice(upward(from), light, attempts, u))
                     {
-                        let again = windows.choice_prob(upward(from), index, light, attempts);
+                        let again = small.choice_prob(upward(from), index, light, attempts);
                         assert_eq!(again, Some(prob), "{what}");
                         times[index as usize] += 1;
                         probs[index as usize] = prob;
@@ -197,7 +199,7 @@ mod tests {
     #[test]
     fn close_nodes_do_not_crowd_out_mirrors_that_show_a_light() {
         let (triangles, mirrors) = scene(&torus(40, 20).triangles(), 0.5, 1.0);
-        let windows = mirrors.windows.unwrap();
+        let small = mirrors.small.unwrap();
         let (mut shown, mut least) = (0, 1.0_f64);
         for i in 0..200 {
             let numbers = Stream::new(3, 0, i);
@@ -205,7 +207,7 @@ mod tests {
             // Between the middle of the ring and the floor.
             let (from, (_, light, to)) = (DVec3::new(x, -0.3, z), ends(&triangles, numbers));
             for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
-                let prob = windows.choice_prob(upward(from), index, light, f64::INFINITY);
+                let prob = small.choice_prob(upward(from), index, light, f64::INFINITY);
                 (shown, least) = (shown + 1, least.min(prob.unwrap_or(0.0)));
             }
         }
@@ -215,11 +217,11 @@ mod tests {
     #[test]
     fn a_point_in_a_mirrors_plane_has_no_image_in_it() {
         let (triangles, mirrors) = scene(&[Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)], 0.5, 1.0);
-        let images = mirrors.images.unwrap();
+        let large = mirrors.large.unwrap();
         let at = |y: f64| {
             let from = DVec3::new(0.2, y, 0.2);
             let receiver = Receiver { position: from, side: -Vec3::Y * y.signum() as f32 };
-            let chosen = images.choose(&triangles, receiver, || 0.5)?;
+            let chosen = large.choose(&triangles, receiver, || 0.5)?;
             Some(chosen.facet.image_of(receiver).position.y)
         };
         assert_eq!((at(0.0), at(1e-7), at(-1.0), at(1.0)), (None, None, None, Some(-1.0)));

@@ -1,20 +1,20 @@
 use super::path_state::Path;
 use super::render_context::RenderContext;
-use super::shading_point::Choice;
-use crate::light::{ChosenLight, ChosenWindow, Receiver};
+use super::shading_point::PriorChoice;
+use crate::light::{ChosenLight, ChosenMirror, Receiver};
 use crate::sampler::BounceNumbers;
 use globillum_geom::{Hit, Ray};
 
-/// How many vertices have their lights chosen at once.
+/// For how many vertices choices are made at once.
 const AT_ONCE: usize = 4;
 
-/// What vertices that take one sample choose in a tree, for several of them at once: the choices do not depend on each other,
-/// so a processor works on all of them. Its buffers are reused.
+/// Choices of lights or mirrors in a tree, made for several vertices at once: they do not depend on each other, so a processor
+/// works on all of them. Only vertices that take one sample have one. Its buffers are reused.
 #[derive(Debug)]
 pub(super) struct Choices<T> {
     vertices: Vec<Vertex>,
     /// For each path, what was chosen for its vertex; empty if nothing was.
-    of_paths: Vec<Choice<T>>,
+    of_paths: Vec<PriorChoice<T>>,
 }
 
 /// A vertex for which something is chosen.
@@ -36,8 +36,8 @@ impl<T> Default for Choices<T> {
 impl<T: Copy> Choices<T> {
     /// What was chosen for the path of this index.
     #[inline(always)]
-    pub(super) fn of_path(&self, index: usize) -> Choice<T> {
-        self.of_paths.get(index).copied().unwrap_or(Choice::Open)
+    pub(super) fn of_path(&self, index: usize) -> PriorChoice<T> {
+        self.of_paths.get(index).copied().unwrap_or(PriorChoice::Open)
     }
 
     /// Chooses for those vertices of `paths` that `takes_one` says take one sample, each by its number of `numbers`.
@@ -48,10 +48,10 @@ impl<T: Copy> Choices<T> {
         (paths, rays, hits): Wave<'_>,
         takes_one: impl Fn(&Path) -> bool,
         number: impl Fn(usize) -> f64,
-        choose: impl Fn([Receiver; AT_ONCE], [f64; AT_ONCE]) -> [Option<T>; AT_ONCE],
+        choose: impl Fn([Receiver; AT_ONCE], [f64; AT_ONCE]) -> [PriorChoice<T>; AT_ONCE],
     ) {
         let scene = context.scene;
-        self.of_paths.resize(paths.len(), Choice::Open);
+        self.of_paths.resize(paths.len(), PriorChoice::Open);
         self.vertices.clear();
         for (i, (path, hit)) in paths.iter().zip(hits).enumerate() {
             let Some(hit) = hit else { continue };
@@ -65,7 +65,7 @@ impl<T: Copy> Choices<T> {
             all[..vertices.len()].copy_from_slice(vertices);
             let chosen = choose(all.map(|vertex| vertex.receiver), all.map(|vertex| vertex.u));
             for (vertex, chosen) in vertices.iter().zip(chosen) {
-                self.of_paths[vertex.path] = Choice::Made(chosen);
+                self.of_paths[vertex.path] = chosen;
             }
         }
     }
@@ -89,19 +89,22 @@ impl Choices<ChosenLight> {
             return;
         }
         let takes_one = |path: &Path| context.direct_samples(path.is_prefix()) == 1;
-        let choose = |receivers, us| lights.choose_each(receivers, us);
+        let choose = |receivers, us| match lights.choose_each(receivers, us) {
+            Some(chosen) => chosen.map(|light| PriorChoice::Made(Some(light))),
+            None => [PriorChoice::Open; AT_ONCE],
+        };
         self.make(context, wave, takes_one, |i| numbers[i].light, choose);
     }
 }
 
-impl Choices<ChosenWindow> {
+impl Choices<ChosenMirror> {
     /// Chooses small mirrors. `numbers` are those of each path; none if there are no mirrors to choose.
     #[inline(always)]
-    pub(super) fn choose_windows(&mut self, context: &RenderContext<'_>, wave: Wave<'_>, numbers: &[f64]) {
+    pub(super) fn choose_mirrors(&mut self, context: &RenderContext<'_>, wave: Wave<'_>, numbers: &[f64]) {
         self.of_paths.clear();
-        let Some(windows) = context.windows().filter(|_| !numbers.is_empty()) else { return };
-        let takes_one = |path: &Path| context.window_samples(path.is_prefix()) == 1;
-        let choose = |receivers, us| windows.choose(receivers, 1, us);
+        let Some(mirrors) = context.small_mirrors().filter(|_| !numbers.is_empty()) else { return };
+        let takes_one = |path: &Path| context.small_mirror_samples(path.is_prefix()) == 1;
+        let choose = |receivers, us| mirrors.choose(receivers, 1, us).map(PriorChoice::Made);
         self.make(context, wave, takes_one, |i| numbers[i], choose);
     }
 }
@@ -140,7 +143,7 @@ mod tests {
         let camera = Camera::look_at(eye, DVec3::new(-0.4, 0.5, 0.0), DVec3::Y, 1.0).unwrap();
         let settings = Settings::new(8, 8, 4);
         let context = RenderContext::new(&scene, &camera, &settings);
-        let windows = context.windows().unwrap();
+        let small_mirrors = context.small_mirrors().unwrap();
         let rays = (0..203).map(|i| {
             let aim = DVec3::new(f64::from(i % 14) * 0.2 - 1.6, 0.0, f64::from(i / 14) * 0.2 - 1.5);
             Ray::new(eye, aim - eye)
@@ -155,27 +158,31 @@ mod tests {
         let numbers: Vec<_> =
             paths.iter().flat_map(|path| BounceNumbers::draw(&[path.numbers], 2, false)).collect();
         // Small numbers: with large ones most vertices choose none.
-        let of_windows: Vec<_> = paths.iter().map(|path| 0.001 * path.numbers.mirror(5)).collect();
+        let of_mirrors: Vec<_> = paths.iter().map(|path| 0.001 * path.numbers.mirror(5)).collect();
         let (mut lights, mut mirrors) = (Choices::default(), Choices::default());
         lights.choose_lights(&context, (&paths, &rays, &hits), &numbers);
-        mirrors.choose_windows(&context, (&paths, &rays, &hits), &of_windows);
-        let (mut with_light, mut with_window) = (0, 0);
+        mirrors.choose_mirrors(&context, (&paths, &rays, &hits), &of_mirrors);
+        let (mut with_light, mut with_mirror) = (0, 0);
         for i in 0..paths.len() {
             let takes_one = |hit: &Hit| i % 3 == 0 && !scene.material(hit.triangle).bsdf.is_delta();
             let Some(hit) = hits[i].filter(takes_one) else {
-                assert_eq!((lights.of_path(i), mirrors.of_path(i)), (Choice::Open, Choice::Open), "{i}");
+                assert_eq!(
+                    (lights.of_path(i), mirrors.of_path(i)),
+                    (PriorChoice::Open, PriorChoice::Open),
+                    "{i}"
+                );
                 continue;
             };
             let receiver = scene.interaction(&rays[i], &hit).receiver();
-            let [light] = scene.lights().choose_each([receiver], [numbers[i].light]);
-            let [window] = windows.choose([receiver], 1, [of_windows[i]]);
+            let light = scene.lights().choose_each([receiver], [numbers[i].light]).map(|[light]| light);
+            let [mirror] = small_mirrors.choose([receiver], 1, [of_mirrors[i]]);
             with_light += u32::from(light.is_some());
-            with_window += u32::from(window.is_some());
-            assert_eq!(lights.of_path(i), Choice::Made(light), "{i}");
-            assert_eq!(mirrors.of_path(i), Choice::Made(window), "{i}");
+            with_mirror += u32::from(mirror.is_some());
+            assert_eq!(lights.of_path(i), PriorChoice::Made(light), "{i}");
+            assert_eq!(mirrors.of_path(i), PriorChoice::Made(mirror), "{i}");
         }
         assert!((30..60).contains(&with_light) && with_light % AT_ONCE as u32 != 0, "{with_light}");
-        assert!((10..with_light).contains(&with_window), "{with_window}");
+        assert!((10..with_light).contains(&with_mirror), "{with_mirror}");
     }
 
     #[test]
@@ -189,9 +196,9 @@ mod tests {
         let (mut path, hit) = (Path::new(0, draw), scene.accel().intersect(&ray));
         path.stage = Stage::Beyond;
         let mut choices = Choices::default();
-        choices.choose_windows(&context, (&[path], &[ray], &[hit]), &[0.5]);
-        assert!(matches!(choices.of_path(0), Choice::Made(_)));
-        choices.choose_windows(&context, (&[path], &[ray], &[hit]), &[]);
-        assert_eq!(choices.of_path(0), Choice::Open);
+        choices.choose_mirrors(&context, (&[path], &[ray], &[hit]), &[0.5]);
+        assert!(matches!(choices.of_path(0), PriorChoice::Made(_)));
+        choices.choose_mirrors(&context, (&[path], &[ray], &[hit]), &[]);
+        assert_eq!(choices.of_path(0), PriorChoice::Open);
     }
 }

@@ -1,11 +1,11 @@
 use super::emission_rays::{MAX_REFLECTIONS, reflection};
 use super::path_state::Path;
 use super::render_context::RenderContext;
-use super::shading_point::{Choice, MisContext, ShadingPoint};
+use super::shading_point::{MisContext, PriorChoice, ShadingPoint};
 use crate::Interaction;
 use crate::light::{
-    AreaLightSample, ChosenWindow, ImageMirrors, Light, LightSample, LightSampler, Mirrors, Receiver,
-    WindowMirrors, WindowSample,
+    AreaLightSample, ChosenMirror, LargeMirrors, Light, LightSample, LightSampler, MirrorPoint, Mirrors,
+    Receiver, SmallMirrors,
 };
 use crate::sampler::Numbers;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
@@ -13,9 +13,6 @@ use globillum_material::{Bsdf, Density, Rgb};
 
 /// How many light samples of a vertex have their random numbers computed at once.
 const LIGHTS_AT_ONCE: usize = 4;
-
-/// How many small mirrors for samples of a vertex are chosen at once.
-const WINDOWS_AT_ONCE: usize = 4;
 
 /// A light sample by way of a mirror. It counts if its ray hits the mirror first, and the light follows.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +29,7 @@ pub(super) enum MirrorSampleKind {
     /// A point on a light, as the facet of this index shows it.
     Light(u32, SurfacePoint),
     /// A point on the mirror triangle of this index, to show a light of the cluster of this index.
-    Window { triangle: u32, cluster: u32 },
+    Point { triangle: u32, cluster: u32 },
 }
 
 /// What follows a mirror sample whose ray has hit its mirror.
@@ -85,19 +82,19 @@ impl RenderContext<'_> {
         at: &Interaction<'_>,
     ) -> Option<PdfSolidAngle> {
         let MisContext { receiver, is_first, .. } = *mis;
-        let Mirrors { images, windows } = self.mirrors?;
+        let Mirrors { large, small } = self.mirrors?;
         let triangles = self.scene.triangles();
-        let by_window = |windows: &WindowMirrors| {
-            let count = self.window_samples(is_first);
-            windows.pdf(triangles, receiver, count, mirror, (hit.triangle, at.point.position))
+        let by_small = |mirrors: &SmallMirrors| {
+            let count = self.small_mirror_samples(is_first);
+            mirrors.pdf(triangles, receiver, count, mirror, (hit.triangle, at.point.position))
         };
-        let by_image = |images: &ImageMirrors| {
-            let chosen = images.choice(triangles, receiver, images.facet_of(mirror)?)?;
+        let by_large = |mirrors: &LargeMirrors| {
+            let chosen = mirrors.choice(triangles, receiver, mirrors.facet_of(mirror)?)?;
             let image = chosen.facet.image_of(receiver);
-            let prob = chosen.prob * self.image_prob(is_first);
+            let prob = chosen.prob * self.large_mirror_prob(is_first);
             Some(self.light_sampler(image).pdf(hit, at).chosen_with(prob))
         };
-        windows.as_ref().and_then(by_window).or_else(|| by_image(images.as_ref()?))
+        small.as_ref().and_then(by_small).or_else(|| by_large(large.as_ref()?))
     }
 
     fn light_sampler(&self, receiver: Receiver) -> LightSampler<'_> {
@@ -115,8 +112,8 @@ impl RenderContext<'_> {
         let count = self.direct_samples(path.is_prefix());
         if count == 1 {
             let light = match vertex.light {
-                Choice::Made(chosen) => chosen.map(|chosen| self.scene.lights().chosen(chosen)),
-                Choice::Open => sampler.choose([numbers.light])[0],
+                PriorChoice::Made(chosen) => chosen.map(|chosen| self.scene.lights().chosen(chosen)),
+                PriorChoice::Open => sampler.choose([numbers.light])[0],
             };
             if let Some((ray, radiance)) =
                 self.light_sample(path, vertex, &sampler, (light, numbers.point), 1)
@@ -162,7 +159,7 @@ impl RenderContext<'_> {
         mut add: impl FnMut(Ray, MirrorSample),
     ) {
         let ShadingPoint { at, bounce, .. } = vertex;
-        let Some(Mirrors { images, windows }) = self.mirrors else { return };
+        let Some(Mirrors { large, small }) = self.mirrors else { return };
         if !self.may_sample_mirrors(*bounce) || at.material.bsdf.is_delta() {
             return;
         }
@@ -171,33 +168,35 @@ impl RenderContext<'_> {
             add(at.point.spawn(seen.direction), MirrorSample { by, radiance });
         };
         // Two kinds of samples, each with random numbers of its own.
-        if let Some((by, seen)) = images.as_ref().and_then(|images| self.image_sample(images, path, vertex)) {
+        if let Some((by, seen)) =
+            large.as_ref().and_then(|mirrors| self.large_mirror_sample(mirrors, path, vertex))
+        {
             add_seen(by, seen);
         }
-        if let Some(windows) = windows {
-            self.sample_windows(windows, path, vertex, add_seen);
+        if let Some(mirrors) = small {
+            self.sample_small_mirrors(mirrors, path, vertex, add_seen);
         }
     }
 
     /// A point on a light, sampled from the image of the shading point in a facet (image method).
-    fn image_sample(
+    fn large_mirror_sample(
         &self,
-        images: &ImageMirrors,
+        mirrors: &LargeMirrors,
         path: &Path,
         vertex: &ShadingPoint<'_>,
     ) -> Option<(MirrorSampleKind, AreaLightSample)> {
         let ShadingPoint { at, bounce, .. } = vertex;
         let (triangles, receiver) = (self.scene.triangles(), vertex.receiver());
-        let (decision, sample_prob) = (2 * bounce, self.image_prob(path.is_prefix()));
+        let (decision, sample_prob) = (2 * bounce, self.large_mirror_prob(path.is_prefix()));
         let number = || path.numbers.mirror(decision);
         // What the decision to sample leaves of its number chooses the mirror.
         let rest = (sample_prob < 1.0).then(|| number() / sample_prob);
         if rest.is_some_and(|rest| rest >= 1.0) {
             return None;
         }
-        let chosen = images.choose(triangles, receiver, || rest.unwrap_or_else(number))?;
+        let chosen = mirrors.choose(triangles, receiver, || rest.unwrap_or_else(number))?;
         let facet = chosen.facet;
-        let drawn = vertex.image_numbers;
+        let drawn = vertex.large_mirror_numbers;
         let (choice, u) = drawn.unwrap_or_else(|| path.numbers.light_in_mirror(decision));
         let light = match self.light_sampler(facet.image_of(receiver)).sample(choice, u)? {
             LightSample::Area(light) => light,
@@ -214,38 +213,32 @@ impl RenderContext<'_> {
     }
 
     /// Samples points on small mirror triangles, and calls `add` with each: it may show a light of radiance 1.
-    fn sample_windows(
+    fn sample_small_mirrors(
         &self,
-        windows: &WindowMirrors,
+        mirrors: &SmallMirrors,
         path: &Path,
         vertex: &ShadingPoint<'_>,
         mut add: impl FnMut(MirrorSampleKind, AreaLightSample),
     ) {
-        let (decision, receiver) = (2 * vertex.bounce + 1, vertex.receiver());
-        let count = self.window_samples(path.is_prefix());
-        let mut add_chosen = |chosen: ChosenWindow, numbers: &Numbers| {
-            let (_, point) = numbers.light_in_mirror(decision);
-            let triangles = self.scene.triangles();
-            let Some(sample) = windows.sample(triangles, receiver, count, chosen, point) else { return };
-            let WindowSample { triangle, point, direction, pdf, cluster } = sample;
+        let count = self.small_mirror_samples(path.is_prefix());
+        let mut add_chosen = |chosen: ChosenMirror, numbers: &Numbers| {
+            let (_, point) = numbers.light_in_mirror(small_mirror_decision(vertex.bounce));
+            let (triangles, receiver) = (self.scene.triangles(), vertex.receiver());
+            let Some(sample) = mirrors.sample(triangles, receiver, count, chosen, point) else { return };
+            let MirrorPoint { triangle, point, direction, pdf, cluster } = sample;
             let seen = AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf };
-            add(MirrorSampleKind::Window { triangle, cluster }, seen);
+            add(MirrorSampleKind::Point { triangle, cluster }, seen);
         };
-        if let Choice::Made(chosen) = vertex.window {
-            if let Some(chosen) = chosen {
-                add_chosen(chosen, &path.numbers);
-            }
-            return;
-        }
-        for first in (0..count).step_by(WINDOWS_AT_ONCE) {
-            let parts: [_; WINDOWS_AT_ONCE] = path.numbers.parts(first, count);
-            let us = Numbers::mirrors(&parts, decision);
-            let chosen = windows.choose([receiver; WINDOWS_AT_ONCE], count, us);
-            for (chosen, numbers) in chosen.into_iter().zip(&parts).take((count - first) as usize) {
+        match (vertex.mirror, count) {
+            (PriorChoice::Made(chosen), _) => {
                 if let Some(chosen) = chosen {
-                    add_chosen(chosen, numbers);
+                    add_chosen(chosen, &path.numbers);
                 }
             }
+            (PriorChoice::Open, 1) => choose_mirrors::<1>(mirrors, path, vertex, count, add_chosen),
+            (PriorChoice::Open, 2) => choose_mirrors::<2>(mirrors, path, vertex, count, add_chosen),
+            // A power of two.
+            (PriorChoice::Open, _) => choose_mirrors::<4>(mirrors, path, vertex, count, add_chosen),
         }
     }
 
@@ -275,11 +268,11 @@ impl RenderContext<'_> {
         ray: &Ray,
         hit: Option<Hit>,
     ) -> Option<(Reflected, Rgb)> {
-        let images = &self.mirrors?.images;
-        let facet_of = |index: u32| images.as_ref()?.facet_of(index);
+        let mirrors = &self.mirrors?.large;
+        let facet_of = |index: u32| mirrors.as_ref()?.facet_of(index);
         let is_on_mirror = |hit: &Hit| match sample.by {
             MirrorSampleKind::Light(facet, _) => facet_of(hit.triangle) == Some(facet),
-            MirrorSampleKind::Window { triangle, .. } => hit.triangle == triangle,
+            MirrorSampleKind::Point { triangle, .. } => hit.triangle == triangle,
         };
         let hit = hit.filter(is_on_mirror)?;
         let Bsdf::Mirror(reflectance) = self.scene.material(hit.triangle).bsdf else { return None };
@@ -290,7 +283,7 @@ impl RenderContext<'_> {
         let point = self.scene.triangles().surface_point(hit.triangle, hit.u, hit.v);
         let next = match sample.by {
             MirrorSampleKind::Light(_, light) => Reflected::ShadowRay(point.segment_to(&light)?),
-            MirrorSampleKind::Window { cluster, .. } => {
+            MirrorSampleKind::Point { cluster, .. } => {
                 Reflected::Ray(reflection(&point, ray.direction), cluster)
             }
         };
@@ -301,7 +294,7 @@ impl RenderContext<'_> {
     pub(super) fn shown(&self, ray: &Ray, hit: &Hit, cluster: u32) -> Rgb {
         let emitted = self.scene.interaction(ray, hit).emitted();
         let of_cluster =
-            || self.windows().and_then(|windows| windows.cluster_of(hit.triangle)) == Some(cluster);
+            || self.small_mirrors().and_then(|mirrors| mirrors.cluster_of(hit.triangle)) == Some(cluster);
         if !emitted.is_black() && of_cluster() { emitted } else { Rgb::BLACK }
     }
 
@@ -313,4 +306,29 @@ impl RenderContext<'_> {
             None => MisContext { density: Density::Delta, mirror: None, ..mis },
         }
     }
+}
+
+/// Chooses `N` at a time of the small mirrors for `count` samples of a vertex, and calls `add` with each and the numbers of its
+/// sample. `N` divides `count`.
+fn choose_mirrors<const N: usize>(
+    mirrors: &SmallMirrors,
+    path: &Path,
+    vertex: &ShadingPoint<'_>,
+    count: u32,
+    mut add: impl FnMut(ChosenMirror, &Numbers),
+) {
+    for first in (0..count).step_by(N) {
+        let parts: [_; N] = path.numbers.parts(first, count);
+        let us = Numbers::mirrors(&parts, small_mirror_decision(vertex.bounce));
+        for (chosen, numbers) in mirrors.choose([vertex.receiver(); N], count, us).into_iter().zip(&parts) {
+            if let Some(chosen) = chosen {
+                add(chosen, numbers);
+            }
+        }
+    }
+}
+
+/// The decision for a small mirror at a bounce. Those for large ones have even numbers.
+pub(super) const fn small_mirror_decision(bounce: u32) -> u32 {
+    2 * bounce + 1
 }

@@ -1,5 +1,5 @@
 use crate::guide::Guide;
-use crate::light::{Mirrors, WindowMirrors};
+use crate::light::{Mirrors, SmallMirrors};
 use crate::{
     ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
 };
@@ -18,7 +18,7 @@ pub(crate) struct RenderContext<'a> {
     /// By which diffuse vertices scatter; `None` for the cosine alone.
     pub(super) guide: Option<&'a Guide>,
     /// The probability, above zero, with which a vertex after the first diffuse one samples lights in large mirrors.
-    pub(super) image_prob: f64,
+    pub(super) large_mirror_prob: f64,
     /// Whether pixels share the caustics that their paths find.
     pub(super) shares_caustics: bool,
     /// The instructions that shade; they change no bit.
@@ -42,7 +42,7 @@ impl<'a> RenderContext<'a> {
             samples_lights,
             mirrors,
             guide: None,
-            image_prob: 1.0,
+            large_mirror_prob: 1.0,
             shares_caustics: false,
             simd: SimdLevel::best(),
         }
@@ -90,13 +90,13 @@ impl RenderContext<'_> {
     }
 
     /// Whether vertices sample lights in large mirrors.
-    pub(super) fn samples_images(&self) -> bool {
-        self.mirrors.is_some_and(|mirrors| mirrors.images.is_some())
+    pub(super) fn samples_large_mirrors(&self) -> bool {
+        self.mirrors.is_some_and(|mirrors| mirrors.large.is_some())
     }
 
     /// The small mirrors in which lights are sampled.
-    pub(super) fn windows(&self) -> Option<&WindowMirrors> {
-        self.mirrors?.windows.as_ref()
+    pub(super) fn small_mirrors(&self) -> Option<&SmallMirrors> {
+        self.mirrors?.small.as_ref()
     }
 
     /// Whether vertices of this bounce sample lights by way of mirrors, which takes two bounces: there, and at the mirror.
@@ -106,13 +106,13 @@ impl RenderContext<'_> {
 
     /// The probability with which a diffuse vertex samples lights in large mirrors, by whether it is the first one of the path.
     #[inline(always)]
-    pub(super) fn image_prob(&self, is_first: bool) -> f64 {
-        if is_first { 1.0 } else { self.image_prob }
+    pub(super) fn large_mirror_prob(&self, is_first: bool) -> f64 {
+        if is_first { 1.0 } else { self.large_mirror_prob }
     }
 
     /// How many light samples by way of small mirrors it takes.
     #[inline(always)]
-    pub(super) fn window_samples(&self, is_first: bool) -> u32 {
+    pub(super) fn small_mirror_samples(&self, is_first: bool) -> u32 {
         if is_first { self.settings.light_samples } else { 1 }
     }
 

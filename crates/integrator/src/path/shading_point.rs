@@ -1,6 +1,6 @@
 use crate::Interaction;
 use crate::guide::GuideCell;
-use crate::light::{ChosenLight, ChosenWindow, Receiver};
+use crate::light::{ChosenLight, ChosenMirror, Receiver};
 use crate::sampler::BounceNumbers;
 use glam::{DVec3, Vec3};
 use globillum_geom::{Frame, PdfSolidAngle};
@@ -8,10 +8,10 @@ use globillum_material::{BsdfSample, Density};
 
 /// What was chosen for a vertex before it is shaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Choice<T> {
-    /// Nothing: the vertex chooses itself.
+pub(super) enum PriorChoice<T> {
+    /// Nothing yet: shading chooses.
     Open,
-    /// This; `None` if there is nothing to choose.
+    /// This; `None` if none was chosen.
     Made(Option<T>),
 }
 
@@ -28,11 +28,11 @@ pub(super) struct ShadingPoint<'a> {
     /// The random numbers of this bounce.
     pub(super) numbers: BounceNumbers,
     /// The light that `numbers` choose.
-    pub(super) light: Choice<ChosenLight>,
+    pub(super) light: PriorChoice<ChosenLight>,
     /// The small mirror for a light sample.
-    pub(super) window: Choice<ChosenWindow>,
+    pub(super) mirror: PriorChoice<ChosenMirror>,
     /// The random numbers for a light in a large mirror, if they were drawn before.
-    pub(super) image_numbers: Option<(f64, [f64; 2])>,
+    pub(super) large_mirror_numbers: Option<(f64, [f64; 2])>,
 }
 
 impl<'a> ShadingPoint<'a> {
@@ -52,9 +52,9 @@ impl<'a> ShadingPoint<'a> {
             guide_cell,
             bounce,
             numbers,
-            light: Choice::Open,
-            window: Choice::Open,
-            image_numbers: None,
+            light: PriorChoice::Open,
+            mirror: PriorChoice::Open,
+            large_mirror_numbers: None,
         }
     }
 

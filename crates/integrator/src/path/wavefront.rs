@@ -5,6 +5,7 @@ use super::emission_rays::MAX_REFLECTIONS;
 use super::light_edges::LightEdges;
 use super::light_rays::LightRays;
 use super::mirror_rays::MirrorRays;
+use super::next_event::small_mirror_decision;
 use super::path_state::{Contribution, Path, RadianceSums, Stage};
 use super::pixel_groups::Groups;
 use super::render_context::RenderContext;
@@ -12,7 +13,7 @@ use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::tile_bounds::Tile;
 use crate::guide::{GuideVertex, guide_vertex};
-use crate::light::{ChosenLight, ChosenWindow};
+use crate::light::{ChosenLight, ChosenMirror};
 use crate::sampler::{BounceNumbers, Member, Numbers};
 use crate::{Interaction, PathStart};
 use globillum_geom::{Hit, Ray, SimdLevel, SurfacePoint};
@@ -40,10 +41,10 @@ pub(crate) struct Wavefront {
     bounce_numbers: Vec<BounceNumbers>,
     light_choices: Choices<ChosenLight>,
     /// The random numbers by which paths choose small mirrors; none unless most do so.
-    window_numbers: Vec<f64>,
-    window_choices: Choices<ChosenWindow>,
+    mirror_numbers: Vec<f64>,
+    mirror_choices: Choices<ChosenMirror>,
     /// The random numbers of each path for a light in a large mirror; empty unless most paths take such a sample.
-    image_numbers: Vec<(f64, [f64; 2])>,
+    large_mirror_numbers: Vec<(f64, [f64; 2])>,
     /// Light samples.
     pub(super) contributions: Vec<Contribution>,
     /// The shadow ray of each contribution.
@@ -217,8 +218,8 @@ impl Wavefront {
     pub(super) fn shade(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
         let with_roulette = bounce >= context.settings.roulette.start;
         draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
-        self.draw_image_numbers(context, bounce);
-        self.draw_window_numbers(context, bounce);
+        self.draw_large_mirror_numbers(context, bounce);
+        self.draw_mirror_numbers(context, bounce);
         self.contributions.clear();
         self.shadow_rays.clear();
         self.mirror_rays.clear();
@@ -233,13 +234,13 @@ impl Wavefront {
     }
 
     /// Draws the numbers for lights in large mirrors, if most paths take them.
-    fn draw_image_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
-        self.image_numbers.clear();
-        if context.samples_images() && (bounce == 0 || context.image_prob > 0.5) {
+    fn draw_large_mirror_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
+        self.large_mirror_numbers.clear();
+        if context.samples_large_mirrors() && (bounce == 0 || context.large_mirror_prob > 0.5) {
             draw_numbers(
                 context.simd,
                 &self.paths,
-                &mut self.image_numbers,
+                &mut self.large_mirror_numbers,
                 #[inline(always)]
                 |samples| Numbers::lights_in_mirrors(samples, 2 * bounce),
             );
@@ -247,16 +248,16 @@ impl Wavefront {
     }
 
     /// Draws the numbers that choose small mirrors, if most paths take one sample of them.
-    fn draw_window_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
-        self.window_numbers.clear();
-        let take_one = context.window_samples(bounce == 0) == 1 && context.may_sample_mirrors(bounce);
-        if take_one && context.windows().is_some() {
+    fn draw_mirror_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
+        self.mirror_numbers.clear();
+        let take_one = context.small_mirror_samples(bounce == 0) == 1 && context.may_sample_mirrors(bounce);
+        if take_one && context.small_mirrors().is_some() {
             draw_numbers(
                 context.simd,
                 &self.paths,
-                &mut self.window_numbers,
+                &mut self.mirror_numbers,
                 #[inline(always)]
-                |samples| Numbers::mirrors(samples, 2 * bounce + 1),
+                |samples| Numbers::mirrors(samples, small_mirror_decision(bounce)),
             );
         }
     }
@@ -268,7 +269,7 @@ impl Wavefront {
         self.find_guide_cells(context);
         let wave = (&*self.paths, &*self.rays, &*self.hits);
         self.light_choices.choose_lights(context, wave, &self.bounce_numbers);
-        self.window_choices.choose_windows(context, wave, &self.window_numbers);
+        self.mirror_choices.choose_mirrors(context, wave, &self.mirror_numbers);
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
@@ -295,8 +296,8 @@ impl Wavefront {
             let guide_cell = self.guide_cells.get(i).and_then(|&cell| Some(context.guide?.cell(cell)));
             let mut vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
             vertex.light = self.light_choices.of_path(i);
-            vertex.window = self.window_choices.of_path(i);
-            vertex.image_numbers = self.image_numbers.get(i).copied();
+            vertex.mirror = self.mirror_choices.of_path(i);
+            vertex.large_mirror_numbers = self.large_mirror_numbers.get(i).copied();
             self.pass(&mut path, &vertex);
             let Some(next) = self.leave(context, &mut path, &vertex, Some(&hit), counters) else { continue };
             (self.paths[kept], self.rays[kept]) = (path, next);

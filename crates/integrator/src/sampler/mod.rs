@@ -480,6 +480,12 @@ mod tests {
             });
             let films = samples.map(|numbers| numbers.film());
             assert_eq!(Numbers::films(&samples), films, "{sampler:?}, {length}");
+            for decision in [0, 3, 40] {
+                let mirrors = samples.map(|numbers| numbers.mirror(decision));
+                assert_eq!(Numbers::mirrors(&samples, decision), mirrors, "{sampler:?}, {length}");
+                let lights = samples.map(|numbers| numbers.light_in_mirror(decision));
+                assert_eq!(Numbers::lights_in_mirrors(&samples, decision), lights, "{sampler:?}, {length}");
+            }
             for bounce in [0, 1, 40] {
                 let roulette = bounce > 0;
                 let together = BounceNumbers::draw(&samples, bounce, roulette);

@@ -31,7 +31,7 @@ pub(super) struct MetChildren<S: Simd> {
     pub(super) children: S::I,
     /// Those that the ray meets, a bit each.
     pub(super) mask: u8,
-    /// The first of these.
+    /// The first of these; without meaning if there are none.
     pub(super) nearest: u32,
 }
 

@@ -95,8 +95,8 @@ impl MirrorTree {
         )
     }
 
-    /// Chooses one of the facets for which `shows` holds for each of `roots`, by the number of the same index in `[0, 1)`: its
-    /// place, and the probability of the choice, above zero. `None` if none is chosen.
+    /// Chooses a facet for each of `roots`, by the number of the same index in `[0, 1)`, among those for which `shows` holds.
+    /// Returns its place and the probability of the choice, above zero; `None` if none is chosen.
     ///
     /// The descents take turns: they do not depend on each other, so a processor works on all of them.
     #[inline(always)]

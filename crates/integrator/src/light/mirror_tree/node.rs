@@ -103,10 +103,10 @@ impl Node {
             let is_near = max(from_size, lights_size) >= 1.0;
             let turn = turn(from_size) + turn(lights_size);
             let lights = LightsFromChild::new(query, to_lights, per_lights);
-            let window = lights.largest_turn;
+            let half_width = lights.largest_turn;
             let along = dot(half, lane(&self.axis, i));
             let along_front = if self.bodies[i] & query.around == 0 { along } else { abs(along) };
-            let facing = if along_front > -(turn + window) { 1.0 } else { 0.0 };
+            let facing = if along_front > -(turn + half_width) { 1.0 } else { 0.0 };
             let along = abs(along);
             let a = self.share(i, 0, half, along, turn, &lights);
             let b = self.share(i, 1, half, along, turn, &lights);
@@ -134,8 +134,8 @@ impl Node {
         lights: &LightsFromChild,
     ) -> f32 {
         let (side, sin) = (lane(&self.sides[k], i), self.sines[k][i]);
-        let window = if sin < 1.0 { lights.turn_along(side) } else { lights.largest_turn };
-        overlap(dot(half, side), sin * along + turn, window)
+        let half_width = if sin < 1.0 { lights.turn_along(side) } else { lights.largest_turn };
+        overlap(dot(half, side), sin * along + turn, half_width)
     }
 }
 
@@ -186,11 +186,11 @@ impl LightsFromChild {
     }
 }
 
-/// The share of the interval of half width `spread` around `middle` that is within `[-window, window]`.
+/// The share of the interval of half width `spread` around `middle` that is within `[-half_width, half_width]`.
 #[inline(always)]
-fn overlap(middle: f32, spread: f32, window: f32) -> f32 {
+fn overlap(middle: f32, spread: f32, half_width: f32) -> f32 {
     let (middle, spread) = (abs(middle), max(spread, f32::MIN_POSITIVE));
-    let common = min(middle + spread, window) - max(middle - spread, -window);
+    let common = min(middle + spread, half_width) - max(middle - spread, -half_width);
     min(max(common * (0.5 / spread), 0.0), 1.0)
 }
 

@@ -1,13 +1,13 @@
 //! Probes: a few paths at fixed places of the picture that find what the scene is like, before the first sample. They
 //! follow from the scene, the sensor and the settings, so all parts of a picture have the same.
 
-mod image_prob;
+mod large_mirror_prob;
 mod rare_caustics;
 
 use super::render_context::RenderContext;
 
 /// The context with what probes find.
 pub(crate) fn probed<'a>(context: RenderContext<'a>) -> RenderContext<'a> {
-    let context = RenderContext { image_prob: image_prob::of(&context), ..context };
+    let context = RenderContext { large_mirror_prob: large_mirror_prob::of(&context), ..context };
     RenderContext { shares_caustics: rare_caustics::are_shared(&context), ..context }
 }

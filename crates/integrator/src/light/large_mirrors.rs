@@ -11,7 +11,7 @@ use globillum_geom::{Aabb, Triangles};
 /// facet's triangles. Reflection is an isometry: the density of a direction at `x'` is that of the reflected direction
 /// at `x`.
 #[derive(Clone, Debug)]
-pub(crate) struct ImageMirrors {
+pub(crate) struct LargeMirrors {
     tree: MirrorTree,
     facets: Vec<Facet>,
     /// The triangles of all facets in ascending order, each with its facet.
@@ -30,7 +30,7 @@ pub(crate) struct ChosenFacet<'a> {
     pub(crate) prob: f64,
 }
 
-impl ImageMirrors {
+impl LargeMirrors {
     /// Of one or more `facets`.
     pub(super) fn new(
         triangles: &Triangles,
@@ -76,7 +76,7 @@ impl ImageMirrors {
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
 
-    /// What [`ImageMirrors::choose`] returns if it chooses this facet; `None` if it never does.
+    /// What [`LargeMirrors::choose`] returns if it chooses this facet; `None` if it never does.
     #[inline(never)]
     pub(crate) fn choice(
         &self,

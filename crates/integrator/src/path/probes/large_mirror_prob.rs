@@ -35,13 +35,13 @@ struct Squares {
     /// Of those without a mirror.
     direct: f64,
     /// Of those in large mirrors.
-    images: f64,
+    large: f64,
 }
 
 impl AddAssign for Squares {
-    fn add_assign(&mut self, Self { direct, images }: Self) {
+    fn add_assign(&mut self, Self { direct, large }: Self) {
         self.direct += direct;
-        self.images += images;
+        self.large += large;
     }
 }
 
@@ -53,7 +53,7 @@ impl AddAssign for Squares {
 pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     // A sample at the second diffuse vertex takes a third bounce, at the mirror.
     let has_later = context.settings.max_bounces.is_none_or(|max| max > 2);
-    if !context.samples_images() || !has_later {
+    if !context.samples_large_mirrors() || !has_later {
         return 1.0;
     }
     let settings = probe_settings(context.settings);
@@ -65,7 +65,7 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     let of_tiles: Vec<_> = tiles(&settings).into_par_iter().map_init(Wavefront::default, of_tile).collect();
     let mut squares = Squares::default();
     of_tiles.into_iter().for_each(|of_tile| squares += of_tile);
-    let prob = FACTOR * (squares.images / squares.direct).sqrt();
+    let prob = FACTOR * (squares.large / squares.direct).sqrt();
     // NaN if the probes found no light.
     if prob.is_nan() { 1.0 } else { prob.clamp(LEAST, 1.0) }
 }
@@ -115,10 +115,10 @@ impl Wavefront {
             self.trace_mirror_rays(context);
             self.trace_shadow_rays(context);
             // What is found in small mirrors follows, without shadow rays.
-            let images = direct..self.shadow_rays.len();
+            let large = direct..self.shadow_rays.len();
             squares += Squares {
                 direct: self.square_sum(0..direct, &is_later),
-                images: self.square_sum(images, &is_later),
+                large: self.square_sum(large, &is_later),
             };
             if self.paths.is_empty() {
                 break;
@@ -187,9 +187,9 @@ mod tests {
     }
 
     /// The sum of the radiances of all pixels, with later vertices that sample the wall this often.
-    fn sum(scene: &Scene<KdTree>, seed: u64, image_prob: f64) -> f64 {
+    fn sum(scene: &Scene<KdTree>, seed: u64, large_mirror_prob: f64) -> f64 {
         let (camera, settings) = (camera(), settings(seed));
-        let context = RenderContext { image_prob, ..RenderContext::new(scene, &camera, &settings) };
+        let context = RenderContext { large_mirror_prob, ..RenderContext::new(scene, &camera, &settings) };
         let mut wavefront = Wavefront::default();
         wavefront.trace(&context, (TILE, &LightEdges::of(&context, TILE)), &(0..4), || false);
         wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
@@ -214,7 +214,7 @@ mod tests {
     }
 
     fn found(scene: &Scene<KdTree>, settings: &Settings) -> f64 {
-        probed(RenderContext::new(scene, &camera(), settings)).image_prob
+        probed(RenderContext::new(scene, &camera(), settings)).large_mirror_prob
     }
 
     #[test]

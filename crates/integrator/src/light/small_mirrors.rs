@@ -5,13 +5,13 @@ use super::viewpoints::viewpoints;
 use glam::DVec3;
 use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Triangles};
 
-/// Mirror triangles that look smaller than the lights which they show: points on them are sampled, as on windows
-/// through which lights may be seen.
+/// Mirror triangles that look smaller than the lights which they show. A point on such a triangle is sampled, and the ray
+/// that is reflected there must hit a light.
 #[derive(Clone, Debug)]
-pub(crate) struct WindowMirrors {
+pub(crate) struct SmallMirrors {
     tree: MirrorTree,
     /// By their place in the tree.
-    windows: Vec<u32>,
+    triangles: Vec<u32>,
     /// The triangles in ascending order, each with its place.
     places: Vec<(u32, u32)>,
     clusters: LightClusters,
@@ -19,7 +19,7 @@ pub(crate) struct WindowMirrors {
 
 /// A mirror triangle that was chosen to show a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ChosenWindow {
+pub(crate) struct ChosenMirror {
     cluster: u32,
     place: u32,
     /// The probability of the choice, for lights of the cluster.
@@ -28,7 +28,7 @@ pub(crate) struct ChosenWindow {
 
 /// A point on a mirror triangle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct WindowSample {
+pub(crate) struct MirrorPoint {
     pub(crate) triangle: u32,
     pub(crate) point: SurfacePoint,
     /// Unit direction from the shading point.
@@ -39,7 +39,7 @@ pub(crate) struct WindowSample {
     pub(crate) cluster: u32,
 }
 
-impl WindowMirrors {
+impl SmallMirrors {
     /// The samples of a vertex, at most as many as are asked for, over the solid angle, about, of the triangles that show
     /// lights.
     const ATTEMPTS: f64 = 480.0;
@@ -47,18 +47,18 @@ impl WindowMirrors {
     /// Of one or more triangles, each with what the tree is told of it.
     pub(super) fn new(
         triangles: &Triangles,
-        windows: &[(u32, FacetBounds)],
+        mirrors: &[(u32, FacetBounds)],
         bodies: Vec<Aabb>,
         clusters: LightClusters,
     ) -> Self {
-        let bounds: Vec<_> = windows.iter().map(|(_, bounds)| *bounds).collect();
+        let bounds: Vec<_> = mirrors.iter().map(|(_, bounds)| *bounds).collect();
         let (tree, order) = MirrorTree::new(triangles, &bounds, bodies);
-        let windows: Vec<_> = order.iter().map(|&window| windows[window as usize].0).collect();
-        let mut places: Vec<_> = windows.iter().copied().zip(0..).collect();
+        let in_order: Vec<_> = order.iter().map(|&mirror| mirrors[mirror as usize].0).collect();
+        let mut places: Vec<_> = in_order.iter().copied().zip(0..).collect();
         places.sort_unstable();
         let mirrors: Vec<_> = places.iter().map(|&(triangle, _)| triangle).collect();
         let tree = tree.calibrated(&viewpoints(triangles, &mirrors, &clusters));
-        Self { tree, windows, places, clusters }
+        Self { tree, triangles: in_order, places, clusters }
     }
 
     /// The cluster of the light triangle `index`.
@@ -66,28 +66,25 @@ impl WindowMirrors {
         self.clusters.of_light(index)
     }
 
-    /// Chooses a cluster of lights, and a window that may show part of it to the receiver, for one of `count` samples of each
-    /// receiver by the number of the same index in `[0, 1)`; `None` if there is none.
+    /// Chooses for each receiver, by the number of the same index in `[0, 1)`, a cluster of lights and a mirror that may show
+    /// part of it. `None` if none is chosen. Each choice is for one of `count` samples of its receiver.
     #[inline(never)]
     pub(crate) fn choose<const N: usize>(
         &self,
         receivers: [Receiver; N],
         count: u32,
         us: [f64; N],
-    ) -> [Option<ChosenWindow>; N] {
+    ) -> [Option<ChosenMirror>; N] {
         let (mut clusters, mut roots, mut rests) = ([0; N], [const { None }; N], us);
         for i in 0..N {
-            if self.clusters.len() > 1 {
-                // The choice of a cluster leaves a number for that of a window.
-                let Some(chosen) = self.clusters.choose(us[i]) else { continue };
-                (clusters[i], rests[i]) = chosen;
-            }
+            // The choice of a cluster leaves a number for that of a mirror.
+            (clusters[i], rests[i]) = self.clusters.choose(us[i]);
             let is_like_last = i > 0 && (receivers[i], clusters[i]) == (receivers[i - 1], clusters[i - 1]);
             roots[i] = if is_like_last { roots[i - 1] } else { self.root(receivers[i], count, clusters[i]) };
         }
         let chosen = self.tree.choose(&roots, rests, |_| true);
         std::array::from_fn(|i| {
-            chosen[i].map(|(place, prob)| ChosenWindow { cluster: clusters[i], place, prob })
+            chosen[i].map(|(place, prob)| ChosenMirror { cluster: clusters[i], place, prob })
         })
     }
 
@@ -97,7 +94,7 @@ impl WindowMirrors {
         self.tree.root(&Viewpoint { receiver, lights }, Self::ATTEMPTS / f64::from(count), |_| true)
     }
 
-    /// A point on a window chosen for one of `count` samples of the receiver, by `point` in `[0, 1)^2`. `None` if it shows no
+    /// A point on a mirror chosen for one of `count` samples of the receiver, by `point` in `[0, 1)^2`. `None` if it shows no
     /// light of the cluster.
     #[inline(never)]
     pub(crate) fn sample(
@@ -105,11 +102,11 @@ impl WindowMirrors {
         triangles: &Triangles,
         receiver: Receiver,
         count: u32,
-        ChosenWindow { cluster, place, prob }: ChosenWindow,
+        ChosenMirror { cluster, place, prob }: ChosenMirror,
         point: [f64; 2],
-    ) -> Option<WindowSample> {
+    ) -> Option<MirrorPoint> {
         let (cluster_prob, lights) = self.clusters.bounds(cluster);
-        let (triangle, from) = (self.windows[place as usize], receiver.position);
+        let (triangle, from) = (self.triangles[place as usize], receiver.position);
         let (u, v) = Triangle::sample_uniform(point);
         let point = triangles.surface_point(triangle, u, v);
         let direction = (point.position - from).try_normalize()?;
@@ -119,10 +116,10 @@ impl WindowMirrors {
         }
         let pdf = pdf(triangles.get(triangle), from, direction)?;
         let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);
-        (pdf.0 > 0.0).then_some(WindowSample { triangle, point, direction, pdf, cluster })
+        (pdf.0 > 0.0).then_some(MirrorPoint { triangle, point, direction, pdf, cluster })
     }
 
-    /// The density per steradian of all `count` directions that [`WindowMirrors::sample`] samples, at the one that leads
+    /// The density per steradian of all `count` directions that [`SmallMirrors::sample`] samples, at the one that leads
     /// from the receiver by way of the mirror triangle `index` to `position` on the light triangle `light`; `None` if it never
     /// samples that.
     #[inline(never)]
@@ -164,13 +161,13 @@ fn pdf(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<PdfSolidAng
 }
 
 #[cfg(test)]
-impl WindowMirrors {
+impl SmallMirrors {
     /// The triangle chosen to show the cluster of `light`, with its probability.
     pub(super) fn choice(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<(u32, f64)> {
         let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
         let root = self.tree.root(&Viewpoint { receiver, lights }, attempts, |_| true)?;
         let [chosen] = self.tree.choose(&[Some(root)], [u], |_| true);
-        chosen.map(|(place, prob)| (self.windows[place as usize], prob))
+        chosen.map(|(place, prob)| (self.triangles[place as usize], prob))
     }
 
     /// The probability of this choice of triangle `index`.
