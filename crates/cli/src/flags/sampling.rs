@@ -50,7 +50,7 @@ pub(crate) struct SamplingFlags {
     /// Supersampling: whether the edges of lights get more camera rays
     #[arg(long, value_enum, default_value_t = SupersamplingKind::Lights)]
     supersampling: SupersamplingKind,
-    /// Path reuse: whether neighbouring pixels share path suffixes
+    /// Path reuse: whether pixels of a tile share path suffixes
     #[arg(long, value_enum, default_value_t = PathReuseKind::Sixteens)]
     path_reuse: PathReuseKind,
     /// Path guiding: by what diffuse surfaces scatter paths

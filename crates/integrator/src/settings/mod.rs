@@ -64,7 +64,7 @@ pub struct Settings {
     pub mirror_sampling: MirrorSampling,
     /// Whether the edges of lights are supersampled.
     pub supersampling: Supersampling,
-    /// Whether pixels reuse the paths of their neighbours.
+    /// Whether pixels reuse the paths of other pixels of their tile.
     pub path_reuse: PathReuse,
     /// By what diffuse surfaces scatter paths.
     pub guiding: Guiding,
