@@ -221,8 +221,7 @@ impl RenderContext<'_> {
         mut add: impl FnMut(MirrorSampleKind, AreaLightSample),
     ) {
         let count = self.small_mirror_samples(path.is_prefix());
-        let mut add_chosen = |chosen: ChosenMirror, numbers: &Numbers| {
-            let (_, point) = numbers.light_in_mirror(small_mirror_decision(vertex.bounce));
+        let mut add_chosen = |chosen: ChosenMirror, point: [f64; 2]| {
             let (triangles, receiver) = (self.scene.triangles(), vertex.receiver());
             let Some(sample) = mirrors.sample(triangles, receiver, count, chosen, point) else { return };
             let MirrorPoint { triangle, point, direction, pdf, cluster } = sample;
@@ -232,13 +231,46 @@ impl RenderContext<'_> {
         match (vertex.mirror, count) {
             (PriorChoice::Made(chosen), _) => {
                 if let Some(chosen) = chosen {
-                    add_chosen(chosen, &path.numbers);
+                    add_chosen(chosen, path.numbers.light_in_mirror(small_mirror_decision(vertex.bounce)).1);
                 }
             }
-            (PriorChoice::Open, 1) => choose_mirrors::<1>(mirrors, path, vertex, count, add_chosen),
-            (PriorChoice::Open, 2) => choose_mirrors::<2>(mirrors, path, vertex, count, add_chosen),
+            (PriorChoice::Open, 1) => self.choose_mirrors::<1>(mirrors, path, vertex, count, add_chosen),
+            (PriorChoice::Open, 2) => self.choose_mirrors::<2>(mirrors, path, vertex, count, add_chosen),
             // A power of two.
-            (PriorChoice::Open, _) => choose_mirrors::<4>(mirrors, path, vertex, count, add_chosen),
+            (PriorChoice::Open, _) => self.choose_mirrors::<4>(mirrors, path, vertex, count, add_chosen),
+        }
+    }
+
+    /// Chooses `N` at a time of the small mirrors for `count` samples of a vertex, and calls `add` with each and two numbers for
+    /// a point on it. `N` divides `count`.
+    fn choose_mirrors<const N: usize>(
+        &self,
+        mirrors: &SmallMirrors,
+        path: &Path,
+        vertex: &ShadingPoint<'_>,
+        count: u32,
+        mut add: impl FnMut(ChosenMirror, [f64; 2]),
+    ) {
+        let decision = small_mirror_decision(vertex.bounce);
+        for first in (0..count).step_by(N) {
+            let parts: [_; N] = path.numbers.parts(first, count);
+            let us = self.simd.run(
+                #[inline(always)]
+                || Numbers::mirrors(&parts, decision),
+            );
+            let chosen = mirrors.choose([vertex.receiver(); N], count, us);
+            if chosen.iter().all(Option::is_none) {
+                continue;
+            }
+            let points = self.simd.run(
+                #[inline(always)]
+                || Numbers::lights_in_mirrors(&parts, decision),
+            );
+            for (chosen, (_, point)) in chosen.into_iter().zip(points) {
+                if let Some(chosen) = chosen {
+                    add(chosen, point);
+                }
+            }
         }
     }
 
@@ -304,26 +336,6 @@ impl RenderContext<'_> {
         match self.mirrors.filter(|_| is_first_mirror) {
             Some(_) => MisContext { mirror: Some(index), ..mis },
             None => MisContext { density: Density::Delta, mirror: None, ..mis },
-        }
-    }
-}
-
-/// Chooses `N` at a time of the small mirrors for `count` samples of a vertex, and calls `add` with each and the numbers of its
-/// sample. `N` divides `count`.
-fn choose_mirrors<const N: usize>(
-    mirrors: &SmallMirrors,
-    path: &Path,
-    vertex: &ShadingPoint<'_>,
-    count: u32,
-    mut add: impl FnMut(ChosenMirror, &Numbers),
-) {
-    for first in (0..count).step_by(N) {
-        let parts: [_; N] = path.numbers.parts(first, count);
-        let us = Numbers::mirrors(&parts, small_mirror_decision(vertex.bounce));
-        for (chosen, numbers) in mirrors.choose([vertex.receiver(); N], count, us).into_iter().zip(&parts) {
-            if let Some(chosen) = chosen {
-                add(chosen, numbers);
-            }
         }
     }
 }
