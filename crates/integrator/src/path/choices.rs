@@ -176,6 +176,10 @@ mod tests {
             let receiver = scene.interaction(&rays[i], &hit).receiver();
             let light = scene.lights().choose_each([receiver], [numbers[i].light]).map(|[light]| light);
             let [mirror] = small_mirrors.choose([receiver], 1, [of_mirrors[i]]);
+            // They choose different ones of the five clusters.
+            let us = [0.4, 0.0, 0.2, 0.2].map(|u| u + 0.2 * of_mirrors[i]);
+            let alone = us.map(|u| small_mirrors.choose([receiver], 1, [u])[0]);
+            assert_eq!(small_mirrors.choose([receiver; 4], 1, us), alone, "{i}");
             with_light += u32::from(light.is_some());
             with_mirror += u32::from(mirror.is_some());
             assert_eq!(lights.of_path(i), PriorChoice::Made(light), "{i}");
