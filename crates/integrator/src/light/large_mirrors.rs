@@ -60,8 +60,8 @@ impl LargeMirrors {
         Some(self.members[place].1)
     }
 
-    /// Chooses a facet that may show a light to `from`, on the side of its surface to which `side` points, by
-    /// `draw`, which returns a number in `[0, 1)`; `None` if there is none.
+    /// Chooses a facet that may show a light to the receiver, by a number in `[0, 1)` that `draw` returns; `None` if there is
+    /// none.
     #[inline(never)]
     pub(crate) fn choose(
         &self,
