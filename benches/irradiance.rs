@@ -4,7 +4,7 @@
 //! be the same to the bit.
 #![allow(clippy::print_stdout, reason = "a bench prints its results")]
 
-use globillum::geom::{Accel, WideKdTree};
+use globillum::geom::{Accel, WideBvh};
 use globillum::glam::DVec3;
 use globillum::integrator::{
     IrradiancePoints, Model, PathReuse, Reading, Scene, Sensor, Settings, Stream, render,
@@ -51,7 +51,7 @@ fn main() {
     let with_statue = cornell::with_mesh(&statue(70_000).triangles(), false);
     for (name, model) in [("box", cornell::with_blocks(false)), ("box with a statue", with_statue)] {
         let model: Model = model.expect("the box is good");
-        let scene = Scene::build(model, WideKdTree::build).expect("the box is good");
+        let scene = Scene::build(model, WideBvh::build).expect("the box is good");
         let mut list = on_walls();
         let points = IrradiancePoints::new(list.iter().copied()).expect("they are within the domain");
         let readings = |points: &IrradiancePoints| -> Vec<Reading> {

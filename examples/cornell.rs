@@ -1,7 +1,7 @@
 //! Renders the Cornell box to `cornell.png`: `cargo run --example cornell`.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program talks to people")]
 
-use globillum::geom::WideKdTree;
+use globillum::geom::WideBvh;
 use globillum::integrator::{Monitor, Progress, Render, Scene, Settings};
 use globillum::io::PictureFile;
 use globillum::scenes::cornell;
@@ -63,7 +63,7 @@ impl Monitor for Bar {
 /// Renders the picture, writes it, and prints one line about it.
 pub(crate) fn render(options: &Options) -> Result<(), Box<dyn Error>> {
     let file = PictureFile::create(&options.out)?; // A mistyped name fails now, not after the render.
-    let scene = Scene::build(cornell::with_blocks(false)?, WideKdTree::build)?;
+    let scene = Scene::build(cornell::with_blocks(false)?, WideBvh::build)?;
     let camera = cornell::camera()?;
     let settings = Settings::new(options.width, options.height, options.spp);
 

@@ -1,13 +1,13 @@
 //! Two pictures beside each other: equal ones are found equal as often as stated, a difference is found.
 
-use globillum::geom::WideKdTree;
+use globillum::geom::WideBvh;
 use globillum::integrator::{
     Comparison, Estimates, Model, PathReuse, Sampler, Scene, Settings, Stream, render,
 };
 use globillum::material::{Bsdf, Reflectance, Rgb};
 use globillum::scenes::cornell;
 
-type Built = Scene<WideKdTree>;
+type Built = Scene<WideBvh>;
 
 /// The Cornell box, its albedos multiplied by `factor`.
 fn scene(factor: f64) -> Built {
@@ -20,7 +20,7 @@ fn scene(factor: f64) -> Built {
         }
         scaled.add(material, [*triangle]);
     }
-    Scene::build(scaled, WideKdTree::build).unwrap()
+    Scene::build(scaled, WideBvh::build).unwrap()
 }
 
 fn settings(side: u32, samples: u32, seed: u64) -> Settings {

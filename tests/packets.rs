@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use globillum::geom::conformance::{Seeded, Source};
-use globillum::geom::{Accel, BruteForce, Ray, SimdLevel, Triangles, WideKdTree};
+use globillum::geom::{Accel, BruteForce, Ray, SimdLevel, Triangles, WideBvh};
 use globillum_testkit::shapes::{cuboid, icosphere};
 
 fn vector(source: &mut Seeded) -> DVec3 {
@@ -61,7 +61,7 @@ fn spoil(ray: &mut Ray, source: &mut Seeded) {
 fn batches_are_answered_as_each_ray_alone() {
     let mut source = Seeded::new(21);
     let triangles = furnished(&mut source);
-    let (tree, brute) = (WideKdTree::build(&triangles).unwrap(), BruteForce::build(&triangles));
+    let (tree, brute) = (WideBvh::build(&triangles).unwrap(), BruteForce::build(&triangles));
     let levels = SimdLevel::ALL.map(|level| tree.clone().with_level(level));
     let (mut found, mut occluded, mut all) = (Vec::new(), 0, 0);
     for round in 0..120 {
@@ -106,7 +106,7 @@ fn pencil(source: &mut Seeded) -> Vec<Ray> {
 fn rays_from_one_point_find_what_each_finds_alone() {
     let mut source = Seeded::new(5);
     let triangles = furnished(&mut source);
-    let (tree, brute) = (WideKdTree::build(&triangles).unwrap(), BruteForce::build(&triangles));
+    let (tree, brute) = (WideBvh::build(&triangles).unwrap(), BruteForce::build(&triangles));
     let levels = SimdLevel::ALL.map(|level| tree.clone().with_level(level));
     let (mut hits, mut occluded, mut found) = (Vec::new(), Vec::new(), 0);
     for _ in 0..200 {

@@ -505,7 +505,7 @@ fn a_street_of_22000_facets() {
         let center = t.vertices.iter().sum::<glam::Vec3>().as_dvec3() / 3.0;
         t.normal().dot(DVec3::new(10.0, center.y, 10.0) - center) > 0.0
     }));
-    let accel = globillum::geom::WideKdTree::build(&triangles).expect("a tree");
+    let accel = globillum::geom::WideBvh::build(&triangles).expect("a tree");
     let patches = Patches::of_triangles(triangles.len() as u32);
     let rays = std::env::var("VIEW_FACTOR_RAYS").map_or(1 << 16, |rays| rays.parse().expect("a number"));
     let settings = FactorSettings::new(rays);

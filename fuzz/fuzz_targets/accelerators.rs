@@ -2,17 +2,17 @@
 #![no_main]
 
 use globillum_geom::conformance::check_bytes;
-use globillum_geom::{GridOptions, KdOptions, KdTree, UniformGrid, WideKdTree};
+use globillum_geom::{GridOptions, KdOptions, KdTree, UniformGrid, WideBvh};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let kd = check_bytes(bytes, |triangles| KdTree::build(triangles, &KdOptions::default()));
     let grid = check_bytes(bytes, |triangles| UniformGrid::build(triangles, &GridOptions::default()));
-    let wide = check_bytes(bytes, WideKdTree::build);
+    let wide = check_bytes(bytes, WideBvh::build);
     // By default so few triangles are one cell.
     let mut options = KdOptions::default();
     (options.leaf_size, options.lookahead) = (4, 2);
-    let cells = check_bytes(bytes, |triangles| WideKdTree::build_with(triangles, &options));
+    let cells = check_bytes(bytes, |triangles| WideBvh::build_with(triangles, &options));
     for result in [kd, grid, wide, cells] {
         if let Err(violation) = result {
             panic!("{violation}");

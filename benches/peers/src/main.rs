@@ -47,7 +47,7 @@ struct Options {
     /// A rectangular light that faces down: its center, width along x and depth along z
     #[arg(long, alias = "lamp", value_name = "X,Y,Z,WIDTH,DEPTH", requires = "eye", value_parser = numbers::<5>, allow_hyphen_values = true)]
     light: Option<[f64; 5]>,
-    /// The instructions that the wide tree and Embree may use
+    /// The instructions that the wide BVH and Embree may use
     #[arg(long, value_enum, default_value_t = Isa::Best)]
     isa: Isa,
     /// Camera rays, rounded up to a square of whole tiles

@@ -5,18 +5,18 @@ use crate::peer::{Answer, Build, Entry, Family, Peer, Trial, one_by_one};
 use crate::rays::RaySet;
 use anyhow::Result;
 use globillum::geom::{
-    Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel, Triangles, UniformGrid, WideKdTree,
+    Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel, Triangles, UniformGrid, WideBvh,
 };
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 
 /// Two entries for each structure: queried ray by ray, and in batches. All other entries are compared with the
-/// first. The wide tree uses the instructions of `level` at most.
+/// first. The wide BVH uses the instructions of `level` at most.
 pub(crate) fn build(triangles: &Triangles, level: SimdLevel) -> Result<Vec<Entry>> {
     let structures = [
         both("k-d tree", || KdTree::build(triangles, &KdOptions::default()))?,
-        both("wide tree", || Ok(WideKdTree::build(triangles)?.with_level(level)))?,
-        both("wide tree, built quickly", || Ok(WideKdTree::build_quickly(triangles)?.with_level(level)))?,
+        both("wide BVH", || Ok(WideBvh::build(triangles)?.with_level(level)))?,
+        both("wide BVH, built quickly", || Ok(WideBvh::build_quickly(triangles)?.with_level(level)))?,
         both("uniform grid", || UniformGrid::build(triangles, &GridOptions::default()))?,
     ];
     Ok(structures.into_iter().flatten().collect())

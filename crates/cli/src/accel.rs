@@ -1,5 +1,5 @@
 use globillum::geom::{
-    Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid, WideKdTree,
+    Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid, WideBvh,
 };
 
 /// An accelerator by the name it has on the command line.
@@ -23,7 +23,7 @@ impl AccelKind {
     /// Those of the accelerator's own `build`.
     pub fn build(self, triangles: &Triangles) -> Result<Box<dyn Accel>, GeomError> {
         Ok(match self {
-            Self::Wide => Box::new(WideKdTree::build(triangles)?),
+            Self::Wide => Box::new(WideBvh::build(triangles)?),
             Self::Kd => Box::new(KdTree::build(triangles, &KdOptions::default())?),
             Self::Grid => Box::new(UniformGrid::build(triangles, &GridOptions::default())?),
             Self::Brute => Box::new(BruteForce::build(triangles)),

@@ -17,14 +17,14 @@ use std::fmt::Debug;
 /// 5. Degenerate triangles are never hit; a structure over no triangles hits nothing.
 /// 6. Queries neither panic nor allocate more than their output.
 ///
-/// Batches are faster than single rays, above all with a [`WideKdTree`](crate::WideKdTree):
+/// Batches are faster than single rays, above all with a [`WideBvh`](crate::WideBvh):
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
-/// use globillum_geom::{Accel, Ray, Triangle, Triangles, WideKdTree};
+/// use globillum_geom::{Accel, Ray, Triangle, Triangles, WideBvh};
 ///
 /// let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
-/// let tree = WideKdTree::build(&triangles)?;
+/// let tree = WideBvh::build(&triangles)?;
 /// let down = |x, y| Ray::new(DVec3::new(x, y, 2.0), -DVec3::Z);
 /// let mut hits = Vec::new(); // reusable
 /// tree.intersect_batch(&[down(0.2, 0.2), down(0.9, 0.9)], &mut hits);

@@ -3,7 +3,7 @@
 //! All accelerators give the same answers, to the bit. In the order of the data flow:
 //!
 //! - [`Triangles`] are validated [`Triangle`]s, from which every accelerator is built;
-//! - [`BruteForce`], [`KdTree`], [`WideKdTree`] and [`UniformGrid`] implement [`Accel`], whose documentation
+//! - [`BruteForce`], [`KdTree`], [`WideBvh`] and [`UniformGrid`] implement [`Accel`], whose documentation
 //!   states their common contract;
 //! - a query takes a [`Ray`] and returns a [`Hit`], decided by the routine in [`decide`];
 //! - [`Triangles::surface_point`] turns the hit into a [`SurfacePoint`], from which rays leave without hitting
@@ -69,6 +69,8 @@ pub use spherical::SphericalTriangle;
 pub use surface::SurfacePoint;
 pub use triangle::Triangle;
 pub use triangles::Triangles;
+pub use wide::WideBvh;
+#[allow(deprecated, reason = "programs that use the former name still compile")]
 pub use wide::WideKdTree;
 
 /// A hash of this crate's sources, in hexadecimal digits. What may change a bit of a picture changes it; so does a

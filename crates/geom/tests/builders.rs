@@ -13,7 +13,7 @@ use globillum_geom::conformance::{Regime, Seeded, Source};
 use globillum_geom::decide::Shear;
 use globillum_geom::{
     Accel, BruteForce, GeomError, GridOptions, Hit, KdOptions, KdStats, KdTree, Ray, SplitRule, Triangle,
-    Triangles, UniformGrid, WideKdTree,
+    Triangles, UniformGrid, WideBvh,
 };
 use globillum_testkit::accelerators::rule_options;
 use proptest::prelude::*;
@@ -24,8 +24,8 @@ struct Scene {
     brute: BruteForce,
     kd: KdTree,
     by_rule: Vec<(String, KdTree)>,
-    wide: WideKdTree,
-    quick: WideKdTree,
+    wide: WideBvh,
+    quick: WideBvh,
     grid: UniformGrid,
 }
 
@@ -35,8 +35,8 @@ impl Scene {
         Self {
             brute: BruteForce::build(&triangles),
             kd: kd_within_bounds(&triangles, &KdOptions::default()),
-            wide: wide_within_bounds(&triangles, WideKdTree::build).0,
-            quick: wide_within_bounds(&triangles, WideKdTree::build_quickly).0,
+            wide: wide_within_bounds(&triangles, WideBvh::build).0,
+            quick: wide_within_bounds(&triangles, WideBvh::build_quickly).0,
             by_rule: every_rule().map(|options| kd_by_rule(&triangles, &options)).collect(),
             grid: grid_within_bounds(&triangles, &GridOptions::default()),
             triangles,
@@ -55,8 +55,8 @@ impl Scene {
         for (name, accel) in [
             ("k-d tree", &self.kd as &dyn Accel),
             ("grid", &self.grid),
-            ("wide tree", &self.wide),
-            ("wide tree, built quickly", &self.quick),
+            ("wide BVH", &self.wide),
+            ("wide BVH, built quickly", &self.quick),
         ] {
             assert_same(name, accel, ray, expected);
         }
@@ -113,12 +113,12 @@ fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
     tree
 }
 
-/// Builds a wide tree and checks all that is promised about its size; also returns the bytes that building
+/// Builds a wide BVH and checks all that is promised about its size; also returns the bytes that building
 /// took.
 fn wide_within_bounds(
     triangles: &Triangles,
-    build: impl FnOnce(&Triangles) -> Result<WideKdTree, GeomError> + Send,
-) -> (WideKdTree, usize) {
+    build: impl FnOnce(&Triangles) -> Result<WideBvh, GeomError> + Send,
+) -> (WideBvh, usize) {
     let (tree, allocated) = measured(|| build(triangles).expect("not too many references"));
     let taken = allocated.bytes_max as usize;
     let n = triangles.live().len();
@@ -706,7 +706,7 @@ fn what_building_takes_over_closed_meshes() {
             let by_rule = kd(options);
             assert!((170..=420).contains(&by_rule), "{by_rule} n, {:?}", options.rule);
         }
-        for build in [WideKdTree::build, WideKdTree::build_quickly] {
+        for build in [WideBvh::build, WideBvh::build_quickly] {
             let wide = wide_within_bounds(&triangles, build).1 / n;
             assert!((150..=220).contains(&wide), "{wide} n");
         }
@@ -714,18 +714,18 @@ fn what_building_takes_over_closed_meshes() {
 }
 
 #[test]
-fn what_building_a_wide_tree_takes_over_long_triangles_and_in_small_cells() {
+fn what_building_a_wide_bvh_takes_over_long_triangles_and_in_small_cells() {
     let mut tiny = KdOptions::default();
     (tiny.leaf_size, tiny.traversal_cost, tiny.empty_factor) = (0, 0.0, 1e-3);
     let mesh = Triangles::new(statue(6_000).triangles()).unwrap();
     for triangles in [mesh, soup(20_000, 0.02), soup(20_000, 0.2), soup(20_000, 1.0), soup(2_000, 3.0)] {
         let n = triangles.live().len();
-        for build in [WideKdTree::build, WideKdTree::build_quickly] {
+        for build in [WideBvh::build, WideBvh::build_quickly] {
             let peak = wide_within_bounds(&triangles, build).1 / n;
             assert!((120..=1000).contains(&peak), "{peak} n");
         }
         for options in [KdOptions::default(), tiny] {
-            let build = |triangles: &Triangles| WideKdTree::build_with(triangles, &options);
+            let build = |triangles: &Triangles| WideBvh::build_with(triangles, &options);
             let peak = wide_within_bounds(&triangles, build).1 / n;
             assert!((200..=1700).contains(&peak), "{peak} n, {options:?}");
         }
@@ -748,7 +748,7 @@ fn any_number_of_threads_builds_the_same_tree() {
         }
     }
     let triangles = Triangles::new(statue(20_000).triangles()).unwrap();
-    for build in [WideKdTree::build, WideKdTree::build_quickly] {
+    for build in [WideBvh::build, WideBvh::build_quickly] {
         let tree = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             format!("{:?}", pool.install(|| build(&triangles).unwrap()))
@@ -773,8 +773,8 @@ fn grids_that_divide_little_build_trees_too() {
 /// Nor by other factors than powers of two, by which coordinates are rounded elsewhere, so that boxes are not
 /// quite the same.
 #[test]
-fn the_unit_of_length_does_not_change_a_wide_tree() {
-    for build in [WideKdTree::build, WideKdTree::build_quickly] {
+fn the_unit_of_length_does_not_change_a_wide_bvh() {
+    for build in [WideBvh::build, WideBvh::build_quickly] {
         let bytes = |levels, scale| {
             let mesh = icosphere(levels).placed(scale, DVec3::ZERO);
             build(&Triangles::new(mesh.triangles()).unwrap()).unwrap().bytes()

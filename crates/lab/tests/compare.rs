@@ -59,7 +59,7 @@ fn everything_is_written_and_all_rows_have_one_hash() {
     assert!(table.contains("| k-d tree, sliding fair"), "{table}");
     let csv = std::fs::read_to_string(folder.path().join("compare/compare.csv")).expect("a table");
     let hashes: Vec<&str> = csv.lines().skip(1).filter_map(|line| line.rsplit(',').next()).collect();
-    // Brute force, the grid, the default k-d tree, the wide tree and seven rules.
+    // Brute force, the grid, the default k-d tree, the wide BVH and seven rules.
     assert_eq!(hashes.len(), 11, "{csv}");
     assert!(hashes.iter().all(|hash| hash == &hashes[0] && hash.len() == 16), "{csv}");
     for name in

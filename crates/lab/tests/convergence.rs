@@ -40,7 +40,7 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["--side", "7"], &["--side", "7"]);
     assert_refused(&["--time", "0"], &["seconds", "0"]);
     assert_refused(&["--threads", "2000"], &["threads", "2000"]);
-    assert_refused(&["--accel", "wide,kd,wide"], &["--accel", "wide tree", "twice"]);
+    assert_refused(&["--accel", "wide,kd,wide"], &["--accel", "wide BVH", "twice"]);
     assert_refused(&["--out", "dark.obj"], &["dark.obj"]);
 }
 

@@ -2,7 +2,7 @@
 
 use globillum_geom::{
     Aabb, Accel, BruteForce, Counts, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel,
-    SplitRule, Traverse, Triangles, UniformGrid, WideKdTree,
+    SplitRule, Traverse, Triangles, UniformGrid, WideBvh,
 };
 use std::fmt::Debug;
 
@@ -34,27 +34,27 @@ pub const ACCELERATORS: [(&str, Builder); 4] = [
     ("brute force", |t| Ok(Box::new(BruteForce::build(t)))),
     ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
     ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
-    ("wide tree", |t| wide(t, SimdLevel::best())),
+    ("wide BVH", |t| wide(t, SimdLevel::best())),
 ];
 
 /// The accelerators that tests render with.
 pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[3], ACCELERATORS[2]];
 
-/// The wide tree at lower instruction levels than the machine's best.
+/// The wide BVH at lower instruction levels than the machine's best.
 pub const LESSER_LEVELS: [(&str, Builder); 2] = [
-    ("wide tree, AVX2", |t| wide(t, SimdLevel::Avx2)),
-    ("wide tree, portable", |t| wide(t, SimdLevel::Portable)),
+    ("wide BVH, AVX2", |t| wide(t, SimdLevel::Avx2)),
+    ("wide BVH, portable", |t| wide(t, SimdLevel::Portable)),
 ];
 
-/// The wide tree with split planes down to small cells, so that small scenes have planes. In the second, the
+/// The wide BVH with split planes down to small cells, so that small scenes have planes. In the second, the
 /// builder removes most planes again because they do not pay.
 pub const SMALL_CELLS: [(&str, Builder); 2] = [
-    ("wide tree, small cells", |t| small_cells(t, SplitRule::SurfaceArea, 1.0)),
-    ("wide tree, small cells, midpoint", |t| small_cells(t, SplitRule::Midpoint, 8.0)),
+    ("wide BVH, small cells", |t| small_cells(t, SplitRule::SurfaceArea, 1.0)),
+    ("wide BVH, small cells, midpoint", |t| small_cells(t, SplitRule::Midpoint, 8.0)),
 ];
 
 fn wide(triangles: &Triangles, level: SimdLevel) -> Built {
-    Ok(Box::new(WideKdTree::build(triangles)?.with_level(level)))
+    Ok(Box::new(WideBvh::build(triangles)?.with_level(level)))
 }
 
 /// The k-d tree by every split rule, with [`rule_options`].
@@ -161,7 +161,7 @@ pub fn rule_options(rule: SplitRule) -> KdOptions {
 fn small_cells(triangles: &Triangles, rule: SplitRule, traversal_cost: f64) -> Built {
     let mut options = KdOptions::by_rule(rule);
     (options.leaf_size, options.lookahead, options.traversal_cost) = (4, 3, traversal_cost);
-    Ok(Box::new(WideKdTree::build_with(triangles, &options)?))
+    Ok(Box::new(WideBvh::build_with(triangles, &options)?))
 }
 
 fn by_rule(triangles: &Triangles, rule: SplitRule) -> Built {

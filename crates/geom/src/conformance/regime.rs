@@ -21,7 +21,7 @@ pub enum Regime {
     RawBits,
 }
 
-/// Rays per pencil: the size of a packet of the wide tree.
+/// Rays per pencil: the size of a packet of the wide BVH.
 const PENCIL: usize = 64;
 
 impl Regime {

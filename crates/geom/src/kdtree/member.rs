@@ -3,7 +3,7 @@
 //! A triangle's box may overlap a cell that the triangle misses, and is usually larger than the part of the
 //! triangle within the cell. Clipping the triangle to the cell saves references and gives better planes
 //! (Havran and Bittner, "On improving kd-trees for ray shooting", 2002). The traversal of the k-d tree does
-//! not depend on it, since whole triangles are tested; the boxes of the wide tree do (docs/numerics.md).
+//! not depend on it, since whole triangles are tested; the boxes of the wide BVH do (docs/numerics.md).
 
 use super::plane::Plane;
 use crate::{Aabb, Triangle, Triangles};

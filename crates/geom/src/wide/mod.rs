@@ -1,5 +1,4 @@
-//! A wide tree for many rays: k-d planes above, an 8-wide bounding volume hierarchy below, traversed in `f32`
-//! and decided in `f64`.
+//! A bounding volume hierarchy of eight children for each node, for many rays: traversed in `f32` and decided in `f64`.
 //!
 //! - [`build`]: a k-d tree by the surface area heuristic (Wald and Havran, 2006) down to cells of some hundred
 //!   triangles, which are clipped to their cells (Havran and Bittner, 2002); below, object splits in bins (Wald, 2007) down
@@ -25,10 +24,11 @@ use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, Traverse, Triang
 use trace::{Scratch, query_one, query_others, query_packets};
 use tree::Tree;
 
-/// A [`KdTree`]'s planes above, an 8-wide bounding volume hierarchy below: the fastest structure of this crate.
+/// A wide bounding volume hierarchy, the fastest structure of this crate. Every node stores the bounds of up to eight
+/// children.
 ///
-/// The planes separate the scene into cells of some hundred triangles. Within a cell, object splits group the
-/// triangles into leaf blocks of up to eight. Every node stores the bounds of up to eight children.
+/// It is built from above by the planes of a [`KdTree`], which separate the scene into cells of some hundred triangles.
+/// Within a cell, object splits group the triangles into leaf blocks of up to eight.
 ///
 /// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
 /// 64 coherent rays in a row are traversed as a packet: rays from one point that exclude no triangle, such as those of 8 x
@@ -39,20 +39,24 @@ use tree::Tree;
 ///
 /// [`KdTree`]: crate::KdTree
 #[derive(Clone, Debug)]
-pub struct WideKdTree {
+pub struct WideBvh {
     tree: Tree,
     token: Token,
 }
 
-impl WideKdTree {
+/// The former name of [`WideBvh`].
+#[deprecated(since = "0.1.0", note = "renamed to `WideBvh`")]
+pub type WideKdTree = WideBvh;
+
+impl WideBvh {
     /// Builds the tree by the surface area heuristic, with options that suit it.
     ///
     /// Over `n` live triangles a closed mesh takes about `200 n` bytes on one thread, beside the triangles; long
     /// triangles at random, or many that overlap, up to `1000 n` (measured). The bound that
-    /// [`WideKdTree::build_with`] states holds for all.
+    /// [`WideBvh::build_with`] states holds for all.
     ///
     /// # Errors
-    /// As [`WideKdTree::build_with`].
+    /// As [`WideBvh::build_with`].
     pub fn build(triangles: &Triangles) -> Result<Self, GeomError> {
         Self::build_with(triangles, &Self::options())
     }
@@ -61,7 +65,7 @@ impl WideKdTree {
     /// and upper levels are split between cells. Queries take at most about a tenth longer (docs/performance.md).
     ///
     /// Over `n` live triangles a closed mesh takes about `140 n` bytes on one thread, beside the triangles (measured).
-    /// The bounds that [`WideKdTree::build_with`] states hold.
+    /// The bounds that [`WideBvh::build_with`] states hold.
     ///
     /// # Errors
     /// [`GeomError::Budget`] for more than about 134 million triangles.
@@ -106,7 +110,7 @@ impl WideKdTree {
     }
 }
 
-impl WideKdTree {
+impl WideBvh {
     /// Answers the query of every ray. Packets and stream are compiled apart: together they are slower.
     fn query_batch<Q: Query, T: Clone + Default>(
         &self,
@@ -121,7 +125,7 @@ impl WideKdTree {
     }
 }
 
-impl Traverse for WideKdTree {
+impl Traverse for WideBvh {
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         vectorized!(self.token, |simd| query_one::<_, ClosestHit, P>(simd, &self.tree, ray, probe)).hit()
     }
@@ -131,7 +135,7 @@ impl Traverse for WideKdTree {
     }
 }
 
-impl Accel for WideKdTree {
+impl Accel for WideBvh {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.closest(ray, &mut ())
     }

@@ -28,11 +28,11 @@ pub enum LightSampling {
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
-/// use globillum_geom::{Accel, Frame, Ray, Triangle, WideKdTree};
+/// use globillum_geom::{Accel, Frame, Ray, Triangle, WideBvh};
 /// use globillum_integrator::{LightSampling, Model, Scene, Stream};
 /// use globillum_material::{Material, Rgb};
 ///
-/// fn radiance(scene: &Scene<WideKdTree>, ray: &Ray, numbers: Stream) -> Rgb {
+/// fn radiance(scene: &Scene<WideBvh>, ray: &Ray, numbers: Stream) -> Rgb {
 ///     let Some(hit) = scene.accel().intersect(ray) else { return scene.environment() };
 ///     let at = scene.interaction(ray, &hit);
 ///     let lights = scene.light_sampler(LightSampling::SolidAngle, at.point.position, at.side());
@@ -54,7 +54,7 @@ pub enum LightSampling {
 /// model.add(Material::lambert(Rgb::splat(0.5))?, [Triangle::new(a, c, b), Triangle::new(a, d, c)]);
 /// let [a, b, c, d] = square(1.0);
 /// model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c), Triangle::new(a, c, d)]);
-/// let scene = Scene::build(model, WideKdTree::build)?;
+/// let scene = Scene::build(model, WideBvh::build)?;
 /// let eye = DVec3::new(0.1, 0.5, 0.2);
 /// let ray = Ray::new(eye, -eye); // toward the middle of the floor
 /// let sum: f64 = (0..10_000).map(|i| radiance(&scene, &ray, Stream::new(0, 0, i)).g).sum();

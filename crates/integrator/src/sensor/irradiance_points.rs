@@ -22,14 +22,14 @@ use std::ops::Range;
 ///
 /// ```
 /// use glam::{DVec3, Vec3};
-/// use globillum_geom::{Triangle, WideKdTree};
+/// use globillum_geom::{Triangle, WideBvh};
 /// use globillum_integrator::{IrradiancePoints, Model, Render, Scene, Stop};
 /// use globillum_material::{Material, Rgb};
 ///
 /// let mut model = Model::default();
 /// let [a, b, c, d] = [(-1, -1), (1, -1), (1, 1), (-1, 1)].map(|(x, z)| Vec3::new(x as f32, 1.0, z as f32));
 /// model.add(Material::light(Rgb::splat(10.0))?, [Triangle::new(a, b, c), Triangle::new(a, c, d)]);
-/// let scene = Scene::build(model, WideKdTree::build)?;
+/// let scene = Scene::build(model, WideBvh::build)?;
 ///
 /// let points = IrradiancePoints::new((0..10).map(|i| (DVec3::X * 0.1 * f64::from(i), DVec3::Y)))?;
 /// let mut stop = Stop::default();

@@ -18,13 +18,13 @@
 //!
 //! ```
 //! use glam::Vec3;
-//! use globillum_geom::{Triangle, Triangles, WideKdTree};
+//! use globillum_geom::{Triangle, Triangles, WideBvh};
 //! use globillum_integrator::view_factors::{FactorRun, FactorSettings, Patches, Target};
 //!
 //! let [a, b, c] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 //! let facing = [a, c, b].map(|v| v + Vec3::Z);
 //! let triangles = Triangles::new(vec![Triangle::new(a, b, c), Triangle { vertices: facing }])?;
-//! let accel = WideKdTree::build(&triangles)?;
+//! let accel = WideBvh::build(&triangles)?;
 //! let patches = Patches::of_triangles(2);
 //! let factors = FactorRun::new(&triangles, &accel, &patches, &FactorSettings::new(1 << 14)).run(&())?;
 //! let [across, away] = [Target::Patch(1), Target::Surroundings].map(|target| factors.factor(0, target));

@@ -3,7 +3,7 @@
 use super::measure::Contender;
 use clap::Args;
 use globillum::geom::{
-    BruteForce, GridOptions, KdOptions, KdTree, SplitRule, Triangles, UniformGrid, WideKdTree,
+    BruteForce, GridOptions, KdOptions, KdTree, SplitRule, Triangles, UniformGrid, WideBvh,
 };
 use globillum_testkit::accelerators::{Built, rule_options};
 
@@ -44,7 +44,7 @@ impl Structures {
         all.push(("uniform grid".to_owned(), Box::new(move |t| Ok(Box::new(UniformGrid::build(t, &grid)?)))));
         let usual = self.usual_kd();
         all.push(("k-d tree".to_owned(), kd(usual)));
-        all.push(("wide tree".to_owned(), Box::new(|t| Ok(Box::new(WideKdTree::build(t)?)))));
+        all.push(("wide BVH".to_owned(), Box::new(|t| Ok(Box::new(WideBvh::build(t)?)))));
         all.extend(SplitRule::ALL.map(|rule| (format!("k-d tree, {}", name(rule)), kd(self.kd(rule)))));
         all
     }

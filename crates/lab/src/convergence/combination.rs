@@ -89,7 +89,7 @@ impl Combination {
 /// The accelerator in words.
 pub(crate) fn accel_name(accel: AccelKind) -> &'static str {
     match accel {
-        AccelKind::Wide => "wide tree",
+        AccelKind::Wide => "wide BVH",
         AccelKind::Kd => "k-d tree",
         AccelKind::Grid => "uniform grid",
         AccelKind::Brute => "brute force",

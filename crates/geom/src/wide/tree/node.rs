@@ -67,7 +67,7 @@ impl Child {
     pub(crate) fn check_references(count: usize) -> Result<(), GeomError> {
         let (requested, budget) = (count as u64, Self::MAX_REFERENCES as u64);
         if requested > budget {
-            return Err(GeomError::Budget { what: "wide tree references", requested, budget });
+            return Err(GeomError::Budget { what: "wide BVH references", requested, budget });
         }
         Ok(())
     }
@@ -108,7 +108,7 @@ mod tests {
         let limit = Child::MAX_REFERENCES;
         assert_eq!(Child::check_references(limit), Ok(()));
         let error = GeomError::Budget {
-            what: "wide tree references",
+            what: "wide BVH references",
             requested: limit as u64 + 1,
             budget: limit as u64,
         };
