@@ -46,6 +46,9 @@ fn coplanar(model: &Model, lights: &[usize]) -> usize {
     let mut pairs_left = PAIRS_PER_TRIANGLE * model.triangles().len();
     let mut count = 0;
     for (index, triangle) in model.triangles().iter().enumerate() {
+        if pairs_left == 0 {
+            break;
+        }
         let Some(neighbours) = by_plane.get_mut(&planes.key(triangle)) else { continue };
         neighbours.retain(|&light| {
             pairs_left = pairs_left.saturating_sub(1);
