@@ -1,11 +1,12 @@
 //! The ends of a render: limits, goals, cancelling, and failures.
 
 use glam::DVec3;
-use globillum::geom::{Aabb, Accel, Hit, Ray};
+use globillum::geom::{Aabb, Accel, Hit, Ray, Triangle};
 use globillum::integrator::{
     Camera, Ending, Estimator, Model, Monitor, Picture, PixelGoal, Progress, Render, RenderError, Scene,
-    Settings, Stop, Supersampling, render,
+    Settings, Stop, Supersampling, render, replay,
 };
+use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
 use std::sync::Mutex;
@@ -125,6 +126,22 @@ fn the_pilot_determines_the_number_of_passes() {
     let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(1e-6), Some(2)));
     let picture = run(&with_samples(settings, 64), plan, &());
     assert_eq!((picture.ending, picture.samples), (Ending::Samples, 32));
+}
+
+/// Two passes of a small picture say nearly nothing about its error. More of them are the pilot then, and the plan is not
+/// out of all proportion.
+#[test]
+fn a_short_pilot_is_continued() {
+    let mut settings = Settings::new(17, 3, 1 << 20);
+    for seed in 0..20 {
+        settings.seed = seed;
+        let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(0.02), Some(2)));
+        let picture = run(&settings, plan, &());
+        let passes = picture.film.passes()[0].clone();
+        assert_eq!(picture.ending, Ending::Goals);
+        assert!(passes.start.is_power_of_two() && passes.len() as u32 <= 16 * passes.start, "{passes:?}");
+        assert!(picture.samples < 1 << 12, "{}", picture.samples);
+    }
 }
 
 /// The mean radiance over many seeds of a picture of one pixel that stops at an error goal, and its standard
@@ -288,6 +305,17 @@ fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Box<dyn Accel>> {
         Ok(Box::new(Failing { inner, left: AtomicU32::new(rays), how }))
     };
     Scene::build(model.clone(), build).expect("the model is good")
+}
+
+/// What a render does before its first sample is done again for a replay. A panic there is an error, too.
+#[test]
+fn a_panic_before_a_replay_is_an_error() {
+    let mut model = scenes::light_over_floor();
+    let [a, b, c] = [DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 1.0)].map(|v| v.as_vec3());
+    model.add(Material::mirror(Rgb::splat(0.9)).expect("in range"), [Triangle::new(a, b, c)]);
+    let scene = failing_in(&model, 100, Failure::Panic);
+    let replayed = replay(&scene, &light_over_floor().1, &Settings::new(16, 16, 1), (3, 4), 0);
+    assert!(matches!(replayed, Err(RenderError::Worker { .. })), "{replayed:?}");
 }
 
 /// A panicking worker ends the render with an error and leaves nothing locked.

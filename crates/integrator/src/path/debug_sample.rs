@@ -6,6 +6,7 @@ use super::probes::probed;
 use super::render_context::RenderContext;
 use super::training::guide;
 use super::wavefront::{IRRADIANCE, Wavefront, receiver};
+use crate::caught::caught;
 use crate::{RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SurfacePoint};
 use globillum_material::{Material, Rgb};
@@ -79,7 +80,9 @@ pub fn replay(
         return Err(RenderError::Param { name, value: value.into(), range });
     }
     let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
-    let context = probed(RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref()));
+    let context = RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref());
+    let context =
+        caught(|| probed(context)).map_err(|message| RenderError::Worker { x: 0, y: 0, message })?;
     let one = sample..sample + 1;
     let square = square_around(x, y, settings.width, settings.height);
     let place = (y - square.y) * square.width + (x - square.x);

@@ -4,6 +4,9 @@ use crate::caught::caught;
 use crate::{Ending, Picture, RenderError};
 use std::ops::{ControlFlow, Range};
 
+/// For how many times its own passes a pilot plans.
+const LONGEST_PLAN: f64 = 16.0;
+
 /// Renders pass after pass until a stop condition holds.
 pub(crate) struct PassLoop<'a> {
     pub(crate) renderer: PassRenderer<'a>,
@@ -51,9 +54,8 @@ impl PassLoop<'_> {
         pilot: u32,
     ) -> Result<Ending, RenderError> {
         let before = picture.samples;
-        let second = passes.start.saturating_add(pilot).min(passes.end);
-        let planned = match self.plan(picture, passes.start..second)? {
-            ControlFlow::Continue(planned) => planned,
+        let (second, planned) = match self.plan(picture, passes.clone(), pilot)? {
+            ControlFlow::Continue(plan) => plan,
             ControlFlow::Break(ending) => return Ok(ending),
         };
         let enough = planned.is_some_and(|planned| planned <= f64::from(passes.end - second));
@@ -70,24 +72,36 @@ impl PassLoop<'_> {
         Ok(if enough { Ending::Goals } else { Ending::Samples })
     }
 
-    /// The number of passes that the goals need, estimated from `pilot` passes, which are dropped; `None`
-    /// without a goal. Breaks if the render is cancelled.
+    /// The end of the pilot, which has the first `pilot` of `passes` or more and is dropped, and the number of passes that
+    /// the goals need by it; `None` without a goal. Breaks if the render is cancelled.
     fn plan(
         &self,
         picture: &Picture,
-        pilot: Range<u32>,
-    ) -> Result<ControlFlow<Ending, Option<f64>>, RenderError> {
+        passes: Range<u32>,
+        pilot: u32,
+    ) -> Result<ControlFlow<Ending, (u32, Option<f64>)>, RenderError> {
         let mut trial =
             Picture::new(picture.film.emptied(), picture.height, picture.pass_samples, picture.key);
-        for pass in pilot.clone() {
-            self.expect(&trial, pass..pilot.end, None);
-            match self.add_pass(&mut trial, pass, 0)? {
-                None => {}
-                Some(Ending::Seconds) => break,
-                Some(ending) => return Ok(ControlFlow::Break(ending)),
+        let (mut start, mut end) = (passes.start, passes.start.saturating_add(pilot).min(passes.end));
+        loop {
+            for pass in start..end {
+                self.expect(&trial, pass..end, None);
+                match self.add_pass(&mut trial, pass, 0)? {
+                    None => {}
+                    Some(Ending::Seconds) => {
+                        return Ok(ControlFlow::Continue((end, self.stop.passes_after(&trial.film))));
+                    }
+                    Some(ending) => return Ok(ControlFlow::Break(ending)),
+                }
             }
+            let planned = self.stop.passes_after(&trial.film);
+            let (rendered, left) = (end - passes.start, passes.end - end);
+            let longest = LONGEST_PLAN * f64::from(rendered);
+            if planned.is_none_or(|planned| planned.min(f64::from(left)) <= longest) {
+                return Ok(ControlFlow::Continue((end, planned)));
+            }
+            (start, end) = (end, end.saturating_add(rendered).min(passes.end));
         }
-        Ok(ControlFlow::Continue(self.stop.passes_after(&trial.film)))
     }
 
     /// Hands the picture to the monitor.
