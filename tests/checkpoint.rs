@@ -108,10 +108,10 @@ fn a_render_can_be_resumed_with_more_samples() {
     assert_eq!(more.to_bytes(), whole.to_bytes());
     // An incomplete pass cannot be completed, and samples cannot be removed.
     let short = render(&scene, &camera, &with(23), &()).expect("likewise");
-    for (samples, picture) in [(40, short), (20, part)] {
+    let refusals = [(40, short, CheckpointError::CutShort), (20, part, CheckpointError::TooManySamples)];
+    for (samples, picture, error) in refusals {
         let result = Render::new(&scene, &camera, &with(samples)).resume(picture).run(&());
-        let mismatch = CheckpointError::Mismatch("number of samples");
-        assert_eq!(result.expect_err("it does not fit"), RenderError::Checkpoint(mismatch));
+        assert_eq!(result.expect_err("it does not fit"), RenderError::Checkpoint(error));
     }
 }
 
@@ -172,7 +172,7 @@ fn passes_count_once() {
     // An incomplete pass in the middle: no run produces it.
     let cut = passes(0..2, &changed(base, |s| s.samples = 3));
     for (mut a, b) in [(cut.clone(), passes(2..3, &base)), (passes(2..3, &base), cut)] {
-        assert_eq!(a.merge(b), Err(CheckpointError::Mismatch("number of samples")));
+        assert_eq!(a.merge(b), Err(CheckpointError::CutShort));
     }
     for invalid in [5..5, 0..65] {
         let (scene, camera) = the_box();
@@ -320,9 +320,8 @@ fn equal_checkpoints_count_once_and_others_not() {
     // A pass cut short, with one after it in another strip.
     let cut = changed(settings, |s| s.samples = 3);
     let cut = Render::new(&scene, &camera, &cut).rows(0..16).passes(0..2).run(&()).expect("it is good");
-    let mismatch = CheckpointError::Mismatch("number of samples");
     let result = merged(&[&parts[3], &cut.to_bytes()]);
-    assert_eq!(result, Err(MergeError::Input { index: 1, error: mismatch }));
+    assert_eq!(result, Err(MergeError::Input { index: 1, error: CheckpointError::CutShort }));
 }
 
 #[test]

@@ -26,28 +26,36 @@ pub(crate) struct Subject {
 }
 
 impl Subject {
-    /// Its name, its scene with an accelerator, and the camera.
-    pub(crate) fn build(
-        self,
-        flags: &RenderFlags,
-        interrupt: &Interrupt,
-    ) -> Result<(String, BuiltScene, (AnyCamera, CameraBy))> {
+    /// Builds its scene, and finds the camera.
+    pub(crate) fn build(self, flags: &RenderFlags, interrupt: &Interrupt) -> Result<BuiltSubject> {
         let Self { name, model, view, environment } = self;
-        let scene = build(model, environment, flags.speed.accel)?;
+        let (scene, build_seconds) = build(model, environment, flags.speed.accel)?;
         interrupt.check()?;
-        let camera = view
-            .camera(&scene, flags.picture.aspect())
+        let (camera, camera_by) = view
+            .camera(&scene, flags.picture.aspect(), &|| interrupt.is_asked())
             .with_context(|| format!("{name}: cannot be seen whole"))?;
-        Ok((name, scene, camera))
+        interrupt.check()?;
+        Ok(BuiltSubject { name, scene, build_seconds, camera, camera_by })
     }
+}
+
+/// A subject whose accelerator is built.
+pub(crate) struct BuiltSubject {
+    pub(crate) name: String,
+    pub(crate) scene: BuiltScene,
+    pub(crate) build_seconds: f64,
+    pub(crate) camera: AnyCamera,
+    pub(crate) camera_by: CameraBy,
 }
 
 /// A scene with any accelerator.
 pub(crate) type BuiltScene = Scene<Box<dyn Accel>>;
 
-/// Builds a scene.
-pub(crate) fn build(model: Model, environment: Rgb, accel: AccelKind) -> Result<BuiltScene> {
-    Ok(Scene::build(model, |triangles| accel.build(triangles))?.with_environment(environment)?)
+/// Builds a scene, and returns the seconds that it took.
+pub(crate) fn build(model: Model, environment: Rgb, accel: AccelKind) -> Result<(BuiltScene, f64)> {
+    let start = Instant::now();
+    let scene = Scene::build(model, |triangles| accel.build(triangles))?.with_environment(environment)?;
+    Ok((scene, start.elapsed().as_secs_f64()))
 }
 
 /// A picture to be rendered: its flags are checked, its files open.
@@ -72,9 +80,8 @@ impl Job {
     /// Renders, writes what was asked for, and prints the figures.
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
-        let start = Instant::now();
-        let (name, scene, (camera, camera_by)) = subject.build(&flags, &interrupt)?;
-        let build_seconds = start.elapsed().as_secs_f64();
+        let BuiltSubject { name, scene, build_seconds, camera, camera_by } =
+            subject.build(&flags, &interrupt)?;
         let settings = flags.settings();
         let render = flags.render(&scene, camera.sensor(), &settings)?;
         let shown = flags.picture.shown(settings.path_reuse);
@@ -83,7 +90,8 @@ impl Job {
             .preview
             .then(|| Preview::new(&flags.output, |picture| picture_data(picture, &settings, &camera, shown)));
         let monitor = RenderMonitor::new(checkpoint, &interrupt).with_preview(preview);
-        let (picture, render_seconds, traced) = monitor.run(render)?;
+        let (picture, render_seconds, traced) =
+            monitor.run(render).map_err(|error| flags.checkpoints.save.explain(error))?;
         let timing = Timing { build_seconds, render_seconds, traced };
         let summary = Summary::new(&name, &flags, &settings, &scene, (camera, camera_by), &picture, timing);
         let data_on_stdout = outputs.fill_stdout();

@@ -142,6 +142,7 @@ fn settings_text(settings: &Settings) -> String {
         ("filter", kebab(settings.filter)),
         ("estimator", kebab(settings.estimator)),
         ("light_sampling", kebab(settings.light_sampling)),
+        ("light_samples", settings.light_samples.to_string()),
         ("mirror_sampling", kebab(settings.mirror_sampling)),
         ("supersampling", kebab(settings.supersampling)),
         ("path_reuse", kebab(settings.path_reuse)),

@@ -85,7 +85,7 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
     assert_eq!(read.attributes["key"], format!("{:016x}", picture.key));
     assert_eq!(
         read.attributes["settings"],
-        "sampler=sobol filter=box estimator=mis light_sampling=solid-angle mirror_sampling=images \
+        "sampler=sobol filter=box estimator=mis light_sampling=solid-angle light_samples=4 mirror_sampling=images \
          supersampling=off path_reuse=sixteens guiding=off \
          max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.2"
     );

@@ -8,7 +8,6 @@ use crate::summary::{Timing, of_points};
 use crate::{console, points};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 const LONG_ABOUT: &str = "\
 Measures irradiance at points of a scene, and writes it with its standard error, one line a point.
@@ -65,17 +64,16 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let stats = stats.map(TextOutput::open).transpose()?;
     let checkpoint = flags.checkpoints.save.open()?;
 
-    let start = Instant::now();
     let LoadedScene { name, model, environment, .. } =
         options.scene.load(flags.report.warnings(), &interrupt)?;
-    let scene = build(model, environment, flags.speed.accel)?;
+    let (scene, build_seconds) = build(model, environment, flags.speed.accel)?;
     interrupt.check()?;
-    let build_seconds = start.elapsed().as_secs_f64();
 
     let settings = flags.settings(&points);
     let render = flags.render(&scene, &points, &settings)?;
     let monitor = RenderMonitor::new(checkpoint, &interrupt);
-    let (picture, render_seconds, traced) = monitor.run(render)?;
+    let (picture, render_seconds, traced) =
+        monitor.run(render).map_err(|error| flags.checkpoints.save.explain(error))?;
     let timing = Timing { build_seconds, render_seconds, traced };
     let summary = of_points(&name, &flags, &scene, &picture, timing);
     let data_on_stdout = out.is_stdout() || stats.as_ref().is_some_and(TextOutput::is_stdout);

@@ -1,7 +1,7 @@
 use super::{cornell, render};
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
-use crate::job::{BuiltScene, Subject};
+use crate::job::{BuiltScene, BuiltSubject, Subject};
 use crate::usage;
 use crate::view::AnyCamera;
 use anyhow::{Result, anyhow};
@@ -42,7 +42,7 @@ impl Picture {
             Self::Render(options) => options.subject(interrupt)?,
             Self::Cornell(options) => options.subject(interrupt)?,
         };
-        let (_, scene, (camera, _)) = subject.build(self.flags(), interrupt)?;
+        let BuiltSubject { scene, camera, .. } = subject.build(self.flags(), interrupt)?;
         Ok(Staged { scene, camera, settings: self.flags().settings() })
     }
 }

@@ -1,7 +1,7 @@
 use crate::checkpoint::{self, Checkpoint, SaveEvery, Saved};
 use crate::parse;
-use anyhow::{Result, bail, ensure};
-use globillum::integrator::Render;
+use anyhow::{Error, Result, bail, ensure};
+use globillum::integrator::{Render, RenderError};
 use serde::{Serialize, Serializer};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -23,7 +23,8 @@ pub(crate) struct SaveFlags {
     /// Continue from the checkpoint if it exists
     ///
     /// Scene, camera or patches, and settings must be the same but for --spp, --threads, --accel and the stop
-    /// conditions. The result has the bits of one that was computed at once.
+    /// conditions. A picture of samples that are no multiple of --pass-spp is complete, and no pass can follow. The result has
+    /// the bits of one that was computed at once.
     #[arg(long, requires = "checkpoint")]
     resume: bool,
 }
@@ -38,6 +39,14 @@ impl SaveFlags {
     /// The checkpoint's file, for messages.
     pub(crate) fn name(&self) -> String {
         self.checkpoint.as_deref().map(|path| path.display().to_string()).unwrap_or_default()
+    }
+
+    /// The error with the checkpoint's file, if it is about that.
+    pub(crate) fn explain(&self, error: Error) -> Error {
+        match error.downcast_ref() {
+            Some(RenderError::Checkpoint(_)) => error.context(self.name()),
+            _ => error,
+        }
     }
 
     /// What the checkpoint holds, if it is there and to be continued.

@@ -76,7 +76,8 @@ impl Place {
     }
 }
 
-/// The camera in the notation of [`parse_any_camera`], to six digits, with a target as far away as `near`.
+/// The camera in the notation of [`parse_any_camera`], with a target as far away as `near`: to a millionth of that
+/// distance or of the number, whichever is less.
 pub(crate) fn format_camera(camera: &AnyCamera, near: DVec3) -> String {
     // Rays through the middle and the upper edge.
     let (middle, above) = match camera {
@@ -99,18 +100,23 @@ pub(crate) fn format_camera(camera: &AnyCamera, near: DVec3) -> String {
     let distance = Some(near.distance(middle.origin)).filter(|&distance| distance > 0.0).unwrap_or(1.0);
     let target = middle.at(distance / middle.direction.length());
     let [from, to] = [middle.origin, target].map(|point| format_vector(point, distance));
-    let size = size.map(|size| format!("/{}", short(size))).unwrap_or_default();
+    // The angle of a wide field of view counts by what it lacks of 180 degrees.
+    let resolution = |size: f64| if size < 180.0 { size.min(180.0 - size) } else { size };
+    let size = size.map(|size| format!("/{}", short(size, resolution(size)))).unwrap_or_default();
     format!("{from}/{to}/{}{size}", format_vector(up.normalize(), 1.0))
 }
 
-/// Coordinates to six digits each; 0 for those that are rounding errors in things of this size.
+/// Coordinates to a millionth of themselves or of the size of what they describe, whichever is less; 0 for those that
+/// are rounding errors in things of this size.
 pub(crate) fn format_vector(v: DVec3, size: f64) -> String {
-    v.to_array().map(|x| short(if x.abs() < 1e-9 * size { 0.0 } else { x })).join(",")
+    v.to_array().map(|x| short(if x.abs() < 1e-9 * size { 0.0 } else { x }, size)).join(",")
 }
 
-/// A number to six digits, without zeros at its end.
-fn short(x: f64) -> String {
-    format!("{x:.5e}").parse().map_or_else(|_| x.to_string(), |x: f64| (x + 0.0).to_string())
+/// A number to six digits, without zeros at its end; to more if it is large beside `size`, so that its error is not.
+fn short(x: f64, size: f64) -> String {
+    let more = (x.abs() / size).log10().ceil().clamp(0.0, 11.0) as usize;
+    let digits = 5 + more;
+    format!("{x:.digits$e}").parse().map_or_else(|_| x.to_string(), |x: f64| (x + 0.0).to_string())
 }
 
 /// Parses a radiance from `r,g,b`, or from one number for a grey.
@@ -163,6 +169,27 @@ mod tests {
         let high =
             parse_any_camera("0,0,5/0,0,0", Up::Y, CameraType::Orthographic).expect("it is well-formed");
         assert_eq!(format_camera(&high, DVec3::ZERO), "0,0,5/0,0,0/0,1,0/3.6397");
+    }
+
+    /// Whatever the place of the scene, the printed camera shows the same picture.
+    #[test]
+    fn a_camera_far_from_the_origin_keeps_its_direction() {
+        for (place, distance) in [(0.0, 3.0), (123_456.0, 0.5), (1e6, 2.0), (-1e9, 7.0), (1e12, 0.25)] {
+            let eye = DVec3::new(place, place, place + distance);
+            for degrees in [1e-3, 40.0, 179.9999] {
+                let aside = DVec3::new(0.3 * distance, -0.2 * distance, -distance);
+                let camera = Camera::look_at(eye, eye + aside, DVec3::Y, f64::to_radians(degrees));
+                let camera = camera.expect("it is one");
+                let text = format_camera(&AnyCamera::Pinhole(camera), DVec3::splat(place));
+                let parsed = parse_camera(&text, Up::Y).expect("it is well-formed");
+                let [given, again] = [camera, parsed].map(|camera| camera.ray(0.4, 0.7, 1.5));
+                // A coordinate has a resolution of its own.
+                let margin = (1e-5 * distance).max(4.0 * f64::EPSILON * place.abs());
+                assert!((given.origin - again.origin).length() <= margin, "{text}");
+                let apart = given.direction.normalize() - again.direction.normalize();
+                assert!(apart.length() * distance <= margin, "{text}: {apart}");
+            }
+        }
     }
 
     #[test]

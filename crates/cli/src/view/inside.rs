@@ -20,13 +20,20 @@ const EYE_HEIGHT: f64 = 0.6;
 /// Places of eyes along each side of the floor.
 const PLACES: u32 = 8;
 
+/// How many views, those that see farthest, are tried for their light.
+const VIEWS_TRIED: usize = 8;
+
+/// The most bounces of paths that try a view: in a dense scene each ray takes long.
+const BOUNCES: u32 = 4;
+
 /// A camera inside a closed scene that has light inside, in a picture `aspect` times as wide as high; `None`
-/// for other scenes, which are seen by `outside`.
+/// for other scenes, which are seen by `outside`, and if `cancelled`.
 pub(crate) fn of_room<A: Accel>(
     scene: &Scene<A>,
     up: Up,
     aspect: f64,
     outside: &Camera,
+    cancelled: &dyn Fn() -> bool,
 ) -> Result<Option<Camera>, RenderError> {
     let eyes = eyes(scene, up);
     if enclosed_share(scene, &eyes) < CLOSED {
@@ -35,10 +42,16 @@ pub(crate) fn of_room<A: Accel>(
     let enough = BRIGHT * brightness(scene, outside)?;
     let mut views = Vec::new();
     for eye in eyes {
+        if cancelled() {
+            return Ok(None);
+        }
         views.push(best_view(scene, eye, up, aspect)?);
     }
     views.sort_by(|a, b| b.0.total_cmp(&a.0));
-    for (_, camera) in views {
+    for (_, camera) in views.into_iter().take(VIEWS_TRIED) {
+        if cancelled() {
+            return Ok(None);
+        }
         let found = brightness(scene, &camera)?;
         if found > 0.0 && found >= enough {
             return Ok(Some(camera));
@@ -109,7 +122,9 @@ fn depth<A: Accel>(scene: &Scene<A>, camera: &Camera, aspect: f64) -> f64 {
 
 /// The mean luminance of a small picture.
 fn brightness<A: Accel>(scene: &Scene<A>, camera: &Camera) -> Result<f64, RenderError> {
-    let picture = render(scene, camera, &Settings::new(12, 8, 16), &())?;
+    let mut settings = Settings::new(12, 8, 16);
+    settings.max_bounces = Some(BOUNCES);
+    let picture = render(scene, camera, &settings, &())?;
     Ok(picture.film.image_mean().luminance())
 }
 
@@ -151,7 +166,10 @@ mod tests {
     fn view(model: Model, up: Up, environment: f64, accel: AccelKind) -> (Camera, CameraBy) {
         let scene = Scene::build(model, |triangles| accel.build(triangles)).expect("a good model");
         let scene = scene.with_environment(Rgb::splat(environment)).expect("in range");
-        match View::Automatic(CameraType::Pinhole, up).camera(&scene, 1.5).expect("it has an extent") {
+        match View::Automatic(CameraType::Pinhole, up)
+            .camera(&scene, 1.5, &|| false)
+            .expect("it has an extent")
+        {
             (AnyCamera::Pinhole(camera), by) => (camera, by),
             (other, _) => panic!("{other:?} was not asked for"),
         }

@@ -42,7 +42,8 @@ pub(crate) enum CameraBy {
 }
 
 impl View {
-    /// The camera for a picture `aspect` times as wide as high.
+    /// The camera for a picture `aspect` times as wide as high. If `cancelled`, the search for an automatic one ends early
+    /// with any.
     ///
     /// # Errors
     /// [`RenderError::Camera`] if the scene has no extent.
@@ -50,13 +51,14 @@ impl View {
         self,
         scene: &Scene<A>,
         aspect: f64,
+        cancelled: &dyn Fn() -> bool,
     ) -> Result<(AnyCamera, CameraBy), RenderError> {
         let (camera, by, camera_type, up) = match self {
             Self::Given(camera) => return Ok((camera, CameraBy::Flag)),
             Self::Own(camera, camera_type, up) => (camera, CameraBy::Scene, camera_type, up),
             Self::Automatic(camera_type, up) => {
                 let outside = of_all(&scene.triangles().bounds(), up, aspect)?;
-                let inside = inside::of_room(scene, up, aspect, &outside)?;
+                let inside = inside::of_room(scene, up, aspect, &outside, cancelled)?;
                 let by = if inside.is_some() { CameraBy::Inside } else { CameraBy::Outside };
                 (inside.unwrap_or(outside), by, camera_type, up)
             }

@@ -46,6 +46,25 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("4: belongs to another picture"));
 }
 
+/// The message names the checkpoint, and says what is wrong with it.
+#[test]
+fn what_cannot_be_continued_is_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let render = |spp: &'static str, resume: &[&'static str]| {
+        let save = ["--pass-spp", "16", "--spp", spp, "--checkpoint", "cut.film"];
+        CORNELL.run(folder.path(), &[&["--width", "16", "--height", "16"], &save[..], resume].concat())
+    };
+    assert!(render("40", &[]).status.success());
+    for (spp, reason) in [
+        ("64", "cut.film: cannot be continued: its last pass is cut short"),
+        ("32", "cut.film: holds more samples"),
+    ] {
+        let output = render(spp, &["--resume"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && said.contains(reason), "{said}");
+    }
+}
+
 #[test]
 fn an_error_can_be_asked_for() {
     let folder = tempfile::tempdir().expect("a temporary folder");

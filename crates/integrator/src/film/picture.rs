@@ -70,15 +70,15 @@ impl Picture {
     /// of merges does not change the bits. Strips, and many checkpoints, are merged by [`Merge`](crate::Merge).
     ///
     /// # Errors
-    /// [`CheckpointError::Mismatch`] if `other` is another picture or has other rows, or one of them has a pass cut
-    /// short that is not the last of all; [`CheckpointError::Overlap`] for a pass that both hold. This picture
-    /// is then unchanged.
+    /// [`CheckpointError::Mismatch`] if `other` is another picture or has other rows, [`CheckpointError::CutShort`] if one
+    /// of them has a pass cut short that is not the last of all, [`CheckpointError::Overlap`] for a pass that both hold.
+    /// This picture is then unchanged.
     pub fn merge(&mut self, other: Self) -> Result<(), CheckpointError> {
         if self.key != other.key {
             return Err(CheckpointError::OTHER_PICTURE);
         }
         if self.is_cut_before(&other) || other.is_cut_before(self) {
-            return Err(CheckpointError::Mismatch("number of samples"));
+            return Err(CheckpointError::CutShort);
         }
         let samples = self.samples.checked_add(other.samples);
         let samples = samples.ok_or(CheckpointError::Malformed("number of samples"))?;

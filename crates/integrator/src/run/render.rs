@@ -8,6 +8,7 @@ use crate::caught::caught;
 use crate::path::{RenderContext, Tile, guide, probed};
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
+use std::cmp::Ordering;
 use std::ops::{ControlFlow, Range};
 use std::sync::OnceLock;
 
@@ -233,9 +234,10 @@ impl<'a> Render<'a> {
         // A short last pass cannot be continued when more samples are asked for.
         let samples_of = |passes| self.settings.samples_of(passes).len() as u64;
         let expected: u64 = picture.film.passes().into_iter().map(samples_of).sum();
-        if picture.film.samples() != expected {
-            return Err(CheckpointError::Mismatch("number of samples").into());
+        match picture.film.samples().cmp(&expected) {
+            Ordering::Less => Err(CheckpointError::CutShort.into()),
+            Ordering::Equal => Ok(picture),
+            Ordering::Greater => Err(CheckpointError::TooManySamples.into()),
         }
-        Ok(picture)
     }
 }

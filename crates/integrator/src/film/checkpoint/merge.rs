@@ -232,7 +232,7 @@ fn check_cut_passes<R: Read>(inputs: &[Input<R>], merged: &CheckpointHeader) -> 
     for input in inputs {
         let lasts = input.header().strips.iter().flat_map(|strip| strip.blocks.last());
         if lasts.into_iter().any(|block| is_cut(block) && block.range().end < end) {
-            return Err(input.error(CheckpointError::Mismatch("number of samples")));
+            return Err(input.error(CheckpointError::CutShort));
         }
     }
     Ok(())
