@@ -41,7 +41,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = parse::integer(1..=u32::MAX))]
     #[arg(allow_negative_numbers = true)]
     tasks: u32,
-    /// Render as many passes as a relative standard error of E needs, judged by --pilot
+    /// Render as many passes as a relative RMSE of E needs, judged by --pilot
     #[arg(long, value_name = "E", value_parser = parse::positive, allow_negative_numbers = true)]
     #[arg(requires = "pilot")]
     error: Option<f64>,

@@ -37,10 +37,10 @@ pub(crate) struct SamplingFlags {
     /// How next event estimation chooses a point on a light
     #[arg(long, value_enum, default_value_t = LightSamplingKind::SolidAngle)]
     light_sampling: LightSamplingKind,
-    /// Light samples at the first diffuse vertex of a path, where lights or curved mirrors are many
+    /// Light samples at the first diffuse vertex of a path, where lights or small mirrors are many
     ///
-    /// A power of two up to 16. It counts for eight lights and more, a directional light beside another, and curved
-    /// mirrors. Elsewhere there is one.
+    /// A power of two up to 16. It counts for eight lights and more, a directional light beside another, and mirrors
+    /// that are small beside the lights, as the triangles of a curved mirror are. Elsewhere there is one.
     #[arg(long, value_name = "N", default_value_t = 4)]
     #[arg(value_parser = parse::power_of_two(Settings::MAX_LIGHT_SAMPLES), allow_negative_numbers = true)]
     light_samples: u32,
@@ -53,7 +53,7 @@ pub(crate) struct SamplingFlags {
     /// Path reuse: whether pixels of a tile share path suffixes
     #[arg(long, value_enum, default_value_t = PathReuseKind::Sixteens)]
     path_reuse: PathReuseKind,
-    /// Path guiding: by what diffuse surfaces scatter paths
+    /// Path guiding: how diffuse surfaces sample the directions of scattered paths
     #[arg(long, value_enum, default_value_t = GuidingKind::Off)]
     guiding: GuidingKind,
     /// Most bounces of a path, at most 2^20 [default: no limit]

@@ -5,7 +5,7 @@ use serde::Serialize;
 #[derive(clap::Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "When to stop")]
 pub(crate) struct StopFlags {
-    /// Stop when the picture's relative standard error is at most E, such as 0.01 for 1 %
+    /// Stop when the picture's relative RMSE is at most E, such as 0.01 for 1 %
     ///
     /// The error is the root mean squared error of the pixels over the picture's mean. What has to fall to E
     /// is the upper end of its 95 % confidence interval.
@@ -13,8 +13,8 @@ pub(crate) struct StopFlags {
     error: Option<f64>,
     /// Two stages: plan the samples for --error from this number of passes, which are then dropped
     ///
-    /// Stopping as soon as the error is small biases the mean a little; with a pilot, what is averaged has no
-    /// say in when to stop (Stein 1945). At least 2 passes.
+    /// Stopping as soon as the error is small biases the mean a little. With a pilot, the samples that are averaged do
+    /// not influence when the render stops (Stein 1945). At least 2 passes.
     #[arg(long, value_name = "PASSES", requires = "error", value_parser = parse::integer(2..=u32::MAX))]
     #[arg(allow_negative_numbers = true)]
     pilot: Option<u32>,

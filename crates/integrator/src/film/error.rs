@@ -16,10 +16,14 @@ pub struct ImageError {
     pub relative_rmse: f64,
     /// The interval that holds with a probability of 95 % what `relative_rmse` is on average over all seeds.
     ///
-    /// With four observations or more it comes from the difference between two halves of the passes, of
-    /// which only chance is the reason, summed over squares of pixels that are independent of each other.
-    /// With fewer it comes from the differences between the squares, of which some are truly noisier, and is
-    /// too wide; `[0, inf]` if nothing is known. How often it holds, and where less: docs/estimators.md.
+    /// It comes from the difference between the two halves of a block of passes ([`Film`]), of which only chance is
+    /// the reason, summed over squares of pixels that are independent of each other. Each half needs two
+    /// observations: with Sobol' points, passes `4 k` to `4 k + 3` for some `k`; with independent samples, passes
+    /// `2 k` and `2 k + 1` of at least two samples each. Among several blocks that of the most observations counts.
+    ///
+    /// Without such a block it comes from the differences between the squares, of which some are truly noisier, and
+    /// is too wide. `[0, inf]` if nothing is known, or if strips of the picture hold different passes. How often it
+    /// holds, and where less: docs/estimators.md.
     pub interval_95: [f64; 2],
 }
 

@@ -6,7 +6,7 @@ use globillum_material::Rgb;
 use std::ops::Range;
 
 /// Mean radiance of a picture's pixels with its standard error, row by row from the top: what a picture file can
-/// hold of a [`Film`], in memory.
+/// hold of a [`Film`], in memory. Of a sensor that measures irradiance, radiance means irradiance.
 ///
 /// All lists but [`block_errors`](Estimates::block_errors) have one entry for each pixel.
 ///

@@ -30,7 +30,8 @@ use block::insert;
 use globillum_material::Rgb;
 use std::ops::Range;
 
-/// A picture's pixels, row 0 at the top: mean radiance, and how well it is known.
+/// A picture's pixels, row 0 at the top: mean radiance, and how well it is known. Of a sensor that measures irradiance,
+/// such as [`IrradiancePoints`](crate::IrradiancePoints), every radiance of the film is an irradiance.
 ///
 /// A film holds the whole picture or a strip of it ([`Film::rows`]), of which it speaks as if it were a picture of
 /// its own: row 0 is the strip's first.
@@ -38,7 +39,8 @@ use std::ops::Range;
 /// All pixels hold the same passes. Equal passes give equal bits, wherever and in whatever order
 /// they were rendered and put together.
 ///
-/// Passes are kept as blocks, one for each digit 1 of their number in binary. A block takes 48 bytes a pixel, and 24
+/// Passes are kept as blocks of `2^k` passes that start at a multiple of `2^k`. Passes from 0 on without gaps make one
+/// block for each digit 1 of their number in binary; other passes may make more. A block takes 48 bytes a pixel, and 24
 /// bytes for each square of 4 x 4 pixels and each row of tiles.
 ///
 /// The standard error comes from the spread of independent observations: of samples where those

@@ -85,8 +85,9 @@ impl Facet {
         self.height(a) * self.height(b) > 0.0
     }
 
-    /// Whether the facet may show part of `lights` to `from`, on its front alone if `from` is outside of its body. It does not if all of `lights` lies on the other side or outside the frustum of the facet, or if
-    /// `from` is within rounding of the plane.
+    /// Whether the facet may show part of `lights` to `from`, on its front alone if `from` is outside of its body. It does
+    /// not if all of `lights` lies on the other side or outside the frustum of the facet, or if `from` is within rounding
+    /// of the plane.
     pub(super) fn may_show(
         &self,
         triangles: &Triangles,

@@ -40,8 +40,8 @@ pub(crate) struct MirrorPoint {
 }
 
 impl SmallMirrors {
-    /// The samples of a vertex, at most as many as are asked for, over the solid angle, about, of the triangles that show
-    /// lights.
+    /// The expected number of samples of a vertex for each unit of the tree's importance, which is about the solid angle in
+    /// steradians of the triangles that show lights. A vertex takes at most as many samples as are asked for.
     const ATTEMPTS: f64 = 480.0;
 
     /// Of one or more triangles, each with what the tree is told of it.

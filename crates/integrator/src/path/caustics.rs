@@ -55,7 +55,8 @@ impl Caustics {
         self.found.clear();
     }
 
-    /// Takes the emission that a path has met after mirrors, if caustics are shared. Returns what is left to the path alone.
+    /// Handles the emission that a path has met by way of mirrors after its prefix. If pixels share it, stores its radiance
+    /// and returns black. Otherwise returns the radiance, which belongs to the sample of the path alone.
     #[inline(never)]
     pub(super) fn take_emission(
         &mut self,

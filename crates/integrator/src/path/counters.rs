@@ -4,12 +4,14 @@ use std::ops::AddAssign;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counters {
-    /// Camera rays: one per sample, and those that supersample lights.
+    /// Camera rays: one for each sample whose path begins with a ray, and those of
+    /// [supersampling](crate::Supersampling) as they leave the camera. A sample of irradiance begins at a point and has
+    /// none.
     pub camera_rays: u64,
     /// Rays in scattered directions.
     pub bounce_rays: u64,
     /// Segments between a surface and a light, both segments by way of a mirror, and the connections of path
-    /// reuse.
+    /// reuse and of shared caustics.
     pub shadow_rays: u64,
     /// Paths that Russian roulette ended.
     pub roulette_ends: u64,
@@ -29,7 +31,8 @@ impl Counters {
         Self { camera_rays, bounce_rays, shadow_rays, roulette_ends, limit_ends }
     }
 
-    /// Rays of all kinds.
+    /// The sum of camera, bounce and shadow rays. Not counted are rays of supersampling after their first mirror,
+    /// probes, and the rays that train a guide.
     pub fn rays(&self) -> u64 {
         self.camera_rays + self.bounce_rays + self.shadow_rays
     }

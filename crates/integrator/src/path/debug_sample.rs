@@ -62,7 +62,8 @@ pub struct Vertex {
 ///
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture
-/// does not have. [`RenderError::Worker`] for a panic in that.
+/// does not have. [`RenderError::SensorSize`] for settings of another size than the sensor's.
+/// [`RenderError::Worker`] for a panic in that.
 pub fn replay(
     scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,

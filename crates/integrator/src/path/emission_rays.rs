@@ -31,7 +31,8 @@ pub(super) struct FoundEmission<'a> {
     pub(super) at: (&'a Hit, &'a Interaction<'a>),
 }
 
-/// By way of how many mirrors at most the ray of a sensor finds lights.
+/// The most mirrors by way of which a ray from the sensor finds a light: [`MAX_REFLECTIONS`], or fewer if the settings
+/// limit bounces.
 pub(super) fn max_reflections(context: &RenderContext<'_>) -> u32 {
     context.settings.max_bounces.unwrap_or(u32::MAX).min(MAX_REFLECTIONS)
 }

@@ -11,7 +11,8 @@ pub(super) struct Path {
     pub(super) numbers: Numbers,
     /// The throughput of the path, or of its suffix from where that begins.
     pub(super) throughput: Rgb,
-    /// How many times as dense as by BSDFs alone the directions of the same part of the path were sampled by a guide.
+    /// The density with which the directions of the same part of the path were sampled, over their density by the BSDFs
+    /// alone. 1 without a guide.
     pub(super) guided: f64,
     /// The largest throughput of the prefixes that may reuse the suffix, by component; white before.
     pub(super) prefix_throughput: Rgb,

@@ -35,9 +35,10 @@ fn index(x: u32, y: u32) -> u32 {
 
 /// The squares' pixels in one pass, as members of groups and of nets.
 ///
-/// Pixel `p` of block `b`, both elements of the field of sixteen elements, belongs to group `a^k p + b`, with another
-/// `k` for each of fifteen passes. So a group has one pixel of each block, and two pixels of different blocks and
-/// places in them meet in one of the passes.
+/// The blocks of a square and the pixels of a block are numbered by the elements of the field of sixteen elements. Pixel
+/// `p` of block `b` belongs to group `a^k p + b`; `k` is different in each of fifteen successive passes. A group
+/// therefore has one pixel of each block. Two pixels of different blocks, and of different places in their blocks, belong
+/// to one group in exactly one of the fifteen passes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Groups {
     power: u32,

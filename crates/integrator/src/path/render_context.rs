@@ -55,8 +55,8 @@ impl<'a> RenderContext<'a> {
 }
 
 impl RenderContext<'_> {
-    /// Whether pixels reuse the paths of their neighbours: not if paths have no second bounce or roulette begins at the
-    /// first.
+    /// Whether pixels reuse the paths of other pixels of their tile: not if paths have no second bounce or roulette begins
+    /// at the first.
     pub(super) fn reuses_paths(&self) -> bool {
         let Settings { max_bounces, roulette, path_reuse, .. } = *self.settings;
         path_reuse == PathReuse::Sixteens && max_bounces.is_none_or(|max| max >= 2) && roulette.start > 0

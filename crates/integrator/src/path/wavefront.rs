@@ -57,8 +57,8 @@ pub(crate) struct Wavefront {
     pub(super) caustics: Caustics,
 }
 
-/// The surface that a path begins at to measure irradiance. It sends out, in each direction, the irradiance over
-/// [`IRRADIANCE`].
+/// The surface at which a path begins to measure irradiance. A white Lambertian surface: it sends out `E / pi` in all
+/// directions, where `E` is the irradiance.
 const WHITE: Material = Material { bsdf: Bsdf::Lambert(Reflectance::ONE), emission: Emission::NONE };
 
 /// Irradiance over the radiance of a white diffuse surface.

@@ -8,7 +8,7 @@ pub struct Progress {
     pub samples_done: u64,
     /// Samples that this run will take, all pixels together; an estimate if an error is the goal.
     pub samples_total: u64,
-    /// Rays of all kinds traced so far in this run.
+    /// Rays traced so far in this run, as counted by [`Counters::rays`](crate::Counters::rays).
     pub rays: u64,
     /// The picture's error after the last whole pass ([`ImageError`](crate::ImageError)); infinite while
     /// unknown.
@@ -19,8 +19,8 @@ pub struct Progress {
     pub seconds_left: f64,
 }
 
-/// Observes a run whose result is `R`, by default a render, and may stop it. Methods except [`Monitor::pass_done`] are called often, from worker
-/// threads, and should return at once.
+/// Observes a run whose result is `R`, by default a render, and may stop it. Methods except [`Monitor::pass_done`]
+/// are called often, from worker threads, and should return at once.
 ///
 /// ```
 /// use globillum_integrator::{Monitor, Progress};

@@ -19,7 +19,7 @@ pub(crate) struct PassRenderer<'a> {
     pub(crate) meter: &'a Meter,
     /// The pixels that are rendered: those of the film, in the sensor's grid.
     pub(crate) window: Tile,
-    /// Those of each tile, found by its first pass.
+    /// The pixels at edges of lights, for each tile. The first pass that renders the tile finds them.
     pub(crate) edges: Vec<OnceLock<LightEdges>>,
 }
 

@@ -1,14 +1,17 @@
 /// A decision of a path, as the address of its random numbers.
 ///
-/// Each decision has [`Decision::WIDTH`] dimensions of its own, which depend on its bounce only.
+/// A decision has [`Decision::WIDTH`] dimensions of its own, which depend on its bounce only;
+/// [`Decision::SUPERSAMPLING`] has 32. With Sobol' points, the directions of a bounce of even number and of the next one
+/// are four coordinates of one decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Decision(pub(super) u32);
 
 impl Decision {
-    /// The largest number of dimensions of a decision.
+    /// The largest number of dimensions of a decision but [`Decision::SUPERSAMPLING`].
     pub(super) const WIDTH: u32 = 3;
 
-    /// The positions in the pixel of rays that supersample lights: two dimensions for each of sixteen.
+    /// The positions in the pixel of rays that supersample lights: two dimensions for each of sixteen rays if numbers are
+    /// independent. With Sobol' points the rays are sixteen points in two dimensions.
     pub(super) const SUPERSAMPLING: Self = Self(Self::FIRST_OF_MIRRORS - 11);
 
     /// Up to this one, decisions are of pixels by themselves, and stratified by blocks. All others are of paths that a

@@ -10,10 +10,10 @@ use crate::hash::{fold, nth, unit};
 /// order of its own (padding, Kollig and Keller 2002, Burley 2020). Padding needs no table and serves paths of
 /// any length, but does not stratify across decisions.
 ///
-/// The members of a net have equal aligned parts of the sequence, in an order of their own for each decision. So the
-/// samples of a member are a net too, and those of the members of a group, whose numbers have the first digits in common
-/// (Ahmed and Wonka 2020, who number pixels in Morton order). For decisions up to [`Decision::LAST_OF_BLOCKS`], it is
-/// those of the members of a block.
+/// The sequence is divided into aligned parts of equal length, one for each member of a net. Which member has which part
+/// is different for each decision. The samples of one member are therefore a net by themselves. So are the samples of
+/// the members of a group, whose numbers begin with the same digits (Ahmed and Wonka 2020, who number pixels in Morton
+/// order). For decisions up to [`Decision::LAST_OF_BLOCKS`], this holds for the members of a block instead.
 ///
 /// Each point is uniform in the unit cube, so the mean over a replicate is unbiased. Points of one replicate
 /// are dependent, replicates are independent.

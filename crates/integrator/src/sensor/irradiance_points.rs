@@ -66,7 +66,7 @@ pub struct Reading {
     /// Half the width of the interval around `irradiance` that holds the truth with a probability of 95 %:
     /// Student's quantile times `std_err`.
     ///
-    /// Other points have no say in it, unlike in [`Film::margin_95`], whose neighbours are near. It is too small for a
+    /// It does not depend on other points, unlike [`Film::margin_95`], whose neighbours are near. It is too small for a
     /// point that has missed rare bright samples.
     pub margin_95: Rgb,
 }

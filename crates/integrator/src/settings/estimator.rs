@@ -8,14 +8,19 @@ use globillum_material::Density;
 ///
 /// Scattering alone finds a constant environment, what the camera sees in a mirror, and caustics by way
 /// of more than one mirror ([`MirrorSampling`](crate::MirrorSampling)), which pixels share
-/// ([`PathReuse`](crate::PathReuse)).
+/// ([`PathReuse`](crate::PathReuse)). At the edges of lights, the lights that the camera sees, directly or in mirrors,
+/// are found by camera rays of their own instead ([`Supersampling`](crate::Supersampling)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Estimator {
     /// BSDF sampling only: paths that hit a light. Low variance for large lights.
     Bsdf,
-    /// Next event estimation only: a point on a light is sampled at every diffuse vertex, and another one
-    /// by way of a mirror. Low variance for small lights, high very near to large ones.
+    /// Next event estimation only. Every diffuse vertex samples a point on a light. It also takes up to one sample by way
+    /// of large mirrors and one by way of small ones; vertices after the first diffuse one sample large mirrors with a
+    /// probability only. The first diffuse vertex may sample lights and small mirrors several times
+    /// ([`Settings::light_samples`]). Low variance for small lights, high very near to large ones.
+    ///
+    /// [`Settings::light_samples`]: crate::Settings::light_samples
     Light,
     /// Multiple importance sampling: both, weighted by the power heuristic with exponent 1.5 (Veach 1997).
     #[default]

@@ -55,10 +55,11 @@ pub struct Settings {
     pub estimator: Estimator,
     /// The distribution of light samples on a triangle.
     pub light_sampling: LightSampling,
-    /// Light samples at the first diffuse vertex of a path where each is a choice among many: in a light tree (eight lights
-    /// and more, or a directional light beside another), and, at most, among the triangles of curved mirrors that may show
-    /// lights. A power of two up to [`Settings::MAX_LIGHT_SAMPLES`]. Elsewhere there is one. This changes the variance, not
-    /// the mean.
+    /// Light samples at the first diffuse vertex of a path where each is a choice among many. The vertex takes this many in
+    /// a light tree: of eight lights or more, or of a directional light and another. It takes at most this many among the
+    /// triangles of small mirrors: of adjacent coplanar triangles whose area is less than a quarter of the mean area of a
+    /// cluster of lights, as in most curved mirrors. A power of two up to [`Settings::MAX_LIGHT_SAMPLES`]. Elsewhere there
+    /// is one. This changes the variance, not the mean.
     pub light_samples: u32,
     /// Whether lights are sampled by way of mirrors.
     pub mirror_sampling: MirrorSampling,
@@ -66,14 +67,14 @@ pub struct Settings {
     pub supersampling: Supersampling,
     /// Whether pixels reuse the paths of other pixels of their tile.
     pub path_reuse: PathReuse,
-    /// By what diffuse surfaces scatter paths.
+    /// How diffuse surfaces sample the directions of scattered paths.
     pub guiding: Guiding,
     /// Russian roulette.
     pub roulette: Roulette,
 }
 
-/// Whether pixels reuse the paths of their neighbours and share their points. This changes the variance and the
-/// correlation of pixels, not the mean.
+/// Whether pixels reuse the paths of other pixels of their tile, and whether their samples are stratified together. This
+/// changes the variance and the correlation of pixels, not the mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PathReuse {
@@ -152,7 +153,7 @@ pub enum Supersampling {
     Lights,
 }
 
-/// By what diffuse surfaces scatter paths. This changes the variance, not the mean.
+/// How diffuse surfaces sample the directions of scattered paths. This changes the variance, not the mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Guiding {
@@ -172,7 +173,11 @@ pub enum Guiding {
 /// of surviving, which keeps the mean (Arvo and Kirk 1990).
 ///
 /// A path survives with probability `min(t / threshold, MAX_SURVIVE_PROB)`, where `t` is the largest
-/// component of its throughput.
+/// component of its throughput, as it would be without [`Guiding`].
+///
+/// With [`PathReuse::Sixteens`], a shared suffix has one `t` for all its prefixes: the largest component of the suffix's
+/// throughput times the largest throughput, component by component, of the prefixes of its group that end at the same
+/// bounce. Roulette does not end a path at the mirrors, up to eight, that follow its prefix directly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Roulette {
@@ -204,8 +209,9 @@ impl Settings {
 
     /// `width` x `height` pixels of `samples` samples each, with these defaults: Sobol' sampler in passes of
     /// 16, box filter, seed 0, all threads, no limit on bounces, multiple importance sampling, four light samples at
-    /// the first diffuse vertex, mirror sampling, supersampling of lights, path reuse, roulette from the third bounce at
-    /// a threshold of 0.2.
+    /// the first diffuse vertex where lights are chosen in a tree and up to four of small mirrors
+    /// ([`Settings::light_samples`]), mirror sampling, supersampling of lights, path reuse, no guiding, roulette from the
+    /// third bounce at a threshold of 0.2.
     pub fn new(width: u32, height: u32, samples: u32) -> Self {
         Self {
             width,

@@ -12,9 +12,9 @@
 //! # Sides
 //! A triangle radiates from its front, from where its vertices run counter-clockwise, and blocks rays on both
 //! sides. A ray that hits a back is counted as [`Target::Back`], and belongs neither to that patch, from whose back
-//! nothing leaves, nor to the surroundings. A closed body has no such rays. With `Sides::Both` ([`FactorSettings::sides`]) every triangle
-//! radiates from both sides and a patch has twice the area of its triangles. A ray that hits nothing goes to the
-//! surroundings.
+//! nothing leaves, nor to the surroundings. A closed body has no such rays. With `Sides::Both`
+//! ([`FactorSettings::sides`]) every triangle radiates from both sides and a patch has twice the area of its triangles.
+//! A ray that hits nothing goes to the surroundings.
 //!
 //! ```
 //! use glam::Vec3;

@@ -10,8 +10,8 @@ use std::ops::{AddAssign, Range};
 /// How many viewpoints are summed up side by side.
 const BATCH: usize = 64;
 
-/// A child counts as the average one of its level with this share of that one's importance, beside what the viewpoints
-/// say of it.
+/// The weight of the prior in a child's factor, as a share of the mean importance of the children of its level. The prior
+/// is the factor of the level, so a child of which the viewpoints see little is scaled like its level.
 const PRIOR: f64 = 0.01;
 
 /// No child is scaled to less than this, relative to its level: the viewpoints may have missed what it shows.
@@ -33,7 +33,7 @@ impl AddAssign for Sums {
     }
 }
 
-/// A child in the lane of a node that are together `slot`, with its sums.
+/// The slot of a child, which is `WIDTH` times the index of its node plus its lane, and what is added to its sums.
 type Found = (usize, Sums);
 
 impl MirrorTree {
