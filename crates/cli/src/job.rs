@@ -110,6 +110,7 @@ impl Job {
 fn picture_data(picture: &Picture, settings: &Settings, camera: &AnyCamera, shown: Shown) -> PictureData {
     let mut data = PictureData::of_render(picture, settings, camera.pinhole());
     shown.cut(&mut data.estimates);
+    data.whole = shown.is_crop_of(settings).then_some([settings.width, settings.height]);
     data
 }
 

@@ -4,7 +4,8 @@
 use crate::IoError;
 use crate::picture_data::PictureData;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, read::read};
-use exr::meta::attribute::{AttributeValue, Text};
+use exr::math::Vec2;
+use exr::meta::attribute::{AttributeValue, IntegerBounds, Text};
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
 use globillum_integrator::{Estimates, FirstHit, FirstHits, PathReuse, Settings};
@@ -49,7 +50,8 @@ pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
     let size = (*width as usize, *height as usize);
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let layer = Layer::new(size, layer_attributes(data)?, Encoding::SMALL_LOSSLESS, channels);
-    let image = Image::new(ImageAttributes::with_size(size), layer);
+    let display = data.whole.map_or(size, |[width, height]| (width as usize, height as usize));
+    let image = Image::new(ImageAttributes::with_size(display), layer);
     let mut file = Cursor::new(Vec::new());
     image.write().non_parallel().to_buffered(&mut file)?;
     let mut bytes = file.into_inner();
@@ -100,6 +102,10 @@ fn layer_attributes(data: &PictureData) -> Result<LayerAttributes, Error> {
         let name = text(&format!("{PREFIX}{name}"))?;
         attributes.other.insert(name, AttributeValue::Text(text(value)?));
     }
+    if data.whole.is_some() {
+        let [x, y] = data.estimates.origin.map(|at| at as i32);
+        attributes.layer_position = Vec2(x, y);
+    }
     if let Some((matrix, fov)) = data.camera {
         attributes.world_to_camera = Some(matrix);
         attributes.vertical_field_of_view = Some(fov);
@@ -140,8 +146,8 @@ impl PictureData {
     /// Reads the OpenEXR file at `path`, written by any program.
     ///
     /// Radiance is the channels `R`, `G` and `B`, else those of the layer `Combined`, else of the only layer that
-    /// has them. Standard errors, samples and observations of a file without them are unknown. A window of the
-    /// picture is read as if it were the picture.
+    /// has them. Standard errors, samples and observations of a file without them are unknown. A data window within the
+    /// display window is a crop ([`PictureData::whole`]); any other is read as if it were the picture.
     ///
     /// # Errors
     /// [`IoError::Read`] if the file cannot be read; [`IoError::Decode`] if it is not an OpenEXR file, is damaged,
@@ -159,6 +165,7 @@ fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
     chunks.headers().iter().try_for_each(|header| check_size(header, bytes.len()))?;
     let layers = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
     let image = layers.all_attributes().non_parallel().from_chunks(chunks)?;
+    let display = image.attributes.display_window;
     let Layer { channel_data, attributes, size, .. } = image.layer_data;
     let channels =
         Channels(channel_data.list.into_iter().map(|c| (c.name.to_string(), c.sample_data)).collect());
@@ -187,9 +194,21 @@ fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
     if attributes_by_name.get("path_reuse").is_some_and(|kind| kind == "sixteens") {
         estimates.path_reuse = PathReuse::Sixteens;
     }
+    let window = IntegerBounds::new(attributes.layer_position, size);
+    let whole = (display.contains(window) && display != window).then(|| {
+        let from = window.position - display.position;
+        estimates.origin = [from.x(), from.y()].map(|at| at as u32);
+        [display.size.width(), display.size.height()].map(|length| length as u32)
+    });
     let camera = attributes.world_to_camera.zip(attributes.vertical_field_of_view);
     let first_hits = channels.first_hits(estimates.width, estimates.height);
-    Ok(PictureData { attributes: attributes_by_name, camera, first_hits, ..PictureData::new(estimates) })
+    Ok(PictureData {
+        whole,
+        attributes: attributes_by_name,
+        camera,
+        first_hits,
+        ..PictureData::new(estimates)
+    })
 }
 
 /// Refuses a header that promises more than its file can hold.

@@ -20,6 +20,8 @@ use std::ops::Range;
 /// | `Albedo.R`, `Albedo.G`, `Albedo.B` | float | albedo |
 /// | `IndexTriangle.X`, `IndexMA.X` | integer | triangle and material, 2^32 - 1 for none |
 ///
+/// A crop is the data window of a file whose display window is the whole picture.
+///
 /// A picture without known errors does not have `stderr`, `samples` and `observations`, one without first hits not what
 /// follows them. [Attributes](PictureData::attributes) are text, each
 /// named `globillum.` and its name; the attribute `software` names this library and its version.
@@ -38,10 +40,12 @@ use std::ops::Range;
 pub struct PictureData {
     /// Means, standard errors and samples of the pixels.
     pub estimates: Estimates,
+    /// The size of the whole picture, of which the estimates are a crop; `None` if they are all of it.
+    pub whole: Option<[u32; 2]>,
     /// What else is known, by name: `passes`, `samples`, `path_reuse`, `key`, `seed`, `settings`.
     pub attributes: BTreeMap<String, String>,
     /// The matrix that row vectors of world positions are multiplied by to get the camera's frame, x to the right,
-    /// y upward, z forward (`worldToCamera`), and the vertical field of view in degrees.
+    /// y upward, z forward (`worldToCamera`), and the vertical field of view in degrees, of the whole picture.
     pub camera: Option<([f32; 16], f32)>,
     /// The first hits, of the same size.
     pub first_hits: Option<FirstHits>,
@@ -50,7 +54,7 @@ pub struct PictureData {
 impl PictureData {
     /// A picture of these estimates, of which nothing else is known.
     pub fn new(estimates: Estimates) -> Self {
-        Self { estimates, attributes: BTreeMap::new(), camera: None, first_hits: None }
+        Self { estimates, whole: None, attributes: BTreeMap::new(), camera: None, first_hits: None }
     }
 
     /// The estimates of `film`, with the attributes `passes`, `samples` and `path_reuse`.

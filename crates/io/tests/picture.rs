@@ -2,6 +2,7 @@
 #![cfg(feature = "images")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
 
+use exr::meta::attribute::IntegerBounds;
 use glam::{DVec3, Vec3};
 use globillum_geom::{KdOptions, KdTree, Triangle};
 use globillum_integrator::{
@@ -59,6 +60,24 @@ fn written_and_read(data: &PictureData) -> (Vec<u8>, PictureData) {
 /// `f32` is what a file holds.
 fn rounded(pixels: &[Rgb]) -> Vec<Rgb> {
     pixels.iter().map(|pixel| pixel.map(|x| f64::from(x as f32))).collect()
+}
+
+/// The place of a crop in the whole picture is that of the data window in the display window.
+#[test]
+fn an_exr_of_a_crop_tells_its_place() {
+    let whole = Estimates::unknown(37, 21);
+    let mut data = PictureData::new(whole.crop(8..30, 5..21));
+    data.whole = Some([37, 21]);
+    let (bytes, read) = written_and_read(&data);
+    assert_eq!((read.whole, read.estimates.origin), (Some([37, 21]), [8, 5]));
+    assert_eq!((read.estimates.width, read.estimates.height), (22, 16));
+    let meta = exr::meta::MetaData::read_from_buffered(bytes.as_slice(), false).expect("it is a file");
+    let header = &meta.headers[0];
+    let window = |x: i32, y: i32, size: (usize, usize)| IntegerBounds::new((x, y), size);
+    assert_eq!(header.shared_attributes.display_window, window(0, 0, (37, 21)));
+    assert_eq!(header.data_window(), window(8, 5, (22, 16)));
+    let (_, read) = written_and_read(&PictureData::new(whole));
+    assert_eq!((read.whole, read.estimates.origin), (None, [0, 0]));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-use globillum::integrator::{Estimates, FirstHits, PathReuse};
+use globillum::integrator::{Estimates, FirstHits, PathReuse, Settings};
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::Range;
@@ -55,9 +55,15 @@ impl Crop {
 }
 
 impl Shown {
+    /// Whether less than the whole picture of these settings is shown.
+    pub(crate) fn is_crop_of(&self, settings: &Settings) -> bool {
+        (self.crop.width, self.crop.height) != (settings.width, settings.height)
+    }
+
     /// Cuts the pixels out of those that are rendered.
     pub(crate) fn cut(&self, estimates: &mut Estimates) {
         let Self { crop: Crop { x, y, width, height }, origin: [left, top] } = *self;
+        estimates.origin = [left, top];
         if (width, height) != (estimates.width, estimates.height) {
             *estimates = estimates.crop(x - left..x - left + width, y - top..y - top + height);
         }

@@ -12,7 +12,7 @@ use side::{Cell, Side, places};
 ///
 /// A side is one picture with its standard errors, or several seeds of a picture, which are averaged and whose
 /// spread is the error. Both sides must be independent: other seeds, or other programs. Errors may depend on each
-/// other within the tiles of 16 x 16 pixels that begin at the upper left corner, but not between tiles, as those of
+/// other within the tiles of 16 x 16 pixels of the whole picture ([`Estimates::origin`]), but not between tiles, as those of
 /// [`Film`](crate::Film), and within blocks of 4 x 4 where no picture [reuses paths](crate::PathReuse), as pictures of
 /// other programs are taken to do; a filter that spreads a sample over several pixels makes them dependent.
 ///
@@ -83,9 +83,10 @@ impl Comparison {
         if a.iter().chain(b).any(|picture| (picture.width, picture.height) != (width, height)) {
             return None;
         }
-        let tile_side = a.iter().chain(b).map(|picture| picture.path_reuse.tile_side()).max()?;
-        let tile_side = tile_side.max(BLOCK_SIDE);
-        let pair = Pair { width, height, tile_side, a: Side::of(a)?, b: Side::of(b)? };
+        let largest = a.iter().chain(b).max_by_key(|picture| picture.path_reuse.tile_side())?;
+        let tile_side = largest.path_reuse.tile_side().max(BLOCK_SIDE);
+        let offset = largest.origin.map(|at| at % tile_side);
+        let pair = Pair { width, height, tile_side, offset, a: Side::of(a)?, b: Side::of(b)? };
         let variances = pair.tile_variances();
         let differences = pair.differences(&variances);
         let blocks = deviates(&pair.a.blocks, &pair.b.blocks);
@@ -136,14 +137,26 @@ struct Pair {
     height: u32,
     /// Pixels along each side of the tiles within which errors may depend on each other.
     tile_side: u32,
+    /// Column and row of the upper left pixel in its tile.
+    offset: [u32; 2],
     a: Side,
     b: Side,
 }
 
 impl Pair {
-    /// The tiles, row by row.
+    /// What the picture has of each tile, row by row.
     fn tiles(&self) -> impl Iterator<Item = Tile> {
-        Tile::grid([self.width, self.height], [self.tile_side; 2])
+        let [left, top] = self.offset;
+        Tile::grid([self.width + left, self.height + top], [self.tile_side; 2]).map(move |tile| {
+            let (x, y) = (tile.x.max(left), tile.y.max(top));
+            let (width, height) = (tile.x + tile.width - x, tile.y + tile.height - y);
+            Tile { x: x - left, y: y - top, width, height }
+        })
+    }
+
+    /// The number of tiles in a row.
+    fn columns(&self) -> usize {
+        (self.width + self.offset[0]).div_ceil(self.tile_side) as usize
     }
 
     /// What `of` takes of the means of both sides, summed over each tile.
@@ -178,7 +191,7 @@ impl Pair {
 
     /// [`Comparison::neighbours`], given the differences of tiles.
     fn neighbours(&self, apart: &[f64]) -> f64 {
-        let columns = self.width.div_ceil(self.tile_side) as usize;
+        let columns = self.columns();
         let right = |at: usize| (!(at + 1).is_multiple_of(columns)).then_some(at + 1);
         let below = |at: usize| Some(at + columns).filter(|&at| at < apart.len());
         let pairs = (0..apart.len())
@@ -216,7 +229,7 @@ impl Pair {
     /// The inverse of the mean variance of the tiles around each, of which chance in the tile itself is
     /// independent.
     fn weights(&self, variances: &[f64]) -> Vec<f64> {
-        let columns = self.width.div_ceil(self.tile_side) as usize;
+        let columns = self.columns();
         let rows = variances.len() / columns;
         let floor = floor(variances);
         let near = |x: usize, size: usize| x.saturating_sub(1)..(x + 2).min(size);

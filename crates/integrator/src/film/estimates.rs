@@ -27,6 +27,8 @@ pub struct Estimates {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
+    /// Column and row of the upper left pixel in the whole picture; not 0 in a crop of it.
+    pub origin: [u32; 2],
     /// Mean radiance, component by component.
     pub means: Vec<Rgb>,
     /// Standard errors of the means ([`Film::variance_of_mean`]); infinite if unknown.
@@ -49,6 +51,7 @@ impl Estimates {
         Self {
             width,
             height,
+            origin: [0; 2],
             means: vec![Rgb::BLACK; pixels],
             standard_errors: vec![Rgb::splat(f64::INFINITY); pixels],
             block_errors: vec![Rgb::splat(f64::INFINITY); Squares::of_means(width).count(pixels)],
@@ -106,6 +109,7 @@ impl Estimates {
         Self {
             width: columns.end - columns.start,
             height: rows.end - rows.start,
+            origin: [self.origin[0] + columns.start, self.origin[1] + rows.start],
             means: crop(&self.means, &within),
             standard_errors: crop(&self.standard_errors, &within),
             samples: crop(&self.samples, &within),
