@@ -1,6 +1,6 @@
-use super::block::BlockHeader;
 use super::dispersion::{Dispersion, Halves};
 use super::moments::{Moments, Tally};
+use super::pass_node::PassNodeHeader;
 use super::{Film, student};
 use globillum_material::Rgb;
 use std::cmp::Reverse;
@@ -16,12 +16,12 @@ pub struct ImageError {
     pub relative_rmse: f64,
     /// The interval that holds with a probability of 95 % what `relative_rmse` is on average over all seeds.
     ///
-    /// It comes from the difference between the two halves of a block of passes ([`Film`]), of which only chance is
+    /// It comes from the difference between the two halves of a node of passes ([`Film`]), of which only chance is
     /// the reason, summed over squares of pixels that are independent of each other. Each half needs two
     /// observations: with Sobol' points, passes `4 k` to `4 k + 3` for some `k`; with independent samples, passes
-    /// `2 k` and `2 k + 1` of at least two samples each. Among several blocks that of the most observations counts.
+    /// `2 k` and `2 k + 1` of at least two samples each. Among several nodes that of the most observations counts.
     ///
-    /// Without such a block it comes from the differences between the squares, of which some are truly noisier, and
+    /// Without such a node it comes from the differences between the squares, of which some are truly noisier, and
     /// is too wide. `[0, inf]` if nothing is known, or if strips of the picture hold different passes. How often it
     /// holds, and where less: docs/estimators.md.
     pub interval_95: [f64; 2],
@@ -78,7 +78,7 @@ pub(crate) struct ErrorSums {
     pub(crate) pixels: PixelSums,
     /// The passes of the first strip; `None` if another one has others.
     passes: Option<Passes>,
-    /// The spreads of all squares, if the halves of blocks say nothing.
+    /// The spreads of all squares, if the halves of nodes say nothing.
     squares: Vec<f64>,
 }
 
@@ -86,25 +86,25 @@ pub(crate) struct ErrorSums {
 #[derive(Debug)]
 struct Passes {
     tally: Tally,
-    /// Each block with how its halves differ.
-    blocks: Vec<(BlockHeader, Vec<Halves>)>,
+    /// Each node with how its halves differ.
+    nodes: Vec<(PassNodeHeader, Vec<Halves>)>,
 }
 
 impl ErrorSums {
     /// Adds the rows of `film`, which are below those added before.
     pub(crate) fn add(&mut self, film: &Film) {
         let tally = film.tally();
-        let headers = || film.blocks().iter().map(|block| block.header);
+        let headers = || film.nodes().iter().map(|node| node.header);
         if self.pixels.pixels == 0 {
-            let blocks = headers().map(|header| (header, Vec::new())).collect();
-            self.passes = Some(Passes { tally, blocks });
+            let nodes = headers().map(|header| (header, Vec::new())).collect();
+            self.passes = Some(Passes { tally, nodes });
         }
-        self.passes = self.passes.take().filter(|own| own.blocks.iter().map(|block| block.0).eq(headers()));
-        let own = self.passes.iter_mut().flat_map(|own| &mut own.blocks);
-        for ((_, halves), block) in own.zip(film.blocks()) {
-            halves.extend(&block.halves);
+        self.passes = self.passes.take().filter(|own| own.nodes.iter().map(|node| node.0).eq(headers()));
+        let own = self.passes.iter_mut().flat_map(|own| &mut own.nodes);
+        for ((_, halves), node) in own.zip(film.nodes()) {
+            halves.extend(&node.halves);
         }
-        if film.blocks().iter().flat_map(|block| &block.halves).all(|halves| halves.spread == 0.0) {
+        if film.nodes().iter().flat_map(|node| &node.halves).all(|halves| halves.spread == 0.0) {
             let moments: Vec<Moments> = film.all_sums().map(|(moments, _)| moments).collect();
             self.squares.extend(film.squares().spreads(&moments));
         }
@@ -131,11 +131,11 @@ impl ErrorSums {
 }
 
 impl Passes {
-    /// What is known of the picture's variance: by the halves of the largest block, or if it has none that
+    /// What is known of the picture's variance: by the halves of the largest node, or if it has none that
     /// vary, by the squares of pixels.
     fn dispersion(&self, squares: &[f64]) -> Dispersion {
-        let blocks = self.blocks.iter().map(|(header, halves)| (header, Dispersion::between(halves)));
-        let known = blocks.filter(|(_, dispersion)| dispersion.dof > 0.0);
+        let nodes = self.nodes.iter().map(|(header, halves)| (header, Dispersion::between(halves)));
+        let known = nodes.filter(|(_, dispersion)| dispersion.dof > 0.0);
         let largest = known.max_by_key(|(header, _)| (header.tally.observations, Reverse(header.first)));
         largest
             .map_or_else(|| Dispersion::among(squares, self.tally.observations), |(_, dispersion)| dispersion)

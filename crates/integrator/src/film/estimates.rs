@@ -168,7 +168,7 @@ pub(crate) fn crop<T: Copy>(pixels: &[T], (width, columns, rows): &(u32, Range<u
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Block, Moments, Tally};
+    use super::super::{Moments, PassNode, Tally};
     use super::*;
     use approx::assert_relative_eq;
 
@@ -177,7 +177,7 @@ mod tests {
         let mut film = Film::new(3, rows, PathReuse::Sixteens);
         let pixel = |i: usize| Moments { sum: Rgb::splat(i as f64), spread: Rgb::splat(i as f64) };
         let pixels = (0..film.pixel_count()).map(pixel).collect();
-        film.insert(Block::of_pass(0, Tally { samples: 8, observations: 4 }, pixels, 3));
+        film.insert(PassNode::of_pass(0, Tally { samples: 8, observations: 4 }, pixels, 3));
         film
     }
 

@@ -54,7 +54,7 @@ fn check_picture(picture: &Picture) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Block, Moments, Tally};
+    use super::super::{Moments, PassNode, Tally};
     use super::*;
     use crate::{CheckpointError, Film, PathReuse, Settings};
     use globillum_material::Rgb;
@@ -67,13 +67,13 @@ mod tests {
         assert!(good > 0, "not one file is good");
     }
 
-    /// A checkpoint of one pixel: its blocks hold one pass each, with these sums and spreads.
+    /// A checkpoint of one pixel: its nodes hold one pass each, with these sums and spreads.
     fn checkpoint(passes: &[(u32, f64, f64)]) -> Vec<u8> {
         let mut film = Film::new(1, 0..1, PathReuse::Off);
         for &(first, sum, spread) in passes {
             let tally = Tally { samples: 2, observations: 2 };
             let moments = Moments { sum: Rgb::splat(sum), spread: Rgb::splat(spread) };
-            film.insert(Block::of_pass(first, tally, vec![moments], 1));
+            film.insert(PassNode::of_pass(first, tally, vec![moments], 1));
         }
         Picture { samples: 2 * passes.len() as u32, ..Picture::new(film, 1, 2, 0) }.to_bytes()
     }

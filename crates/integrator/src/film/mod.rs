@@ -1,6 +1,5 @@
 //! What the samples add up to.
 
-mod block;
 mod checkpoint;
 mod dispersion;
 mod error;
@@ -9,11 +8,11 @@ mod estimates;
 mod fuzz;
 mod margin;
 mod moments;
+mod pass_node;
 mod picture;
 mod pixels;
 pub(crate) mod student;
 
-pub(crate) use block::Block;
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
 pub(crate) use dispersion::Squares;
 pub use error::{ImageError, PixelSums};
@@ -22,12 +21,13 @@ pub(crate) use estimates::crop;
 #[cfg(any(test, feature = "fuzz"))]
 pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally};
+pub(crate) use pass_node::PassNode;
 pub use picture::{Ending, Picture};
 
 use crate::path::TILE_SIDE;
 use crate::{CheckpointError, PathReuse};
-use block::insert;
 use globillum_material::Rgb;
+use pass_node::insert;
 use std::ops::Range;
 
 /// A picture's pixels, row 0 at the top: mean radiance, and how well it is known. Of a sensor that measures irradiance,
@@ -39,8 +39,8 @@ use std::ops::Range;
 /// All pixels hold the same passes. Equal passes give equal bits, wherever and in whatever order
 /// they were rendered and put together.
 ///
-/// Passes are kept as blocks of `2^k` passes that start at a multiple of `2^k`. Passes from 0 on without gaps make one
-/// block for each digit 1 of their number in binary; other passes may make more. A block takes 48 bytes a pixel, and 24
+/// Passes are kept as nodes of `2^k` passes that start at a multiple of `2^k`. Passes from 0 on without gaps make one
+/// node for each digit 1 of their number in binary; other passes may make more. A node takes 48 bytes a pixel, and 24
 /// bytes for each square of 4 x 4 pixels and each row of tiles.
 ///
 /// The standard error comes from the spread of independent observations: of samples where those
@@ -64,7 +64,7 @@ pub struct Film {
     rows: Range<u32>,
     path_reuse: PathReuse,
     /// In the order of their passes; no two that could be joined.
-    blocks: Vec<Block>,
+    nodes: Vec<PassNode>,
 }
 
 impl Film {
@@ -73,7 +73,7 @@ impl Film {
 
     /// A film without passes of these rows.
     pub(crate) fn new(width: u32, rows: Range<u32>, path_reuse: PathReuse) -> Self {
-        Self { width, rows, path_reuse, blocks: Vec::new() }
+        Self { width, rows, path_reuse, nodes: Vec::new() }
     }
 
     /// One of the same kind, without passes.
@@ -158,8 +158,8 @@ impl Film {
     /// The passes held, as ranges in ascending order that neither meet nor overlap.
     pub fn passes(&self) -> Vec<Range<u32>> {
         let mut ranges: Vec<Range<u32>> = Vec::new();
-        for block in &self.blocks {
-            block.header.append_to(&mut ranges);
+        for node in &self.nodes {
+            node.header.append_to(&mut ranges);
         }
         ranges
     }
@@ -182,9 +182,9 @@ impl Film {
         let squares = Squares::of_means(self.width).all(self.pixel_count());
         squares.enumerate().map(|(at, square)| {
             let places: Vec<usize> = square.collect();
-            let (moments, tally) = self.joined(|block| Moments {
-                sum: mean(places.iter().map(|&place| block.pixels[place].sum)),
-                spread: block.squares[at],
+            let (moments, tally) = self.joined(|node| Moments {
+                sum: mean(places.iter().map(|&place| node.pixels[place].sum)),
+                spread: node.squares[at],
             });
             moments.variance_of_mean(tally)
         })
@@ -214,15 +214,15 @@ impl Film {
         if let Some(shared) = other.passes().iter().find_map(|range| self.held_of(range).next()) {
             return Err(CheckpointError::Overlap { pass: shared.start });
         }
-        for block in other.blocks {
-            self.insert(block);
+        for node in other.nodes {
+            self.insert(node);
         }
         Ok(())
     }
 
     /// Whether the film holds this pass.
     pub(crate) fn holds(&self, pass: u32) -> bool {
-        self.blocks.iter().any(|block| block.header.range().contains(&u64::from(pass)))
+        self.nodes.iter().any(|node| node.header.range().contains(&u64::from(pass)))
     }
 
     /// The parts of `passes` that the film holds, in ascending order.
@@ -232,21 +232,21 @@ impl Film {
         parts.filter(|part| !part.is_empty())
     }
 
-    /// Adds a block of passes that are not there yet, and joins what makes up a larger block.
-    pub(crate) fn insert(&mut self, block: Block) {
+    /// Adds a node of passes that are not there yet, and joins what makes up a larger node.
+    pub(crate) fn insert(&mut self, node: PassNode) {
         let squares = self.squares();
-        insert(&mut self.blocks, block, |block, next| block.join(next, &squares));
+        insert(&mut self.nodes, node, |node, next| node.join(next, &squares));
     }
 
     /// Appends the rows below, of the same passes.
     pub(crate) fn append(&mut self, below: Self) {
         debug_assert_eq!(self.rows.end, below.rows.start);
         self.rows.end = below.rows.end;
-        for (block, more) in self.blocks.iter_mut().zip(below.blocks) {
-            debug_assert_eq!(block.header, more.header);
-            block.pixels.extend(more.pixels);
-            block.squares.extend(more.squares);
-            block.halves.extend(more.halves);
+        for (node, more) in self.nodes.iter_mut().zip(below.nodes) {
+            debug_assert_eq!(node.header, more.header);
+            node.pixels.extend(more.pixels);
+            node.squares.extend(more.squares);
+            node.halves.extend(more.halves);
         }
     }
 
@@ -269,8 +269,8 @@ impl Film {
         mean(self.variances_of_mean())
     }
 
-    pub(crate) fn blocks(&self) -> &[Block] {
-        &self.blocks
+    pub(crate) fn nodes(&self) -> &[PassNode] {
+        &self.nodes
     }
 
     pub(crate) fn pixel_count(&self) -> usize {
@@ -278,7 +278,7 @@ impl Film {
     }
 
     pub(crate) fn tally(&self) -> Tally {
-        self.blocks.iter().fold(Tally::default(), |sum, block| sum.joined(block.header.tally))
+        self.nodes.iter().fold(Tally::default(), |sum, node| sum.joined(node.header.tally))
     }
 
     /// The squares of pixels whose errors are independent of each other's.
@@ -290,16 +290,16 @@ impl Film {
         (0..self.pixel_count()).map(|index| self.sums(index))
     }
 
-    /// All of a pixel's blocks as one set.
+    /// All of a pixel's nodes as one set.
     fn sums(&self, index: usize) -> (Moments, Tally) {
-        self.joined(|block| block.pixels[index])
+        self.joined(|node| node.pixels[index])
     }
 
-    /// What all blocks hold of something as one set, in the order of their passes.
-    fn joined(&self, of: impl Fn(&Block) -> Moments) -> (Moments, Tally) {
-        let mut blocks = self.blocks.iter().map(|block| (of(block), block.header.tally));
-        let first = blocks.next().unwrap_or_default();
-        blocks.fold(first, |(a, n), (b, m)| (a.joined(n.samples, &b, m.samples), n.joined(m)))
+    /// What all nodes hold of something as one set, in the order of their passes.
+    fn joined(&self, of: impl Fn(&PassNode) -> Moments) -> (Moments, Tally) {
+        let mut nodes = self.nodes.iter().map(|node| (of(node), node.header.tally));
+        let first = nodes.next().unwrap_or_default();
+        nodes.fold(first, |(a, n), (b, m)| (a.joined(n.samples, &b, m.samples), n.joined(m)))
     }
 
     fn index(&self, x: u32, y: u32) -> usize {
@@ -323,10 +323,10 @@ mod tests {
     use approx::assert_relative_eq;
 
     /// A pass of a film of one pixel, of one sample that no other pass has.
-    fn pass(first: u32) -> Block {
+    fn pass(first: u32) -> PassNode {
         let sum = Rgb::splat(1.0 / f64::from(3 + first));
         let tally = Tally { samples: 1, observations: 1 };
-        Block::of_pass(first, tally, vec![Moments { sum, spread: Rgb::BLACK }], 1)
+        PassNode::of_pass(first, tally, vec![Moments { sum, spread: Rgb::BLACK }], 1)
     }
 
     fn film(passes: impl IntoIterator<Item = u32>) -> Film {
@@ -353,7 +353,7 @@ mod tests {
         let mut film = Film::new(6, 0..1, PathReuse::Sixteens);
         for (first, &x) in (0..).zip(&values) {
             let pixels = [x, 1.0 - x, 0.5, 0.5, x, x].map(sum).to_vec();
-            film.insert(Block::of_pass(first, Tally { samples: 1, observations: 1 }, pixels, 6));
+            film.insert(PassNode::of_pass(first, Tally { samples: 1, observations: 1 }, pixels, 6));
         }
         let variances: Vec<f64> = film.block_variances_of_mean().map(|variance| variance.g).collect();
         assert_eq!(variances.len(), 2);
@@ -364,15 +364,15 @@ mod tests {
     /// A last pass cut short is joined with the one before it, and weighs by its samples.
     #[test]
     fn a_short_last_pass_weighs_less() {
-        let block = |first, samples: u32, mean: f64| {
+        let node = |first, samples: u32, mean: f64| {
             let tally = Tally { samples: samples.into(), observations: 1 };
             let sum = Rgb::splat(mean * f64::from(samples));
-            Block::of_pass(first, tally, vec![Moments { sum, spread: Rgb::BLACK }], 1)
+            PassNode::of_pass(first, tally, vec![Moments { sum, spread: Rgb::BLACK }], 1)
         };
         let mut film = Film::new(1, 0..1, PathReuse::Off);
-        film.insert(block(0, 16, 1.0));
-        film.insert(block(1, 4, 2.0));
-        assert_eq!((film.blocks.len(), film.samples()), (1, 20));
+        film.insert(node(0, 16, 1.0));
+        film.insert(node(1, 4, 2.0));
+        assert_eq!((film.nodes.len(), film.samples()), (1, 20));
         assert_relative_eq!(film.mean(0, 0).g, 1.2, max_relative = 1e-15);
         // Squared deviations 16 x 0.2^2 and 4 x 0.8^2, over one degree of freedom and 20 samples.
         assert_relative_eq!(film.variance_of_mean(0, 0).g, 0.16, max_relative = 1e-14);
@@ -384,7 +384,7 @@ mod tests {
         let mut film = Film::new(5, 0..1, PathReuse::Off);
         let pixel = |spread| Moments { sum: Rgb::WHITE, spread: Rgb::splat(spread) };
         let pixels = [0.0, 240.0, 0.0, 0.0, 0.0].map(pixel).to_vec();
-        film.insert(Block::of_pass(0, Tally { samples: 16, observations: 16 }, pixels, 5));
+        film.insert(PassNode::of_pass(0, Tally { samples: 16, observations: 16 }, pixels, 5));
         let margins: Vec<Rgb> = film.margins_95().collect();
         let expected = [0.5, 0.0, 1.0 / 3.0, 0.2, 0.2].map(|variance: f64| 1.4 * variance.sqrt());
         for x in [0, 2, 3, 4] {

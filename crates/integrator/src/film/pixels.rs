@@ -27,7 +27,7 @@ impl Film {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Block, Moments, Tally};
+    use super::super::{Moments, PassNode, Tally};
     use super::*;
     use crate::PathReuse;
 
@@ -37,7 +37,7 @@ mod tests {
         let pixels = colours.map(|sum| Moments { sum: 2.0 * sum, spread: Rgb::BLACK });
         let tally = Tally { samples: 2, observations: 1 };
         let mut film = Film::new(1, 0..2, PathReuse::Off);
-        film.insert(Block::of_pass(0, tally, pixels.into(), 2));
+        film.insert(PassNode::of_pass(0, tally, pixels.into(), 2));
         assert_eq!(film.to_srgb8(), [188, 0, 255, 255, 255, 137]);
         assert_eq!(film.to_rgb32f(), [0.5, 0.0, 1.0, 2.0, f32::INFINITY, 0.25]);
     }

@@ -45,7 +45,7 @@ struct View {
     /// BSDF alone.
     density: f64,
     /// The same by the guide, if there is one.
-    guided: f64,
+    guided_density: f64,
     radiance: Rgb,
 }
 
@@ -103,7 +103,7 @@ impl Caustics {
                 continue;
             };
             let of_square = square_of(tile, sample / count).map(|pixel| pixel * count + sample % count);
-            let own_view = View { sample, density: 1.0, guided: own.guided, radiance };
+            let own_view = View { sample, density: 1.0, guided_density: own.guide_ratio, radiance };
             self.collect_views(context, prefixes, (own_view, own, &mirror), of_square);
             self.look(context, (prefixes, own.bounce), &mirror.point, counters);
             self.divide(prefixes, samples);
@@ -124,15 +124,15 @@ impl Caustics {
         self.rays.clear();
         self.views.push(own_view);
         let Some((density, _)) = own.end.connection_to(mirror) else { return };
-        self.views[0] = View { density, guided: density * own.guided, ..own_view };
+        self.views[0] = View { density, guided_density: density * own.guide_ratio, ..own_view };
         for sample in others.filter(|&other| other != own_view.sample) {
             let Some(prefix) = prefixes.of(sample).filter(|other| other.bounce == own.bounce) else {
                 continue;
             };
             let Some((density, ray)) = prefix.end.connection_to(mirror) else { continue };
-            let guided = density * prefix.end.guided(context.guide, ray.direction);
+            let guided_density = density * prefix.end.guide_ratio(context.guide, ray.direction);
             self.rays.push(ray);
-            self.views.push(View { sample, density, guided, radiance: Rgb::BLACK });
+            self.views.push(View { sample, density, guided_density, radiance: Rgb::BLACK });
         }
     }
 
@@ -159,7 +159,8 @@ impl Caustics {
             let view = &mut views[found.target as usize];
             let Some(Prefix { end, .. }) = prefixes.of(view.sample) else { return };
             let direction = (mirror.position - end.point.position).normalize();
-            let pdf = PdfSolidAngle(end.normal.dot(direction) / PI * end.guided(context.guide, direction));
+            let pdf =
+                PdfSolidAngle(end.normal.dot(direction) / PI * end.guide_ratio(context.guide, direction));
             let mis = at_first_vertex(Density::SolidAngle(pdf), end.receiver());
             let weight = weight(context, mis, mirror.triangle, &found);
             if weight >= LEAST_WEIGHT {
@@ -173,7 +174,7 @@ impl Caustics {
     /// Divides the caustic among the views that show a light.
     fn divide(&self, prefixes: &Prefixes, samples: &mut [Rgb]) {
         let lit = || self.views.iter().filter(|view| !view.radiance.is_black());
-        let sum: f64 = lit().map(|view| view.guided).sum();
+        let sum: f64 = lit().map(|view| view.guided_density).sum();
         for view in lit() {
             let throughput = prefixes.of(view.sample).map_or(Rgb::WHITE, |prefix| prefix.throughput);
             samples[view.sample as usize] += throughput * view.radiance * (view.density / sum);
@@ -360,7 +361,7 @@ mod tests {
             let met = prefixes.of(sample).and_then(|own| Some((own, own.mirror?)));
             let Some((own, mirror)) = met else { continue };
             let (density, ray) = own.end.connection_to(&mirror).unwrap();
-            caustics.views = vec![View { sample, density, guided: density, radiance: Rgb::BLACK }; 2];
+            caustics.views = vec![View { sample, density, guided_density: density, radiance: Rgb::BLACK }; 2];
             caustics.rays = vec![ray];
             caustics.look(&context, (&prefixes, own.bounce), &mirror.point, &mut counters);
             let [again, found] = [caustics.views[1].radiance.g, caustics.found_by(sample).g];

@@ -153,7 +153,7 @@ mod tests {
         let draw = |i: u64| settings.sampler.numbers(1, Member::alone(i), 0, &(0..4));
         let mut paths: Vec<_> = (0..203).map(|i| Path::new(i as u32, draw(i))).collect();
         for path in paths.iter_mut().step_by(3) {
-            path.stage = Stage::Beyond;
+            path.stage = Stage::Suffix;
         }
         let numbers: Vec<_> =
             paths.iter().flat_map(|path| BounceNumbers::draw(&[path.numbers], 2, false)).collect();
@@ -198,7 +198,7 @@ mod tests {
         let (ray, draw) =
             (Ray::new(DVec3::Y, -DVec3::Y), settings.sampler.numbers(1, Member::alone(0), 0, &(0..4)));
         let (mut path, hit) = (Path::new(0, draw), scene.accel().intersect(&ray));
-        path.stage = Stage::Beyond;
+        path.stage = Stage::Suffix;
         let mut choices = Choices::default();
         choices.choose_mirrors(&context, (&[path], &[ray], &[hit]), &[0.5]);
         assert!(matches!(choices.of_path(0), PriorChoice::Made(_)));

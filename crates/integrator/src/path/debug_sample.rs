@@ -5,7 +5,7 @@ use super::pixel_groups::square_around;
 use super::probes::probed;
 use super::render_context::RenderContext;
 use super::training::guide;
-use super::wavefront::{IRRADIANCE, Wavefront, receiver};
+use super::wavefront::{IRRADIANCE_PER_RADIANCE, Wavefront, irradiance_vertex};
 use crate::caught::caught;
 use crate::{RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SurfacePoint};
@@ -115,7 +115,7 @@ impl Wavefront {
         else {
             return false;
         };
-        let unit = from_point.map_or(1.0, |_| IRRADIANCE);
+        let unit = from_point.map_or(1.0, |_| IRRADIANCE_PER_RADIANCE);
         let ray = on_ray.map(|i| self.rays[i]);
         // Sums that begin at zero hold the radiance of this bounce alone.
         self.radiance.reset(self.radiance.samples.len(), self.radiance.suffixes.len());
@@ -134,7 +134,7 @@ impl Wavefront {
         replay.alone += emitted;
         let at = match (ray.zip(hit), from_point) {
             (Some((ray, hit)), _) => context.scene.interaction(&ray, &hit),
-            (None, Some(i)) if bounce == 0 => receiver(self.points[i]),
+            (None, Some(i)) if bounce == 0 => irradiance_vertex(self.points[i]),
             _ => {
                 replay.environment = emitted;
                 return true;

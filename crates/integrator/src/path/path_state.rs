@@ -13,7 +13,7 @@ pub(super) struct Path {
     pub(super) throughput: Rgb,
     /// The density with which the directions of the same part of the path were sampled, over their density by the BSDFs
     /// alone. 1 without a guide.
-    pub(super) guided: f64,
+    pub(super) guide_ratio: f64,
     /// The largest throughput of the prefixes that may reuse the suffix, by component; white before.
     pub(super) prefix_throughput: Rgb,
     pub(super) mis: MisContext,
@@ -45,8 +45,8 @@ pub(super) enum Stage {
     /// Of the vertices since the end of the prefix, all were mirrors, of this number. Others may share what the path finds
     /// of lights ([`Caustics`](super::caustics::Caustics)), or the suffix that begins beyond the first mirror.
     Reflected(u8),
-    /// The vertex after the prefix has been passed, or the prefix has ended and is not reused.
-    Beyond,
+    /// The suffix has begun, or the prefix has ended and is not reused.
+    Suffix,
 }
 
 /// The radiance that the samples of a wavefront have gathered.
@@ -65,7 +65,7 @@ impl Path {
             stage: Stage::Prefix,
             numbers,
             throughput: Rgb::WHITE,
-            guided: 1.0,
+            guide_ratio: 1.0,
             prefix_throughput: Rgb::WHITE,
             mis: MisContext::of_camera(),
         }
@@ -80,7 +80,7 @@ impl Path {
     /// Makes what follows the suffix: with a throughput of one, and added to a sum of its own.
     #[inline(always)]
     pub(super) fn leave_prefix(&mut self) {
-        (self.throughput, self.guided) = (Rgb::WHITE, 1.0);
+        (self.throughput, self.guide_ratio) = (Rgb::WHITE, 1.0);
         self.target = Target::Suffix(self.target.sample());
     }
 
@@ -95,7 +95,7 @@ impl Path {
     /// leads where a low throughput meets much light.
     #[inline(always)]
     pub(super) fn survives(&mut self, roulette: Roulette, u: f64) -> bool {
-        let reflected = (self.prefix_throughput * self.throughput).max_component() * self.guided;
+        let reflected = (self.prefix_throughput * self.throughput).max_component() * self.guide_ratio;
         let uncapped = reflected / roulette.threshold;
         let survive_prob = uncapped.min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;

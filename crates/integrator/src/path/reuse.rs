@@ -26,7 +26,7 @@ pub(super) struct Prefix {
     /// The factor on the radiance that arrives at the end along the path, if directions there are sampled by the BSDF.
     pub(super) throughput: Rgb,
     /// How many times as dense as by the BSDF its own direction there was sampled.
-    pub(super) guided: f64,
+    pub(super) guide_ratio: f64,
     /// The largest throughput of the prefixes of its group that end at this bounce, by component.
     group_throughput: Rgb,
     /// The next vertex of its own path, if that is on a mirror.
@@ -44,7 +44,7 @@ struct Connection {
     /// been continued there by its BSDF alone.
     density: f64,
     /// The same by the guide, if there is one.
-    guided: f64,
+    guided_density: f64,
     /// How many rays must be unoccluded: none to a prefix's own suffix, two by way of a mirror.
     rays: usize,
 }
@@ -94,19 +94,19 @@ impl Prefixes {
     }
 
     fn throughput(&self, sample: usize) -> Rgb {
-        self.all[sample].map_or(Rgb::WHITE, |prefix| prefix.throughput / prefix.guided)
+        self.all[sample].map_or(Rgb::WHITE, |prefix| prefix.throughput / prefix.guide_ratio)
     }
 
     /// Ends the prefix of a path at the vertex that scattered it.
     #[inline(always)]
     pub(super) fn end(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let (end, bounce, throughput) =
-            (ReuseVertex::at(vertex), vertex.bounce, path.throughput * path.guided);
+            (ReuseVertex::at(vertex), vertex.bounce, path.throughput * path.guide_ratio);
         self.all[path.target.sample() as usize] = Some(Prefix {
             end,
             bounce,
             throughput,
-            guided: path.guided,
+            guide_ratio: path.guide_ratio,
             group_throughput: throughput,
             mirror: None,
             start: None,
@@ -190,8 +190,14 @@ impl Prefixes {
                 let suffix = own.suffix().filter(|_| radiance.is_finite());
                 let found = suffix.and_then(|suffix| own.end.density_at(&suffix));
                 let density = found.map_or(1.0, |(density, _)| density);
-                let guided = density * own.guided;
-                connections.push(Connection { prefix: sample, suffix: sample, density, guided, rays: 0 });
+                let guided_density = density * own.guide_ratio;
+                connections.push(Connection {
+                    prefix: sample,
+                    suffix: sample,
+                    density,
+                    guided_density,
+                    rays: 0,
+                });
                 let Some(suffix) = suffix.filter(|_| found.is_some()) else { continue };
                 for prefix in group.iter().copied().flatten().filter(|&prefix| prefix != sample) {
                     let Some(other) = &all[prefix as usize] else { continue };
@@ -201,8 +207,14 @@ impl Prefixes {
                     let Some((density, direction)) = other.end.density_at(&suffix) else { continue };
                     let added = other.end.push_segments(context.scene.triangles(), &suffix, direction, rays);
                     if added > 0 {
-                        let guided = density * other.end.guided(context.guide, direction);
-                        connections.push(Connection { prefix, suffix: sample, density, guided, rays: added });
+                        let guided_density = density * other.end.guide_ratio(context.guide, direction);
+                        connections.push(Connection {
+                            prefix,
+                            suffix: sample,
+                            density,
+                            guided_density,
+                            rays: added,
+                        });
                     }
                 }
             }
@@ -215,11 +227,11 @@ impl Prefixes {
         let mut occluded = self.occluded.iter();
         for connection in &mut self.connections {
             if occluded.by_ref().take(connection.rays).fold(false, |any, &is_occluded| any | is_occluded) {
-                (connection.density, connection.guided) = (0.0, 0.0);
+                (connection.density, connection.guided_density) = (0.0, 0.0);
             }
         }
         for connections in self.connections.chunk_by(|a, b| a.suffix == b.suffix) {
-            let sum: f64 = connections.iter().map(|connection| connection.guided).sum();
+            let sum: f64 = connections.iter().map(|connection| connection.guided_density).sum();
             for connection in connections {
                 let (prefix, suffix) = (connection.prefix as usize, connection.suffix as usize);
                 let throughput = self.all[prefix].map_or(Rgb::WHITE, |prefix| prefix.throughput);

@@ -37,7 +37,7 @@ impl ReuseVertex {
 
     /// How many times as dense as cosine sampling the guide makes `direction`.
     #[inline(always)]
-    pub(super) fn guided(&self, guide: Option<&Guide>, direction: DVec3) -> f64 {
+    pub(super) fn guide_ratio(&self, guide: Option<&Guide>, direction: DVec3) -> f64 {
         let Some((guide, cell)) = guide.zip(self.guide_cell) else { return 1.0 };
         guide.cell(cell).directions.ratio(Frame::around(self.normal).to_local(direction))
     }

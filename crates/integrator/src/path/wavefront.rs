@@ -3,7 +3,6 @@ use super::choices::Choices;
 use super::counters::Counters;
 use super::emission_rays::MAX_REFLECTIONS;
 use super::light_edges::LightEdges;
-use super::light_rays::LightRays;
 use super::mirror_rays::MirrorRays;
 use super::next_event::small_mirror_decision;
 use super::path_state::{Contribution, Path, RadianceSums, Stage};
@@ -11,6 +10,7 @@ use super::pixel_groups::Groups;
 use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
+use super::supersampling_rays::SupersamplingRays;
 use super::tile_bounds::Tile;
 use crate::guide::{GuideVertex, guide_vertex};
 use crate::light::{ChosenLight, ChosenMirror};
@@ -51,7 +51,7 @@ pub(crate) struct Wavefront {
     pub(super) shadow_rays: Vec<Ray>,
     pub(super) occluded: Vec<bool>,
     mirror_rays: MirrorRays,
-    light_rays: LightRays,
+    supersampling_rays: SupersamplingRays,
     pub(super) radiance: RadianceSums,
     pub(super) prefixes: Prefixes,
     pub(super) caustics: Caustics,
@@ -62,7 +62,7 @@ pub(crate) struct Wavefront {
 const WHITE: Material = Material { bsdf: Bsdf::Lambert(Reflectance::ONE), emission: Emission::NONE };
 
 /// Irradiance over the radiance of a white diffuse surface.
-pub(super) const IRRADIANCE: f64 = PI;
+pub(super) const IRRADIANCE_PER_RADIANCE: f64 = PI;
 
 /// How many paths' random numbers are computed at once.
 const NUMBERS_AT_ONCE: usize = 8;
@@ -93,7 +93,7 @@ impl Wavefront {
         self.prefixes.share_suffixes(context, &mut self.radiance, &mut counters);
         self.caustics.share(context, (tile, &self.prefixes), &mut self.radiance.samples, &mut counters);
         for path in &self.from_points {
-            *self.radiance.at(path.target) *= IRRADIANCE;
+            *self.radiance.at(path.target) *= IRRADIANCE_PER_RADIANCE;
         }
         counters.camera_rays += self.supersample(context, (tile, edges), samples);
         Some(counters)
@@ -111,8 +111,8 @@ impl Wavefront {
         (tile, edges): (Tile, &LightEdges),
         samples: &Range<u32>,
     ) -> u64 {
-        let rays = self.light_rays.find(context, (tile, edges), samples);
-        for &(sample, emitted) in &self.light_rays.found {
+        let rays = self.supersampling_rays.find(context, (tile, edges), samples);
+        for &(sample, emitted) in &self.supersampling_rays.found {
             self.radiance.samples[sample as usize] += emitted;
         }
         rays
@@ -120,7 +120,7 @@ impl Wavefront {
 
     /// What these camera rays have found for a sample.
     pub(super) fn lights_seen_by(&self, sample: u32) -> Rgb {
-        let found = self.light_rays.found.iter().find(|&&(of, _)| of == sample);
+        let found = self.supersampling_rays.found.iter().find(|&&(of, _)| of == sample);
         found.map_or(Rgb::BLACK, |&(_, emitted)| emitted)
     }
 
@@ -298,8 +298,11 @@ impl Wavefront {
             vertex.light = self.light_choices.of_path(i);
             vertex.mirror = self.mirror_choices.of_path(i);
             vertex.large_mirror_numbers = self.large_mirror_numbers.get(i).copied();
-            self.pass(&mut path, &vertex);
-            let Some(next) = self.leave(context, &mut path, &vertex, Some(&hit), counters) else { continue };
+            self.update_stage(&mut path, &vertex);
+            let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, Some(&hit), counters)
+            else {
+                continue;
+            };
             (self.paths[kept], self.rays[kept]) = (path, next);
             kept += 1;
         }
@@ -321,9 +324,9 @@ impl Wavefront {
         self.radiance.samples[path.target.sample() as usize] += throughput * left;
     }
 
-    /// Notes that a path passes a vertex after its prefix: its suffix may begin there.
+    /// Updates the stage of a path that has met a vertex. Its suffix may begin there.
     #[inline(always)]
-    fn pass(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+    fn update_stage(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let is_mirror = vertex.at.material.bsdf.is_delta();
         path.stage = match (path.stage, is_mirror) {
             (Stage::Prefix, _) => Stage::Prefix,
@@ -336,9 +339,9 @@ impl Wavefront {
             }
             (Stage::PrefixEnded | Stage::Reflected(1), false) => {
                 self.prefixes.begin_suffix(path, vertex);
-                Stage::Beyond
+                Stage::Suffix
             }
-            (Stage::Reflected(_) | Stage::Beyond, _) => Stage::Beyond,
+            (Stage::Reflected(_) | Stage::Suffix, _) => Stage::Suffix,
         };
     }
 
@@ -370,10 +373,12 @@ impl Wavefront {
         draw_bounce_numbers(context.simd, &self.from_points, 0, with_roulette, &mut self.bounce_numbers);
         for i in 0..self.points.len() {
             let (mut path, point, numbers) = (self.from_points[i], self.points[i], self.bounce_numbers[i]);
-            let at = receiver(point);
+            let at = irradiance_vertex(point);
             let guide_cell = context.guide.map(|guide| guide.cell(guide.cells(&[guide_vertex(&at)])[0]));
             let vertex = ShadingPoint::new(at, guide_cell, 0, numbers);
-            let Some(next) = self.leave(context, &mut path, &vertex, None, counters) else { continue };
+            let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, None, counters) else {
+                continue;
+            };
             self.paths.push(path);
             self.rays.push(next);
         }
@@ -382,7 +387,7 @@ impl Wavefront {
     /// Samples lights at a vertex, and scatters the path there. The next ray; `None` if the path ends. `hit` is where
     /// it came in, unless it begins here.
     #[inline(always)]
-    fn leave(
+    fn sample_and_scatter(
         &mut self,
         context: &RenderContext<'_>,
         path: &mut Path,
@@ -404,7 +409,7 @@ impl Wavefront {
         });
         let next = path.scatter(context, hit, vertex)?;
         if path.is_prefix() && vertex.at.material.bsdf.is_diffuse() {
-            path.stage = Stage::Beyond;
+            path.stage = Stage::Suffix;
             if context.may_reuse_prefix(vertex.bounce) {
                 self.prefixes.end(path, vertex);
             }
@@ -419,7 +424,7 @@ impl Wavefront {
 }
 
 /// The vertex at which a path begins to measure irradiance.
-pub(super) fn receiver(point: SurfacePoint) -> Interaction<'static> {
+pub(super) fn irradiance_vertex(point: SurfacePoint) -> Interaction<'static> {
     Interaction { point, material: &WHITE, wo: point.normal }
 }
 
@@ -477,7 +482,7 @@ impl Path {
         let ShadingPoint { at, frame, .. } = vertex;
         let (sample, ratio) = vertex.sample()?;
         self.throughput *= sample.weight;
-        self.guided *= ratio;
+        self.guide_ratio *= ratio;
         self.mis = match sample.density {
             Density::SolidAngle(_) => MisContext {
                 is_first: self.is_prefix(),

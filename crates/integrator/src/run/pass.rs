@@ -1,7 +1,7 @@
 use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
-use crate::film::{Block, Moments, Squares, Tally};
+use crate::film::{Moments, PassNode, Squares, Tally};
 use crate::path::{LightEdges, RenderContext, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_material::Rgb;
@@ -43,7 +43,7 @@ impl PassRenderer<'_> {
         &self,
         pass: u32,
         cancelled: impl Fn() -> bool + Sync,
-    ) -> Result<Option<(Block, Counters)>, RenderError> {
+    ) -> Result<Option<(PassNode, Counters)>, RenderError> {
         let tiles: Vec<Tile> = Tile::all(self.window).collect();
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
@@ -59,7 +59,7 @@ impl PassRenderer<'_> {
             .collect();
         // A pass without one of its tiles is dropped.
         let tiles: Option<Vec<TileResult>> = results?.into_iter().collect();
-        Ok(tiles.map(|tiles| self.block(pass, tiles)))
+        Ok(tiles.map(|tiles| self.node(pass, tiles)))
     }
 
     /// Renders one tile of a pass, a few samples of each pixel at a time.
@@ -104,8 +104,8 @@ impl PassRenderer<'_> {
         Ok(Some(TileResult { tile, pixels, squares, counters }))
     }
 
-    /// Puts the tiles of a pass together as a block of the film.
-    fn block(&self, pass: u32, tiles: Vec<TileResult>) -> (Block, Counters) {
+    /// Puts the tiles of a pass together as a node of the film.
+    fn node(&self, pass: u32, tiles: Vec<TileResult>) -> (PassNode, Counters) {
         let settings = self.context.settings;
         let samples = settings.samples_of(pass..pass + 1).len() as u64;
         let observations = match settings.sampler {
@@ -114,20 +114,20 @@ impl PassRenderer<'_> {
             Sampler::Sobol => 1,
         };
         let pixels = vec![Moments::default(); self.window.pixel_count()];
-        let mut block = Block::of_pass(pass, Tally { samples, observations }, pixels, self.window.width);
+        let mut node = PassNode::of_pass(pass, Tally { samples, observations }, pixels, self.window.width);
         let mut counters = Counters::default();
         for TileResult { tile, pixels, squares, counters: counted } in tiles {
             for ((x, y), moments) in tile.pixels().zip(pixels) {
                 let spread = if observations > 1 { moments.spread } else { Rgb::BLACK };
-                block.pixels[self.window.index(x, y)] = Moments { spread, ..moments };
+                node.pixels[self.window.index(x, y)] = Moments { spread, ..moments };
             }
             let [all, part] = [&self.window, &tile].map(|tile| tile.squares_in(&self.window));
             for ((x, y), moments) in part.pixels().zip(squares) {
-                block.squares[all.index(x, y)] = moments.spread;
+                node.squares[all.index(x, y)] = moments.spread;
             }
             counters += counted;
         }
-        (block, counters)
+        (node, counters)
     }
 }
 

@@ -125,12 +125,12 @@ impl PassLoop<'_> {
             return Ok(Some(Ending::Seconds));
         }
         let over = || limited && meter.is_over_in(0.0);
-        let Some((block, counters)) = self.renderer.render_pass(pass, || monitor.cancelled() || over())?
+        let Some((node, counters)) = self.renderer.render_pass(pass, || monitor.cancelled() || over())?
         else {
             return Ok(Some(if over() { Ending::Seconds } else { Ending::Cancelled }));
         };
-        picture.samples += block.header.tally.samples as u32;
-        picture.film.insert(block);
+        picture.samples += node.header.tally.samples as u32;
+        picture.film.insert(node);
         picture.counters += counters;
         meter.set_error(picture.film.error().relative_rmse);
         Ok(None)

@@ -1,7 +1,7 @@
 use super::bytes::{self, Numbers, sealed};
 use crate::error::CHECKPOINT_VERSION;
-use crate::film::block::BlockHeader;
 use crate::film::moments::Tally;
+use crate::film::pass_node::PassNodeHeader;
 use crate::film::{Film, Picture};
 use crate::path::TILE_SIDE;
 use crate::{CheckpointError, Counters, PathReuse, Settings};
@@ -11,16 +11,16 @@ use std::ops::Range;
 const MAGIC: [u8; 8] = *b"GLBLPASS";
 /// Bytes before the strips.
 const FIXED_BYTES: u64 = 8 + 7 * 4 + 8 * (1 + Counters::COUNT as u64);
-/// Bytes of a strip before its blocks.
+/// Bytes of a strip before its nodes.
 const STRIP_BYTES: u64 = 12;
-/// Bytes of a block.
-const BLOCK_BYTES: u64 = 24;
+/// Bytes of a node.
+const NODE_BYTES: u64 = 24;
 
 /// What a checkpoint says before its pixels: of which picture it holds which passes.
 ///
 /// Fixed numbers (magic, version, number of strips and their length in bytes, width, height, samples in a pass,
 /// kind of path reuse, key, counters) are followed by the strips (first row, one past the last, number of
-/// blocks, and for each block first pass, passes, samples, observations), and by a checksum.
+/// nodes, and for each node first pass, passes, samples, observations), and by a checksum.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CheckpointHeader {
@@ -45,7 +45,7 @@ pub struct CheckpointHeader {
 pub struct CheckpointStrip {
     pub(in crate::film) rows: Range<u32>,
     /// In the order of their passes; no two that could be joined.
-    pub(in crate::film) blocks: Vec<BlockHeader>,
+    pub(in crate::film) nodes: Vec<PassNodeHeader>,
 }
 
 impl CheckpointStrip {
@@ -57,13 +57,13 @@ impl CheckpointStrip {
     /// The passes that each pixel holds, as ranges in ascending order that neither meet nor overlap.
     pub fn passes(&self) -> Vec<Range<u32>> {
         let mut ranges = Vec::new();
-        self.blocks.iter().for_each(|block| block.append_to(&mut ranges));
+        self.nodes.iter().for_each(|node| node.append_to(&mut ranges));
         ranges
     }
 
     /// The samples that each pixel holds.
     pub fn samples(&self) -> u64 {
-        self.blocks.iter().map(|block| block.tally.samples).sum()
+        self.nodes.iter().map(|node| node.tally.samples).sum()
     }
 
     /// The strip's rows of tiles.
@@ -82,8 +82,8 @@ impl CheckpointStrip {
 impl CheckpointHeader {
     pub(in crate::film) fn of(picture: &Picture) -> Self {
         let film = &picture.film;
-        let blocks: Vec<BlockHeader> = film.blocks().iter().map(|block| block.header).collect();
-        let strips = (!blocks.is_empty()).then(|| CheckpointStrip { rows: film.rows(), blocks });
+        let nodes: Vec<PassNodeHeader> = film.nodes().iter().map(|node| node.header).collect();
+        let strips = (!nodes.is_empty()).then(|| CheckpointStrip { rows: film.rows(), nodes });
         Self {
             key: picture.key,
             width: film.width(),
@@ -98,7 +98,7 @@ impl CheckpointHeader {
     /// The number of bytes of the checkpoint. A file of another length is damaged.
     pub fn file_length(&self) -> u64 {
         let rows = self.strips.iter().flat_map(|strip| {
-            strip.tile_rows().map(|rows| super::rows::length(&self.empty(rows), &strip.blocks))
+            strip.tile_rows().map(|rows| super::rows::length(&self.empty(rows), &strip.nodes))
         });
         FIXED_BYTES + self.strips_length() + 8 + rows.sum::<u64>() + super::sums::LENGTH
     }
@@ -109,7 +109,7 @@ impl CheckpointHeader {
     }
 
     fn strips_length(&self) -> u64 {
-        let length = |strip: &CheckpointStrip| STRIP_BYTES + BLOCK_BYTES * strip.blocks.len() as u64;
+        let length = |strip: &CheckpointStrip| STRIP_BYTES + NODE_BYTES * strip.nodes.len() as u64;
         self.strips.iter().map(length).sum()
     }
 
@@ -122,9 +122,9 @@ impl CheckpointHeader {
         bytes.extend(numbers.flat_map(u32::to_le_bytes));
         let numbers = [self.key].into_iter().chain(self.counters.to_array());
         bytes.extend(numbers.flat_map(u64::to_le_bytes));
-        for CheckpointStrip { rows, blocks } in &self.strips {
-            bytes.extend([rows.start, rows.end, blocks.len() as u32].into_iter().flat_map(u32::to_le_bytes));
-            for BlockHeader { first, passes, tally } in blocks {
+        for CheckpointStrip { rows, nodes } in &self.strips {
+            bytes.extend([rows.start, rows.end, nodes.len() as u32].into_iter().flat_map(u32::to_le_bytes));
+            for PassNodeHeader { first, passes, tally } in nodes {
                 bytes.extend([first, passes].into_iter().flat_map(|number| number.to_le_bytes()));
                 bytes.extend([tally.samples, tally.observations].into_iter().flat_map(u64::to_le_bytes));
             }
@@ -189,7 +189,7 @@ impl CheckpointHeader {
         let in_order = |pair: &[CheckpointStrip]| {
             let [upper, lower] = pair else { return true };
             let meet = upper.rows.end == lower.rows.start;
-            upper.rows.end <= lower.rows.start && !(meet && upper.blocks == lower.blocks)
+            upper.rows.end <= lower.rows.start && !(meet && upper.nodes == lower.nodes)
         };
         if !self.strips.windows(2).all(in_order) {
             return Err(CheckpointError::Malformed("order of rows"));
@@ -202,12 +202,12 @@ impl CheckpointStrip {
     fn read(numbers: &mut Numbers<'_>) -> Result<Self, CheckpointError> {
         let rows = numbers.u32()?..numbers.u32()?;
         let count = numbers.u32()?;
-        let block = |_| {
+        let node = |_| {
             let (first, passes) = (numbers.u32()?, numbers.u32()?);
             let tally = Tally { samples: numbers.u64()?, observations: numbers.u64()? };
-            Ok(BlockHeader { first, passes, tally })
+            Ok(PassNodeHeader { first, passes, tally })
         };
-        Ok(Self { rows, blocks: (0..count).map(block).collect::<Result<_, _>>()? })
+        Ok(Self { rows, nodes: (0..count).map(node).collect::<Result<_, _>>()? })
     }
 
     fn validate(&self, header: &CheckpointHeader) -> Result<(), CheckpointError> {
@@ -216,22 +216,22 @@ impl CheckpointStrip {
         if start >= end || end > header.height || !whole(start) || !(whole(end) || end == header.height) {
             return Err(CheckpointError::Malformed("range of rows"));
         }
-        let Some(last) = self.blocks.last() else { return Err(CheckpointError::Malformed("strip")) };
-        if !self.blocks.iter().all(BlockHeader::is_node) {
-            return Err(CheckpointError::Malformed("block of passes"));
+        let Some(last) = self.nodes.last() else { return Err(CheckpointError::Malformed("strip")) };
+        if !self.nodes.iter().all(PassNodeHeader::is_node) {
+            return Err(CheckpointError::Malformed("node of passes"));
         }
-        let in_order = |pair: &[BlockHeader]| {
+        let in_order = |pair: &[PassNodeHeader]| {
             let [a, b] = pair else { return true };
             a.range().end <= b.range().start && !a.is_sibling(b)
         };
-        if !self.blocks.windows(2).all(in_order) {
+        if !self.nodes.windows(2).all(in_order) {
             return Err(CheckpointError::Malformed("order of passes"));
         }
-        for block in &self.blocks {
-            let BlockHeader { passes, tally, .. } = *block;
-            let lacking = block.lacks(header.pass_samples);
-            // Only the last block may lack samples, fewer than a pass.
-            let whole = lacking == Some(0) || block == last && lacking.is_some();
+        for node in &self.nodes {
+            let PassNodeHeader { passes, tally, .. } = *node;
+            let lacking = node.lacks(header.pass_samples);
+            // Only the last node may lack samples, fewer than a pass.
+            let whole = lacking == Some(0) || node == last && lacking.is_some();
             let observed = (u64::from(passes)..=tally.samples).contains(&tally.observations);
             if !whole || !observed || tally.samples > u64::from(u32::MAX) {
                 return Err(CheckpointError::Malformed("number of samples"));
@@ -246,14 +246,14 @@ mod tests {
     use super::super::{CheckpointReader, CheckpointWriter};
     use super::*;
 
-    /// Headers of strips and blocks that no render writes.
+    /// Headers of strips and nodes that no render writes.
     #[test]
     fn strips_that_no_picture_has_are_refused() {
-        let block = |first, passes: u32| {
+        let node = |first, passes: u32| {
             let tally = Tally { samples: 2 * u64::from(passes), observations: passes.into() };
-            BlockHeader { first, passes, tally }
+            PassNodeHeader { first, passes, tally }
         };
-        let strip = |rows, blocks: &[BlockHeader]| CheckpointStrip { rows, blocks: blocks.to_vec() };
+        let strip = |rows, nodes: &[PassNodeHeader]| CheckpointStrip { rows, nodes: nodes.to_vec() };
         let header = |strips: Vec<CheckpointStrip>| {
             let picture = Picture::new(Film::new(3, 0..40, PathReuse::Off), 40, 2, 7);
             CheckpointHeader { strips, ..CheckpointHeader::of(&picture) }
@@ -262,22 +262,22 @@ mod tests {
             let bytes = CheckpointWriter::new(Vec::new(), &header(strips)).unwrap().finish().unwrap();
             CheckpointReader::new(&bytes[..]).map(|reader| reader.header().clone())
         };
-        let good = vec![strip(0..16, &[block(0, 2), block(2, 1)]), strip(16..40, &[block(4, 4)])];
+        let good = vec![strip(0..16, &[node(0, 2), node(2, 1)]), strip(16..40, &[node(4, 4)])];
         assert_eq!(read(good.clone()), Ok(header(good)));
-        let short = BlockHeader { tally: Tally { samples: 1, observations: 1 }, ..block(2, 1) };
-        assert!(read(vec![strip(0..40, &[block(0, 2), short])]).is_ok(), "the last pass may be cut short");
+        let short = PassNodeHeader { tally: Tally { samples: 1, observations: 1 }, ..node(2, 1) };
+        assert!(read(vec![strip(0..40, &[node(0, 2), short])]).is_ok(), "the last pass may be cut short");
         for (what, strips) in [
-            ("range of rows", vec![strip(0..8, &[block(0, 1)])]),
-            ("range of rows", vec![strip(16..16, &[block(0, 1)])]),
-            ("range of rows", vec![strip(32..48, &[block(0, 1)])]),
+            ("range of rows", vec![strip(0..8, &[node(0, 1)])]),
+            ("range of rows", vec![strip(16..16, &[node(0, 1)])]),
+            ("range of rows", vec![strip(32..48, &[node(0, 1)])]),
             ("strip", vec![strip(0..16, &[])]),
-            ("block of passes", vec![strip(0..16, &[block(1, 2)])]),
-            ("block of passes", vec![strip(0..16, &[block(0, 3)])]),
-            ("order of passes", vec![strip(0..16, &[block(0, 1), block(1, 1)])]),
-            ("order of passes", vec![strip(0..16, &[block(4, 1), block(2, 1)])]),
-            ("order of rows", vec![strip(16..32, &[block(0, 1)]), strip(0..16, &[block(0, 1)])]),
-            ("order of rows", vec![strip(0..16, &[block(0, 1)]), strip(16..32, &[block(0, 1)])]),
-            ("number of samples", vec![strip(0..16, &[short, block(4, 1)])]),
+            ("node of passes", vec![strip(0..16, &[node(1, 2)])]),
+            ("node of passes", vec![strip(0..16, &[node(0, 3)])]),
+            ("order of passes", vec![strip(0..16, &[node(0, 1), node(1, 1)])]),
+            ("order of passes", vec![strip(0..16, &[node(4, 1), node(2, 1)])]),
+            ("order of rows", vec![strip(16..32, &[node(0, 1)]), strip(0..16, &[node(0, 1)])]),
+            ("order of rows", vec![strip(0..16, &[node(0, 1)]), strip(16..32, &[node(0, 1)])]),
+            ("number of samples", vec![strip(0..16, &[short, node(4, 1)])]),
         ] {
             assert_eq!(read(strips.clone()), Err(CheckpointError::Malformed(what)), "{strips:?}");
         }

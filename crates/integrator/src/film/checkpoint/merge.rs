@@ -1,7 +1,7 @@
 use super::header::{CheckpointHeader, CheckpointStrip};
 use super::reader::CheckpointReader;
-use crate::film::block::{BlockHeader, insert};
 use crate::film::error::ErrorSums;
+use crate::film::pass_node::{PassNodeHeader, insert};
 use crate::film::{Film, ImageError};
 use crate::{CheckpointError, Counters, MergeError};
 use rayon::prelude::*;
@@ -129,7 +129,7 @@ impl<R: Read> Input<R> {
     /// Where its first strip begins, in rows and passes.
     fn place(&self) -> Option<(u32, u32)> {
         let strip = self.header().strips.first()?;
-        Some((strip.rows.start, strip.blocks.first()?.first))
+        Some((strip.rows.start, strip.nodes.first()?.first))
     }
 
     fn error(&self, error: CheckpointError) -> MergeError {
@@ -193,45 +193,45 @@ fn merged_strips<R: Read>(inputs: &[Input<R>]) -> Result<Vec<CheckpointStrip>, M
     let mut strips: Vec<CheckpointStrip> = Vec::new();
     for rows in ends.windows(2).map(|pair| pair[0]..pair[1]) {
         let there = all().filter(|(_, strip)| strip.rows.contains(&rows.start));
-        let blocks = merged_blocks(rows.start, there)?;
+        let nodes = merged_nodes(rows.start, there)?;
         match strips.last_mut() {
-            Some(last) if last.rows.end == rows.start && last.blocks == blocks => last.rows.end = rows.end,
-            _ if blocks.is_empty() => {}
-            _ => strips.push(CheckpointStrip { rows, blocks }),
+            Some(last) if last.rows.end == rows.start && last.nodes == nodes => last.rows.end = rows.end,
+            _ if nodes.is_empty() => {}
+            _ => strips.push(CheckpointStrip { rows, nodes }),
         }
     }
     Ok(strips)
 }
 
-/// The blocks of one row.
-fn merged_blocks<'a, R: Read + 'a>(
+/// The nodes of one row.
+fn merged_nodes<'a, R: Read + 'a>(
     row: u32,
     strips: impl Iterator<Item = (&'a Input<R>, &'a CheckpointStrip)>,
-) -> Result<Vec<BlockHeader>, MergeError> {
-    let blocks = strips.flat_map(|(input, strip)| strip.blocks.iter().map(|block| (*block, input.index)));
-    let mut blocks: Vec<(BlockHeader, usize)> = blocks.collect();
-    blocks.sort_by_key(|(block, index)| (block.first, *index));
-    for pair in blocks.windows(2) {
+) -> Result<Vec<PassNodeHeader>, MergeError> {
+    let nodes = strips.flat_map(|(input, strip)| strip.nodes.iter().map(|node| (*node, input.index)));
+    let mut nodes: Vec<(PassNodeHeader, usize)> = nodes.collect();
+    nodes.sort_by_key(|(node, index)| (node.first, *index));
+    for pair in nodes.windows(2) {
         let [(a, i), (b, j)] = [pair[0], pair[1]];
         if b.range().start < a.range().end {
             return Err(MergeError::Overlap { indices: [i.min(j), i.max(j)], pass: b.first, row });
         }
     }
     let mut merged = Vec::new();
-    for (block, _) in blocks {
-        insert(&mut merged, block, |block, next| *block = block.joined(*next));
+    for (node, _) in nodes {
+        insert(&mut merged, node, |node, next| *node = node.joined(*next));
     }
     Ok(merged)
 }
 
 /// A pass cut short is the last of all.
 fn check_cut_passes<R: Read>(inputs: &[Input<R>], merged: &CheckpointHeader) -> Result<(), MergeError> {
-    let ends = merged.strips.iter().flat_map(|strip| strip.blocks.last()).map(|block| block.range().end);
+    let ends = merged.strips.iter().flat_map(|strip| strip.nodes.last()).map(|node| node.range().end);
     let end = ends.max().unwrap_or(0);
-    let is_cut = |block: &BlockHeader| block.lacks(merged.pass_samples) != Some(0);
+    let is_cut = |node: &PassNodeHeader| node.lacks(merged.pass_samples) != Some(0);
     for input in inputs {
-        let lasts = input.header().strips.iter().flat_map(|strip| strip.blocks.last());
-        if lasts.into_iter().any(|block| is_cut(block) && block.range().end < end) {
+        let lasts = input.header().strips.iter().flat_map(|strip| strip.nodes.last());
+        if lasts.into_iter().any(|node| is_cut(node) && node.range().end < end) {
             return Err(input.error(CheckpointError::CutShort));
         }
     }

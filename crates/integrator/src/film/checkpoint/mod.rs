@@ -68,7 +68,7 @@ pub(super) fn resealed(bytes: &[u8]) -> Option<Vec<u8>> {
     let Ok((header, _)) = CheckpointHeader::read(&mut &all[..]) else { return Some([&all, rest].concat()) };
     for strip in &header.strips {
         for tile_row in strip.tile_rows() {
-            let length = rows::length(&header.empty(tile_row.clone()), &strip.blocks) as usize;
+            let length = rows::length(&header.empty(tile_row.clone()), &strip.nodes) as usize;
             let Some((row, below)) = rest.split_at_checked(length) else {
                 return Some([&all, rest].concat());
             };

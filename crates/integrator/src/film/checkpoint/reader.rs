@@ -69,8 +69,8 @@ impl<R: Read> CheckpointReader<R> {
         let is_last = rows.end == strip.rows.end;
         let (film, seed) = (self.header.empty(rows.clone()), row_seed(self.checksum, rows.start));
         let mut bytes = Vec::new();
-        bytes::read(&mut self.source, rows::length(&film, &strip.blocks), &mut bytes)?;
-        let film = rows::from_bytes(film, &strip.blocks, &bytes, seed)?;
+        bytes::read(&mut self.source, rows::length(&film, &strip.nodes), &mut bytes)?;
+        let film = rows::from_bytes(film, &strip.nodes, &bytes, seed)?;
         (self.strips, self.tile_rows) =
             if is_last { (self.strips + 1, 0) } else { (self.strips, self.tile_rows + 1) };
         Ok(Some(film))

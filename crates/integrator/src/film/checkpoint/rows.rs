@@ -1,55 +1,55 @@
-//! A row of tiles as bytes: for each block how its halves differ, then for each pixel the sum of three components
+//! A row of tiles as bytes: for each node how its halves differ, then for each pixel the sum of three components
 //! and, if there are several observations, their spread, and then that of each square of 4 x 4 pixels; then a checksum.
 
 use super::bytes::{self, Numbers, sealed};
 use crate::CheckpointError;
-use crate::film::block::{Block, BlockHeader};
 use crate::film::dispersion::{Halves, Squares};
+use crate::film::pass_node::{PassNode, PassNodeHeader};
 use crate::film::{Film, Moments};
 use globillum_material::Rgb;
 
 /// Bytes of three numbers.
 const TRIPLE_BYTES: u64 = 24;
 
-/// The bytes of a film of one row of tiles with these blocks.
-pub(super) fn length(rows: &Film, blocks: &[BlockHeader]) -> u64 {
+/// The bytes of a film of one row of tiles with these nodes.
+pub(super) fn length(rows: &Film, nodes: &[PassNodeHeader]) -> u64 {
     let pixels = rows.pixel_count() as u64;
     let squares = Squares::of_means(rows.width()).count(rows.pixel_count()) as u64;
-    let triples = |block| 1 + pixels + if has_spread(block) { pixels + squares } else { 0 };
-    TRIPLE_BYTES * blocks.iter().map(triples).sum::<u64>() + 8
+    let triples = |node| 1 + pixels + if has_spread(node) { pixels + squares } else { 0 };
+    TRIPLE_BYTES * nodes.iter().map(triples).sum::<u64>() + 8
 }
 
 /// One observation does not spread.
-fn has_spread(block: &BlockHeader) -> bool {
-    block.tally.observations > 1
+fn has_spread(node: &PassNodeHeader) -> bool {
+    node.tally.observations > 1
 }
 
 /// Row `index` of the rows of tiles of `film`.
 pub(super) fn to_bytes(film: &Film, index: usize, seed: u64) -> Vec<u8> {
     let mut bytes = Vec::new();
     let means = Squares::of_means(film.width());
-    for block in film.blocks() {
-        let Halves { spread, squared, fourths } = block.halves[index];
+    for node in film.nodes() {
+        let Halves { spread, squared, fourths } = node.halves[index];
         bytes.extend([spread, squared, fourths].into_iter().flat_map(f64::to_le_bytes));
-        let Some(pixels) = means.tile_rows(&block.pixels).nth(index) else { continue };
+        let Some(pixels) = means.tile_rows(&node.pixels).nth(index) else { continue };
         for Moments { sum, spread } in pixels {
             bytes.extend(sum.to_array().into_iter().flat_map(f64::to_le_bytes));
-            if has_spread(&block.header) {
+            if has_spread(&node.header) {
                 bytes.extend(spread.to_array().into_iter().flat_map(f64::to_le_bytes));
             }
         }
-        if has_spread(&block.header) {
-            let squares = means.of_tile_row(&block.squares, index).iter();
+        if has_spread(&node.header) {
+            let squares = means.of_tile_row(&node.squares, index).iter();
             bytes.extend(squares.flat_map(|spread| spread.to_array()).flat_map(f64::to_le_bytes));
         }
     }
     sealed(seed, bytes).0
 }
 
-/// Adds `blocks` to `rows`, a film of one row of tiles without passes, from `bytes` of the right length.
+/// Adds `nodes` to `rows`, a film of one row of tiles without passes, from `bytes` of the right length.
 pub(super) fn from_bytes(
     mut rows: Film,
-    blocks: &[BlockHeader],
+    nodes: &[PassNodeHeader],
     bytes: &[u8],
     seed: u64,
 ) -> Result<Film, CheckpointError> {
@@ -58,7 +58,7 @@ pub(super) fn from_bytes(
         return Err(CheckpointError::Checksum);
     }
     let mut numbers = Numbers(content);
-    for &header in blocks {
+    for &header in nodes {
         let halves = Halves { spread: numbers.f64()?, squared: numbers.f64()?, fourths: numbers.f64()? };
         if !halves.are_possible() {
             return Err(CheckpointError::Malformed("dispersion"));
@@ -82,7 +82,7 @@ pub(super) fn from_bytes(
                 }
             }
         }
-        rows.insert(Block { header, pixels, squares, halves: vec![halves] });
+        rows.insert(PassNode { header, pixels, squares, halves: vec![halves] });
     }
     Ok(rows)
 }

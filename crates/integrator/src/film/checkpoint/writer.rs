@@ -31,7 +31,7 @@ impl<W: Write> CheckpointWriter<W> {
     /// # Errors
     /// Those of `target`.
     pub fn write(&mut self, rows: &Film) -> io::Result<()> {
-        if rows.blocks().is_empty() {
+        if rows.nodes().is_empty() {
             return Ok(());
         }
         for (index, y) in rows.rows().step_by(TILE_SIDE as usize).enumerate() {

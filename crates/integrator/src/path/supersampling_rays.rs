@@ -11,13 +11,13 @@ const BATCH: usize = 1024;
 
 /// Camera rays that find emission only: those of supersampling.
 #[derive(Debug, Default)]
-pub(super) struct LightRays {
+pub(super) struct SupersamplingRays {
     rays: EmissionRays,
     /// What was found, by the sample that it is for.
     pub(super) found: Vec<(u32, Rgb)>,
 }
 
-impl LightRays {
+impl SupersamplingRays {
     /// Finds the emission that camera rays see at the edges: for each sample of each of their pixels, the mean of the
     /// sample's rays. Returns the number of camera rays.
     pub(super) fn find(

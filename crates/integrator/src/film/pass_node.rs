@@ -4,27 +4,27 @@ use globillum_material::Rgb;
 use std::fmt;
 use std::ops::Range;
 
-/// Which passes a [`Block`] sums, and what it rests on.
+/// Which passes a [`PassNode`] sums, and what it rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct BlockHeader {
+pub(crate) struct PassNodeHeader {
     pub(crate) first: u32,
     pub(crate) passes: u32,
     pub(crate) tally: Tally,
 }
 
-impl BlockHeader {
+impl PassNodeHeader {
     pub(crate) fn range(&self) -> Range<u64> {
         let first = u64::from(self.first);
         first..first + u64::from(self.passes)
     }
 
-    /// Whether a block may have this place.
+    /// Whether a node may have this place.
     pub(crate) fn is_node(&self) -> bool {
         let Self { first, passes, .. } = *self;
         passes.is_power_of_two() && first.is_multiple_of(passes) && first.checked_add(passes).is_some()
     }
 
-    /// Whether `self` and then `next` are the halves of a larger block.
+    /// Whether `self` and then `next` are the halves of a larger node.
     pub(crate) fn is_sibling(&self, next: &Self) -> bool {
         self.passes == next.passes
             && self.range().end == next.range().start
@@ -55,12 +55,12 @@ impl BlockHeader {
 
 /// The sums of `2^k` consecutive passes for every pixel of some rows.
 ///
-/// A block of `n` passes starts at a multiple of `n`, and two halves of a larger block are joined at once.
+/// A node of `n` passes starts at a multiple of `n`, and two halves of a larger node are joined at once.
 /// Blocks are thus nodes of a fixed binary tree over all passes: the sum has the same bits in whatever order
 /// the passes are added, and its rounding error grows with the logarithm of their number.
 #[derive(Clone, PartialEq)]
-pub(crate) struct Block {
-    pub(crate) header: BlockHeader,
+pub(crate) struct PassNode {
+    pub(crate) header: PassNodeHeader,
     pub(crate) pixels: Vec<Moments>,
     /// Squared deviations of the observations of each square of 4 x 4 pixels, which are means over its pixels.
     pub(crate) squares: Vec<Rgb>,
@@ -68,12 +68,12 @@ pub(crate) struct Block {
     pub(crate) halves: Vec<Halves>,
 }
 
-impl Block {
-    /// A block of one pass of one observation, of pixels in rows of this width.
+impl PassNode {
+    /// A node of one pass of one observation, of pixels in rows of this width.
     pub(crate) fn of_pass(first: u32, tally: Tally, pixels: Vec<Moments>, width: u32) -> Self {
         let squares = vec![Rgb::BLACK; Squares::of_means(width).count(pixels.len())];
         let halves = vec![Halves::default(); Squares::of_means(width).tile_rows(&pixels).len()];
-        Self { header: BlockHeader { first, passes: 1, tally }, pixels, squares, halves }
+        Self { header: PassNodeHeader { first, passes: 1, tally }, pixels, squares, halves }
     }
 
     /// Takes in the other half. The errors of `independent` squares do not depend on each other's.
@@ -108,39 +108,43 @@ fn square_sums(sets: [&[Moments]; 2], square: impl Iterator<Item = usize>) -> [R
     sums.map(|sum| sum / count)
 }
 
-impl AsRef<BlockHeader> for Block {
-    fn as_ref(&self) -> &BlockHeader {
+impl AsRef<PassNodeHeader> for PassNode {
+    fn as_ref(&self) -> &PassNodeHeader {
         &self.header
     }
 }
 
-impl AsRef<BlockHeader> for BlockHeader {
+impl AsRef<PassNodeHeader> for PassNodeHeader {
     fn as_ref(&self) -> &Self {
         self
     }
 }
 
-/// Adds a block of passes that are not in `blocks` yet, and joins what makes up a larger block.
-pub(crate) fn insert<B: AsRef<BlockHeader>>(blocks: &mut Vec<B>, block: B, mut join: impl FnMut(&mut B, &B)) {
-    let mut at = blocks.partition_point(|other| other.as_ref().first < block.as_ref().first);
-    blocks.insert(at, block);
+/// Adds a node of passes that are not in `nodes` yet, and joins what makes up a larger node.
+pub(crate) fn insert<B: AsRef<PassNodeHeader>>(
+    nodes: &mut Vec<B>,
+    node: B,
+    mut join: impl FnMut(&mut B, &B),
+) {
+    let mut at = nodes.partition_point(|other| other.as_ref().first < node.as_ref().first);
+    nodes.insert(at, node);
     loop {
         let pairs_with =
-            |i: usize| blocks.get(i + 1).is_some_and(|next| blocks[i].as_ref().is_sibling(next.as_ref()));
+            |i: usize| nodes.get(i + 1).is_some_and(|next| nodes[i].as_ref().is_sibling(next.as_ref()));
         at = match at {
             _ if pairs_with(at) => at,
             1.. if pairs_with(at - 1) => at - 1,
             _ => break,
         };
-        let next = blocks.remove(at + 1);
-        join(&mut blocks[at], &next);
+        let next = nodes.remove(at + 1);
+        join(&mut nodes[at], &next);
     }
 }
 
-impl fmt::Debug for Block {
+impl fmt::Debug for PassNode {
     /// Without the pixels, of which there may be millions.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Block")
+        f.debug_struct("PassNode")
             .field("passes", &self.header.range())
             .field("tally", &self.header.tally)
             .finish_non_exhaustive()
