@@ -114,6 +114,7 @@ mod tests {
     use super::*;
     use crate::path::path_state::Stage;
     use crate::sampler::Member;
+    use crate::sampler::MirrorSize;
     use crate::{Camera, Model, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
@@ -158,7 +159,8 @@ mod tests {
         let numbers: Vec<_> =
             paths.iter().flat_map(|path| BounceNumbers::draw(&[path.numbers], 2, false)).collect();
         // Small numbers: with large ones most vertices choose none.
-        let of_mirrors: Vec<_> = paths.iter().map(|path| 0.001 * path.numbers.mirror(5)).collect();
+        let of_mirrors: Vec<_> =
+            paths.iter().map(|path| 0.001 * path.numbers.mirror(MirrorSize::Small, 2)).collect();
         let (mut lights, mut mirrors) = (Choices::default(), Choices::default());
         lights.choose_lights(&context, (&paths, &rays, &hits), &numbers);
         mirrors.choose_mirrors(&context, (&paths, &rays, &hits), &of_mirrors);

@@ -1,6 +1,6 @@
 use super::counters::Counters;
 use super::light_edges::LightEdges;
-use super::path_state::{Path, Target};
+use super::path_state::{Contribution, Path, Target};
 use super::pixel_groups::square_around;
 use super::probes::probed;
 use super::render_context::RenderContext;
@@ -140,18 +140,19 @@ impl Wavefront {
                 return true;
             }
         };
-        // Contributions by way of mirrors follow the direct ones.
+        // Contributions by way of large mirrors follow the direct ones.
         let direct_count = self.contributions.len();
         self.trace_mirror_rays(context);
         self.trace_shadow_rays(context);
-        let sum = |contributions: Range<usize>| {
-            let unoccluded = contributions.filter(|&i| !self.occluded[i]).map(|i| &self.contributions[i]);
-            let own = unoccluded.filter(|contribution| contribution.target.sample() == sample);
-            own.fold(Rgb::BLACK, |sum, contribution| {
-                sum + self.prefixes.throughput_before(contribution.target) * unit * contribution.radiance
-            })
+        let unoccluded = |i: Range<usize>| i.filter(|&i| !self.occluded[i]).map(|i| &self.contributions[i]);
+        let add = |sum: Rgb, contribution: &Contribution| match contribution.target.sample() == sample {
+            true => sum + self.prefixes.throughput_before(contribution.target) * unit * contribution.radiance,
+            false => sum,
         };
-        let (direct, mirrored) = (sum(0..direct_count), sum(direct_count..self.contributions.len()));
+        let direct = unoccluded(0..direct_count).fold(Rgb::BLACK, add);
+        let in_mirrors =
+            unoccluded(direct_count..self.contributions.len()).chain(&self.small_mirror_rays.found);
+        let mirrored = in_mirrors.fold(Rgb::BLACK, add);
         replay.alone += direct;
         replay.alone += mirrored;
         replay.vertices.push(Vertex {

@@ -1,45 +1,14 @@
-use super::emission_rays::{MAX_REFLECTIONS, reflection};
+use super::emission_rays::MAX_REFLECTIONS;
 use super::path_state::Path;
 use super::render_context::RenderContext;
 use super::shading_point::{MisContext, PriorChoice, ShadingPoint};
 use crate::Interaction;
-use crate::light::{
-    AreaLightSample, ChosenMirror, LargeMirrors, Light, LightSample, LightSampler, MirrorPoint, Mirrors,
-    Receiver, SmallMirrors,
-};
-use crate::sampler::Numbers;
-use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
-use globillum_material::{Bsdf, Density, Rgb};
+use crate::light::{LargeMirrors, Light, LightSample, LightSampler, Mirrors, Receiver, SmallMirrors};
+use globillum_geom::{Hit, PdfSolidAngle, Ray};
+use globillum_material::{Density, Rgb};
 
 /// How many light samples of a vertex have their random numbers computed at once.
 const LIGHTS_AT_ONCE: usize = 4;
-
-/// A light sample by way of a mirror. It counts if its ray hits the mirror first, and the light follows.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MirrorSample {
-    pub(super) by: MirrorSampleKind,
-    /// The contribution to the sample if the mirror reflects all light; for each unit of the light's radiance if a point
-    /// of the mirror was sampled.
-    pub(super) radiance: Rgb,
-}
-
-/// What was sampled.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum MirrorSampleKind {
-    /// A point on a light, as the facet of this index shows it.
-    Light(u32, SurfacePoint),
-    /// A point on the mirror triangle of this index, to show a light of the cluster of this index.
-    Point { triangle: u32, cluster: u32 },
-}
-
-/// What follows a mirror sample whose ray has hit its mirror.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Reflected {
-    /// The shadow ray to the sampled point of a light.
-    ShadowRay(Ray),
-    /// The ray whose hit may be on a light of the cluster of this index.
-    Ray(Ray, u32),
-}
 
 impl RenderContext<'_> {
     /// The radiance that the surface emits along the path, times its multiple importance sampling weight.
@@ -97,7 +66,7 @@ impl RenderContext<'_> {
         small.as_ref().and_then(by_small).or_else(|| by_large(large.as_ref()?))
     }
 
-    fn light_sampler(&self, receiver: Receiver) -> LightSampler<'_> {
+    pub(super) fn light_sampler(&self, receiver: Receiver) -> LightSampler<'_> {
         self.scene.light_sampler_of(self.settings.light_sampling, receiver)
     }
 
@@ -151,133 +120,10 @@ impl RenderContext<'_> {
         Some((light.shadow_ray(&vertex.at.point)?, radiance))
     }
 
-    /// Samples area lights as mirrors show them, and calls `add` with each ray that must hit a mirror.
-    pub(super) fn next_event_in_mirrors(
-        &self,
-        path: &Path,
-        vertex: &ShadingPoint<'_>,
-        mut add: impl FnMut(Ray, MirrorSample),
-    ) {
-        let ShadingPoint { at, bounce, .. } = vertex;
-        let Some(Mirrors { large, small }) = self.mirrors else { return };
-        if !self.may_sample_mirrors(*bounce) || at.material.bsdf.is_delta() {
-            return;
-        }
-        let mut add_seen = |by: MirrorSampleKind, seen: AreaLightSample| {
-            let Some(radiance) = self.scattered(path, vertex, &LightSample::Area(seen)) else { return };
-            add(at.point.spawn(seen.direction), MirrorSample { by, radiance });
-        };
-        // Two kinds of samples, each with random numbers of its own.
-        if let Some((by, seen)) =
-            large.as_ref().and_then(|mirrors| self.large_mirror_sample(mirrors, path, vertex))
-        {
-            add_seen(by, seen);
-        }
-        if let Some(mirrors) = small {
-            self.sample_small_mirrors(mirrors, path, vertex, add_seen);
-        }
-    }
-
-    /// A point on a light, sampled from the image of the shading point in a facet (image method).
-    fn large_mirror_sample(
-        &self,
-        mirrors: &LargeMirrors,
-        path: &Path,
-        vertex: &ShadingPoint<'_>,
-    ) -> Option<(MirrorSampleKind, AreaLightSample)> {
-        let ShadingPoint { at, bounce, .. } = vertex;
-        let (triangles, receiver) = (self.scene.triangles(), vertex.receiver());
-        let (decision, sample_prob) = (2 * bounce, self.large_mirror_prob(path.is_prefix()));
-        let number = || path.numbers.mirror(decision);
-        // What the decision to sample leaves of its number chooses the mirror.
-        let rest = (sample_prob < 1.0).then(|| number() / sample_prob);
-        if rest.is_some_and(|rest| rest >= 1.0) {
-            return None;
-        }
-        let chosen = mirrors.choose(triangles, receiver, || rest.unwrap_or_else(number))?;
-        let facet = chosen.facet;
-        let drawn = vertex.large_mirror_numbers;
-        let (choice, u) = drawn.unwrap_or_else(|| path.numbers.light_in_mirror(decision));
-        let light = match self.light_sampler(facet.image_of(receiver)).sample(choice, u)? {
-            LightSample::Area(light) => light,
-            LightSample::Delta(_) => return None,
-        };
-        if !facet.same_side(receiver.position, light.point.position) {
-            return None;
-        }
-        let (direction, pdf) =
-            (facet.reflect(light.direction), light.pdf.chosen_with(chosen.prob * sample_prob));
-        let is_hit = facet.may_be_hit_by(triangles, &at.point.spawn(direction));
-        let by = MirrorSampleKind::Light(chosen.index, light.point);
-        is_hit.then_some((by, AreaLightSample { direction, pdf, ..light }))
-    }
-
-    /// Samples points on small mirror triangles, and calls `add` with each: it may show a light of radiance 1.
-    fn sample_small_mirrors(
-        &self,
-        mirrors: &SmallMirrors,
-        path: &Path,
-        vertex: &ShadingPoint<'_>,
-        mut add: impl FnMut(MirrorSampleKind, AreaLightSample),
-    ) {
-        let count = self.small_mirror_samples(path.is_prefix());
-        let mut add_chosen = |chosen: ChosenMirror, point: [f64; 2]| {
-            let (triangles, receiver) = (self.scene.triangles(), vertex.receiver());
-            let Some(sample) = mirrors.sample(triangles, receiver, count, chosen, point) else { return };
-            let MirrorPoint { triangle, point, direction, pdf, cluster } = sample;
-            let seen = AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf };
-            add(MirrorSampleKind::Point { triangle, cluster }, seen);
-        };
-        match (vertex.mirror, count) {
-            (PriorChoice::Made(chosen), _) => {
-                if let Some(chosen) = chosen {
-                    add_chosen(chosen, path.numbers.light_in_mirror(small_mirror_decision(vertex.bounce)).1);
-                }
-            }
-            (PriorChoice::Open, 1) => self.choose_mirrors::<1>(mirrors, path, vertex, count, add_chosen),
-            (PriorChoice::Open, 2) => self.choose_mirrors::<2>(mirrors, path, vertex, count, add_chosen),
-            // A power of two.
-            (PriorChoice::Open, _) => self.choose_mirrors::<4>(mirrors, path, vertex, count, add_chosen),
-        }
-    }
-
-    /// Chooses `N` at a time of the small mirrors for `count` samples of a vertex, and calls `add` with each and two numbers for
-    /// a point on it. `N` divides `count`.
-    fn choose_mirrors<const N: usize>(
-        &self,
-        mirrors: &SmallMirrors,
-        path: &Path,
-        vertex: &ShadingPoint<'_>,
-        count: u32,
-        mut add: impl FnMut(ChosenMirror, [f64; 2]),
-    ) {
-        let decision = small_mirror_decision(vertex.bounce);
-        for first in (0..count).step_by(N) {
-            let parts: [_; N] = path.numbers.parts(first, count);
-            let us = self.simd.run(
-                #[inline(always)]
-                || Numbers::mirrors(&parts, decision),
-            );
-            let chosen = mirrors.choose([vertex.receiver(); N], count, us);
-            if chosen.iter().all(Option::is_none) {
-                continue;
-            }
-            let points = self.simd.run(
-                #[inline(always)]
-                || Numbers::lights_in_mirrors(&parts, decision),
-            );
-            for (chosen, (_, point)) in chosen.into_iter().zip(points) {
-                if let Some(chosen) = chosen {
-                    add(chosen, point);
-                }
-            }
-        }
-    }
-
     /// The contribution of a light sample: what arrives from it, scattered along the path, times its multiple
     /// importance sampling weight. `None` if that is black.
     #[inline(always)]
-    fn scattered(
+    pub(super) fn scattered(
         &self,
         path: &Path,
         vertex @ ShadingPoint { at, frame, wo, .. }: &ShadingPoint<'_>,
@@ -292,44 +138,6 @@ impl RenderContext<'_> {
         (!radiance.is_black()).then_some(radiance)
     }
 
-    /// What follows `ray` of a mirror sample, and the contribution if that reaches the light; `None` if `hit`, where the
-    /// ray ended, is not on the mirror.
-    pub(super) fn reflected(
-        &self,
-        sample: &MirrorSample,
-        ray: &Ray,
-        hit: Option<Hit>,
-    ) -> Option<(Reflected, Rgb)> {
-        let mirrors = &self.mirrors?.large;
-        let facet_of = |index: u32| mirrors.as_ref()?.facet_of(index);
-        let is_on_mirror = |hit: &Hit| match sample.by {
-            MirrorSampleKind::Light(facet, _) => facet_of(hit.triangle) == Some(facet),
-            MirrorSampleKind::Point { triangle, .. } => hit.triangle == triangle,
-        };
-        let hit = hit.filter(is_on_mirror)?;
-        let Bsdf::Mirror(reflectance) = self.scene.material(hit.triangle).bsdf else { return None };
-        let radiance = sample.radiance * reflectance.rgb();
-        if radiance.is_black() {
-            return None;
-        }
-        let point = self.scene.triangles().surface_point(hit.triangle, hit.u, hit.v);
-        let next = match sample.by {
-            MirrorSampleKind::Light(_, light) => Reflected::ShadowRay(point.segment_to(&light)?),
-            MirrorSampleKind::Point { cluster, .. } => {
-                Reflected::Ray(reflection(&point, ray.direction), cluster)
-            }
-        };
-        Some((next, radiance))
-    }
-
-    /// The radiance from where a ray from a mirror has hit; black if that is not on a light of `cluster`.
-    pub(super) fn shown(&self, ray: &Ray, hit: &Hit, cluster: u32) -> Rgb {
-        let emitted = self.scene.interaction(ray, hit).emitted();
-        let of_cluster =
-            || self.small_mirrors().and_then(|mirrors| mirrors.cluster_of(hit.triangle)) == Some(cluster);
-        if !emitted.is_black() && of_cluster() { emitted } else { Rgb::BLACK }
-    }
-
     /// `mis` after the path was reflected by the ideal mirror of triangle `index`.
     pub(super) fn mis_after_mirror(&self, mis: MisContext, index: u32) -> MisContext {
         let is_first_mirror = mis.density != Density::Delta && mis.mirror.is_none();
@@ -338,9 +146,4 @@ impl RenderContext<'_> {
             None => MisContext { density: Density::Delta, mirror: None, ..mis },
         }
     }
-}
-
-/// The decision for a small mirror at a bounce. Those for large ones have even numbers.
-pub(super) const fn small_mirror_decision(bounce: u32) -> u32 {
-    2 * bounce + 1
 }

@@ -1,3 +1,4 @@
+use super::shading_point::ShadingPoint;
 use crate::guide::Guide;
 use crate::light::{Mirrors, SmallMirrors};
 use crate::{
@@ -97,6 +98,13 @@ impl RenderContext<'_> {
     /// The small mirrors in which lights are sampled.
     pub(super) fn small_mirrors(&self) -> Option<&SmallMirrors> {
         self.mirrors?.small.as_ref()
+    }
+
+    /// Whether a vertex samples lights by way of mirrors.
+    pub(super) fn samples_in_mirrors(&self, vertex: &ShadingPoint<'_>) -> bool {
+        self.mirrors.is_some()
+            && self.may_sample_mirrors(vertex.bounce)
+            && vertex.at.material.bsdf.is_diffuse()
     }
 
     /// Whether vertices of this bounce sample lights by way of mirrors, which takes two bounces: there, and at the mirror.

@@ -2,19 +2,19 @@ use super::caustics::Caustics;
 use super::choices::Choices;
 use super::counters::Counters;
 use super::emission_rays::MAX_REFLECTIONS;
+use super::large_mirror_rays::LargeMirrorRays;
 use super::light_edges::LightEdges;
-use super::mirror_rays::MirrorRays;
-use super::next_event::small_mirror_decision;
 use super::path_state::{Contribution, Path, RadianceSums, Stage};
 use super::pixel_groups::Groups;
 use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
+use super::small_mirror_rays::SmallMirrorRays;
 use super::supersampling_rays::SupersamplingRays;
 use super::tile_bounds::Tile;
 use crate::guide::{GuideVertex, guide_vertex};
 use crate::light::{ChosenLight, ChosenMirror};
-use crate::sampler::{BounceNumbers, Member, Numbers};
+use crate::sampler::{BounceNumbers, Member, MirrorSize, Numbers};
 use crate::{Interaction, PathStart};
 use globillum_geom::{Hit, Ray, SimdLevel, SurfacePoint};
 use globillum_material::{Bsdf, Density, Emission, Material, Reflectance, Rgb};
@@ -50,7 +50,8 @@ pub(crate) struct Wavefront {
     /// The shadow ray of each contribution.
     pub(super) shadow_rays: Vec<Ray>,
     pub(super) occluded: Vec<bool>,
-    mirror_rays: MirrorRays,
+    large_mirror_rays: LargeMirrorRays,
+    pub(super) small_mirror_rays: SmallMirrorRays,
     supersampling_rays: SupersamplingRays,
     pub(super) radiance: RadianceSums,
     pub(super) prefixes: Prefixes,
@@ -130,7 +131,8 @@ impl Wavefront {
         self.shade(context, bounce, counters);
         self.trace_mirror_rays(context);
         self.trace_shadow_rays(context);
-        counters.shadow_rays += (self.mirror_rays.len() + self.shadow_rays.len()) as u64;
+        let mirror_rays = self.large_mirror_rays.len() + self.small_mirror_rays.len();
+        counters.shadow_rays += (mirror_rays + self.shadow_rays.len()) as u64;
         counters.bounce_rays += self.rays.len() as u64;
     }
 
@@ -138,19 +140,19 @@ impl Wavefront {
         context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
     }
 
-    /// Turns light samples by way of mirrors into contributions. Those without a shadow ray follow all others.
+    /// Follows light samples by way of mirrors. Those of large mirrors become contributions with shadow rays.
     pub(super) fn trace_mirror_rays(&mut self, context: &RenderContext<'_>) {
-        self.mirror_rays.trace(context, &mut self.shadow_rays, &mut self.contributions);
+        self.large_mirror_rays.trace(context, &mut self.shadow_rays, &mut self.contributions);
+        self.small_mirror_rays.trace(context);
     }
 
-    /// Adds the contributions that are not occluded.
+    /// Adds the contributions that are not occluded, and what samples of small mirrors have found.
     pub(super) fn trace_shadow_rays(&mut self, context: &RenderContext<'_>) {
         context.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
-        self.occluded.resize(self.contributions.len(), false);
-        for (contribution, &occluded) in self.contributions.iter().zip(&self.occluded) {
-            if !occluded {
-                *self.radiance.at(contribution.target) += contribution.radiance;
-            }
+        let unoccluded = self.contributions.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
+        let contributions = unoccluded.map(|(contribution, _)| contribution);
+        for contribution in contributions.chain(&self.small_mirror_rays.found) {
+            *self.radiance.at(contribution.target) += contribution.radiance;
         }
     }
 
@@ -222,7 +224,8 @@ impl Wavefront {
         self.draw_mirror_numbers(context, bounce);
         self.contributions.clear();
         self.shadow_rays.clear();
-        self.mirror_rays.clear();
+        self.large_mirror_rays.clear();
+        self.small_mirror_rays.clear();
         context.simd.run(
             #[inline(always)]
             || self.shade_paths(context, bounce, counters),
@@ -242,7 +245,7 @@ impl Wavefront {
                 &self.paths,
                 &mut self.large_mirror_numbers,
                 #[inline(always)]
-                |samples| Numbers::lights_in_mirrors(samples, 2 * bounce),
+                |samples| Numbers::lights_in_mirrors(samples, MirrorSize::Large, bounce),
             );
         }
     }
@@ -257,7 +260,7 @@ impl Wavefront {
                 &self.paths,
                 &mut self.mirror_numbers,
                 #[inline(always)]
-                |samples| Numbers::mirrors(samples, small_mirror_decision(bounce)),
+                |samples| Numbers::mirrors(samples, MirrorSize::Small, bounce),
             );
         }
     }
@@ -404,9 +407,11 @@ impl Wavefront {
                 self.contributions.push(Contribution { target: path.target, radiance });
             },
         );
-        context.next_event_in_mirrors(path, vertex, |mirror_ray, sample| {
-            self.mirror_rays.push(mirror_ray, path.target, sample);
-        });
+        if context.samples_in_mirrors(vertex) {
+            // Each with random numbers of its own.
+            self.large_mirror_rays.sample(context, path, vertex);
+            self.small_mirror_rays.sample(context, path, vertex);
+        }
         let next = path.scatter(context, hit, vertex)?;
         if path.is_prefix() && vertex.at.material.bsdf.is_diffuse() {
             path.stage = Stage::Suffix;

@@ -6,6 +6,13 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Decision(pub(super) u32);
 
+/// The mirrors that a decision is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MirrorSize {
+    Large = 0,
+    Small = 1,
+}
+
 impl Decision {
     /// The largest number of dimensions of a decision but [`Decision::SUPERSAMPLING`].
     pub(super) const WIDTH: u32 = 3;
@@ -43,13 +50,13 @@ impl Decision {
     const FIRST_OF_MIRRORS: u32 = 5 << 28;
 
     /// A mirror in which a light is sampled.
-    pub(super) fn mirror(bounce: u32) -> Self {
-        Self(Self::FIRST_OF_MIRRORS + 2 * bounce)
+    pub(super) fn mirror(size: MirrorSize, bounce: u32) -> Self {
+        Self(Self::FIRST_OF_MIRRORS + 4 * bounce + 2 * size as u32)
     }
 
     /// A light in that mirror, and a point on it.
-    pub(super) fn light_in_mirror(bounce: u32) -> Self {
-        Self(Self::FIRST_OF_MIRRORS + 1 + 2 * bounce)
+    pub(super) fn light_in_mirror(size: MirrorSize, bounce: u32) -> Self {
+        Self(Self::FIRST_OF_MIRRORS + 1 + 4 * bounce + 2 * size as u32)
     }
 
     /// Its first dimension; the others follow.

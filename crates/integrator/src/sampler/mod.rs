@@ -10,6 +10,7 @@ mod stream;
 pub use stream::Stream;
 
 use decision::Decision;
+pub(crate) use decision::MirrorSize;
 pub(crate) use member::Member;
 pub(crate) use sobol::SobolPoint;
 use sobol::{Half, SobolPoints};
@@ -200,17 +201,18 @@ impl Numbers {
     #[inline(always)]
     pub(crate) fn lights_in_mirrors<const N: usize>(
         samples: &[Self; N],
-        decision: u32,
+        size: MirrorSize,
+        bounce: u32,
     ) -> [(f64, [f64; 2]); N] {
         match Self::as_points(samples) {
             Some(points) => {
-                let [x, y, light] = points.uniform(Decision::light_in_mirror(decision).0);
+                let [x, y, light] = points.uniform(Decision::light_in_mirror(size, bounce).0);
                 std::array::from_fn(
                     #[inline(always)]
                     |i| (light[i], [x[i], y[i]]),
                 )
             }
-            None => samples.map(|numbers| numbers.light_in_mirror(decision)),
+            None => samples.map(|numbers| numbers.light_in_mirror(size, bounce)),
         }
     }
 
@@ -247,27 +249,27 @@ impl Numbers {
 
     /// For the choice of a mirror: uniform in `[0, 1)`.
     #[inline]
-    pub(crate) fn mirror(&self, bounce: u32) -> f64 {
-        self.single(Decision::mirror(bounce))
+    pub(crate) fn mirror(&self, size: MirrorSize, bounce: u32) -> f64 {
+        self.single(Decision::mirror(size, bounce))
     }
 
     /// What [`Numbers::mirror`] returns for `N` samples. Sobol' points of passes of one length are vectorised.
     #[inline(always)]
-    pub(crate) fn mirrors<const N: usize>(samples: &[Self; N], bounce: u32) -> [f64; N] {
+    pub(crate) fn mirrors<const N: usize>(samples: &[Self; N], size: MirrorSize, bounce: u32) -> [f64; N] {
         match Self::as_points(samples) {
             Some(points) => {
-                let [choice] = points.uniform(Decision::mirror(bounce).0);
+                let [choice] = points.uniform(Decision::mirror(size, bounce).0);
                 choice
             }
-            None => samples.map(|numbers| numbers.mirror(bounce)),
+            None => samples.map(|numbers| numbers.mirror(size, bounce)),
         }
     }
 
     /// For the choice of a light in that mirror, and of a point on it: together uniform in the unit
     /// cube.
     #[inline]
-    pub(crate) fn light_in_mirror(&self, bounce: u32) -> (f64, [f64; 2]) {
-        self.light(Decision::light_in_mirror(bounce))
+    pub(crate) fn light_in_mirror(&self, size: MirrorSize, bounce: u32) -> (f64, [f64; 2]) {
+        self.light(Decision::light_in_mirror(size, bounce))
     }
 
     /// For a scattered direction.
@@ -362,9 +364,13 @@ mod tests {
             let of_bounce = |bounce| {
                 let [drawn] = BounceNumbers::draw(&[numbers], bounce, true);
                 let BounceNumbers { light, point: [x, y], scatter: [u, v], roulette } = drawn;
-                let (mirrored, [z, w]) = numbers.light_in_mirror(bounce);
+                let in_mirrors = |size| {
+                    let (mirrored, [z, w]) = numbers.light_in_mirror(size, bounce);
+                    [numbers.mirror(size, bounce), mirrored, z, w]
+                };
                 let roulette = roulette.expect("a number for roulette was asked for");
-                [light, x, y, u, v, roulette, numbers.mirror(bounce), mirrored, z, w]
+                let [large, small] = [MirrorSize::Large, MirrorSize::Small].map(in_mirrors);
+                [&[light, x, y, u, v, roulette][..], &large, &small].concat()
             };
             let [film] = Numbers::films(&[numbers]);
             let mut all: Vec<f64> = (0..1000).flat_map(of_bounce).chain(film).collect();
@@ -480,11 +486,12 @@ mod tests {
             });
             let films = samples.map(|numbers| numbers.film());
             assert_eq!(Numbers::films(&samples), films, "{sampler:?}, {length}");
-            for decision in [0, 3, 40] {
-                let mirrors = samples.map(|numbers| numbers.mirror(decision));
-                assert_eq!(Numbers::mirrors(&samples, decision), mirrors, "{sampler:?}, {length}");
-                let lights = samples.map(|numbers| numbers.light_in_mirror(decision));
-                assert_eq!(Numbers::lights_in_mirrors(&samples, decision), lights, "{sampler:?}, {length}");
+            for (size, bounce) in [(MirrorSize::Large, 0), (MirrorSize::Small, 1), (MirrorSize::Large, 20)] {
+                let mirrors = samples.map(|numbers| numbers.mirror(size, bounce));
+                assert_eq!(Numbers::mirrors(&samples, size, bounce), mirrors, "{sampler:?}, {length}");
+                let lights = samples.map(|numbers| numbers.light_in_mirror(size, bounce));
+                let together = Numbers::lights_in_mirrors(&samples, size, bounce);
+                assert_eq!(together, lights, "{sampler:?}, {length}");
             }
             for bounce in [0, 1, 40] {
                 let roulette = bounce > 0;

@@ -114,8 +114,7 @@ impl Wavefront {
             let direct = self.contributions.len();
             self.trace_mirror_rays(context);
             self.trace_shadow_rays(context);
-            // What is found in small mirrors follows, without shadow rays.
-            let large = direct..self.shadow_rays.len();
+            let large = direct..self.contributions.len();
             squares += Squares {
                 direct: self.square_sum(0..direct, &is_later),
                 large: self.square_sum(large, &is_later),

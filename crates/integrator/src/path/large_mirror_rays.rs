@@ -1,0 +1,105 @@
+use super::path_state::{Contribution, Path, Target};
+use super::render_context::RenderContext;
+use super::shading_point::ShadingPoint;
+use crate::light::{AreaLightSample, LargeMirrors, LightSample};
+use crate::sampler::MirrorSize;
+use globillum_geom::{Hit, Ray, SurfacePoint};
+use globillum_material::{Bsdf, Rgb};
+
+/// Light samples by way of large mirrors: points on lights, sampled from the image of the shading point (image method).
+/// Its buffers are reused.
+#[derive(Debug, Default)]
+pub(super) struct LargeMirrorRays {
+    samples: Vec<Sample>,
+    /// The ray of each sample, which must hit the mirror.
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+}
+
+/// A point on a light as a mirror shows it.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    target: Target,
+    /// The contribution if the mirror reflects all light.
+    radiance: Rgb,
+    /// The index of the facet.
+    facet: u32,
+    light: SurfacePoint,
+}
+
+impl LargeMirrorRays {
+    pub(super) fn clear(&mut self) {
+        self.samples.clear();
+        self.rays.clear();
+    }
+
+    /// The number of rays to mirrors.
+    pub(super) fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    /// Samples a light for a diffuse vertex of a path.
+    pub(super) fn sample(&mut self, context: &RenderContext<'_>, path: &Path, vertex: &ShadingPoint<'_>) {
+        let Some(mirrors) = context.mirrors.and_then(|mirrors| mirrors.large.as_ref()) else { return };
+        let Some((facet, light, seen)) = seen_in(mirrors, context, path, vertex) else { return };
+        let Some(radiance) = context.scattered(path, vertex, &LightSample::Area(seen)) else { return };
+        self.rays.push(vertex.at.point.spawn(seen.direction));
+        self.samples.push(Sample { target: path.target, radiance, facet, light });
+    }
+
+    /// Turns each sample whose ray hits its mirror into a contribution and its shadow ray.
+    pub(super) fn trace(
+        &mut self,
+        context: &RenderContext<'_>,
+        shadow_rays: &mut Vec<Ray>,
+        contributions: &mut Vec<Contribution>,
+    ) {
+        let Some(mirrors) = context.mirrors.and_then(|mirrors| mirrors.large.as_ref()) else { return };
+        context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
+        for (sample, hit) in self.samples.iter().zip(&self.hits) {
+            let Some(hit) = hit.filter(|hit| mirrors.facet_of(hit.triangle) == Some(sample.facet)) else {
+                continue;
+            };
+            let Bsdf::Mirror(reflectance) = context.scene.material(hit.triangle).bsdf else { continue };
+            let radiance = sample.radiance * reflectance.rgb();
+            let point = context.scene.triangles().surface_point(hit.triangle, hit.u, hit.v);
+            if let Some(ray) = point.segment_to(&sample.light).filter(|_| !radiance.is_black()) {
+                shadow_rays.push(ray);
+                contributions.push(Contribution { target: sample.target, radiance });
+            }
+        }
+    }
+}
+
+/// A sampled point on a light, and how a facet of this index shows it.
+fn seen_in(
+    mirrors: &LargeMirrors,
+    context: &RenderContext<'_>,
+    path: &Path,
+    vertex: &ShadingPoint<'_>,
+) -> Option<(u32, SurfacePoint, AreaLightSample)> {
+    let ShadingPoint { at, bounce, .. } = vertex;
+    let (triangles, receiver) = (context.scene.triangles(), vertex.receiver());
+    let sample_prob = context.large_mirror_prob(path.is_prefix());
+    let number = || path.numbers.mirror(MirrorSize::Large, *bounce);
+    // What the decision to sample leaves of its number chooses the mirror.
+    let rest = (sample_prob < 1.0).then(|| number() / sample_prob);
+    if rest.is_some_and(|rest| rest >= 1.0) {
+        return None;
+    }
+    let chosen = mirrors.choose(triangles, receiver, || rest.unwrap_or_else(number))?;
+    let facet = chosen.facet;
+    let drawn = vertex.large_mirror_numbers;
+    let (choice, u) = drawn.unwrap_or_else(|| path.numbers.light_in_mirror(MirrorSize::Large, *bounce));
+    let light = match context.light_sampler(facet.image_of(receiver)).sample(choice, u)? {
+        LightSample::Area(light) => light,
+        LightSample::Delta(_) => return None,
+    };
+    if !facet.same_side(receiver.position, light.point.position) {
+        return None;
+    }
+    let direction = facet.reflect(light.direction);
+    let pdf = light.pdf.chosen_with(chosen.prob * sample_prob);
+    let is_hit = facet.may_be_hit_by(triangles, &at.point.spawn(direction));
+    is_hit.then_some((chosen.index, light.point, AreaLightSample { direction, pdf, ..light }))
+}
