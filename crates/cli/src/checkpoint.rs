@@ -1,8 +1,8 @@
 //! Checkpoints as files, and when they are written.
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Error, Result, anyhow};
 use globillum::integrator::view_factors::ViewFactors;
-use globillum::integrator::{CheckpointError, Picture};
+use globillum::integrator::{CheckpointError, Ending, Picture};
 use globillum::io::{AtomicFile, IoError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -16,6 +16,8 @@ pub(crate) trait Saved: Sized {
     fn to_bytes(&self) -> Vec<u8>;
     /// Whether it holds no pass.
     fn is_empty(&self) -> bool;
+    /// Why its computation ended.
+    fn ending(&self) -> Ending;
     /// About how many bytes a checkpoint takes.
     fn size(&self) -> f64;
     /// The picture, if it is one.
@@ -34,6 +36,9 @@ impl Saved for Picture {
     fn is_empty(&self) -> bool {
         self.samples == 0
     }
+    fn ending(&self) -> Ending {
+        self.ending
+    }
     fn size(&self) -> f64 {
         most_bytes(u64::from(self.film.width()) * u64::from(self.film.height()), 2) as f64
     }
@@ -51,6 +56,9 @@ impl Saved for ViewFactors {
     }
     fn is_empty(&self) -> bool {
         self.passes() == 0
+    }
+    fn ending(&self) -> Ending {
+        self.ending()
     }
     fn size(&self) -> f64 {
         self.bytes() as f64
@@ -105,12 +113,12 @@ impl Checkpoint {
         })
     }
 
-    /// Whether the last save failed: there is no point in rendering on.
+    /// Whether the last save failed: the computation is to end after this pass.
     pub(crate) fn has_failed(&self) -> bool {
         self.failed.is_some()
     }
 
-    /// Saves if it is time to. [`Checkpoint::finish`] returns the error.
+    /// Saves if it is time to. After an error [`Checkpoint::finish`] tries again.
     pub(crate) fn save_if_due(&mut self, result: &impl Saved) {
         let took = self.saved.map_or_else(|| estimate(result), |_| self.took);
         let wait = wait(self.every, self.saved.is_none(), took);
@@ -122,9 +130,12 @@ impl Checkpoint {
         (self.saved, self.took) = (Some(Instant::now()), begun.elapsed());
     }
 
-    /// Saves the last time.
-    pub(crate) fn finish(self, result: &impl Saved) -> Result<(), IoError> {
-        self.failed.map_or_else(|| write(&self.path, result), Err)
+    /// Saves the last time. Fails too if an earlier save failed and `ended` the computation before it was complete.
+    pub(crate) fn finish(self, result: &impl Saved, ended: bool) -> Result<()> {
+        let Self { path, failed, .. } = self;
+        write(&path, result)?;
+        let saved = || format!("{}: is saved, but a failed save ended the run early", path.display());
+        failed.filter(|_| ended).map_or(Ok(()), |error| Err(Error::new(error).context(saved())))
     }
 }
 
@@ -168,5 +179,43 @@ mod tests {
         assert_eq!(wait(SaveEvery::Seconds(60.0), false, minute), minute, "what is asked for is done");
         assert_eq!(wait(SaveEvery::Seconds(60.0), true, minute), FIRST);
         assert_eq!(wait(SaveEvery::Seconds(1e300), false, minute), Duration::MAX);
+    }
+
+    /// Passes that are saved as nothing.
+    struct Passes;
+
+    impl Saved for Passes {
+        fn from_bytes(_: &[u8]) -> Result<Self, CheckpointError> {
+            Ok(Self)
+        }
+        fn to_bytes(&self) -> Vec<u8> {
+            Vec::new()
+        }
+        fn is_empty(&self) -> bool {
+            false
+        }
+        fn ending(&self) -> Ending {
+            Ending::Cancelled
+        }
+        fn size(&self) -> f64 {
+            0.0
+        }
+    }
+
+    #[test]
+    fn the_last_save_is_tried_after_one_that_failed() {
+        for ended in [false, true] {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let path = folder.path().join("a");
+            let mut checkpoint = Checkpoint::new(&path, SaveEvery::Seconds(0.0)).expect("an empty folder");
+            std::fs::create_dir(&path).expect("nothing is there");
+            checkpoint.save_if_due(&Passes);
+            assert!(checkpoint.has_failed(), "a folder was replaced");
+            std::fs::remove_dir(&path).expect("it is empty");
+            let saved = checkpoint.finish(&Passes, ended).map_err(|error| error.to_string());
+            let said = format!("{}: is saved, but a failed save ended the run early", path.display());
+            assert_eq!(saved, if ended { Err(said) } else { Ok(()) });
+            assert!(path.is_file(), "it is not saved");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Exit codes.
 
+use crate::failures::Failures;
 use std::error::Error;
 use std::fmt;
 use std::io::{self, ErrorKind};
@@ -50,12 +51,20 @@ pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
     if error.is::<Differs>() {
         return ExitCode::from(4);
     }
-    let causes = || error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>());
-    if causes().any(|error| may_pass(error.kind())) { ExitCode::from(AGAIN) } else { ExitCode::FAILURE }
+    if may_pass(error) { ExitCode::from(AGAIN) } else { ExitCode::FAILURE }
 }
 
-/// Whether an error may not come again.
-fn may_pass(kind: ErrorKind) -> bool {
+/// Whether an error may not come again; of several errors, whether none may.
+fn may_pass(error: &anyhow::Error) -> bool {
+    if let Some(failures) = error.downcast_ref::<Failures>() {
+        return failures.errors().iter().all(may_pass);
+    }
+    let mut causes = error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>());
+    causes.any(|error| is_temporary(error.kind()))
+}
+
+/// Whether an error of the operating system may not come again.
+fn is_temporary(kind: ErrorKind) -> bool {
     matches!(
         kind,
         ErrorKind::StorageFull
@@ -87,5 +96,18 @@ mod tests {
         assert_eq!(code(ErrorKind::PermissionDenied), format!("{:?}", ExitCode::from(1)));
         let incomplete = anyhow::Error::from(Incomplete("a".into()));
         assert_eq!(format!("{:?}", code_of(&incomplete)), format!("{:?}", ExitCode::from(3)));
+    }
+
+    #[test]
+    fn several_errors_may_pass_if_all_of_them_may() {
+        use ErrorKind::{PermissionDenied, QuotaExceeded, StorageFull};
+        for (kinds, code) in [([StorageFull, QuotaExceeded], AGAIN), ([StorageFull, PermissionDenied], 1)] {
+            let mut failures = Failures::default();
+            for kind in kinds {
+                failures.keep::<(), _>(Err(io::Error::from(kind)));
+            }
+            let error = failures.into_result().expect_err("there are two");
+            assert_eq!(format!("{:?}", code_of(&error)), format!("{:?}", ExitCode::from(code)));
+        }
     }
 }

@@ -46,6 +46,11 @@ impl Interrupt {
         self.signal.load(Ordering::Relaxed) != 0
     }
 
+    /// What cancelled a render: a signal, or else a checkpoint that could not be saved.
+    pub(crate) fn canceller(&self) -> &'static str {
+        if self.is_asked() { "a signal" } else { "a failed checkpoint" }
+    }
+
     /// The error that ends the program after a signal; `kept` says what is left of its work.
     pub(crate) fn error(&self, kept: impl Into<String>) -> Interrupted {
         let signal = self.signal.load(Ordering::Relaxed) as i32;

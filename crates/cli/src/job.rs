@@ -1,12 +1,13 @@
 use crate::accel::AccelKind;
 use crate::checkpoint::Checkpoint;
 use crate::console;
+use crate::failures::Failures;
 use crate::flags::{RenderFlags, Shown};
 use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::preview::Preview;
-use crate::summary::{Summary, Timing};
+use crate::summary::{self, Summary, Timing};
 use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
@@ -77,7 +78,7 @@ impl Job {
         Ok(Self { flags, outputs, checkpoint, interrupt })
     }
 
-    /// Renders, writes what was asked for, and prints the figures.
+    /// Renders, writes what was asked for and can be written, and prints the figures.
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
         let BuiltSubject { name, scene, build_seconds, camera, camera_by } =
@@ -90,9 +91,11 @@ impl Job {
             .preview
             .then(|| Preview::new(&flags.output, |picture| picture_data(picture, &settings, &camera, shown)));
         let monitor = RenderMonitor::new(checkpoint, &interrupt).with_preview(preview);
+        let mut failures = Failures::default();
         let (picture, render_seconds, traced) =
-            monitor.run(render).map_err(|error| flags.checkpoints.save.explain(error))?;
-        let timing = Timing { build_seconds, render_seconds, traced };
+            monitor.run(render, &mut failures).map_err(|error| flags.checkpoints.save.explain(error))?;
+        let ended_by = summary::reason(picture.ending, &interrupt);
+        let timing = Timing { build_seconds, render_seconds, traced, ended_by };
         let summary = Summary::new(&name, &flags, &settings, &scene, (camera, camera_by), &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
         let mut data = picture_data(&picture, &settings, &camera, shown);
@@ -100,8 +103,9 @@ impl Job {
             let hits = FirstHits::of(&scene, camera.sensor(), &settings)?;
             data.first_hits = Some(shown.cut_hits(hits));
         }
-        let written = outputs.write(&data, || summary.to_json())?;
-        console::print_table(&summary.to_table(&written), data_on_stdout)?;
+        let written = outputs.write(&data, || summary.to_json(), &mut failures);
+        failures.keep(console::print_table(&summary.to_table(&written), data_on_stdout));
+        failures.into_result()?;
         report_interrupt(&picture, &interrupt, "pixel")
     }
 }

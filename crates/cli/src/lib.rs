@@ -10,6 +10,7 @@ mod checkpoint;
 mod commands;
 mod console;
 mod exit;
+mod failures;
 mod farm;
 mod flags;
 mod interrupt;

@@ -1,9 +1,10 @@
 use crate::checkpoint::{Checkpoint, Saved};
+use crate::failures::Failures;
 use crate::interrupt::Interrupt;
 use crate::preview::Preview;
 use crate::progress::ProgressBar;
 use anyhow::Result;
-use globillum::integrator::{Monitor, Picture, Progress, Render};
+use globillum::integrator::{Ending, Monitor, Picture, Progress, Render};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -43,27 +44,29 @@ impl<'a> RenderMonitor<'a> {
     }
 
     /// Renders; returns the picture, the seconds that it took, and what was traced. Fails if a signal came before the
-    /// first pass was complete.
-    pub(crate) fn run(self, render: Render<'_>) -> Result<(Picture, f64, Traced)> {
+    /// first pass was complete. A checkpoint that cannot be saved is among the `failures`.
+    pub(crate) fn run(self, render: Render<'_>, failures: &mut Failures) -> Result<(Picture, f64, Traced)> {
         let (interrupt, start) = (self.interrupt, Instant::now());
         let picture = render.run(&self)?;
         let seconds = start.elapsed().as_secs_f64();
-        let traced = self.finish(&picture)?;
+        let traced = self.finish(&picture, failures);
         if picture.samples == 0 {
             interrupt.check()?;
         }
         Ok((picture, seconds, traced))
     }
 
-    /// Takes the bar off the terminal, and saves the checkpoint the last time if the result has any pass.
-    pub(crate) fn finish(self, result: &impl Saved) -> Result<Traced> {
+    /// Takes the bar off the terminal, and saves the checkpoint the last time if the result has any pass. An error is
+    /// among the `failures`, so that the result is still written.
+    pub(crate) fn finish(self, result: &impl Saved, failures: &mut Failures) -> Traced {
         self.bar.finish();
         let checkpoint = self.checkpoint.into_inner().unwrap_or_else(PoisonError::into_inner);
         if let Some(checkpoint) = checkpoint.filter(|_| !result.is_empty()) {
-            checkpoint.finish(result)?;
+            let ended_by_save = result.ending() == Ending::Cancelled && !self.interrupt.is_asked();
+            failures.keep(checkpoint.finish(result, ended_by_save));
         }
         let [rays, samples] = [self.rays, self.samples].map(AtomicU64::into_inner);
-        Ok(Traced { rays, samples })
+        Traced { rays, samples }
     }
 
     fn checkpoint(&self) -> MutexGuard<'_, Option<Checkpoint>> {

@@ -1,6 +1,7 @@
 //! Files that are open before the render begins, so that a mistyped name costs no time.
 
 use crate::console;
+use crate::failures::Failures;
 use crate::flags::PictureOutput;
 use anyhow::{Context, Result, ensure};
 use globillum::io::{AtomicFile, IoError, PictureData, PictureFile};
@@ -53,28 +54,30 @@ impl Outputs {
         !self.pictures.is_empty()
     }
 
-    /// Writes the picture wherever it shall go, and then the figures; returns the pictures' files.
+    /// Writes the picture wherever it shall go, and then the figures; returns the pictures' files. What cannot be
+    /// written is among the `failures`, and the rest is written.
     pub(crate) fn write(
         self,
         data: &PictureData,
         stats: impl FnOnce() -> Result<String>,
-    ) -> Result<Vec<PathBuf>> {
+        failures: &mut Failures,
+    ) -> Vec<PathBuf> {
         let mut written = Vec::new();
         for picture in self.pictures {
             match picture {
                 Target::StandardOutput => {
-                    console::print(&png(self.exposure, |file| file.write_data(data))?)?;
+                    let png = png(self.exposure, |file| file.write_data(data));
+                    failures.keep(png.and_then(|png| console::print(&png)));
                 }
                 Target::File(path, file) => {
-                    file.write_data(data)?;
-                    written.push(path);
+                    written.extend(failures.keep(file.write_data(data)).map(|()| path));
                 }
             }
         }
         if let Some(file) = self.stats {
-            file.write(&stats()?)?;
+            failures.keep(stats().and_then(|stats| file.write(&stats)));
         }
-        Ok(written)
+        written
     }
 }
 

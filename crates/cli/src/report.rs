@@ -35,7 +35,7 @@ fn print_help(help: &clap::Error) -> anyhow::Result<()> {
 }
 
 /// What went wrong and why; most errors of the library say why themselves.
-fn in_one_line(error: &anyhow::Error) -> String {
+pub(crate) fn in_one_line(error: &anyhow::Error) -> String {
     let mut line = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !line.ends_with(&cause) {

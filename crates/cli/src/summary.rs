@@ -1,6 +1,7 @@
 //! What came of a render, as a table for people and as JSON for programs.
 
 use crate::flags::{MeasureFlags, RenderFlags};
+use crate::interrupt::Interrupt;
 use crate::monitor::Traced;
 use crate::view::{AnyCamera, CameraBy, CameraType, format_camera, format_vector};
 use anyhow::Result;
@@ -54,12 +55,13 @@ pub(crate) struct Summary<'a> {
     ended_by: &'static str,
 }
 
-/// How long a run took, and what it traced in this time.
+/// How long a run took, what it traced in this time, and why it ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Timing {
     pub(crate) build_seconds: f64,
     pub(crate) render_seconds: f64,
     pub(crate) traced: Traced,
+    pub(crate) ended_by: &'static str,
 }
 
 impl<'a> Summary<'a> {
@@ -73,7 +75,7 @@ impl<'a> Summary<'a> {
         picture: &Picture,
         timing: Timing,
     ) -> Self {
-        let Timing { build_seconds, render_seconds, traced } = timing;
+        let Timing { build_seconds, render_seconds, traced, ended_by } = timing;
         let counters = picture.counters;
         let pixels = u64::from(picture.film.width()) * u64::from(picture.film.height());
         let bounds = scene.triangles().bounds();
@@ -110,7 +112,7 @@ impl<'a> Summary<'a> {
             rays_per_second: traced.rays as f64 / render_seconds,
             image_mean: picture.film.image_mean().to_array(),
             error: picture.film.error().into(),
-            ended_by: reason(picture.ending),
+            ended_by,
         }
     }
 
@@ -232,7 +234,7 @@ pub(crate) fn of_points<'a, A: Accel>(
     picture: &Picture,
     timing: Timing,
 ) -> PointsSummary<'a> {
-    let Timing { build_seconds, render_seconds, traced } = timing;
+    let Timing { build_seconds, render_seconds, traced, ended_by } = timing;
     PointsSummary {
         version: env!("CARGO_PKG_VERSION"),
         arguments: arguments(),
@@ -253,7 +255,7 @@ pub(crate) fn of_points<'a, A: Accel>(
         rays_per_second: traced.rays as f64 / render_seconds,
         irradiance_mean: picture.film.image_mean().to_array(),
         error: picture.film.error().into(),
-        ended_by: reason(picture.ending),
+        ended_by,
     }
 }
 
@@ -314,12 +316,13 @@ fn passes(film: &Film) -> impl Iterator<Item = Range<u32>> {
     film.passes().into_iter()
 }
 
-fn reason(ending: Ending) -> &'static str {
+/// Why a render ended that `interrupt` can cancel.
+pub(crate) fn reason(ending: Ending, interrupt: &Interrupt) -> &'static str {
     match ending {
         Ending::Samples => "all samples taken",
         Ending::Goals => "the error reached",
         Ending::Seconds => "the time given",
-        Ending::Cancelled => "a signal",
+        Ending::Cancelled => interrupt.canceller(),
         _ => "nothing",
     }
 }

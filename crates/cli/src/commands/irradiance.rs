@@ -1,10 +1,11 @@
 use crate::exit::CODES;
+use crate::failures::Failures;
 use crate::flags::{LoadedScene, MeasureFlags, SceneFlags};
 use crate::interrupt::Interrupt;
 use crate::job::{build, report_interrupt};
 use crate::monitor::RenderMonitor;
 use crate::output::TextOutput;
-use crate::summary::{Timing, of_points};
+use crate::summary::{Timing, of_points, reason};
 use crate::{console, points};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
@@ -72,17 +73,18 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let settings = flags.settings(&points);
     let render = flags.render(&scene, &points, &settings)?;
     let monitor = RenderMonitor::new(checkpoint, &interrupt);
+    let mut failures = Failures::default();
     let (picture, render_seconds, traced) =
-        monitor.run(render).map_err(|error| flags.checkpoints.save.explain(error))?;
-    let timing = Timing { build_seconds, render_seconds, traced };
+        monitor.run(render, &mut failures).map_err(|error| flags.checkpoints.save.explain(error))?;
+    let ended_by = reason(picture.ending, &interrupt);
+    let timing = Timing { build_seconds, render_seconds, traced, ended_by };
     let summary = of_points(&name, &flags, &scene, &picture, timing);
     let data_on_stdout = out.is_stdout() || stats.as_ref().is_some_and(TextOutput::is_stdout);
-    let written = match out.is_stdout() {
-        true => String::new(),
-        false => format!("readings      {}\n", options.out.display()),
-    };
-    out.write(&points::format(points.readings(&picture.film)))?;
-    stats.map_or(Ok(()), |stats| stats.write(&summary.to_json()?))?;
-    console::print_table(&format!("{summary}{written}"), data_on_stdout)?;
+    let name = (!out.is_stdout()).then(|| format!("readings      {}\n", options.out.display()));
+    let written = failures.keep(out.write(&points::format(points.readings(&picture.film)))).and(name);
+    failures.keep(stats.map_or(Ok(()), |stats| stats.write(&summary.to_json()?)));
+    let table = format!("{summary}{}", written.unwrap_or_default());
+    failures.keep(console::print_table(&table, data_on_stdout));
+    failures.into_result()?;
     report_interrupt(&picture, &interrupt, "point")
 }

@@ -1,6 +1,7 @@
 use super::picture::Picture;
 use crate::exit::CODES;
 use crate::exit::Incomplete;
+use crate::failures::Failures;
 use crate::farm::{Part, Plan, Task, part_file};
 use crate::flags::PictureOutput;
 use crate::interrupt::{Interrupt, NOTHING};
@@ -83,14 +84,16 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     })?;
     let Merged { header, error, estimates } = merged;
     let data_on_stdout = outputs.fill_stdout();
+    let mut failures = Failures::default();
     if let Some(estimates) = estimates {
         let mut data = PictureData::of_merged(&header, estimates);
         if let Some(expected) = &expected {
             expected.describe(&mut data)?;
         }
-        outputs.write(&data, || Ok(String::new()))?;
+        outputs.write(&data, || Ok(String::new()), &mut failures);
     }
-    console::print_table(&summary::of_merged(&header, error), data_on_stdout)
+    failures.keep(console::print_table(&summary::of_merged(&header, error), data_on_stdout));
+    failures.into_result()
 }
 
 fn is_damage(error: &CheckpointError) -> bool {

@@ -1,6 +1,7 @@
 use super::picture::{Picture, Staged};
 use crate::checkpoint::{self, Checkpoint, SaveEvery};
 use crate::exit::CODES;
+use crate::failures::Failures;
 use crate::farm::{Part, Plan, Task, part_file, parts_folder};
 use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
@@ -76,7 +77,9 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let render = before.into_iter().fold(render, Render::resume);
     let monitor = RenderMonitor::new(Some(checkpoint), &interrupt);
     let rendered = render.run(&monitor)?;
-    monitor.finish(&rendered)?;
+    let mut failures = Failures::default();
+    monitor.finish(&rendered, &mut failures);
+    failures.into_result()?;
     let kept = format!("{task}: {} of {tasks_passes} passes are kept", passes_of(&rendered));
     if rendered.ending == Ending::Cancelled {
         return Err(interrupt.error(kept).into());

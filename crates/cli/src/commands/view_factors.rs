@@ -1,4 +1,5 @@
 use crate::exit::CODES;
+use crate::failures::Failures;
 use crate::flags::{SaveFlags, SpeedFlags};
 use crate::interrupt::Interrupt;
 use crate::load::{self, Warnings};
@@ -128,7 +129,8 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let start = Instant::now();
     let factors = run.run(&monitor).map_err(|error| options.explain(error, &names))?;
     let seconds = start.elapsed().as_secs_f64();
-    let traced = monitor.finish(&factors)?;
+    let mut failures = Failures::default();
+    let traced = monitor.finish(&factors, &mut failures);
     if factors.passes() == 0 {
         interrupt.check()?;
     }
@@ -136,9 +138,12 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let reciprocity = Reciprocity::of(&factors);
     let table = FactorTable::new(&factors, |patch| name_of(&names, patch)).at_least(options.omit_below);
     let table = if options.reciprocity { table.combined(&reciprocity) } else { table };
-    file.commit(|writer| table.write(format, writer))?;
+    let written = failures.keep(file.commit(|writer| table.write(format, writer)));
     let rate = traced.rays as f64 / seconds / 1e6;
-    console::print(options.summary(&factors, &reciprocity, seconds, rate).as_bytes())?;
+    let name = written.map(|()| format!("factors       {}\n", options.out.display())).unwrap_or_default();
+    let summary = options.summary(&factors, &reciprocity, seconds, rate, &interrupt) + &name;
+    failures.keep(console::print(summary.as_bytes()));
+    failures.into_result()?;
     match factors.ending() {
         Ending::Cancelled => {
             let kept = format!("complete passes are kept, {} rays of each patch", factors.rays());
@@ -226,6 +231,7 @@ impl Options {
         reciprocity: &Reciprocity<'_>,
         seconds: f64,
         rate: f64,
+        interrupt: &Interrupt,
     ) -> String {
         let patches = factors.patches();
         let accuracy = factors.accuracy(self.at_least);
@@ -239,7 +245,7 @@ impl Options {
         };
         let ended_by = match factors.ending() {
             Ending::Goals => "the error asked for",
-            Ending::Cancelled => "a signal",
+            Ending::Cancelled => interrupt.canceller(),
             _ => "rays",
         };
         format!(
@@ -251,14 +257,12 @@ impl Options {
              largest error {:.2e}, a standard error of these\n\
              row sums      {sums}\n\
              reciprocity   at most {:.2} standard errors of independent rays apart\n\
-             ended by      {ended_by}\n\
-             factors       {}\n",
+             ended by      {ended_by}\n",
             100.0 * accuracy.relative_rmse,
             accuracy.count,
             self.at_least,
             accuracy.largest_std_err,
             reciprocity.largest_z(),
-            self.out.display(),
         )
     }
 }

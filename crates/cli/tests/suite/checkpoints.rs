@@ -1,6 +1,6 @@
 //! Checkpoints: parts of a picture, merged, resumed, and renders that are killed.
 
-use crate::{CORNELL, MERGE};
+use crate::{CORNELL, GLOBILLUM, MERGE};
 use globillum::io::PictureData;
 use globillum_testkit::program::names;
 use std::path::Path;
@@ -120,4 +120,54 @@ fn a_render_survives_being_killed() {
     CORNELL.succeed(folder, &resume);
     assert_eq!(read(folder, "parts"), read(folder, "whole"));
     assert_eq!(names(folder), ["a.exr", "parts", "whole"], "what the killed ones left is gone");
+}
+
+/// Runs a command in a shell where no file may be longer than 16 blocks, which stands for a disk that fills up.
+#[cfg(unix)]
+fn run_limited(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let limit = "trap '' XFSZ; ulimit -f 16; exec \"$@\"";
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", limit, "sh", GLOBILLUM.path]).args(arguments).current_dir(folder);
+    let output = shell.output().expect("there is a shell");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+/// A save that fails ends the render after its pass; what else can be written is.
+#[cfg(unix)]
+#[test]
+fn pictures_are_written_if_the_checkpoint_cannot_be() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let size = ["cornell", "--width", "48", "--height", "48", "--pass-spp", "2", "--spp", "100000"];
+    let files = ["--out", "a.png", "--out", "b.exr", "--out", "c.png", "--stats", "d.json"];
+    let save = ["--checkpoint", "film", "--save-every", "0"];
+    let (code, said, error) = run_limited(folder, &[&size[..], &files, &save].concat());
+    assert_eq!((code, error.lines().count()), (Some(1), 1), "{error}");
+    assert!(error.starts_with("error: film: can") && error.contains("; b.exr: can"), "{error}");
+    assert_eq!(names(folder), ["a.png", "c.png", "d.json"]);
+    assert!(said.contains("picture       a.png\npicture       c.png\n") && !said.contains("b.exr"), "{said}");
+    let figures: serde_json::Value = serde_json::from_slice(&read(folder, "d.json")).expect("it is JSON");
+    assert_eq!(figures["ended_by"], "a failed checkpoint");
+    assert_eq!(figures["samples_per_pixel"], 2);
+}
+
+/// The same of factors.
+#[cfg(unix)]
+#[test]
+fn factors_are_written_if_the_checkpoint_cannot_be() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let triangle = |i| format!("v {i} 0 0\nv {i} 1 0\nv {i} 0 1\nf -3 -2 -1\n");
+    let scene: String = (0..400).map(triangle).collect();
+    std::fs::write(folder.join("a.obj"), scene).expect("an empty folder can be filled");
+    // What is written through has no length.
+    std::os::unix::fs::symlink("/dev/null", folder.join("a.mtx")).expect("likewise");
+    let run = ["view-factors", "a.obj", "--patches", "triangle", "--two-sided", "--rays", "1000000"];
+    let files = ["--out", "a.mtx", "--checkpoint", "film", "--save-every", "0"];
+    let (code, said, error) = run_limited(folder, &[&run[..], &files].concat());
+    assert_eq!((code, error.lines().count()), (Some(1), 1), "{error}");
+    assert!(error.starts_with("error: film: can"), "{error}");
+    assert!(said.contains("ended by      a failed checkpoint\nfactors       a.mtx\n"), "{said}");
+    assert_eq!(names(folder), ["a.mtx", "a.obj"]);
 }

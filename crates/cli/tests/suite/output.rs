@@ -44,6 +44,34 @@ fn standard_output_that_is_full_is_an_error() {
     }
 }
 
+/// Each file that can be written is, and each that cannot is named.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_that_cannot_be_written_does_not_keep_others_from_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    std::os::unix::fs::symlink("/dev/full", folder.join("full.png")).expect("an empty folder can be filled");
+    let run = |arguments: &[&str]| {
+        let output = GLOBILLUM.run(folder, arguments);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!((output.status.code(), said.lines().count()), (Some(75), 1), "{said}");
+        (String::from_utf8_lossy(&output.stdout).into_owned(), said)
+    };
+    let render =
+        [&["cornell", "--checkpoint", "a", "--out", "a.png", "--out", "full.png"], &SMALL[..]].concat();
+    let (table, said) = run(&[&render[..], &["--out", "b.png", "--stats", "/dev/full"]].concat());
+    assert!(said.starts_with("error: full.png: ") && said.contains("; /dev/full: "), "{said}");
+    assert!(table.ends_with("picture       a.png\npicture       b.png\n"), "{table}");
+    run(&["merge", "a", "--out", "full.png", "--out", "c.png"]);
+    std::fs::write(folder.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("likewise");
+    std::fs::write(folder.join("a.csv"), "0,0,1,0,0,1\n").expect("likewise");
+    let measure = ["irradiance", "a.obj", "--environment", "1", "--points", "a.csv", "--samples", "16"];
+    let (table, _) = run(&[&measure[..], &["--out", "/dev/full", "--stats", "a.json"]].concat());
+    assert!(!table.contains("readings"), "{table}");
+    let expected = ["a", "a.csv", "a.json", "a.obj", "a.png", "b.png", "c.png", "full.png"];
+    assert_eq!(names(folder), expected);
+}
+
 #[test]
 fn a_picture_or_figures_go_to_standard_output() {
     let folder = tempfile::tempdir().expect("a temporary folder");
