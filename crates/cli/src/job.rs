@@ -8,6 +8,7 @@ use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::preview::Preview;
 use crate::summary::{self, Summary, Timing};
+use crate::uses::Uses;
 use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
@@ -68,10 +69,11 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    /// Checks flags and opens files: what cannot work is known before any work. From here on signals are
-    /// caught, so that no temporary file is left.
-    pub(crate) fn prepare(flags: &RenderFlags, default_out: &str) -> Result<Self> {
+    /// Checks flags and opens files, of which none may be among the `inputs`: what cannot work is known before any
+    /// work. From here on signals are caught, so that no temporary file is left.
+    pub(crate) fn prepare(flags: &RenderFlags, default_out: &str, inputs: Uses<'_>) -> Result<Self> {
         let flags = flags.resolved(default_out)?;
+        flags.add_to(inputs).check()?;
         let interrupt = Interrupt::catch()?;
         let outputs = Outputs::open(&flags.output, flags.report.stats.as_deref())?;
         let checkpoint = flags.checkpoints.save.open()?;

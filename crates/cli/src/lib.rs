@@ -26,6 +26,7 @@ mod progress;
 mod report;
 mod summary;
 mod usage;
+mod uses;
 pub mod view;
 
 pub use accel::AccelKind;

@@ -9,7 +9,7 @@ use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 
 /// The name of standard output as a file.
-const STDOUT: &str = "-";
+pub(crate) const STDOUT: &str = "-";
 
 /// Where pictures and figures go.
 #[derive(Debug)]
@@ -31,8 +31,6 @@ impl Outputs {
     pub(crate) fn open(pictures: &PictureOutput, stats: Option<&Path>) -> Result<Self> {
         let exposure = pictures.exposure;
         let names = || pictures.out.iter().map(PathBuf::as_path);
-        let twice = names().chain(stats).filter(|&path| path == Path::new(STDOUT)).count() > 1;
-        ensure!(!twice, "-: standard output can be given only once");
         let shown = names().any(|path| path == Path::new(STDOUT)) && stdout().is_terminal();
         ensure!(!shown, "--out -: standard output is a terminal, which shows no pictures");
         let picture = |path: &Path| Ok(PictureFile::create(path)?.exposed(exposure));

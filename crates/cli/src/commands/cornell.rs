@@ -2,6 +2,7 @@ use crate::exit::CODES;
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
+use crate::uses::Uses;
 use crate::view::{CameraType, Up, View};
 use crate::{load, parse};
 use anyhow::{Result, ensure};
@@ -79,7 +80,8 @@ const HALL: [Sculpture; 8] = [
 ];
 
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let job = Job::prepare(&options.flags, "cornell.png")?;
+    let inputs = Uses::default().read("--mesh", &options.mesh);
+    let job = Job::prepare(&options.flags, "cornell.png", inputs)?;
     let subject = options.subject(&job.interrupt)?;
     job.run(subject)
 }

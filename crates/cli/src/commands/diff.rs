@@ -1,6 +1,7 @@
 use crate::console;
 use crate::exit::{CODES, Differs};
 use crate::parse;
+use crate::uses::Uses;
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{ChiSquare, Comparison, Estimates};
 use globillum::io::{PictureData, PictureFile, PictureFormat};
@@ -58,6 +59,11 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn run(options: &Options) -> Result<()> {
+    Uses::default()
+        .read("the picture", options.pictures.iter().chain(&options.with))
+        .written("--map", &options.map)
+        .written("--block-map", &options.block_map)
+        .check()?;
     let maps = [&options.map, &options.block_map].map(Option::as_deref);
     let maps = maps.map(|path| path.map(open_map).transpose());
     let [pixel_map, block_map] = maps;

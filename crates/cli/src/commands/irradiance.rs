@@ -6,9 +6,10 @@ use crate::job::{build, report_interrupt};
 use crate::monitor::RenderMonitor;
 use crate::output::TextOutput;
 use crate::summary::{Timing, of_points, reason};
+use crate::uses::Uses;
 use crate::{console, points};
-use anyhow::{Result, ensure};
-use std::path::{Path, PathBuf};
+use anyhow::Result;
+use std::path::PathBuf;
 
 const LONG_ABOUT: &str = "\
 Measures irradiance at points of a scene, and writes it with its standard error, one line a point.
@@ -58,8 +59,13 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let flags = options.flags.resolved()?;
     let interrupt = Interrupt::catch()?;
     let stats = flags.report.stats.as_deref();
-    let is_twice = [Some(options.out.as_path()), stats] == [Some(Path::new("-")); 2];
-    ensure!(!is_twice, "-: standard output can be given only once");
+    Uses::default()
+        .read("the scene", [&options.scene.scene])
+        .read("--points", [&options.points])
+        .written("--out", [&options.out])
+        .written("--stats", stats)
+        .written("--checkpoint", flags.checkpoints.save.path())
+        .check()?;
     let points = points::read(&options.points)?;
     let out = TextOutput::open(&options.out)?;
     let stats = stats.map(TextOutput::open).transpose()?;

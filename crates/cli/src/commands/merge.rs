@@ -7,6 +7,7 @@ use crate::flags::PictureOutput;
 use crate::interrupt::{Interrupt, NOTHING};
 use crate::merging::{self, Merged};
 use crate::output::Outputs;
+use crate::uses::Uses;
 use crate::{console, parse, summary};
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{CheckpointError, CheckpointHeader};
@@ -64,6 +65,7 @@ pub(crate) struct Options {
 pub(crate) fn run(options: &Options) -> Result<()> {
     let nothing = options.output.out.is_empty() && options.checkpoint.is_none();
     ensure!(!nothing, "neither --out nor --checkpoint is given");
+    options.check_files()?;
     let interrupt = Interrupt::catch()?;
     let outputs = Outputs::open(&options.output, None)?;
     let expected = options.expected()?;
@@ -109,6 +111,13 @@ struct Expected {
 }
 
 impl Options {
+    /// Refuses files with several uses. A part may be that of --checkpoint: the joined one holds all of it.
+    fn check_files(&self) -> Result<()> {
+        let pictures = || Uses::default().read("--expect", &self.expect).written("--out", &self.output.out);
+        pictures().written("--checkpoint", &self.checkpoint).check()?;
+        pictures().read("the part", &self.parts).check()
+    }
+
     fn expected(&self) -> Result<Option<Expected>> {
         let Some(job) = &self.expect else { return Ok(None) };
         let plan = Plan::read(job)?;

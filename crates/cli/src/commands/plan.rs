@@ -1,8 +1,9 @@
 use super::picture::{Picture, Staged};
 use crate::exit::CODES;
-use crate::farm::{Arrays, Division, Plan};
+use crate::farm::{Arrays, Division, Plan, parts_folder};
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
+use crate::uses::Uses;
 use crate::{checkpoint, console, parse};
 use anyhow::{Context, Result, ensure};
 use globillum::integrator::{Picture as Rendered, Render, Settings, Stop};
@@ -63,6 +64,8 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let interrupt = Interrupt::catch()?;
     let picture = Picture::parse(&options.picture)?;
     picture.flags().check_for_farm()?;
+    let parts = parts_folder(job);
+    Uses::default().written("the job", [job]).written("the folder of its parts", [&parts]).check()?;
     let file = AtomicFile::create(job)?;
     let Staged { scene, camera, settings } = picture.stage(&interrupt)?;
     let key = Render::new(&scene, camera.sensor(), &settings).key();
@@ -114,10 +117,7 @@ fn table(job: &Path, plan: &Plan, settings: &Settings, max_array_size: u32) -> S
         let pixels = rows as u64 * u64::from(settings.width);
         let megabytes = checkpoint::most_bytes(pixels, passes.next_power_of_two() as u32) as f64 / 1e6;
         table += &format!("of a task     {passes} passes, {samples} samples a pixel, of {rows} rows\n");
-        table += &format!(
-            "its part      {megabytes:.1} MB at most, in {}\n",
-            crate::farm::parts_folder(job).display()
-        );
+        table += &format!("its part      {megabytes:.1} MB at most, in {}\n", parts_folder(job).display());
     }
     for (offset, indices) in Arrays::new(&tasks, max_array_size).expressions() {
         table += &format!("array         {indices}, offset {offset}\n");

@@ -2,6 +2,7 @@ use crate::exit::CODES;
 use crate::flags::{LoadedScene, RenderFlags, SceneFlags};
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
+use crate::uses::Uses;
 use crate::view::{self, CameraType, Up, View};
 use anyhow::{Result, anyhow};
 
@@ -71,7 +72,8 @@ pub(crate) struct Options {
 
 pub(crate) fn run(options: &Options) -> Result<()> {
     options.camera()?;
-    let job = Job::prepare(&options.flags, "render.png")?;
+    let inputs = Uses::default().read("the scene", [&options.scene.scene]);
+    let job = Job::prepare(&options.flags, "render.png", inputs)?;
     let subject = options.subject(&job.interrupt)?;
     job.run(subject)
 }

@@ -5,6 +5,7 @@ use crate::failures::Failures;
 use crate::farm::{Part, Plan, Task, part_file, parts_folder};
 use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
+use crate::uses::Uses;
 use crate::{console, parse};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use globillum::integrator::{CheckpointError, Ending, Picture as Rendered, Render, Settings};
@@ -55,6 +56,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let plan = Plan::read(job)?;
     let task = options.task(&plan)?;
     let path = part_file(job, task.index);
+    Uses::default().read("the job", [job]).written("the part", [&path]).check()?;
     let before = read_or_set_aside(&path, plan.key())?;
     let tasks_passes = task.passes.len() as u64;
     if before.as_ref().is_some_and(|picture| passes_of(picture) == tasks_passes) {

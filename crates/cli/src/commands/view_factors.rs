@@ -4,6 +4,7 @@ use crate::flags::{SaveFlags, SpeedFlags};
 use crate::interrupt::Interrupt;
 use crate::load::{self, Warnings};
 use crate::monitor::RenderMonitor;
+use crate::uses::Uses;
 use crate::{console, parse};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
@@ -109,6 +110,11 @@ enum PatchKind {
 pub(crate) fn run(options: &Options) -> Result<()> {
     let format = format_of(&options.out)?;
     let interrupt = Interrupt::catch()?;
+    Uses::default()
+        .read("the scene", [&options.scene])
+        .written("--out", [&options.out])
+        .written("--checkpoint", options.save.path())
+        .check()?;
     let file = AtomicFile::create(&options.out)?;
     let before = options.save.read()?;
     let checkpoint = options.save.open()?;

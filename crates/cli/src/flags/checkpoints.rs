@@ -4,7 +4,7 @@ use anyhow::{Error, Result, bail, ensure};
 use globillum::integrator::{Render, RenderError};
 use serde::{Serialize, Serializer};
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where a run is saved and continued from.
 #[derive(clap::Args, Clone, Debug, Serialize)]
@@ -34,6 +34,11 @@ impl SaveFlags {
     pub(crate) fn open(&self) -> Result<Option<Checkpoint>> {
         let every = self.save_every.map_or(SaveEvery::Hundredth, SaveEvery::Seconds);
         self.checkpoint.as_deref().map(|path| Checkpoint::new(path, every)).transpose()
+    }
+
+    /// The checkpoint's file.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        self.checkpoint.as_deref()
     }
 
     /// The checkpoint's file, for messages.

@@ -20,6 +20,7 @@ pub(crate) use scene::{LoadedScene, SceneFlags};
 pub(crate) use speed::SpeedFlags;
 
 use crate::load::Warnings;
+use crate::uses::Uses;
 use anyhow::{Result, ensure};
 use globillum::geom::Accel;
 use globillum::integrator::{Render, Scene, Sensor, Settings, Stop};
@@ -66,6 +67,13 @@ impl RenderFlags {
         }
         flags.check()?;
         Ok(flags)
+    }
+
+    /// Adds the files that are written.
+    pub(crate) fn add_to<'a>(&'a self, uses: Uses<'a>) -> Uses<'a> {
+        uses.written("--out", &self.output.out)
+            .written("--stats", &self.report.stats)
+            .written("--checkpoint", self.checkpoints.save.path())
     }
 
     /// Samples of a pixel at which the render ends; `None` if only the error or the time ends it.

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub(crate) struct SceneFlags {
     /// Scene file: Wavefront OBJ with MTL, or glTF 2.0
     #[arg(value_name = "SCENE.{obj,gltf,glb}")]
-    scene: PathBuf,
+    pub(crate) scene: PathBuf,
     /// Radiance of the environment from all directions: a number, or one each for red, green and blue
     /// [default: 0, or 1 in a scene without lights]
     ///

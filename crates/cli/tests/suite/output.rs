@@ -2,12 +2,13 @@
 
 use crate::{CORNELL, GLOBILLUM, MERGE};
 use globillum_testkit::program::names;
+use std::path::Path;
 use std::process::{Output, Stdio};
 
 const SMALL: [&str; 6] = ["--width", "16", "--height", "8", "--spp", "4"];
 
 /// Runs a command whose standard output nobody reads.
-fn run_unread(folder: &std::path::Path, arguments: &[&str]) -> Output {
+fn run_unread(folder: &Path, arguments: &[&str]) -> Output {
     let (reader, writer) = std::io::pipe().expect("there are pipes");
     drop(reader);
     let mut command = GLOBILLUM.command(folder, arguments);
@@ -110,4 +111,106 @@ fn figures_are_written_through_to_a_fifo() {
     let length = reader.read(&mut figures).expect("it holds the figures");
     let figures: serde_json::Value = serde_json::from_slice(&figures[..length]).expect("it is JSON");
     assert_eq!(figures["samples_per_pixel"], 4);
+}
+
+/// A folder whose files must not change.
+fn fill(folder: &Path) {
+    let names = ["a.obj", "a.csv", "a.part", "a.exr", "job.json"];
+    names.iter().for_each(|name| std::fs::write(folder.join(name), name).expect("an empty folder"));
+    std::fs::create_dir(folder.join("sub")).expect("likewise");
+    std::fs::create_dir(folder.join("job.parts")).expect("likewise");
+}
+
+#[test]
+fn a_file_has_one_use() {
+    let refused = |arguments: &[&str], uses: &str| {
+        let said = format!("error: {uses}: are the same file");
+        GLOBILLUM.assert_refused(fill, arguments, &[&said]);
+    };
+    let out = ["--out", "z.exr"];
+    let cornell = |flags: &[&str], uses: &str| refused(&[&["cornell"], &out[..], flags].concat(), uses);
+    cornell(&["--checkpoint", "z.exr"], "--out z.exr and --checkpoint z.exr");
+    cornell(&["--stats", "./z.exr"], "--out z.exr and --stats ./z.exr");
+    cornell(&["--out", "sub/../z.exr"], "--out z.exr and --out sub/../z.exr");
+    cornell(&["--mesh", "a.obj", "--stats", "a.obj"], "--mesh a.obj and --stats a.obj");
+    refused(&["cornell", "--checkpoint", "cornell.png"], "--out cornell.png and --checkpoint cornell.png");
+    refused(&["render", "a.obj", "--stats", "sub/../a.obj"], "the scene a.obj and --stats sub/../a.obj");
+    let measure = ["irradiance", "a.obj", "--points", "a.csv"];
+    let measure = |flags: &[&str], uses: &str| refused(&[&measure, flags].concat(), uses);
+    measure(&["--out", "a.csv"], "--points a.csv and --out a.csv");
+    measure(&["--checkpoint", "irradiance.csv"], "--out irradiance.csv and --checkpoint irradiance.csv");
+    measure(&["--stats", "a.obj"], "the scene a.obj and --stats a.obj");
+    let factors = ["view-factors", "a.obj", "--patches", "material", "--out", "z.csv", "--checkpoint"];
+    refused(&[&factors[..], &["z.csv"]].concat(), "--out z.csv and --checkpoint z.csv");
+    refused(&[&factors[..], &["a.obj"]].concat(), "the scene a.obj and --checkpoint a.obj");
+    let merge = |flags: &[&str], uses: &str| refused(&[&["merge", "a.part"], flags].concat(), uses);
+    merge(&["--out", "z.exr", "--checkpoint", "z.exr"], "--out z.exr and --checkpoint z.exr");
+    merge(&["a.exr", "--out", "a.exr"], "--out a.exr and the part a.exr");
+    merge(
+        &["--expect", "job.json", "--checkpoint", "job.json"],
+        "--expect job.json and --checkpoint job.json",
+    );
+    let maps = ["diff", "a.exr", "a.exr", "--map", "z.png", "--block-map", "z.png"];
+    refused(&maps, "--map z.png and --block-map z.png");
+    refused(&["plan", "z.parts", "--", "cornell"], "the job z.parts and the folder of its parts z.parts");
+}
+
+/// Links lead to the file that is replaced, also if it does not exist yet.
+#[cfg(unix)]
+#[test]
+fn links_are_the_file_that_they_lead_to() {
+    use std::os::unix::fs::symlink;
+    let refused = |arguments: &[&str], uses: &str| {
+        let fill = |folder: &Path| {
+            fill(folder);
+            let links = [("z.exr", "new.exr"), ("a.exr", "old.png")];
+            links.iter().for_each(|(to, link)| symlink(to, folder.join(link)).expect("nothing is there"));
+            symlink("sub", folder.join("link")).expect("likewise");
+        };
+        GLOBILLUM.assert_refused(fill, arguments, &[&format!("error: {uses}: are the same file")]);
+    };
+    refused(&["cornell", "--out", "new.exr", "--out", "z.exr"], "--out new.exr and --out z.exr");
+    refused(
+        &["cornell", "--out", "sub/z.exr", "--out", "link/z.exr"],
+        "--out sub/z.exr and --out link/z.exr",
+    );
+    refused(&["diff", "a.exr", "a.exr", "--map", "old.png"], "the picture a.exr and --map old.png");
+    let job = serde_json::json!({"version": "", "key": "0", "picture": [], "samples": 1, "camera": null, "tasks": 1,
+        "division": {"height": 16, "first_pass": 0, "end_pass": 1, "task_passes": 1, "task_rows": 16}});
+    let fill = |folder: &Path| {
+        std::fs::create_dir(folder.join("b.parts")).expect("an empty folder");
+        std::fs::write(folder.join("b.json"), job.to_string()).expect("likewise");
+        symlink("../b.json", folder.join("b.parts/task-000000.part")).expect("likewise");
+    };
+    let uses = "the job b.json and the part b.parts/task-000000.part: are the same file";
+    GLOBILLUM.assert_refused(fill, &["task", "b.json", "--index", "0"], &[uses]);
+}
+
+#[test]
+fn a_checkpoint_is_continued_in_its_own_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let render = [&["--out", "a.png", "--checkpoint", "a", "--resume"], &SMALL[..]].concat();
+    (0..2).for_each(|_| drop(CORNELL.succeed(folder, &render)));
+    MERGE.succeed(folder, &["a", "./a", "--checkpoint", "a", "--out", "b.png"]);
+    assert_eq!(names(folder), ["a", "a.png", "b.png"]);
+}
+
+/// What is written through keeps what was written before.
+#[cfg(target_os = "linux")]
+#[test]
+fn special_files_may_have_several_uses() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    std::os::unix::fs::symlink("/dev/null", folder.join("null.png")).expect("an empty folder can be filled");
+    std::os::unix::fs::symlink("/dev/stdout", folder.join("out.png")).expect("likewise");
+    let arguments =
+        [&["--out", "null.png", "--out", "null.png", "--stats", "/dev/null"], &SMALL[..]].concat();
+    CORNELL.succeed(folder, &arguments);
+    let arguments =
+        [&["--out", "out.png", "--out", "out.png", "--stats", "/dev/stdout"], &SMALL[..]].concat();
+    assert!(CORNELL.run(folder, &arguments).status.success());
+    let file = std::fs::File::create(folder.join("log")).expect("likewise");
+    let status = CORNELL.command(folder, &arguments).stdout(file).status().expect("the program starts");
+    assert!(status.success(), "standard output is a file");
 }

@@ -1,0 +1,101 @@
+//! What files are used for: none is written that has another use.
+
+use crate::output::STDOUT;
+use anyhow::{Result, bail, ensure};
+use std::collections::HashMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::{fs, iter};
+
+/// The files that a command reads and writes.
+#[derive(Debug, Default)]
+pub(crate) struct Uses<'a>(Vec<Use<'a>>);
+
+/// A file, and the flag or the words for what it is.
+#[derive(Clone, Copy, Debug)]
+struct Use<'a> {
+    name: &'static str,
+    path: &'a Path,
+    is_written: bool,
+}
+
+impl<'a> Uses<'a> {
+    /// Adds files that are read; `-` is standard input.
+    pub(crate) fn read<P>(self, name: &'static str, paths: impl IntoIterator<Item = &'a P>) -> Self
+    where
+        P: AsRef<Path> + ?Sized + 'a,
+    {
+        self.add(name, paths, false)
+    }
+
+    /// Adds files that are written; `-` is standard output.
+    pub(crate) fn written<P>(self, name: &'static str, paths: impl IntoIterator<Item = &'a P>) -> Self
+    where
+        P: AsRef<Path> + ?Sized + 'a,
+    {
+        self.add(name, paths, true)
+    }
+
+    fn add<P>(mut self, name: &'static str, paths: impl IntoIterator<Item = &'a P>, is_written: bool) -> Self
+    where
+        P: AsRef<Path> + ?Sized + 'a,
+    {
+        self.0.extend(paths.into_iter().map(|path| Use { name, path: path.as_ref(), is_written }));
+        self
+    }
+
+    /// Refuses a file that is written and has another use, whatever its names. Files that are written through, such
+    /// as devices and FIFOs, may have several.
+    pub(crate) fn check(&self) -> Result<()> {
+        let streams = self.0.iter().filter(|one| one.is_written && one.path == Path::new(STDOUT));
+        ensure!(streams.count() <= 1, "-: standard output can be given only once");
+        let mut seen: HashMap<PathBuf, Use<'_>> = HashMap::new();
+        for &one in self.0.iter().filter(|one| one.path != Path::new(STDOUT)) {
+            let Some(file) = regular_file(one.path) else { continue };
+            match seen.insert(file, one) {
+                Some(other) if one.is_written || other.is_written => {
+                    bail!("{other} and {one}: are the same file")
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Use<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.name, self.path.display())
+    }
+}
+
+/// The one path of a regular file, which may not exist yet. `None` of what is written through, of folders, and if
+/// its folder does not exist.
+fn regular_file(path: &Path) -> Option<PathBuf> {
+    if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        return None;
+    }
+    let target = followed(path);
+    let file = match fs::canonicalize(&target) {
+        Ok(file) => file,
+        Err(_) => fs::canonicalize(folder_of(&target)).ok()?.join(target.file_name()?),
+    };
+    // What the shell redirected a stream to is written through as well.
+    let streams = ["/dev/stdout", "/dev/stderr"];
+    let is_stream = streams.into_iter().any(|name| fs::canonicalize(name).is_ok_and(|stream| stream == file));
+    (!is_stream).then_some(file)
+}
+
+/// The most symbolic links that are followed, as in Linux.
+const MAX_LINKS: usize = 40;
+
+/// The name that symbolic links lead to from `path`, whether a file of that name exists or not.
+fn followed(path: &Path) -> PathBuf {
+    let next = |path: &PathBuf| Some(folder_of(path).join(fs::read_link(path).ok()?));
+    iter::successors(Some(path.to_path_buf()), next).take(1 + MAX_LINKS).last().unwrap_or_default()
+}
+
+/// The folder that contains `file`.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
+}
