@@ -1,6 +1,5 @@
 //! Errors that do not keep the rest from being done.
 
-use crate::report::in_one_line;
 use anyhow::{Error, Result};
 use std::fmt;
 
@@ -37,3 +36,14 @@ impl fmt::Display for Failures {
 }
 
 impl std::error::Error for Failures {}
+
+/// What went wrong and why; most errors of the library say why themselves.
+pub(crate) fn in_one_line(error: &Error) -> String {
+    let mut line = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !line.ends_with(&cause) {
+            line = format!("{line}: {cause}");
+        }
+    }
+    line
+}

@@ -1,3 +1,4 @@
+use crate::failures::in_one_line;
 use crate::interrupt::Interrupted;
 use crate::{console, exit, usage};
 use anyhow::anyhow;
@@ -32,15 +33,4 @@ fn print_help(help: &clap::Error) -> anyhow::Result<()> {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
     }
-}
-
-/// What went wrong and why; most errors of the library say why themselves.
-pub(crate) fn in_one_line(error: &anyhow::Error) -> String {
-    let mut line = error.to_string();
-    for cause in error.chain().skip(1).map(ToString::to_string) {
-        if !line.ends_with(&cause) {
-            line = format!("{line}: {cause}");
-        }
-    }
-    line
 }
