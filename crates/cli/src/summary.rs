@@ -132,7 +132,8 @@ impl Display for Summary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let million = |count: u64| count as f64 / 1e6;
         let [triangles, emit, degenerate] = [self.triangles, self.lights, self.degenerate_triangles];
-        writeln!(f, "triangles     {triangles} ({emit} emit, {degenerate} degenerate)")?;
+        let degenerate = if degenerate > 0 { format!(", {degenerate} degenerate") } else { String::new() };
+        writeln!(f, "triangles     {triangles} ({emit} emit{degenerate})")?;
         if self.delta_lights > 0 {
             writeln!(f, "delta lights  {}", self.delta_lights)?;
         }

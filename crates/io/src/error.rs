@@ -172,10 +172,12 @@ pub enum IoError {
         source: DeltaLightError,
     },
     /// The scene has no triangle that a ray can hit.
-    #[error("{}: scene has no triangles", plain(path.display()))]
+    #[error("{}: scene has no triangles{}", plain(path.display()), degenerate_text(*degenerate))]
     Empty {
         /// The file.
         path: PathBuf,
+        /// How many degenerate triangles it has, which no ray can hit.
+        degenerate: usize,
     },
     /// The monitor asked to stop.
     #[error("{}: loading was cancelled", plain(path.display()))]
@@ -214,4 +216,9 @@ pub enum IoError {
         /// The error of the encoder.
         source: Box<dyn StdError + Send + Sync>,
     },
+}
+
+/// What is told of degenerate triangles in a scene without others.
+fn degenerate_text(count: usize) -> String {
+    if count == 0 { String::new() } else { format!(" ({count} degenerate)") }
 }

@@ -192,7 +192,8 @@ impl<'a> Loading<'a> {
     /// Checks the complete scene and returns it.
     pub(crate) fn finish(mut self) -> Result<Loaded> {
         if self.model.triangles().is_empty() {
-            return Err(IoError::Empty { path: self.path.into() });
+            let degenerate = self.report.degenerate_triangles;
+            return Err(IoError::Empty { path: self.path.into(), degenerate });
         }
         // The report always has room for warnings about the scene as a whole.
         self.bytes_of_warnings = 0;

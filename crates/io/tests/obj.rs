@@ -172,8 +172,10 @@ fn a_continued_line_keeps_the_count() {
 #[test]
 fn files_without_a_face_are_empty() {
     for obj in ["", "# nothing\n", SQUARE, "v 0 0 0\nf 1 1\n", "\u{feff}"] {
-        assert!(matches!(load(obj), Err(IoError::Empty { .. })), "{obj:?}");
+        assert!(matches!(load(obj), Err(IoError::Empty { degenerate: 0, .. })), "{obj:?}");
     }
+    let line = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n";
+    assert_eq!(message(load(line)), "a.obj: scene has no triangles (2 degenerate)");
 }
 
 #[test]

@@ -190,7 +190,7 @@ impl<'a> Render<'a> {
         let step = settings.path_reuse.tile_side();
         let range = match step {
             1 => "the columns and rows of the picture, of which at least one must be asked for",
-            _ => "the multiples of 16 and the size, of which start and end are two",
+            _ => "the bounds that tiles have: multiples of 16, and the size of the picture",
         };
         for (name, asked, size) in
             [("columns of the crop", columns, width), ("rows of the crop", rows, height)]
@@ -212,7 +212,7 @@ impl<'a> Render<'a> {
         if rows.is_empty() || rows.end > height || !is_end(rows.start) || !is_end(rows.end) {
             let valid = |end: u32| is_end(end) && end <= height;
             let value = if valid(rows.start) { rows.end } else { rows.start };
-            let range = "the multiples of 16 and the height, of which start and end are two";
+            let range = "the bounds that rows of tiles have: multiples of 16, and the height";
             return Err(RenderError::Param { name: "rows", value: value.into(), range });
         }
         Ok(rows)

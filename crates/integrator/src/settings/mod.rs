@@ -31,7 +31,7 @@ pub struct Settings {
     pub width: u32,
     /// Height in pixels, at least 1. At most [`Settings::MAX_PIXELS`] in all.
     pub height: u32,
-    /// Samples per pixel, at least 1, unless the render is stopped before.
+    /// Samples per pixel, at least 1. The render may be [stopped](crate::Stop) before it has all of them.
     pub samples: u32,
     /// Samples per pixel in one pass, a power of two up to `2^16`. The last pass takes what is left of
     /// `samples`.

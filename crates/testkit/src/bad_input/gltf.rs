@@ -91,7 +91,7 @@ fn accessors() -> Vec<Case> {
             "TooLarge",
             "accessors[0]: too many elements without a buffer view (limit: 8388608)",
         ),
-        bad(48, nowhere, "", "Empty", "scene has no triangles"),
+        bad(48, nowhere, "", "Empty", "scene has no triangles (1 degenerate)"),
         accessor(
             49,
             offset,

@@ -69,7 +69,7 @@ fn files() -> Vec<Case> {
     vec![
         obj(20, "", empty()),
         obj(20, SQUARE, empty()),
-        obj(20, "v 0 0 0\nf 1 1 1\n", empty()),
+        obj(20, "v 0 0 0\nf 1 1 1\n", refused("Empty", "a.obj: scene has no triangles (1 degenerate)")),
         obj(21, "# nothing\n", empty()),
         obj(22, good.replace('\n', "\r\n"), loaded(&[])),
         obj(23, format!("\u{feff}{good}"), loaded(&[])),
