@@ -2,6 +2,7 @@
 
 use crate::caught::caught;
 use crate::film::crop;
+use crate::worker_threads::worker_threads;
 use crate::{ElementSample, PathStart, RenderError, Scene, Sensor, Settings};
 use glam::DVec3;
 use globillum_geom::{Accel, Hit, Ray};
@@ -91,10 +92,7 @@ impl FirstHits {
         settings: &Settings,
     ) -> Result<Self, RenderError> {
         let settings = &settings.for_sensor(camera)?;
-        let threads = rayon::ThreadPoolBuilder::new()
-            .num_threads(settings.threads)
-            .build()
-            .map_err(|error| RenderError::Threads(error.to_string()))?;
+        let threads = worker_threads(settings.threads).map_err(RenderError::Threads)?;
         let &Settings { width, height, .. } = settings;
         let view = View { scene, camera, width: f64::from(width), height: f64::from(height) };
         let row = |y: u32| {

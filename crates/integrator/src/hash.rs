@@ -29,3 +29,10 @@ pub(crate) fn nth(key: u64, counter: u64) -> u64 {
 pub(crate) fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 * (f64::EPSILON / 2.0)
 }
+
+/// What the sources are hashed to whose change may change a sample or a count, in parts.
+pub(crate) fn sources() -> impl Iterator<Item = u64> {
+    let hashes =
+        [globillum_geom::SOURCE_HASH, globillum_material::SOURCE_HASH, env!("GLOBILLUM_SOURCE_HASH")];
+    hashes.into_iter().flat_map(str::bytes).map(u64::from)
+}

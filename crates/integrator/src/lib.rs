@@ -40,6 +40,7 @@ mod scene;
 mod sensor;
 mod settings;
 pub mod view_factors;
+mod worker_threads;
 
 pub use comparison::{ChiSquare, Comparison};
 pub use error::{CheckpointError, DeltaLightError, MergeError, PointError, RenderError};

@@ -1,13 +1,9 @@
-use crate::hash::fold;
+use crate::hash::{fold, sources};
 use crate::{DeltaLight, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use globillum_material::{Bsdf, Material, Rgb};
 use std::hash::Hasher;
 use std::ops::Range;
-
-/// The sources whose change may change a sample.
-const SOURCES: [&str; 3] =
-    [globillum_geom::SOURCE_HASH, globillum_material::SOURCE_HASH, env!("GLOBILLUM_SOURCE_HASH")];
 
 /// [`Render::key`](crate::Render::key).
 pub(crate) fn picture_key(
@@ -17,7 +13,7 @@ pub(crate) fn picture_key(
     crop: Option<&[Range<u32>; 2]>,
 ) -> u64 {
     let mut key = Key(0);
-    SOURCES.iter().flat_map(|hash| hash.bytes()).for_each(|byte| key.add(byte.into()));
+    sources().for_each(|part| key.add(part));
     key.add_scene(scene);
     sensor.hash(&mut key);
     key.add_settings(settings);

@@ -6,6 +6,7 @@ use super::pass_loop::PassLoop;
 use super::stop::Stop;
 use crate::caught::caught;
 use crate::path::{RenderContext, Tile, guide, probed};
+use crate::worker_threads::worker_threads;
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use std::cmp::Ordering;
@@ -150,10 +151,7 @@ impl<'a> Render<'a> {
         let picture = self.start(crop, self.checked_rows(crop.height)?, &settings)?;
         let rows = picture.film.rows();
         let window = Tile { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
-        let threads = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.settings.threads)
-            .build()
-            .map_err(|error| RenderError::Threads(error.to_string()))?;
+        let threads = worker_threads(self.settings.threads).map_err(RenderError::Threads)?;
         let meter = Meter::new(self.stop.seconds);
         threads.install(|| {
             let guide = guide(self.scene, self.sensor, &settings, || monitor.cancelled())?;

@@ -2,16 +2,13 @@ use super::row::Row;
 use super::tracer::{Buffers, Tracer};
 use super::{FactorError, FactorSettings, Patches, ViewFactors};
 use crate::caught::caught;
-use crate::hash::fold;
+use crate::hash::{fold, sources};
 use crate::run::Meter;
+use crate::worker_threads::worker_threads;
 use crate::{Counters, Ending, Monitor};
 use globillum_geom::{Accel, Triangles};
 use globillum_material::Sides;
 use rayon::prelude::*;
-
-/// The sources whose change may change a count.
-const SOURCES: [&str; 3] =
-    [globillum_geom::SOURCE_HASH, globillum_material::SOURCE_HASH, env!("GLOBILLUM_SOURCE_HASH")];
 
 /// The computation of view factors.
 ///
@@ -57,10 +54,7 @@ impl<'a, A: Accel> FactorRun<'a, A> {
     pub fn run(mut self, monitor: &impl Monitor<ViewFactors>) -> Result<ViewFactors, FactorError> {
         self.settings.validate()?;
         let start = self.start()?;
-        let threads = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.settings.threads)
-            .build()
-            .map_err(|error| FactorError::Threads(error.to_string()))?;
+        let threads = worker_threads(self.settings.threads).map_err(FactorError::Threads)?;
         threads.install(|| self.add_passes(start, monitor))
     }
 
@@ -80,12 +74,11 @@ impl<'a, A: Accel> FactorRun<'a, A> {
     /// A hash of all that determines the counts of a pass.
     fn key(&self) -> u64 {
         let FactorSettings { pass_rays, sides, seed, .. } = *self.settings;
-        let sources = SOURCES.iter().flat_map(|hash| hash.bytes()).map(u64::from);
         let settings = [pass_rays.into(), u64::from(sides == Sides::Both), seed, self.triangles.len() as u64];
         let vertices = self.triangles.as_slice().iter().flat_map(|triangle| triangle.vertices);
         let vertices = vertices.flat_map(|v| v.to_array()).map(|x| x.to_bits().into());
         let patches = self.patches.ids().iter().map(|&patch| patch.into());
-        sources.chain(settings).chain(vertices).chain(patches).fold(0, fold)
+        sources().chain(settings).chain(vertices).chain(patches).fold(0, fold)
     }
 
     fn add_passes(
