@@ -144,6 +144,29 @@ fn a_short_pilot_is_continued() {
     }
 }
 
+/// A pilot takes a small part of the time if that is limited, however much its error asks for.
+#[test]
+fn a_pilot_leaves_time_for_the_picture() {
+    let settings = Settings::new(16, 16, u32::MAX);
+    let plan = stop(|s| (s.relative_rmse, s.pilot, s.seconds) = (Some(1e-9), Some(2), Some(1.0)));
+    let picture = run(&settings, plan, &());
+    let passes = picture.film.passes()[0].clone();
+    assert_eq!(picture.ending, Ending::Seconds);
+    assert!(passes.len() as u32 > passes.start, "{passes:?}");
+}
+
+#[test]
+fn a_pilot_must_leave_a_pass() {
+    let (scene, camera) = light_over_floor();
+    let settings = Settings::new(16, 16, 64);
+    for (pilot, is_good) in [(3, true), (4, false), (5, false)] {
+        let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(0.5), Some(pilot)));
+        let result = Render::new(&scene, &camera, &settings).until(plan).run(&());
+        let is_refused = matches!(result, Err(RenderError::Param { name: "pilot passes", .. }));
+        assert_eq!((result.is_ok(), is_refused), (is_good, !is_good), "{pilot}");
+    }
+}
+
 /// The mean radiance over many seeds of a picture of one pixel that stops at an error goal, and its standard
 /// error.
 fn mean_of_stopped(pilot: Option<u32>, seeds: u64) -> (f64, f64) {

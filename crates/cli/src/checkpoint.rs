@@ -156,7 +156,7 @@ fn estimate(result: &impl Saved) -> Duration {
 }
 
 /// About the most bytes of a checkpoint of these pixels, while `passes` passes are rendered, a power of two: 48 for
-/// a pixel of each block, of which there are as many as the number of passes has binary digits 1.
+/// a pixel of each node of passes, of which there are as many as the number of passes has binary digits 1.
 pub(crate) fn most_bytes(pixels: u64, passes: u32) -> u64 {
     50 * pixels * u64::from(passes.ilog2().max(1))
 }

@@ -1,4 +1,5 @@
-//! What files are used for: none is written that has another use.
+//! What the files of a command line are used for: none is written that has another use. Files that a scene refers to,
+//! such as MTL files, are not known here.
 
 use crate::output::STDOUT;
 use anyhow::{Result, bail, ensure};
@@ -69,7 +70,7 @@ impl fmt::Display for Use<'_> {
     }
 }
 
-/// The one path of a regular file, which may not exist yet. `None` of what is written through, of folders, and if
+/// The canonical path of a regular file, which may not exist yet. `None` of what is written through, of folders, and if
 /// its folder does not exist.
 fn regular_file(path: &Path) -> Option<PathBuf> {
     if fs::metadata(path).is_ok_and(|found| !found.is_file()) {

@@ -156,9 +156,10 @@ pub enum CheckpointError {
     /// The checkpoint belongs to a picture that differs in what is named here.
     #[error("belongs to another picture: the {0} differs")]
     Mismatch(&'static str),
-    /// Its last pass is cut short, since the number of samples asked for was no multiple of those of a pass. No pass can
-    /// follow it.
-    #[error("cannot be continued: its last pass is cut short, since its samples were no multiple of a pass")]
+    /// Its last pass is incomplete, since the number of samples was not a multiple of `pass_samples`. No pass can follow it.
+    #[error(
+        "cannot be continued: its last pass is incomplete, since its samples are not a multiple of those of a pass"
+    )]
     CutShort,
     /// It holds more samples than are asked for.
     #[error("holds more samples than are asked for")]

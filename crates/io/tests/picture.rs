@@ -3,6 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
 
 use exr::meta::attribute::IntegerBounds;
+use exr::prelude::{
+    Encoding, Image, ImageAttributes, Layer, LayerAttributes, SpecificChannels, Vec2, WritableImage as _,
+};
 use glam::{DVec3, Vec3};
 use globillum_geom::{KdOptions, KdTree, Triangle};
 use globillum_integrator::{
@@ -78,6 +81,27 @@ fn an_exr_of_a_crop_tells_its_place() {
     assert_eq!(header.data_window(), window(8, 5, (22, 16)));
     let (_, read) = written_and_read(&PictureData::new(whole));
     assert_eq!((read.whole, read.estimates.origin), (None, [0, 0]));
+}
+
+/// Display windows of other programs may begin anywhere, and data windows may exceed them.
+#[test]
+fn windows_of_other_programs_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let read = |display: IntegerBounds, corner: (i32, i32)| {
+        let attributes = LayerAttributes { layer_position: Vec2(corner.0, corner.1), ..Default::default() };
+        let channels = SpecificChannels::rgb(|_| (0.1_f32, 0.2_f32, 0.3_f32));
+        let layer = Layer::new((4, 3), attributes, Encoding::UNCOMPRESSED, channels);
+        Image::new(ImageAttributes::new(display), layer).write().to_file(&path).unwrap();
+        let read = PictureData::read(&path).unwrap();
+        assert_eq!((read.estimates.width, read.estimates.height), (4, 3));
+        (read.whole, read.estimates.origin)
+    };
+    assert_eq!(read(IntegerBounds::new((-20, -20), (40, 30)), (-5, 2)), (Some([40, 30]), [15, 22]));
+    assert_eq!(read(IntegerBounds::new((-20, -20), (4, 3)), (-20, -20)), (None, [0, 0]));
+    for corner in [(-1, 0), (38, 0), (0, 28), (100, 100)] {
+        assert_eq!(read(IntegerBounds::new((0, 0), (40, 30)), corner), (None, [0, 0]), "{corner:?}");
+    }
 }
 
 #[test]

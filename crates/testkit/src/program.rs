@@ -37,7 +37,7 @@ impl Program {
     pub fn assert_refused(&self, fill: impl Fn(&Path), arguments: &[&str], words: &[&str]) {
         let folder = tempfile::tempdir().expect("a temporary folder");
         fill(folder.path());
-        let before = names(folder.path());
+        let before = contents(folder.path());
         let output = self.run(folder.path(), arguments);
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
@@ -47,8 +47,18 @@ impl Program {
         for word in words {
             assert!(message.contains(word), "{arguments:?}: {message}");
         }
-        assert_eq!(names(folder.path()), before, "{arguments:?} left something behind");
+        assert!(contents(folder.path()) == before, "{arguments:?} changed something or left it behind");
     }
+}
+
+/// The names of all that is in `folder`, sorted, each with its bytes if it is a file.
+fn contents(folder: &Path) -> Vec<(std::ffi::OsString, Option<Vec<u8>>)> {
+    let bytes = |name: &std::ffi::OsString| {
+        let path = folder.join(name);
+        let is_file = std::fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
+        is_file.then(|| std::fs::read(path).expect("a file can be read"))
+    };
+    names(folder).into_iter().map(|name| (name.clone(), bytes(&name))).collect()
 }
 
 /// The names of all that is in `folder`, sorted.

@@ -113,18 +113,21 @@ impl Options {
 struct Loaded<'a> {
     paths: &'a [PathBuf],
     pictures: Vec<Estimates>,
+    /// The size of the picture that each is a crop of, if that is known.
+    wholes: Vec<Option<[u32; 2]>>,
     attributes: Vec<BTreeMap<String, String>>,
 }
 
 impl<'a> Loaded<'a> {
     fn read(paths: &'a [PathBuf]) -> Result<Self> {
-        let (mut pictures, mut attributes) = (Vec::new(), Vec::new());
+        let (mut pictures, mut wholes, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
         for path in paths {
             let data = PictureData::read(path)?;
             pictures.push(data.estimates);
+            wholes.push(data.whole);
             attributes.push(data.attributes);
         }
-        let loaded = Self { paths, pictures, attributes };
+        let loaded = Self { paths, pictures, wholes, attributes };
         loaded.check_size(&loaded)?;
         Ok(loaded)
     }
@@ -141,7 +144,28 @@ impl<'a> Loaded<'a> {
                 first.display()
             );
         }
-        Ok(())
+        self.check_place(other)
+    }
+
+    /// Whether all crops whose places are known show the same part of the picture.
+    fn check_place(&self, other: &Self) -> Result<()> {
+        let place = |side: &Self, at: usize| Some((side.pictures[at].origin, side.wholes[at]?));
+        let places = [self, other].map(|side| {
+            (0..side.paths.len()).filter_map(move |at| Some((&side.paths[at], place(side, at)?)))
+        });
+        let mut places = places.into_iter().flatten();
+        let Some((first, one)) = places.next() else { return Ok(()) };
+        match places.find(|(_, place)| *place != one) {
+            Some((path, ([x, y], [width, height]))) => {
+                let ([first_x, first_y], [first_width, first_height]) = one;
+                bail!(
+                    "{}: shows the pixels from ({x}, {y}) on of {width} x {height}, {} from ({first_x}, {first_y}) on of {first_width} x {first_height}",
+                    path.display(),
+                    first.display()
+                )
+            }
+            None => Ok(()),
+        }
     }
 
     /// Warns of pictures with the same key, which includes the seed.

@@ -22,9 +22,10 @@ pub(crate) struct SaveFlags {
     save_every: Option<f64>,
     /// Continue from the checkpoint if it exists
     ///
-    /// Scene, camera or patches, and settings must be the same but for --spp, --threads, --accel and the stop
-    /// conditions. A picture of samples that are no multiple of --pass-spp is complete, and no pass can follow. The result has
-    /// the bits of one that was computed at once.
+    /// Scene, camera or patches, and settings must be the same but for --spp, which must not be less than what the
+    /// checkpoint holds, --threads, --accel and the stop conditions. If --spp was not a multiple of --pass-spp, the last
+    /// pass is incomplete, and the picture cannot be continued with more samples. The result has the bits of one that was
+    /// computed at once.
     #[arg(long, requires = "checkpoint")]
     resume: bool,
 }

@@ -94,6 +94,7 @@ impl RenderFlags {
             anyhow::bail!("--crop {crop}: must lie within the picture of {width} x {height} pixels");
         }
         let passes = self.settings().passes();
+        self.stop.check(passes)?;
         self.checkpoints.check(passes, self.settings().samples)
     }
 

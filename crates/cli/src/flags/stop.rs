@@ -1,4 +1,5 @@
 use crate::parse;
+use anyhow::{Result, bail};
 use globillum::integrator::Stop;
 use serde::Serialize;
 
@@ -14,7 +15,8 @@ pub(crate) struct StopFlags {
     /// Two stages: plan the samples for --error from this number of passes, which are then dropped
     ///
     /// Stopping as soon as the error is small biases the mean a little. With a pilot, the samples that are averaged do
-    /// not influence when the render stops (Stein 1945). At least 2 passes.
+    /// not influence when the render stops (Stein 1945). At least 2 passes, and fewer than --spp has. A pilot that asks
+    /// for more than sixteen times its passes is doubled.
     #[arg(long, value_name = "PASSES", requires = "error", value_parser = parse::integer(2..=u32::MAX))]
     #[arg(allow_negative_numbers = true)]
     pilot: Option<u32>,
@@ -27,6 +29,14 @@ impl StopFlags {
     /// Whether an error or a time ends the render.
     pub(crate) fn is_given(&self) -> bool {
         self.error.is_some() || self.seconds.is_some()
+    }
+
+    /// Refuses a pilot that leaves none of `passes`.
+    pub(super) fn check(&self, passes: u32) -> Result<()> {
+        match self.pilot.filter(|&pilot| pilot >= passes) {
+            Some(pilot) => bail!("--pilot {pilot}: leaves no pass of {passes} after those of the pilot"),
+            None => Ok(()),
+        }
     }
 
     pub(crate) fn conditions(&self) -> Stop {

@@ -76,8 +76,8 @@ impl Place {
     }
 }
 
-/// The camera in the notation of [`parse_any_camera`], with a target as far away as `near`: to a millionth of that
-/// distance or of the number, whichever is less.
+/// The camera in the notation of [`parse_any_camera`], with a target as far away as `near`. The error of a number is at
+/// most five millionths of that distance, and of the number.
 pub(crate) fn format_camera(camera: &AnyCamera, near: DVec3) -> String {
     // Rays through the middle and the upper edge.
     let (middle, above) = match camera {
@@ -106,8 +106,8 @@ pub(crate) fn format_camera(camera: &AnyCamera, near: DVec3) -> String {
     format!("{from}/{to}/{}{size}", format_vector(up.normalize(), 1.0))
 }
 
-/// Coordinates to a millionth of themselves or of the size of what they describe, whichever is less; 0 for those that
-/// are rounding errors in things of this size.
+/// Coordinates with an error of at most five millionths of themselves, and of the size of what they describe; 0 for those
+/// that are rounding errors in things of this size.
 pub(crate) fn format_vector(v: DVec3, size: f64) -> String {
     v.to_array().map(|x| short(if x.abs() < 1e-9 * size { 0.0 } else { x }, size)).join(",")
 }
@@ -183,8 +183,8 @@ mod tests {
                 let text = format_camera(&AnyCamera::Pinhole(camera), DVec3::splat(place));
                 let parsed = parse_camera(&text, Up::Y).expect("it is well-formed");
                 let [given, again] = [camera, parsed].map(|camera| camera.ray(0.4, 0.7, 1.5));
-                // A coordinate has a resolution of its own.
-                let margin = (1e-5 * distance).max(4.0 * f64::EPSILON * place.abs());
+                // The errors of three coordinates, and what a coordinate can resolve.
+                let margin = (9e-6 * distance).max(4.0 * f64::EPSILON * place.abs());
                 assert!((given.origin - again.origin).length() <= margin, "{text}");
                 let apart = given.direction.normalize() - again.direction.normalize();
                 assert!(apart.length() * distance <= margin, "{text}: {apart}");

@@ -3,7 +3,7 @@
 use super::axes::Up;
 use globillum::geom::{Accel, Hit, Ray};
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, RenderError, Scene, Settings, render};
+use globillum::integrator::{Camera, Monitor, RenderError, Scene, Settings, render};
 
 /// Degrees from bottom to top: rooms are narrow.
 const FIELD_OF_VIEW: f64 = 65.0;
@@ -33,13 +33,13 @@ pub(crate) fn of_room<A: Accel>(
     up: Up,
     aspect: f64,
     outside: &Camera,
-    cancelled: &dyn Fn() -> bool,
+    cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, RenderError> {
     let eyes = eyes(scene, up);
     if enclosed_share(scene, &eyes) < CLOSED {
         return Ok(None);
     }
-    let enough = BRIGHT * brightness(scene, outside)?;
+    let enough = BRIGHT * brightness(scene, outside, cancelled)?;
     let mut views = Vec::new();
     for eye in eyes {
         if cancelled() {
@@ -52,7 +52,7 @@ pub(crate) fn of_room<A: Accel>(
         if cancelled() {
             return Ok(None);
         }
-        let found = brightness(scene, &camera)?;
+        let found = brightness(scene, &camera, cancelled)?;
         if found > 0.0 && found >= enough {
             return Ok(Some(camera));
         }
@@ -120,11 +120,24 @@ fn depth<A: Accel>(scene: &Scene<A>, camera: &Camera, aspect: f64) -> f64 {
     rays.iter().zip(&hits).map(distance).map(|d| d / (d + unit)).sum::<f64>() / rays.len() as f64
 }
 
+/// Cancels a render.
+struct Canceller<'a>(&'a (dyn Fn() -> bool + Sync));
+
+impl Monitor for Canceller<'_> {
+    fn cancelled(&self) -> bool {
+        (self.0)()
+    }
+}
+
 /// The mean luminance of a small picture.
-fn brightness<A: Accel>(scene: &Scene<A>, camera: &Camera) -> Result<f64, RenderError> {
+fn brightness<A: Accel>(
+    scene: &Scene<A>,
+    camera: &Camera,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Result<f64, RenderError> {
     let mut settings = Settings::new(12, 8, 16);
     settings.max_bounces = Some(BOUNCES);
-    let picture = render(scene, camera, &settings, &())?;
+    let picture = render(scene, camera, &settings, &Canceller(cancelled))?;
     Ok(picture.film.image_mean().luminance())
 }
 
@@ -188,6 +201,15 @@ mod tests {
             assert!(ray.origin.x * ray.direction.x < 0.0 && ray.origin.z * ray.direction.z < 0.0, "{ray:?}");
             assert!(ray.direction.y < 0.0, "{ray:?}");
         }
+    }
+
+    #[test]
+    fn a_search_that_is_cancelled_ends_with_the_view_from_outside() {
+        let room = model([(white(), walls()), (light(), bulb(DVec3::Y))]);
+        let scene = Scene::build(room, |triangles| AccelKind::Wide.build(triangles)).expect("a good model");
+        let view = View::Automatic(CameraType::Pinhole, Up::Y);
+        let (_, by) = view.camera(&scene, 1.5, &|| true).expect("it has an extent");
+        assert_eq!(by, CameraBy::Outside);
     }
 
     #[test]

@@ -51,7 +51,7 @@ impl View {
         self,
         scene: &Scene<A>,
         aspect: f64,
-        cancelled: &dyn Fn() -> bool,
+        cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Result<(AnyCamera, CameraBy), RenderError> {
         let (camera, by, camera_type, up) = match self {
             Self::Given(camera) => return Ok((camera, CameraBy::Flag)),

@@ -56,7 +56,7 @@ fn what_cannot_be_continued_is_named() {
     };
     assert!(render("40", &[]).status.success());
     for (spp, reason) in [
-        ("64", "cut.film: cannot be continued: its last pass is cut short"),
+        ("64", "cut.film: cannot be continued: its last pass is incomplete"),
         ("32", "cut.film: holds more samples"),
     ] {
         let output = render(spp, &["--resume"]);

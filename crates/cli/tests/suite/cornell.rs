@@ -51,6 +51,8 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["--passes", "4..4"], &["--passes 4..4: must be A..B"]);
     assert_refused(&["--spp", "64", "--passes", "0..5"], &["--passes 0..5: --spp 64 has only passes 0..4"]);
     assert_refused(&["--error", "1", "--pilot", "1"], &["--pilot 1: must be an integer from 2"]);
+    let pilot = ["--spp", "64", "--error", "1", "--pilot", "4"];
+    assert_refused(&pilot, &["--pilot 4: leaves no pass of 4 after those of the pilot"]);
     assert_refused(&["--seed", "1", "--seed", "2"], &["--seed: can be given only once"]);
     assert_refused(&["--spp"], &["--spp: a value is missing"]);
     assert_refused(&["--widht", "3"], &["unexpected argument --widht (a similar argument exists: --width)"]);

@@ -58,12 +58,19 @@ fn pictures_that_cannot_be_compared_are_named() {
     let folder = folder.path();
     render(folder, "a.exr", &[]);
     CORNELL.succeed(folder, &["--width", "33", "--height", "32", "--spp", "1", "--out", "wide.exr"]);
+    for (name, crop) in [("left.exr", "0,0,16,32"), ("right.exr", "16,0,16,32")] {
+        render(folder, name, &["--crop", crop]);
+    }
     std::fs::write(folder.join("b.exr"), "no picture").expect("it can be written");
     for (arguments, message) in [
         (&["a.exr"][..], "--with is missing"),
         (&["a.exr", "none.exr"], "none.exr: cannot be read"),
         (&["a.exr", "b.exr"], "b.exr: "),
         (&["a.exr", "wide.exr"], "wide.exr: has 33 x 32 pixels, a.exr 32 x 32"),
+        (
+            &["left.exr", "right.exr"],
+            "right.exr: shows the pixels from (16, 0) on of 32 x 32, left.exr from (0, 0) on of 32 x 32",
+        ),
         (&["a.exr", "a.exr", "--false-alarm", "1"], "--false-alarm 1: must be a number above 0 and below 1"),
         (&["a.exr", "a.exr", "--map", "z.exr"], "z.exr: a map is a PNG"),
     ] {

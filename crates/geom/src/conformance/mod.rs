@@ -25,7 +25,7 @@
 //! - **Zeros**: a direction component can be zero, of either sign. The quotient of two zeros is NaN; a comparison
 //!   with NaN must not discard a candidate.
 //! - **Other queries**: `occluded` returns `intersect(ray).is_some()`, and a batch returns the answers of its
-//!   rays one by one. No query panics or allocates beyond its output.
+//!   rays one by one. No query panics, or allocates more than [`Accel`](crate::Accel) allows.
 //!
 //! The following accelerator follows the rules. Without slack, the suite rejects it:
 //!

@@ -83,7 +83,9 @@ impl Comparison {
         if a.iter().chain(b).any(|picture| (picture.width, picture.height) != (width, height)) {
             return None;
         }
-        let largest = a.iter().chain(b).max_by_key(|picture| picture.path_reuse.tile_side())?;
+        // Of pictures with equal tiles, one that knows its place.
+        let tiles = |picture: &&Estimates| (picture.path_reuse.tile_side(), picture.origin != [0; 2]);
+        let largest = a.iter().chain(b).max_by_key(tiles)?;
         let tile_side = largest.path_reuse.tile_side().max(BLOCK_SIDE);
         let offset = largest.origin.map(|at| at % tile_side);
         let pair = Pair { width, height, tile_side, offset, a: Side::of(a)?, b: Side::of(b)? };

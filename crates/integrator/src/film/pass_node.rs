@@ -56,7 +56,7 @@ impl PassNodeHeader {
 /// The sums of `2^k` consecutive passes for every pixel of some rows.
 ///
 /// A node of `n` passes starts at a multiple of `n`, and two halves of a larger node are joined at once.
-/// Blocks are thus nodes of a fixed binary tree over all passes: the sum has the same bits in whatever order
+/// Nodes are thus those of a fixed binary tree over all passes: the sum has the same bits in whatever order
 /// the passes are added, and its rounding error grows with the logarithm of their number.
 #[derive(Clone, PartialEq)]
 pub(crate) struct PassNode {

@@ -4,7 +4,7 @@ use crate::caught::caught;
 use crate::{Ending, Picture, RenderError};
 use std::ops::{ControlFlow, Range};
 
-/// For how many times its own passes a pilot plans.
+/// A pilot plans at most this many times its own passes; one that asks for more is doubled.
 const LONGEST_PLAN: f64 = 16.0;
 
 /// Renders pass after pass until a stop condition holds.
@@ -97,11 +97,20 @@ impl PassLoop<'_> {
             let planned = self.stop.passes_after(&trial.film);
             let (rendered, left) = (end - passes.start, passes.end - end);
             let longest = LONGEST_PLAN * f64::from(rendered);
-            if planned.is_none_or(|planned| planned.min(f64::from(left)) <= longest) {
+            let has_few_left =
+                self.is_over_after((1.0 + LONGEST_PLAN) * f64::from(rendered), passes.start..end);
+            if has_few_left || planned.is_none_or(|planned| planned.min(f64::from(left)) <= longest) {
                 return Ok(ControlFlow::Continue((end, planned)));
             }
             (start, end) = (end, end.saturating_add(rendered).min(passes.end));
         }
+    }
+
+    /// Whether the time limit is over after `count` more passes that take as long as `rendered` on average.
+    fn is_over_after(&self, count: f64, rendered: Range<u32>) -> bool {
+        let PassRenderer { meter, .. } = &self.renderer;
+        let passes = f64::from(rendered.end - rendered.start);
+        meter.is_over_in(count / passes * meter.seconds_for(self.renderer.samples_of(rendered)))
     }
 
     /// Hands the picture to the monitor.

@@ -147,6 +147,10 @@ impl<'a> Render<'a> {
         let settings = self.settings.for_sensor(self.sensor)?;
         self.stop.validate()?;
         let passes = self.checked_passes()?;
+        if let Some(pilot) = self.stop.pilot.filter(|&pilot| pilot as usize >= passes.len()) {
+            let range = "[2, the number of passes to render)";
+            return Err(RenderError::Param { name: "pilot passes", value: pilot.into(), range });
+        }
         let crop = self.checked_crop(&settings)?;
         let picture = self.start(crop, self.checked_rows(crop.height)?, &settings)?;
         let rows = picture.film.rows();
@@ -188,7 +192,7 @@ impl<'a> Render<'a> {
         let step = settings.path_reuse.tile_side();
         let range = match step {
             1 => "the columns and rows of the picture, of which at least one must be asked for",
-            _ => "the bounds that tiles have: multiples of 16, and the size of the picture",
+            _ => "multiples of 16, or the size of the picture",
         };
         for (name, asked, size) in
             [("columns of the crop", columns, width), ("rows of the crop", rows, height)]
@@ -210,7 +214,7 @@ impl<'a> Render<'a> {
         if rows.is_empty() || rows.end > height || !is_end(rows.start) || !is_end(rows.end) {
             let valid = |end: u32| is_end(end) && end <= height;
             let value = if valid(rows.start) { rows.end } else { rows.start };
-            let range = "the bounds that rows of tiles have: multiples of 16, and the height";
+            let range = "multiples of 16, or the height";
             return Err(RenderError::Param { name: "rows", value: value.into(), range });
         }
         Ok(rows)

@@ -34,12 +34,12 @@ pub struct Stop {
     pub relative_rmse: Option<f64>,
     /// Goal for single pixels.
     pub pixels: Option<PixelGoal>,
-    /// Two stages (Stein 1945): this many passes, at least 2, are rendered to estimate how many the goals
+    /// Two stages (Stein 1945): this many passes, at least 2 and fewer than all, are rendered to estimate how many the goals
     /// need, and dropped; then that number is rendered. The mean is unbiased, since the number of passes does
     /// not depend on them. In return the goals are met only approximately, and the pilot's time is lost.
     ///
-    /// Few passes tell little about their error. A pilot is therefore doubled as long as it asks for more than sixteen times
-    /// its own passes, and so many are left.
+    /// Few passes tell little about their error. A pilot is therefore doubled as long as it asks for more than sixteen
+    /// times its own passes, and more than that number of passes, and the time for them, is left.
     pub pilot: Option<u32>,
 }
 

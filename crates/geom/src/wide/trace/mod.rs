@@ -95,7 +95,7 @@ pub(super) fn query_others<S: Simd, Q: Query, T>(
     query_stream(simd, tree, rays, starts, traversals, |i, query| answers[i] = answer(query));
 }
 
-/// The memory that traversals work in, kept for each thread so that queries do not allocate.
+/// The memory that traversals work in, kept for each thread so that later queries do not allocate.
 #[derive(Debug)]
 pub(super) struct Scratch {
     /// One for each ray in flight; on the heap, since they are large.
