@@ -197,6 +197,40 @@ fn a_tilted_mirror_agrees_with_bsdf_sampling() {
     }
 }
 
+/// A low mirror in front of the wall hides the lower part of it, and shows the further part of the light itself.
+#[test]
+fn a_mirror_hides_another_one() {
+    let low = upright(0.2, [0.0, 0.1], [-9.0, 9.0]);
+    let truth = radiance(&[
+        (REFLECTANCE, &mirrored(&nearer_part(), WALL)),
+        (REFLECTANCE, &mirrored(&light([-1.5, -0.7]), 0.2)),
+    ]);
+    assert_radiance(
+        "a mirror before another",
+        &model(&whole_light(), &[wall(), low].concat(), &shade()),
+        truth,
+        &[(Bsdf, 1024), (Mis, 1024)],
+    );
+}
+
+/// A mirror that is small beside two lights shows both. Each is sampled by itself.
+#[test]
+fn a_small_mirror_shows_several_lights() {
+    let lights = [light([-1.5, -0.7]), light([-0.6, 0.25])];
+    let small = upright(WALL, [0.1, 0.5], [-1.0, 1.0]);
+    let model = model(&lights.concat(), &small, &shade());
+    let scattered = estimate(&model, 1, &settings(Bsdf, Off, 1024));
+    for (turn, estimator) in [(2, Light), (3, Mis)] {
+        let mut settings = settings(estimator, Images, 2048);
+        settings.seed = 1;
+        let found = estimate(&model, turn, &settings);
+        let margin = Z_LIMIT * found.std_err.hypot(scattered.std_err);
+        let what = format!("{estimator:?}: {found:?}, {scattered:?}");
+        assert!(margin < 2.0_f64.sqrt() * PRECISION * scattered.mean, "too wide: {what}");
+        assert!((found.mean - scattered.mean).abs() < margin, "{what}");
+    }
+}
+
 /// One light on each side of a mirror wall. The light behind is visible neither in the mirror nor through it,
 /// although rays from the target's image through that light reach the wall above it, where nothing blocks
 /// them.
