@@ -179,22 +179,27 @@ fn a_mirrors_edge_cuts_the_image() {
     );
 }
 
+/// Asserts that mirrors sampled with so many samples show the target what BSDF sampling alone finds.
+fn assert_agrees_with_scattering(model: &Model, samples: u32) {
+    let scattered = estimate(model, 1, &settings(Bsdf, Off, 1024));
+    for (turn, estimator) in [(2, Light), (3, Mis)] {
+        let mut settings = settings(estimator, Images, samples);
+        settings.seed = 1;
+        let found = estimate(model, turn, &settings);
+        let margin = Z_LIMIT * found.std_err.hypot(scattered.std_err);
+        let what = format!("{estimator:?}: {found:?}, {scattered:?}");
+        assert!(margin < 2.0_f64.sqrt() * PRECISION * scattered.mean, "too wide: {what}");
+        assert!((found.mean - scattered.mean).abs() < margin, "{what}");
+    }
+}
+
 /// A tilted triangle has no closed form; the reference is BSDF sampling.
 #[test]
 fn a_tilted_mirror_agrees_with_bsdf_sampling() {
     let p = Vec3::new;
     let tilted = [Triangle::new(p(0.3, 0.1, 0.3), p(0.25, 0.6, -0.1), p(0.35, 0.1, -0.7))];
     let model = model(&whole_light(), &tilted, &shade());
-    let scattered = estimate(&model, 1, &settings(Bsdf, Off, 1024));
-    for (turn, estimator) in [(2, Light), (3, Mis)] {
-        let mut settings = settings(estimator, Images, 256);
-        settings.seed = 1;
-        let found = estimate(&model, turn, &settings);
-        let margin = Z_LIMIT * found.std_err.hypot(scattered.std_err);
-        let what = format!("{estimator:?}: {found:?}, {scattered:?}");
-        assert!(margin < 2.0_f64.sqrt() * PRECISION * scattered.mean, "too wide: {what}");
-        assert!((found.mean - scattered.mean).abs() < margin, "{what}");
-    }
+    assert_agrees_with_scattering(&model, 256);
 }
 
 /// A low mirror in front of the wall hides the lower part of it, and shows the further part of the light itself.
@@ -219,16 +224,7 @@ fn a_small_mirror_shows_several_lights() {
     let lights = [light([-1.5, -0.7]), light([-0.6, 0.25])];
     let small = upright(WALL, [0.1, 0.5], [-1.0, 1.0]);
     let model = model(&lights.concat(), &small, &shade());
-    let scattered = estimate(&model, 1, &settings(Bsdf, Off, 1024));
-    for (turn, estimator) in [(2, Light), (3, Mis)] {
-        let mut settings = settings(estimator, Images, 2048);
-        settings.seed = 1;
-        let found = estimate(&model, turn, &settings);
-        let margin = Z_LIMIT * found.std_err.hypot(scattered.std_err);
-        let what = format!("{estimator:?}: {found:?}, {scattered:?}");
-        assert!(margin < 2.0_f64.sqrt() * PRECISION * scattered.mean, "too wide: {what}");
-        assert!((found.mean - scattered.mean).abs() < margin, "{what}");
-    }
+    assert_agrees_with_scattering(&model, 2048);
 }
 
 /// One light on each side of a mirror wall. The light behind is visible neither in the mirror nor through it,
