@@ -1,10 +1,13 @@
-//! Path guiding: diffuse vertices scatter by what training paths found (after Müller, Gross and Novák 2017).
+//! Path guiding: diffuse vertices scatter by what training paths found (after Müller, Gross and Novák 2017), or look where
+//! photons came from.
 
 mod directions;
 mod learning;
+mod photon_guide;
 mod vertex_tree;
 
 pub(crate) use directions::{Directions, bin_of};
+pub(crate) use photon_guide::{Photon, PhotonGuide};
 pub(crate) use vertex_tree::{GuideVertex, coordinates, guide_vertex};
 
 use vertex_tree::VertexTree;

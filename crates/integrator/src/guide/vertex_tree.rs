@@ -25,7 +25,7 @@ pub(crate) fn coordinates(position: DVec3, n: Vec3) -> GuideVertex {
 const FRAMES_APART: f32 = 2.0;
 
 /// A complete binary tree over vertices. The children of node `i` are `2 i + 1` and `2 i + 2`; the leaves are cells.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct VertexTree {
     splits: Vec<Split>,
     depth: u32,

@@ -160,7 +160,7 @@ impl Lights {
     }
 
     /// The emitted powers of the triangles that emit, as luminance, in ascending order of their indices.
-    pub(super) fn area_powers(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn area_powers(&self) -> impl Iterator<Item = f64> {
         self.areas.iter().map(|light| light.area * light.emission.exitance().luminance())
     }
 

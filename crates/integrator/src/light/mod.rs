@@ -17,6 +17,7 @@ mod small_mirrors;
 mod tree;
 mod viewpoints;
 
+pub(crate) use alias_table::AliasTable;
 pub use delta::{DeltaLight, DeltaLightSample};
 pub(crate) use large_mirrors::LargeMirrors;
 pub(crate) use lights::Light;

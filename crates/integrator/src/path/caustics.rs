@@ -4,11 +4,12 @@
 //! samples do not find such light, or hardly ever, these paths are rare and bring much. So all pixels of a square share
 //! each of them: they look from their own `x` at its point `y` on the first mirror, and follow mirrors from there. Those
 //! that find a light could have found it by way of `y`, and divide it by the balance heuristic, each with the radiance
-//! that it sees in `y`.
+//! that it sees in `y`. [Rays guided by photons](super::photon_rays) take a part of what comes by way of several mirrors.
 
 use super::counters::Counters;
 use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflection};
-use super::path_state::Path;
+use super::path_state::{Path, Stage};
+use super::photon_rays::bsdf_weight;
 use super::pixel_groups::square_of;
 use super::render_context::RenderContext;
 use super::reuse::{Prefix, Prefixes};
@@ -27,14 +28,23 @@ pub(super) const LEAST_WEIGHT: f64 = 0.5;
 /// The caustics that the paths of a wavefront have found.
 #[derive(Debug, Default)]
 pub(super) struct Caustics {
-    /// The samples, and the radiance that leaves the first mirror toward the end of the prefix.
-    found: Vec<(u32, Rgb)>,
+    found: Vec<Found>,
     /// One for each prefix that may share a caustic; its own is first.
     views: Vec<View>,
     /// The segment to the mirror of each view but the first.
     rays: Vec<Ray>,
     occluded: Vec<bool>,
     emission_rays: EmissionRays,
+}
+
+/// A caustic that the path of a sample has found.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    sample: u32,
+    /// What leaves the first mirror toward the end of the prefix.
+    radiance: Rgb,
+    /// Whether it came by way of several mirrors.
+    by_several: bool,
 }
 
 /// The first mirror of a caustic as the end of a prefix sees it.
@@ -74,14 +84,15 @@ impl Caustics {
         if !context.shares_caustics || weight < LEAST_WEIGHT || radiance.is_black() || !radiance.is_finite() {
             return radiance;
         }
-        self.found.push((path.target.sample(), radiance));
+        let by_several = matches!(path.stage, Stage::Reflected(mirrors) if mirrors > 1);
+        self.found.push(Found { sample: path.target.sample(), radiance, by_several });
         Rgb::BLACK
     }
 
     /// What the path of a sample has found.
     pub(super) fn found_by(&self, sample: u32) -> Rgb {
-        let own = self.found.iter().filter(|(of, _)| *of == sample);
-        own.fold(Rgb::BLACK, |sum, &(_, radiance)| sum + radiance)
+        let own = self.found.iter().filter(|found| found.sample == sample);
+        own.fold(Rgb::BLACK, |sum, found| sum + found.radiance)
     }
 
     /// Adds each caustic to the samples of equal index of its square, of the wavefront of a tile.
@@ -95,13 +106,13 @@ impl Caustics {
         let count = (samples.len() / tile.pixel_count()) as u32;
         let mut found = std::mem::take(&mut self.found);
         // A mirror that emits brings several to one sample.
-        found.sort_by_key(|&(sample, _)| sample);
-        for of_sample in found.chunk_by(|a, b| a.0 == b.0) {
-            let (sample, _) = of_sample[0];
-            let radiance = of_sample.iter().fold(Rgb::BLACK, |sum, &(_, radiance)| sum + radiance);
+        found.sort_by_key(|found| found.sample);
+        for of_sample in found.chunk_by(|a, b| a.sample == b.sample) {
+            let sample = of_sample[0].sample;
             let Some((own, mirror)) = prefixes.of(sample).and_then(|own| Some((own, own.mirror?))) else {
                 continue;
             };
+            let radiance = radiance_shared(context, own, &mirror, of_sample);
             let of_square = square_of(tile, sample / count).map(|pixel| pixel * count + sample % count);
             let own_view = View { sample, density: 1.0, guided_density: own.guide_ratio, radiance };
             self.collect_views(context, prefixes, (own_view, own, &mirror), of_square);
@@ -158,13 +169,15 @@ impl Caustics {
         let show = |found: FoundEmission<'_>| {
             let view = &mut views[found.target as usize];
             let Some(Prefix { end, .. }) = prefixes.of(view.sample) else { return };
-            let direction = (mirror.position - end.point.position).normalize();
+            let direction = end.direction_to(mirror);
             let pdf =
                 PdfSolidAngle(end.normal.dot(direction) / PI * end.guide_ratio(context.guide, direction));
             let mis = at_first_vertex(Density::SolidAngle(pdf), end.receiver());
             let weight = weight(context, mis, mirror.triangle, &found);
             if weight >= LEAST_WEIGHT {
-                view.radiance += found.radiance * weight;
+                let bsdf_weight =
+                    if found.reflections > 0 { bsdf_weight(context, end, direction) } else { 1.0 };
+                view.radiance += found.radiance * (weight * bsdf_weight);
             }
         };
         let traced = emission_rays.trace(context, left.min(MAX_REFLECTIONS - 1), show, |_, _| {});
@@ -180,6 +193,19 @@ impl Caustics {
             samples[view.sample as usize] += throughput * view.radiance * (view.density / sum);
         }
     }
+}
+
+/// The part of what a path has found that is left for pixels to share.
+fn radiance_shared(
+    context: &RenderContext<'_>,
+    own: &Prefix,
+    mirror: &ReuseVertex,
+    of_sample: &[Found],
+) -> Rgb {
+    let direction = own.end.direction_to(&mirror.point);
+    of_sample.iter().fold(Rgb::BLACK, |sum, &Found { radiance, by_several, .. }| {
+        sum + radiance * if by_several { bsdf_weight(context, &own.end, direction) } else { 1.0 }
+    })
 }
 
 /// What weights depend on after a first diffuse vertex has scattered a path with this density.
@@ -203,12 +229,18 @@ pub(super) fn weight(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::{LightEdges, Wavefront, probed};
-    use crate::{Camera, Estimator, MirrorSampling, Model, Roulette, Scene, Settings};
-    use glam::DVec3;
+    use crate::guide::{Guide, Photon, PhotonGuide, coordinates};
+    use crate::path::probes::photon_guide;
+    use crate::path::{LightEdges, Wavefront, guide, probed};
+    use crate::{
+        Camera, ElementSample, Estimator, Guiding, MirrorSampling, Model, PathStart, Roulette, Scene, Sensor,
+        Settings,
+    };
+    use glam::{DVec3, Vec3};
     use globillum_geom::conformance::shapes::{icosphere, quad};
     use globillum_geom::{KdOptions, KdTree, Triangle};
     use globillum_material::{Emission, Material, Sides};
+    use std::hash::Hasher;
     use std::ops::Range;
 
     const TILE: Tile = Tile { x: 0, y: 0, width: 13, height: 16 };
@@ -245,72 +277,125 @@ mod tests {
         Camera::look_at(DVec3::new(0.3, 0.9, 2.2), DVec3::new(0.1, 0.0, 0.0), DVec3::Y, fov).unwrap()
     }
 
-    /// The radiance of each pixel's four samples together, with and without shared caustics.
-    fn pixels(scene: &Scene<KdTree>, fov: f64, settings: &Settings) -> [Vec<Rgb>; 2] {
-        [true, false].map(|shares_caustics| {
-            let camera = camera(fov);
-            let context = RenderContext { shares_caustics, ..RenderContext::new(scene, &camera, settings) };
-            let mut wavefront = Wavefront::default();
-            wavefront.trace(&context, (TILE, &LightEdges::of(&context, TILE)), &(0..4), || false);
-            let of_pixels = wavefront.radiance().chunks(4);
-            of_pixels.map(|of_pixel| of_pixel.iter().fold(Rgb::BLACK, |sum, &sample| sum + sample)).collect()
-        })
+    /// What is rendered, and what directions at first diffuse vertices follow.
+    struct Setup<'a> {
+        scene: &'a Scene<KdTree>,
+        sensor: &'a dyn Sensor,
+        photons: PhotonGuide,
+        trained: Option<Guide>,
     }
 
-    /// Radiance with shared caustics minus radiance without, by bands of four rows and of all pixels, each with the sum of
-    /// its squares over all seeds.
-    type Deviations = [[(f64, f64); 3]; 5];
+    impl<'a> Setup<'a> {
+        fn new(scene: &'a Scene<KdTree>, sensor: &'a dyn Sensor, guiding: Guiding) -> Self {
+            let settings = Settings { guiding, ..Settings::new(13, 16, 4) };
+            let trained = guide(scene, sensor, &settings, || false).unwrap().continue_value().flatten();
+            let context = RenderContext::new(scene, sensor, &settings);
+            let photons = photon_guide(&RenderContext { shares_caustics: true, ..context }).unwrap();
+            Self { scene, sensor, photons, trained }
+        }
 
-    /// The same seeds with and without shared caustics, so that all other light cancels. Single pixels of few caustics have
-    /// a skewed distribution, so rows are compared together. Any of the deviations exceeds the limit with a probability of
-    /// 3e-6 (Student's distribution with 199 degrees of freedom).
-    #[test]
-    fn pixels_keep_their_mean() {
-        let scene = room(0.6);
-        let settings = Settings::new(13, 16, 4);
-        let with = |estimator, max_bounces| Settings { estimator, max_bounces, ..settings };
-        let all = [
-            (0.9, settings),
-            (0.2, Settings { mirror_sampling: MirrorSampling::Off, max_bounces: Some(4), ..settings }),
-            (0.9, with(Estimator::Light, None)),
-            (0.2, with(Estimator::Bsdf, None)),
-            (0.2, with(Estimator::Mis, Some(2))),
-            (0.9, with(Estimator::Mis, Some(3))),
-            (0.2, Settings { roulette: Roulette { start: 1, threshold: 1.0 }, ..settings }),
-        ];
-        for (i, (fov, settings)) in all.into_iter().enumerate() {
-            let mut deviations = Deviations::default();
-            let mut level = 0.0;
-            for seed in 0..SEEDS {
-                let [shared, alone] = pixels(&scene, fov, &Settings { seed, ..settings });
-                level += alone.iter().map(|radiance| radiance.mean()).sum::<f64>();
-                let difference = |pixels: Range<usize>| {
-                    let of_pixel = |i: usize| shared[i] + alone[i] * -1.0;
-                    pixels.map(of_pixel).fold(Rgb::BLACK, |sum, difference| sum + difference).to_array()
-                };
-                let bands = [0, 1, 2, 3].map(|band| difference(52 * band..52 * (band + 1)));
-                let of_all = bands.iter().copied().chain([difference(0..TILE.pixel_count())]);
-                for ((sum, square), d) in deviations.as_flattened_mut().iter_mut().zip(of_all.flatten()) {
-                    *sum += d;
-                    *square += d * d;
-                }
-            }
-            let z = |&(sum, square): &(f64, f64)| if square == 0.0 { 0.0 } else { sum.abs() / square.sqrt() };
-            let largest = deviations.as_flattened().iter().map(z).fold(0.0, f64::max);
-            let error = deviations[4].iter().map(|(_, square)| square).sum::<f64>().sqrt() / level;
-            assert!(largest < 5.85, "{i}: {largest}");
-            assert!(error > 0.0 && error < 0.0065, "{i}: {error}");
+        /// The radiance of each pixel's four samples together: with shared caustics and photons, with shared caustics, and
+        /// with neither.
+        fn pixels(&self, settings: &Settings) -> [Vec<Rgb>; 3] {
+            let photons = Some(self.photons.clone());
+            [(true, photons), (true, None), (false, None)].map(|(shares_caustics, photons)| {
+                let context = RenderContext::new(self.scene, self.sensor, settings);
+                let context = context.guided_by(self.trained.as_ref());
+                let context = RenderContext { shares_caustics, photons, ..context };
+                let mut wavefront = Wavefront::default();
+                wavefront.trace(&context, (TILE, &LightEdges::of(&context, TILE)), &(0..4), || false);
+                let of_pixels = wavefront.radiance().chunks(4);
+                let sum = |of_pixel: &[Rgb]| of_pixel.iter().fold(Rgb::BLACK, |sum, &sample| sum + sample);
+                of_pixels.map(sum).collect()
+            })
         }
     }
 
-    /// Rare caustics have most of the variance here, and pixels that share them have less.
+    /// Points of the floor that measure irradiance.
+    #[derive(Debug)]
+    struct Floor;
+
+    impl Sensor for Floor {
+        fn start(&self, sample: &ElementSample) -> PathStart {
+            let position = DVec3::new(0.9 * sample.x, 0.0, 0.9 * sample.y);
+            PathStart::Irradiance { position, normal: DVec3::Y }
+        }
+
+        fn hash(&self, _: &mut dyn Hasher) {}
+    }
+
+    /// Differences of radiance, by bands of four rows and of all pixels, each with the sum of its squares over all seeds.
+    type Deviations = [[(f64, f64); 3]; 5];
+
+    /// Adds the differences of a seed.
+    fn add(deviations: &mut Deviations, shared: &[Rgb], alone: &[Rgb]) {
+        let difference = |pixels: Range<usize>| {
+            let of_pixel = |i: usize| shared[i] + alone[i] * -1.0;
+            pixels.map(of_pixel).fold(Rgb::BLACK, |sum, difference| sum + difference).to_array()
+        };
+        let bands = [0, 1, 2, 3].map(|band| difference(52 * band..52 * (band + 1)));
+        let of_all = bands.iter().copied().chain([difference(0..TILE.pixel_count())]);
+        for ((sum, square), d) in deviations.as_flattened_mut().iter_mut().zip(of_all.flatten()) {
+            *sum += d;
+            *square += d * d;
+        }
+    }
+
+    /// The same seeds with and without, so that all other light cancels. Single pixels of few caustics have a skewed
+    /// distribution, so rows are compared together. Any of the deviations exceeds the limit with a probability of 9e-6
+    /// (Student's distribution with 199 degrees of freedom).
+    #[test]
+    fn pixels_keep_their_mean() {
+        let (room, shaft) = (room(0.6), shaft());
+        let [wide, near] = [0.9, 0.2].map(camera);
+        let settings = Settings::new(13, 16, 4);
+        let with = |estimator, max_bounces| Settings { estimator, max_bounces, ..settings };
+        let all: [(&Scene<KdTree>, &dyn Sensor, Settings); 11] = [
+            (&room, &wide, settings),
+            (
+                &room,
+                &near,
+                Settings { mirror_sampling: MirrorSampling::Off, max_bounces: Some(4), ..settings },
+            ),
+            (&room, &wide, with(Estimator::Light, None)),
+            (&room, &near, with(Estimator::Bsdf, None)),
+            (&room, &near, with(Estimator::Mis, Some(2))),
+            (&room, &wide, with(Estimator::Mis, Some(3))),
+            (&room, &near, Settings { roulette: Roulette { start: 1, threshold: 1.0 }, ..settings }),
+            (&room, &near, Settings { guiding: Guiding::Trained, ..settings }),
+            (&room, &Floor, settings),
+            (&shaft, &near, settings),
+            (&shaft, &wide, with(Estimator::Mis, Some(4))),
+        ];
+        for (i, (scene, sensor, settings)) in all.into_iter().enumerate() {
+            let setup = Setup::new(scene, sensor, settings.guiding);
+            let mut deviations = [Deviations::default(); 2];
+            let mut level = 0.0;
+            for seed in 0..SEEDS {
+                let [with_photons, shared, alone] = setup.pixels(&Settings { seed, ..settings });
+                level += alone.iter().map(|radiance| radiance.mean()).sum::<f64>();
+                add(&mut deviations[0], &with_photons, &alone);
+                add(&mut deviations[1], &shared, &alone);
+            }
+            let z = |&(sum, square): &(f64, f64)| if square == 0.0 { 0.0 } else { sum.abs() / square.sqrt() };
+            for (deviations, photons) in deviations.iter().zip([true, false]) {
+                let largest = deviations.as_flattened().iter().map(z).fold(0.0, f64::max);
+                let error = deviations[4].iter().map(|(_, square)| square).sum::<f64>().sqrt() / level;
+                assert!(largest < 5.85, "{i}, {photons}: {largest}");
+                assert!(error > 0.0 && error < 0.0065, "{i}, {photons}: {error}");
+            }
+        }
+    }
+
+    /// Rare caustics have most of the variance here. Pixels that share them have less, and with photons still less.
     #[test]
     fn shared_caustics_have_less_variance() {
-        let scene = room(0.2);
-        let mut sums = [[0.0; 2]; 2];
+        let (scene, near) = (room(0.2), camera(0.2));
+        let setup = Setup::new(&scene, &near, Guiding::Off);
+        let mut sums = [[0.0; 2]; 3];
         for seed in 0..SEEDS {
             let settings = Settings { seed, ..Settings::new(13, 16, 4) };
-            for (sums, radiance) in sums.iter_mut().zip(pixels(&scene, 0.2, &settings)) {
+            for (sums, radiance) in sums.iter_mut().zip(setup.pixels(&settings)) {
                 for pixel in radiance {
                     sums[0] += pixel.mean();
                     sums[1] += pixel.mean() * pixel.mean();
@@ -318,8 +403,9 @@ mod tests {
             }
         }
         let n = (SEEDS as usize * TILE.pixel_count()) as f64;
-        let [shared, alone] = sums.map(|[sum, square]| square / n - (sum / n) * (sum / n));
+        let [with_photons, shared, alone] = sums.map(|[sum, square]| square / n - (sum / n) * (sum / n));
         assert!(shared < 0.6 * alone, "{shared}, {alone}");
+        assert!(with_photons < 0.8 * shared, "{with_photons}, {shared}");
     }
 
     /// A floor between two high mirrors that face each other, below a light: many paths reach it after eight mirrors, and
@@ -340,35 +426,66 @@ mod tests {
     }
 
     /// What a pixel finds by way of a mirror that another path has met is what its own path finds there: by way of no
-    /// fewer mirrors and of no more.
+    /// fewer mirrors and of no more, and with the same weight beside photons.
     #[test]
     fn each_path_finds_its_own_caustic_again() {
         let (scene, settings) = (shaft(), Settings::new(13, 16, 4));
         let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
-        let context =
-            RenderContext { shares_caustics: true, ..RenderContext::new(&scene, &camera, &settings) };
+        let photons = Setup::new(&scene, &camera, Guiding::Off).photons;
+        let [lit, weighted] = [None, Some(photons)].map(|photons| {
+            let context = RenderContext::new(&scene, &camera, &settings);
+            numbers_found_again(&RenderContext { shares_caustics: true, photons, ..context })
+        });
+        assert!(lit[0] > 100 && lit[1] == 0, "{lit:?}");
+        assert!(weighted[0] == lit[0] && weighted[1] > 100, "{weighted:?}");
+    }
+
+    /// How many caustics are found again, and how many of these with a weight less than one.
+    fn numbers_found_again(context: &RenderContext<'_>) -> [u32; 2] {
         let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
-        wavefront.start(&context, (TILE, &LightEdges::default()), &(0..4));
+        wavefront.start(context, (TILE, &LightEdges::default()), &(0..4));
         for bounce in 0.. {
-            wavefront.advance(&context, bounce, &mut counters);
+            wavefront.advance(context, bounce, &mut counters);
             if wavefront.paths.is_empty() {
                 break;
             }
         }
         let Wavefront { prefixes, mut caustics, .. } = wavefront;
-        let mut lit = 0;
+        let mut numbers = [0; 2];
         for sample in 0..4 * TILE.pixel_count() as u32 {
             let met = prefixes.of(sample).and_then(|own| Some((own, own.mirror?)));
             let Some((own, mirror)) = met else { continue };
             let (density, ray) = own.end.connection_to(&mirror).unwrap();
             caustics.views = vec![View { sample, density, guided_density: density, radiance: Rgb::BLACK }; 2];
             caustics.rays = vec![ray];
-            caustics.look(&context, (&prefixes, own.bounce), &mirror.point, &mut counters);
-            let [again, found] = [caustics.views[1].radiance.g, caustics.found_by(sample).g];
-            assert!((again - found).abs() <= 1e-9 * found, "{sample}: {again}, {found}");
-            lit += u32::from(found > 0.0);
+            caustics.look(context, (&prefixes, own.bounce), &mirror.point, &mut counters);
+            let of_sample: Vec<Found> =
+                caustics.found.iter().copied().filter(|found| found.sample == sample).collect();
+            let shared = radiance_shared(context, own, &mirror, &of_sample).g;
+            let again = caustics.views[1].radiance.g;
+            assert!((again - shared).abs() <= 1e-9 * shared, "{sample}: {again}, {shared}");
+            numbers[0] += u32::from(shared > 0.0);
+            numbers[1] += u32::from(shared < 0.999 * caustics.found_by(sample).g);
         }
-        assert!(lit > 100, "{lit}");
+        numbers
+    }
+
+    /// In the middle between the walls, a ray toward the height `4 / 2 k` of a wall reaches the light after `k` mirrors.
+    #[test]
+    fn rays_of_photons_follow_as_many_mirrors_as_paths_do() {
+        let (scene, settings) = (shaft(), Settings::new(13, 16, 4));
+        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.02).unwrap();
+        for mirrors in [1.0, 2.0, 8.0, 9.0] {
+            let vertex = coordinates(DVec3::ZERO, Vec3::Y);
+            let photon = Photon { vertex, exit: Vec3::new(0.5, 2.0 / mirrors, 0.0) };
+            let photons = PhotonGuide::new(&[photon; 64]).unwrap();
+            let setup = Setup { scene: &scene, sensor: &camera, photons, trained: None };
+            let [with_photons, shared, _] = setup.pixels(&settings);
+            let brighter = with_photons.iter().zip(&shared).filter(|(a, b)| a.g > b.g).count();
+            let looked_for = (2.0..=8.0).contains(&mirrors);
+            assert_eq!(brighter > TILE.pixel_count() / 2, looked_for, "{mirrors}: {brighter}");
+            assert_eq!(with_photons == shared, !looked_for, "{mirrors}");
+        }
     }
 
     #[test]
@@ -381,6 +498,7 @@ mod tests {
             let scene = room(size);
             let context = probed(RenderContext::new(&scene, &camera, settings));
             assert_eq!(context.shares_caustics, expected, "{size}, {:?}", settings.path_reuse);
+            assert_eq!(context.photons.is_some(), expected, "{size}, {:?}", settings.path_reuse);
         }
     }
 }

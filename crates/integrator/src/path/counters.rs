@@ -10,8 +10,8 @@ pub struct Counters {
     pub camera_rays: u64,
     /// Rays in scattered directions.
     pub bounce_rays: u64,
-    /// Segments between a surface and a light, both segments by way of a mirror, and the connections of path
-    /// reuse and of shared caustics.
+    /// Segments between a surface and a light, both segments by way of a mirror, the connections of path reuse, and the
+    /// rays by which pixels share caustics and look for them by photons.
     pub shadow_rays: u64,
     /// Paths that Russian roulette ended.
     pub roulette_ends: u64,
@@ -32,7 +32,7 @@ impl Counters {
     }
 
     /// The sum of camera, bounce and shadow rays. Not counted are rays of supersampling after their first mirror,
-    /// probes, and the rays that train a guide.
+    /// probes, paths of photons, and the rays that train a guide.
     pub fn rays(&self) -> u64 {
         self.camera_rays + self.bounce_rays + self.shadow_rays
     }

@@ -28,7 +28,8 @@ pub struct Replay {
     /// The radiance that the sample finds by itself: the sum over its vertices, the environment and the lights.
     pub alone: Rgb,
     /// The radiance of the sample, to the bit as in the picture. Differs from [`Replay::alone`] where the
-    /// path shares its suffix with those of other pixels ([`PathReuse`](crate::PathReuse)).
+    /// path shares its suffix or a caustic with those of other pixels, and where photons may guide to a caustic
+    /// ([`PathReuse`](crate::PathReuse)).
     pub radiance: Rgb,
 }
 
@@ -58,7 +59,7 @@ pub struct Vertex {
 /// Traces sample `sample` of pixel (`x`, `y`) again, with the same sample of each pixel that reuses its path.
 ///
 /// What a render does before its first sample is done again: with [`Guiding::Trained`](crate::Guiding) the guide is trained,
-/// and if mirrors are sampled some thousand paths are traced.
+/// and if there are mirrors, some thousand paths are traced, and photons where caustics are shared.
 ///
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture

@@ -1,5 +1,5 @@
 use super::shading_point::ShadingPoint;
-use crate::guide::Guide;
+use crate::guide::{Guide, PhotonGuide};
 use crate::light::{Mirrors, SmallMirrors};
 use crate::{
     ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
@@ -22,6 +22,8 @@ pub(crate) struct RenderContext<'a> {
     pub(super) large_mirror_prob: f64,
     /// Whether pixels share the caustics that their paths find.
     pub(super) shares_caustics: bool,
+    /// By which first diffuse vertices look for caustics of several mirrors; `None` if they do not.
+    pub(super) photons: Option<PhotonGuide>,
     /// The instructions that shade; they change no bit.
     pub(super) simd: SimdLevel,
 }
@@ -45,6 +47,7 @@ impl<'a> RenderContext<'a> {
             guide: None,
             large_mirror_prob: 1.0,
             shares_caustics: false,
+            photons: None,
             simd: SimdLevel::best(),
         }
     }

@@ -42,6 +42,12 @@ impl ReuseVertex {
         guide.cell(cell).directions.ratio(Frame::around(self.normal).to_local(direction))
     }
 
+    /// The unit direction toward another point.
+    #[inline(always)]
+    pub(super) fn direction_to(&self, point: &SurfacePoint) -> DVec3 {
+        (point.position - self.point.position).normalize()
+    }
+
     /// [`density_at`](Self::density_at) the vertex `other`, found directly, and the segment between both.
     #[inline(always)]
     pub(super) fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {

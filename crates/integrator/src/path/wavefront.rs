@@ -4,7 +4,9 @@ use super::counters::Counters;
 use super::emission_rays::MAX_REFLECTIONS;
 use super::large_mirror_rays::LargeMirrorRays;
 use super::light_edges::LightEdges;
+use super::numbers::{draw_bounce_numbers, draw_film_numbers, draw_numbers};
 use super::path_state::{Contribution, Path, RadianceSums, Stage};
+use super::photon_rays::PhotonRays;
 use super::pixel_groups::Groups;
 use super::render_context::RenderContext;
 use super::reuse::Prefixes;
@@ -16,7 +18,7 @@ use crate::guide::{GuideVertex, guide_vertex};
 use crate::light::{ChosenLight, ChosenMirror};
 use crate::sampler::{BounceNumbers, Member, MirrorSize, Numbers};
 use crate::{Interaction, PathStart};
-use globillum_geom::{Hit, Ray, SimdLevel, SurfacePoint};
+use globillum_geom::{Hit, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Emission, Material, Reflectance, Rgb};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -56,6 +58,7 @@ pub(crate) struct Wavefront {
     pub(super) radiance: RadianceSums,
     pub(super) prefixes: Prefixes,
     pub(super) caustics: Caustics,
+    photon_rays: PhotonRays,
 }
 
 /// The surface at which a path begins to measure irradiance. A white Lambertian surface: it sends out `E / pi` in all
@@ -64,9 +67,6 @@ const WHITE: Material = Material { bsdf: Bsdf::Lambert(Reflectance::ONE), emissi
 
 /// Irradiance over the radiance of a white diffuse surface.
 pub(super) const IRRADIANCE_PER_RADIANCE: f64 = PI;
-
-/// How many paths' random numbers are computed at once.
-const NUMBERS_AT_ONCE: usize = 8;
 
 /// How many vertices are looked up in a guide at once.
 const CELLS_AT_ONCE: usize = 16;
@@ -92,7 +92,9 @@ impl Wavefront {
             }
         }
         self.prefixes.share_suffixes(context, &mut self.radiance, &mut counters);
-        self.caustics.share(context, (tile, &self.prefixes), &mut self.radiance.samples, &mut counters);
+        let (prefixes, radiance) = ((tile, &self.prefixes), &mut self.radiance.samples);
+        self.photon_rays.trace(context, prefixes, samples, radiance, &mut counters);
+        self.caustics.share(context, prefixes, radiance, &mut counters);
         for path in &self.from_points {
             *self.radiance.at(path.target) *= IRRADIANCE_PER_RADIANCE;
         }
@@ -433,48 +435,6 @@ pub(super) fn irradiance_vertex(point: SurfacePoint) -> Interaction<'static> {
     Interaction { point, material: &WHITE, wo: point.normal }
 }
 
-fn draw_film_numbers(simd: SimdLevel, paths: &[Path], drawn: &mut Vec<[f64; 2]>) {
-    draw_numbers(simd, paths, drawn, Numbers::films);
-}
-
-fn draw_bounce_numbers(
-    simd: SimdLevel,
-    paths: &[Path],
-    bounce: u32,
-    with_roulette: bool,
-    drawn: &mut Vec<BounceNumbers>,
-) {
-    draw_numbers(
-        simd,
-        paths,
-        drawn,
-        #[inline(always)]
-        |samples| BounceNumbers::draw(samples, bounce, with_roulette),
-    );
-}
-
-/// Fills `drawn` with what `draw` returns for the random numbers of each path.
-fn draw_numbers<T: Copy>(
-    simd: SimdLevel,
-    paths: &[Path],
-    drawn: &mut Vec<T>,
-    draw: impl Fn(&[Numbers; NUMBERS_AT_ONCE]) -> [T; NUMBERS_AT_ONCE],
-) {
-    drawn.clear();
-    simd.run(
-        #[inline(always)]
-        || {
-            for chunk in paths.chunks(NUMBERS_AT_ONCE) {
-                let mut samples = [chunk[0].numbers; NUMBERS_AT_ONCE];
-                for (sample, path) in samples.iter_mut().zip(chunk) {
-                    *sample = path.numbers;
-                }
-                drawn.extend_from_slice(&draw(&samples)[..chunk.len()]);
-            }
-        },
-    );
-}
-
 impl Path {
     /// Samples the next ray; `None` if nothing is reflected.
     #[inline(always)]
@@ -505,7 +465,7 @@ mod tests {
     use crate::{Camera, Estimator, Model, Sampler, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
-    use globillum_geom::{KdOptions, KdTree};
+    use globillum_geom::{KdOptions, KdTree, SimdLevel};
     use globillum_material::Material;
 
     /// A floor and a wall, a mirror beside them, and a light above.

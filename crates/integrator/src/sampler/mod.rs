@@ -186,6 +186,19 @@ impl Numbers {
         SobolPoints::new(&points)
     }
 
+    /// What [`Numbers::light`] returns for `N` samples. Sobol' points of passes of one length are vectorised.
+    #[inline(always)]
+    fn lights_of<const N: usize>(samples: &[Self; N], decision: Decision) -> [(f64, [f64; 2]); N] {
+        let Some(points) = Self::as_points(samples) else {
+            return Self::lights_one_by_one(samples, decision);
+        };
+        let [x, y, light] = points.uniform(decision.0);
+        std::array::from_fn(
+            #[inline(always)]
+            |i| (light[i], [x[i], y[i]]),
+        )
+    }
+
     /// The numbers of part `part` of `count`, a power of two up to [`Sampler::MAX_PARTS`], for a decision that a sample
     /// takes as many times. By Sobol' points, those of all parts of the samples of a pass are one net.
     #[inline]
@@ -204,16 +217,7 @@ impl Numbers {
         size: MirrorSize,
         bounce: u32,
     ) -> [(f64, [f64; 2]); N] {
-        match Self::as_points(samples) {
-            Some(points) => {
-                let [x, y, light] = points.uniform(Decision::light_in_mirror(size, bounce).0);
-                std::array::from_fn(
-                    #[inline(always)]
-                    |i| (light[i], [x[i], y[i]]),
-                )
-            }
-            None => samples.map(|numbers| numbers.light_in_mirror(size, bounce)),
-        }
+        Self::lights_of(samples, Decision::light_in_mirror(size, bounce))
     }
 
     /// Parts `first` and on of `count`, and then the first ones again.
@@ -228,23 +232,13 @@ impl Numbers {
     /// For the choices of `N` lights by parts `first` and on, and of points on them.
     #[inline(always)]
     pub(crate) fn lights<const N: usize>(&self, bounce: u32, first: u32, count: u32) -> [(f64, [f64; 2]); N] {
-        let parts = self.parts(first, count);
-        match Self::as_points(&parts) {
-            Some(points) => {
-                let [x, y, light] = points.uniform(Decision::light(bounce).0);
-                std::array::from_fn(
-                    #[inline(always)]
-                    |i| (light[i], [x[i], y[i]]),
-                )
-            }
-            None => Self::lights_one_by_one(&parts, bounce),
-        }
+        Self::lights_of(&self.parts(first, count), Decision::light(bounce))
     }
 
     /// Rarely used, and so not inlined.
     #[inline(never)]
-    fn lights_one_by_one<const N: usize>(parts: &[Self; N], bounce: u32) -> [(f64, [f64; 2]); N] {
-        parts.map(|numbers| numbers.light(Decision::light(bounce)))
+    fn lights_one_by_one<const N: usize>(samples: &[Self; N], decision: Decision) -> [(f64, [f64; 2]); N] {
+        samples.map(|numbers| numbers.light(decision))
     }
 
     /// For the choice of a mirror: uniform in `[0, 1)`.

@@ -58,7 +58,7 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     }
     let settings = probe_settings(context.settings);
     // Without a guide, which depends on the seed.
-    let context = RenderContext { settings: &settings, guide: None, ..*context };
+    let context = RenderContext { settings: &settings, guide: None, photons: None, ..*context };
     let of_tile = |wavefront: &mut Wavefront, (tile, sample): (Tile, u32)| {
         wavefront.later_squares(&context, tile, sample..sample + 1)
     };

@@ -1,0 +1,136 @@
+//! Rays that look for caustics where photons left mirrors.
+//!
+//! A caustic by way of several mirrors is found by two techniques, combined by the balance heuristic: by paths that the BSDF
+//! scatters, which pixels [share](super::caustics), and by rays toward the places where photons of the vicinity left their
+//! last mirror.
+
+use super::counters::Counters;
+use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflection};
+use super::render_context::RenderContext;
+use super::reuse::{Prefix, Prefixes};
+use super::reuse_vertex::ReuseVertex;
+use super::tile_bounds::Tile;
+use crate::guide::PhotonGuide;
+use crate::{Sampler, Settings, Stream};
+use glam::DVec3;
+use globillum_geom::{Hit, Ray};
+use globillum_material::{Bsdf, Rgb};
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// How much the BSDF counts in the balance heuristic, since many pixels share what it finds (measured, docs/estimators.md).
+const BSDF_FACTOR: f64 = 4.0;
+
+/// These rays find light by way of so many mirrors or more. Samples of mirrors find that of one.
+pub(super) const LEAST_MIRRORS: u32 = 2;
+
+/// The probability with which a first diffuse vertex sends out a ray.
+const RAY_PROB: f64 = 0.5;
+
+/// Rays toward places where photons left mirrors. Its buffers are reused.
+#[derive(Debug, Default)]
+pub(super) struct PhotonRays {
+    rays: Vec<Ray>,
+    /// The sample of each ray.
+    samples: Vec<u32>,
+    hits: Vec<Option<Hit>>,
+    emission_rays: EmissionRays,
+}
+
+/// The most mirrors by way of which they find light, whatever the bounce at which the prefix ends.
+pub(super) fn most_mirrors(context: &RenderContext<'_>) -> u32 {
+    // One bounce more, at the first diffuse vertex.
+    context.settings.max_bounces.map_or(MAX_REFLECTIONS, |max| MAX_REFLECTIONS.min(max.saturating_sub(1)))
+}
+
+/// The weight of a caustic by way of two mirrors or more that the BSDF finds in `direction` from the end of a prefix.
+pub(super) fn bsdf_weight(context: &RenderContext<'_>, end: &ReuseVertex, direction: DVec3) -> f64 {
+    let Some(photons) = &context.photons else { return 1.0 };
+    let [bsdf, by_photons] = densities(context, photons, end, direction);
+    bsdf / (bsdf + by_photons)
+}
+
+/// The densities in the balance heuristic, of the BSDF and of rays guided by photons, over that of cosine sampling.
+fn densities(
+    context: &RenderContext<'_>,
+    photons: &PhotonGuide,
+    end: &ReuseVertex,
+    direction: DVec3,
+) -> [f64; 2] {
+    // Above zero but for rounding.
+    let cos = end.normal.dot(direction).max(f64::MIN_POSITIVE);
+    let by_photons = PI * photons.pdf(end.receiver(), direction).0 / cos;
+    [BSDF_FACTOR * end.guide_ratio(context.guide, direction), RAY_PROB * by_photons]
+}
+
+/// Whether the limit on bounces leaves light by way of so many mirrors to a prefix that ends at `bounce`.
+fn may_reach(context: &RenderContext<'_>, bounce: u32, mirrors: u32) -> bool {
+    context.settings.max_bounces.is_none_or(|max| bounce + 1 + mirrors <= max)
+}
+
+impl PhotonRays {
+    /// Begins rays at the ends of the prefixes of these samples of the tile, each with a probability of [`RAY_PROB`].
+    fn begin(
+        &mut self,
+        context: &RenderContext<'_>,
+        photons: &PhotonGuide,
+        (tile, prefixes): (Tile, &Prefixes),
+        samples: &Range<u32>,
+    ) {
+        let Settings { seed, width, .. } = *context.settings;
+        self.rays.clear();
+        self.samples.clear();
+        let all = tile.pixels().flat_map(|pixel| samples.clone().map(move |sample| (pixel, sample)));
+        for (i, ((x, y), sample)) in (0..).zip(all) {
+            let Some(Prefix { end, bounce, .. }) = prefixes.of(i) else { continue };
+            // Independent numbers: what is so rarely found gains nothing from a net.
+            let pixel = u64::from(y) * u64::from(width) + u64::from(x);
+            let numbers = Stream::new(seed, pixel, sample).part(Sampler::MAX_PARTS);
+            let choice = numbers.uniform(0);
+            if choice >= RAY_PROB || !may_reach(context, *bounce, LEAST_MIRRORS) {
+                continue;
+            }
+            let numbers = (choice / RAY_PROB, numbers.uniform_pair(1));
+            let Some(direction) = photons.sample(end.receiver(), numbers) else { continue };
+            if end.normal.dot(direction) > 0.0 {
+                self.rays.push(end.point.spawn(direction));
+                self.samples.push(i);
+            }
+        }
+    }
+
+    /// Adds the caustics that rays find by way of two mirrors or more, each to its own sample.
+    pub(super) fn trace(
+        &mut self,
+        context: &RenderContext<'_>,
+        (tile, prefixes): (Tile, &Prefixes),
+        samples_traced: &Range<u32>,
+        radiance: &mut [Rgb],
+        counters: &mut Counters,
+    ) {
+        let Some(photons) = &context.photons else { return };
+        self.begin(context, photons, (tile, prefixes), samples_traced);
+        let Self { rays, samples, hits, emission_rays } = self;
+        context.scene.accel().intersect_batch(rays, hits);
+        for (i, (ray, hit)) in (0..).zip(rays.iter().zip(hits)) {
+            let Some(at) = hit.as_ref().map(|hit| context.scene.interaction(ray, hit)) else { continue };
+            if !at.point.position.is_finite() {
+                // As for the path of a sample: no ray can leave it.
+                radiance[samples[i as usize] as usize] = Rgb::splat(f64::NAN);
+            } else if let Bsdf::Mirror(reflectance) = at.material.bsdf {
+                emission_rays.push(reflection(&at.point, ray.direction), i, reflectance.rgb());
+            }
+        }
+        let add = |found: FoundEmission<'_>| {
+            let (ray, sample) = (&rays[found.target as usize], samples[found.target as usize]);
+            let (mirrors, Some(prefix)) = (found.reflections + 1, prefixes.of(sample)) else { return };
+            let is_looked_for = mirrors >= LEAST_MIRRORS && may_reach(context, prefix.bounce, mirrors);
+            if is_looked_for || !found.radiance.is_finite() {
+                let [bsdf, by_photons] = densities(context, photons, &prefix.end, ray.direction);
+                radiance[sample as usize] += prefix.throughput * found.radiance / (bsdf + by_photons);
+            }
+        };
+        let traced = emission_rays.trace(context, most_mirrors(context) - 1, add, |_, _| {});
+        counters.shadow_rays += rays.len() as u64 + traced;
+    }
+}
