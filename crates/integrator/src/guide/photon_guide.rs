@@ -18,15 +18,14 @@ const MOST_PHOTONS: usize = 4 * CELL_PHOTONS;
 /// of rank 0 is the center.
 const RANK: usize = 2;
 
-/// The least radius of a ball, over its distance.
+/// The least radius of a ball, over its distance from the receiver.
 const LEAST_TANGENT: f64 = 1e-3;
 
-/// Light that a mirror has sent to a diffuse surface.
+/// Where a path from a light has reached a diffuse surface by way of mirrors. It has no power.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Photon {
-    /// Where it has arrived.
     pub(crate) vertex: GuideVertex,
-    /// Where it has left the mirror.
+    /// Where the path left the last mirror.
     pub(crate) exit: Vec3,
 }
 
@@ -38,6 +37,7 @@ pub(crate) struct PhotonGuide {
     cells: Vec<Vec<Ball>>,
 }
 
+/// A ball around the place where a photon left its mirror.
 #[derive(Clone, Copy, Debug)]
 struct Ball {
     center: Vec3,
@@ -228,7 +228,7 @@ mod tests {
         assert_eq!(guide.pdf(there, DVec3::Z).0, 0.0);
     }
 
-    /// Neither the unit of length nor the place of the scene matters.
+    /// The unit of length does not matter.
     #[test]
     fn scenes_of_any_size_have_the_same_directions() {
         let numbers = (0.4, [0.3, 0.8]);

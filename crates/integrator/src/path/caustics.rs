@@ -470,7 +470,7 @@ mod tests {
         numbers
     }
 
-    /// In the middle between the walls, a ray toward the height `4 / 2 k` of a wall reaches the light after `k` mirrors.
+    /// In the middle between the walls, a ray toward the height `4 / (2 k)` of a wall reaches the light after `k` mirrors.
     #[test]
     fn rays_of_photons_follow_as_many_mirrors_as_paths_do() {
         let (scene, settings) = (shaft(), Settings::new(13, 16, 4));

@@ -11,7 +11,7 @@ pub struct Counters {
     /// Rays in scattered directions.
     pub bounce_rays: u64,
     /// Segments between a surface and a light, both segments by way of a mirror, the connections of path reuse, and the
-    /// rays by which pixels share caustics and look for them by photons.
+    /// rays by which pixels share caustics or that photons guide to them.
     pub shadow_rays: u64,
     /// Paths that Russian roulette ended.
     pub roulette_ends: u64,

@@ -137,9 +137,9 @@ pub enum MirrorSampling {
     Off,
     /// By way of all ideal mirrors, plane or of many triangles. A scene without mirrors costs nothing.
     ///
-    /// Light by way of more than one mirror is found by scattering. If few of some paths at fixed places find such light and
-    /// paths are reused ([`PathReuse::Sixteens`]), it is also looked for where photons left mirrors: half of the first diffuse
-    /// vertices send a ray there (after Jensen 1995). For this, each render traces eight paths from the lights for each pixel
+    /// Light by way of more than one mirror is found by scattering. If pixels share caustics ([`PathReuse::Sixteens`]) and the
+    /// estimator samples lights, it is also looked for where photons left mirrors: half of the first diffuse vertices send
+    /// a ray there (after Jensen 1995). For this, each render traces eight paths from the lights for each pixel
     /// of the whole picture, at least `2^14` and at most `2^20`, which take up to 100 MB. They are not counted; their time is.
     #[default]
     Images,

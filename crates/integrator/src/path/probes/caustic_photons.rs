@@ -16,7 +16,7 @@ use rayon::prelude::*;
 const PATHS_OF_PIXEL: u64 = 8;
 
 /// How many leave lights at least and at most.
-const PATHS: [u64; 2] = [1 << 14, 1 << 20];
+const PATHS_RANGE: [u64; 2] = [1 << 14, 1 << 20];
 
 /// How many are traced at once.
 const PATHS_AT_ONCE: u32 = 1 << 12;
@@ -24,13 +24,13 @@ const PATHS_AT_ONCE: u32 = 1 << 12;
 /// The address of their random numbers, in place of a pixel.
 const PIXEL: u64 = u64::MAX;
 
-/// A path from a light, between two mirrors.
+/// A path from a light, with its next ray.
 #[derive(Clone, Copy)]
 struct PhotonPath {
     numbers: Stream,
     ray: Ray,
     reflections: u32,
-    /// Where the ray left the last mirror.
+    /// Where the ray left the last mirror; zero before the first one.
     exit: Vec3,
 }
 
@@ -41,20 +41,23 @@ struct Emitters<'a> {
     table: AliasTable,
 }
 
-/// The guide toward caustics by way of several mirrors. `None` unless caustics are shared and lights are sampled by way of
-/// mirrors, and if there are few photons.
+/// The guide toward caustics by way of several mirrors. `None` unless caustics are shared, lights are sampled by way of
+/// mirrors, and the limit on bounces allows for several; and if there are few photons.
 pub(in crate::path) fn photon_guide(context: &RenderContext<'_>) -> Option<PhotonGuide> {
-    let looks = context.shares_caustics && context.mirrors.is_some();
-    if looks { PhotonGuide::new(&photons(context)) } else { None }
+    let allows_several = most_mirrors(context) >= LEAST_MIRRORS;
+    let is_used = context.shares_caustics && context.mirrors.is_some() && allows_several;
+    if is_used { PhotonGuide::new(&photons(context)) } else { None }
 }
 
+/// The photons of all paths, in their order.
 fn photons(context: &RenderContext<'_>) -> Vec<Photon> {
     let lights = context.scene.lights();
     let powers: Vec<f64> = lights.area_powers().collect();
     let emitters =
         Emitters { context, triangles: lights.triangles().collect(), table: AliasTable::new(&powers) };
     let Settings { width, height, .. } = *context.settings;
-    let paths = (PATHS_OF_PIXEL * u64::from(width) * u64::from(height)).clamp(PATHS[0], PATHS[1]) as u32;
+    let paths =
+        (PATHS_OF_PIXEL * u64::from(width) * u64::from(height)).clamp(PATHS_RANGE[0], PATHS_RANGE[1]) as u32;
     let chunks = (0..paths / PATHS_AT_ONCE).into_par_iter();
     chunks.flat_map_iter(|chunk| photons_of_chunk(&emitters, chunk)).collect()
 }
