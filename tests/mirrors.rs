@@ -179,7 +179,7 @@ fn a_mirrors_edge_cuts_the_image() {
     );
 }
 
-/// Asserts that mirrors sampled with so many samples show the target what BSDF sampling alone finds.
+/// Asserts that mirrors, sampled with this number of samples, show the target what BSDF sampling alone finds.
 fn assert_agrees_with_scattering(model: &Model, samples: u32) {
     let scattered = estimate(model, 1, &settings(Bsdf, Off, 1024));
     for (turn, estimator) in [(2, Light), (3, Mis)] {

@@ -8,7 +8,7 @@ use globillum_material::warp::CosineHemisphere;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// There are so many photons for each cell, or up to twice as many.
+/// The least mean number of photons in a cell; the mean is less than twice this.
 const CELL_PHOTONS: usize = 64;
 
 /// The most photons of a cell that guide. Cells that medians divide unevenly may have more.

@@ -21,7 +21,7 @@ use std::ops::Range;
 /// How much the BSDF counts in the balance heuristic, since many pixels share what it finds (measured, docs/estimators.md).
 const BSDF_FACTOR: f64 = 4.0;
 
-/// These rays find light by way of so many mirrors or more. Samples of mirrors find that of one.
+/// The least number of mirrors by way of which these rays find light. Samples of mirrors find light by way of one.
 pub(super) const LEAST_MIRRORS: u32 = 2;
 
 /// The probability with which a first diffuse vertex sends out a ray.
@@ -63,7 +63,7 @@ fn densities(
     [BSDF_FACTOR * end.guide_ratio(context.guide, direction), RAY_PROB * by_photons]
 }
 
-/// Whether the limit on bounces leaves light by way of so many mirrors to a prefix that ends at `bounce`.
+/// Whether a prefix that ends at `bounce` may find light by way of this number of mirrors, within the limit on bounces.
 fn may_reach(context: &RenderContext<'_>, bounce: u32, mirrors: u32) -> bool {
     context.settings.max_bounces.is_none_or(|max| bounce + 1 + mirrors <= max)
 }
