@@ -12,6 +12,9 @@ use std::sync::OnceLock;
 /// Samples per pixel in one wavefront.
 const WAVEFRONT_SAMPLES: u32 = 4;
 
+/// The most tiles that a thread takes at once. Tiles differ in cost, so threads that took many would wait for each other.
+const TILES_AT_ONCE: usize = 4;
+
 /// Renders single passes.
 pub(crate) struct PassRenderer<'a> {
     pub(crate) context: RenderContext<'a>,
@@ -47,6 +50,7 @@ impl PassRenderer<'_> {
         let tiles: Vec<Tile> = Tile::all(self.window).collect();
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
+            .with_max_len(TILES_AT_ONCE)
             .zip(&self.edges)
             .map_init(Wavefront::default, |wavefront, (tile, edges)| {
                 // A tile clears what a panic in the one before left in the wavefront.
