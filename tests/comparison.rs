@@ -170,6 +170,13 @@ fn the_errors_of_seeds_are_their_spread() {
 }
 
 #[test]
+#[should_panic(expected = "a crop lies within the picture")]
+#[expect(clippy::reversed_empty_ranges, reason = "the range is wrong on purpose")]
+fn a_crop_does_not_end_before_it_begins() {
+    let _ = Estimates::unknown(8, 8).crop(5..3, 0..1);
+}
+
+#[test]
 fn what_is_equal_or_has_no_pictures_is_told() {
     let one = &[noise(1, |_, _| 1.0)];
     let comparison = Comparison::between(one, one).unwrap();
@@ -178,4 +185,7 @@ fn what_is_equal_or_has_no_pictures_is_told() {
     assert_eq!(Comparison::between(&[], one), None);
     assert_eq!(Comparison::between(one, &[]), None);
     assert_eq!(Comparison::between(one, &[Estimates::unknown(62, 60)]), None);
+    for empty in [Estimates::unknown(0, 5), Estimates::unknown(5, 0), Estimates::unknown(0, 0)] {
+        assert_eq!(Comparison::between(&[empty.clone()], &[empty]), None);
+    }
 }

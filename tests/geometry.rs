@@ -76,6 +76,14 @@ fn collinear_and_repeated_vertices_are_degenerate() {
 }
 
 #[test]
+fn inverted_corners_of_a_triangle_are_numbers_below_one() {
+    for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.7, 1.0 - 0.7)] {
+        let numbers = Triangle::invert_uniform(u, v);
+        assert!(numbers.iter().all(|x| (0.0..1.0).contains(x)), "{u}, {v}: {numbers:?}");
+    }
+}
+
+#[test]
 fn uniform_samples_of_a_triangle_invert() {
     for i in 0..10_000 {
         let [a, b] = Stream::new(15, 0, i).uniform_pair(0);

@@ -203,6 +203,30 @@ fn delta_lights_have_the_irradiance_of_the_closed_form() {
     }
 }
 
+/// Without a triangle in the scene, points in the air measure the same.
+#[test]
+fn delta_lights_reach_points_where_there_is_nothing_else() {
+    let points = IrradiancePoints::new([(DVec3::ZERO, DVec3::Y)]).expect("a unit normal");
+    let sun = DeltaLight::directional(Vec3::new(3.0, -4.0, 0.0), Rgb::splat(5.0)).expect("a direction");
+    let lamp = DeltaLight::point(Vec3::new(0.0, 2.0, 0.0), Rgb::splat(8.0)).expect("an intensity");
+    for (lights, truth) in [(vec![sun], 4.0), (vec![lamp], 2.0), (vec![sun, lamp], 6.0)] {
+        let mut model = Model::default();
+        lights.into_iter().for_each(|light| model.add_delta_light(light));
+        let measured = readings(&first_structure(&model), &points, &points.settings(4096));
+        assert!((measured[0].irradiance.g / truth - 1.0).abs() < 1e-3, "{truth}: {measured:?}");
+    }
+}
+
+#[test]
+#[should_panic(expected = "the film of points has one column")]
+fn the_film_of_a_picture_has_no_readings() {
+    let points = on_floor(16, 1.0);
+    let camera = scenes::stare(DVec3::Z, DVec3::ZERO);
+    let scene = first_structure(&Model::default());
+    let picture = render(&scene, &camera, &Settings::new(2, 2, 1), &()).expect("scene and camera are good");
+    let _ = points.readings(&picture.film).count();
+}
+
 /// The floor of the box reflects its irradiance: what the camera sees is that, times albedo over pi.
 #[test]
 fn a_camera_sees_the_irradiance_that_is_measured() {

@@ -1,6 +1,6 @@
 //! Materials: what is accepted, what emits and reflects where, and the sRGB encoding.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use globillum::geom::PdfSolidAngle;
 use globillum::integrator::Stream;
 use globillum::material::warp::CosineHemisphere;
@@ -45,6 +45,16 @@ fn nothing_passes_through_or_along_the_surface() {
     assert_eq!(lambert.eval(DVec3::Z, -DVec3::Z), Rgb::BLACK);
     assert_eq!(lambert.pdf(DVec3::Z, -DVec3::Z), PdfSolidAngle(0.0));
     assert_eq!(lambert.sample(DVec3::X, [0.5, 0.5]), None);
+}
+
+/// Also where the angle or the sine rounds to a full turn or to one.
+#[test]
+fn inverted_directions_are_numbers_below_one() {
+    let horizon = (0..1000).map(|i| DVec2::from_angle(f64::from(i)).extend(0.0));
+    for w in horizon.chain([DVec3::new(1.0, -1e-20, 0.0), DVec3::Z]) {
+        let u = CosineHemisphere::invert(w);
+        assert!(u.iter().all(|x| (0.0..1.0).contains(x)), "{w}: {u:?}");
+    }
 }
 
 #[test]

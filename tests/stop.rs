@@ -330,15 +330,19 @@ fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Box<dyn Accel>> {
     Scene::build(model.clone(), build).expect("the model is good")
 }
 
-/// What a render does before its first sample is done again for a replay. A panic there is an error, too.
+/// What a render does before its first sample is done again for a replay: with a mirror, it traces paths. A panic there is an
+/// error, as is one in the replay itself.
 #[test]
-fn a_panic_before_a_replay_is_an_error() {
+fn a_panic_in_a_replay_is_an_error() {
     let mut model = scenes::light_over_floor();
+    let without_mirror = model.clone();
     let [a, b, c] = [DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 1.0)].map(|v| v.as_vec3());
     model.add(Material::mirror(Rgb::splat(0.9)).expect("in range"), [Triangle::new(a, b, c)]);
-    let scene = failing_in(&model, 100, Failure::Panic);
-    let replayed = replay(&scene, &light_over_floor().1, &Settings::new(16, 16, 1), (3, 4), 0);
-    assert!(matches!(replayed, Err(RenderError::Worker { .. })), "{replayed:?}");
+    for model in [model, without_mirror] {
+        let scene = failing_in(&model, 100, Failure::Panic);
+        let replayed = replay(&scene, &light_over_floor().1, &Settings::new(16, 16, 1), (3, 4), 0);
+        assert!(matches!(replayed, Err(RenderError::Worker { .. })), "{replayed:?}");
+    }
 }
 
 /// A panicking worker ends the render with an error and leaves nothing locked.

@@ -106,10 +106,11 @@ impl Triangle {
         (1.0 - root, u[1] * root)
     }
 
-    /// The inverse of [`Triangle::sample_uniform`]: the random numbers that give the barycentrics `(u, v)`.
+    /// The inverse of [`Triangle::sample_uniform`]: the random numbers, in `[0, 1)`, that give the barycentrics `(u, v)`.
     pub fn invert_uniform(u: f64, v: f64) -> [f64; 2] {
         let root = 1.0 - u;
-        [1.0 - root * root, if root > 0.0 { v / root } else { 0.0 }]
+        let numbers = [1.0 - root * root, if root > 0.0 { v / root } else { 0.0 }];
+        numbers.map(|x| x.min(1.0_f64.next_down()))
     }
 
     /// The pdf of [`Triangle::sample_uniform`] per unit of area: one over the area.

@@ -33,6 +33,17 @@ pub(super) fn sealed(seed: u64, mut bytes: Vec<u8>) -> (Vec<u8>, u64) {
     (bytes, checksum)
 }
 
+/// The content of bytes that [`sealed`] has made, and its checksum.
+pub(super) fn unsealed(seed: u64, bytes: &[u8]) -> Result<(&[u8], u64), CheckpointError> {
+    let (content, end) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Length)?;
+    let checksum = checksum(seed, content);
+    if checksum == u64::from_le_bytes(*end) {
+        Ok((content, checksum))
+    } else {
+        Err(CheckpointError::Checksum)
+    }
+}
+
 /// Appends `length` bytes of `source` to `bytes`, of which no more are allocated than there are.
 pub(super) fn read(source: &mut impl Read, length: u64, bytes: &mut Vec<u8>) -> Result<(), CheckpointError> {
     let taken = source.take(length).read_to_end(bytes).map_err(|error| read_error(error.kind()))?;

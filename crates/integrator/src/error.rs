@@ -53,11 +53,12 @@ pub enum RenderError {
         sample: u32,
     },
     /// A panic while a tile was rendered or before the first tile: in an accelerator,
-    /// [`Monitor::progress`](crate::Monitor::progress) or
+    /// [`Sensor::start`](crate::Sensor::start), [`Monitor::progress`](crate::Monitor::progress) or
     /// [`Monitor::cancelled`](crate::Monitor::cancelled). The process and later renders go on.
     #[error("panic in the tile at pixel ({x}, {y}): {message}")]
     Worker {
-        /// Column of the tile's upper left pixel; 0 before the first tile.
+        /// Column of the tile's upper left pixel. While a guide is trained, that of the tile that trains; in what else
+        /// precedes the first tile, that of all pixels to be rendered.
         x: u32,
         /// Row of that pixel, 0 at the top.
         y: u32,

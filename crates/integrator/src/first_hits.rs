@@ -1,7 +1,7 @@
 //! What a camera sees first, without its light.
 
 use crate::caught::caught;
-use crate::film::crop;
+use crate::film::{assert_crop, crop};
 use crate::worker_threads::worker_threads;
 use crate::{ElementSample, PathStart, RenderError, Scene, Sensor, Settings};
 use glam::DVec3;
@@ -85,7 +85,7 @@ impl FirstHits {
     /// # Errors
     /// [`RenderError::Param`] for settings out of range, [`RenderError::SensorSize`] for settings of another size than
     /// the sensor's, [`RenderError::Threads`] if no threads can be started,
-    /// [`RenderError::Worker`] for a panic in the accelerator.
+    /// [`RenderError::Worker`] for a panic in the accelerator or the sensor.
     pub fn of(
         scene: &Scene<dyn Accel + '_>,
         camera: &dyn Sensor,
@@ -107,10 +107,10 @@ impl FirstHits {
     /// The pixels of these columns and rows alone.
     ///
     /// # Panics
-    /// If they are not all within the picture.
+    /// If a range begins after its end, or they are not all within the picture.
     #[must_use]
     pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
-        assert!(columns.end <= self.width && rows.end <= self.height, "a crop lies within the picture");
+        assert_crop([&columns, &rows], [self.width, self.height]);
         let (width, height) = (columns.end - columns.start, rows.end - rows.start);
         Self { width, height, pixels: crop(&self.pixels, &(self.width, columns, rows)) }
     }

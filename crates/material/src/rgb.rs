@@ -1,5 +1,5 @@
 use std::fmt;
-use std::ops::{Add, AddAssign, Div, Mul, MulAssign};
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
 /// Linear colour with Rec. 709 primaries: a reflectance, a weight or a radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,6 +91,14 @@ impl Add for Rgb {
     #[inline(always)]
     fn add(self, o: Self) -> Self {
         Self::new(self.r + o.r, self.g + o.g, self.b + o.b)
+    }
+}
+
+impl Sub for Rgb {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self::new(self.r - o.r, self.g - o.g, self.b - o.b)
     }
 }
 

@@ -26,9 +26,10 @@ impl CosineHemisphere {
         PdfSolidAngle(w.z.max(0.0) * FRAC_1_PI)
     }
 
-    /// The random numbers that give the unit direction `w` of the upper hemisphere.
+    /// The random numbers, in `[0, 1)`, that give the unit direction `w` of the upper hemisphere.
     pub fn invert(w: DVec3) -> [f64; 2] {
         let turn = libm::atan2(w.y, w.x) / TAU;
-        [w.x * w.x + w.y * w.y, if turn < 0.0 { turn + 1.0 } else { turn }]
+        let u = [w.x * w.x + w.y * w.y, if turn < 0.0 { turn + 1.0 } else { turn }];
+        u.map(|x| x.min(1.0_f64.next_down()))
     }
 }

@@ -4,6 +4,7 @@ mod normal;
 mod side;
 
 use crate::Estimates;
+use crate::film::student::NORMAL_QUANTILE_975;
 use crate::path::{BLOCK_SIDE, Tile};
 use globillum_material::Rgb;
 use side::{Cell, Side, places};
@@ -77,10 +78,11 @@ pub struct ChiSquare {
 }
 
 impl Comparison {
-    /// Compares two sides of one or several pictures each; `None` if a side has none, or sizes differ.
+    /// Compares two sides of one or several pictures each; `None` if a side has none, sizes differ, or there are no pixels.
     pub fn between(a: &[Estimates], b: &[Estimates]) -> Option<Self> {
         let (width, height) = a.first().map(|first| (first.width, first.height))?;
-        if a.iter().chain(b).any(|picture| (picture.width, picture.height) != (width, height)) {
+        let differs = |picture: &Estimates| (picture.width, picture.height) != (width, height);
+        if width == 0 || height == 0 || a.iter().chain(b).any(differs) {
             return None;
         }
         // Of pictures with equal tiles, one that knows its place.
@@ -182,12 +184,11 @@ impl Pair {
 
     /// The ratio of the sums of what `of` takes of a pixel, and its 95 % confidence interval.
     fn ratio(&self, of: impl Fn(Rgb) -> f64) -> (f64, [f64; 2]) {
-        const QUANTILE_975: f64 = 1.959_963_984_540_054;
         let sums: Vec<[f64; 2]> = self.sums(of).collect();
         let (a, b) = sums.iter().fold((0.0, 0.0), |(a, b), sums| (a + sums[0], b + sums[1]));
         let ratio = a / b;
         let squares: f64 = sums.iter().map(|sums| (sums[0] - ratio * sums[1]).powi(2)).sum();
-        let margin = QUANTILE_975 * squares.sqrt() / b;
+        let margin = NORMAL_QUANTILE_975 * squares.sqrt() / b;
         (ratio, [ratio - margin, ratio + margin])
     }
 
@@ -210,7 +211,7 @@ impl Pair {
         let (mut squares, mut expected, mut excesses) = (0.0, 0.0, Vec::new());
         for ((tile, variance), weight) in self.tiles().zip(variances).zip(weights) {
             let square = places(tile, self.width).map(|at| {
-                let apart = self.a.pixels[at].mean + self.b.pixels[at].mean * -1.0;
+                let apart = self.a.pixels[at].mean - self.b.pixels[at].mean;
                 (apart * apart).mean()
             });
             let square: f64 = square.sum();

@@ -129,7 +129,7 @@ fn spread(values: impl Iterator<Item = Rgb> + Clone) -> Cell {
     let mean = sum / count;
     let mut squares = Rgb::BLACK;
     for value in values {
-        let apart = value + mean * -1.0;
+        let apart = value - mean;
         squares += apart * apart;
     }
     Cell { mean, variance: squares / ((count - 1.0) * count) + rounding(mean), dof: count - 1.0 }

@@ -110,7 +110,7 @@ impl Squares {
     /// How many there are of `pixels` pixels of whole rows.
     pub(crate) fn count(&self, pixels: usize) -> usize {
         let [width, side] = [self.width, self.side].map(|x| x as usize);
-        width.div_ceil(side) * (pixels / width).div_ceil(side)
+        if width == 0 { 0 } else { width.div_ceil(side) * (pixels / width).div_ceil(side) }
     }
 
     /// `pixels`, a row of tiles at a time.

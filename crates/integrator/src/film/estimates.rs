@@ -101,10 +101,10 @@ impl Estimates {
     /// The pixels of these columns and rows alone. Errors of blocks that are not blocks of the whole picture are unknown.
     ///
     /// # Panics
-    /// If there is no such pixel.
+    /// If a range begins after its end, or they are not all within the picture.
     #[must_use]
     pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
-        assert!(columns.end <= self.width && rows.end <= self.height, "a crop lies within the picture");
+        assert_crop([&columns, &rows], [self.width, self.height]);
         let within = (self.width, columns.clone(), rows.clone());
         Self {
             width: columns.end - columns.start,
@@ -155,6 +155,12 @@ impl Estimates {
         };
         (0..variances.len()).map(margin).collect()
     }
+}
+
+/// Panics unless these columns and rows lie within a picture of this size.
+pub(crate) fn assert_crop(ranges: [&Range<u32>; 2], size: [u32; 2]) {
+    let are_within = ranges.iter().zip(size).all(|(range, end)| range.start <= range.end && range.end <= end);
+    assert!(are_within, "a crop lies within the picture");
 }
 
 /// The pixels of these columns and rows, of a picture of this width.

@@ -17,7 +17,7 @@ pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, Checkp
 pub(crate) use dispersion::Squares;
 pub use error::{ImageError, PixelSums};
 pub use estimates::Estimates;
-pub(crate) use estimates::crop;
+pub(crate) use estimates::{assert_crop, crop};
 #[cfg(any(test, feature = "fuzz"))]
 pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally};

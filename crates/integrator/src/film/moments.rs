@@ -32,7 +32,7 @@ impl Moments {
     /// This and `other` as one set, where they rest on so many samples, both above zero.
     pub(crate) fn joined(&self, samples: u64, other: &Self, other_samples: u64) -> Self {
         let (n, m) = (samples as f64, other_samples as f64);
-        let apart = other.sum / m + self.sum / n * -1.0;
+        let apart = other.sum / m - self.sum / n;
         Self {
             sum: self.sum + other.sum,
             spread: self.spread + other.spread + apart * apart * (n * m / (n + m)),

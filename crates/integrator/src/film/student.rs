@@ -1,3 +1,6 @@
+/// The 97.5 % quantile of the normal distribution.
+pub(crate) const NORMAL_QUANTILE_975: f64 = 1.959_963_984_540_054;
+
 /// The 97.5 % quantile of Student's distribution with `dof` degrees of freedom: two-sided
 /// intervals of that many standard errors hold the truth with a probability of 95 %. Infinite for
 /// none.
@@ -5,8 +8,7 @@
 /// Exact for one and two; beyond, the expansion around the normal quantile (Abramowitz and Stegun
 /// 1964, 26.7.5), whose relative error is below 0.3 % from three on and falls quickly.
 pub(crate) fn quantile_975(dof: u64) -> f64 {
-    /// The normal quantile.
-    const X: f64 = 1.959_963_984_540_054;
+    const X: f64 = NORMAL_QUANTILE_975;
     const TERMS: [f64; 4] = [
         (X * X * X + X) / 4.0,
         (5.0 * X * X * X * X * X + 16.0 * X * X * X + 3.0 * X) / 96.0,

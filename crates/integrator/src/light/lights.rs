@@ -120,7 +120,10 @@ impl Lights {
             .map(|&index| (index, power(triangles.get(index), &emission(index))))
             .filter(|(_, power)| *power > 0.0)
             .unzip();
-        let cross_section = FRAC_PI_4 * triangles.bounds().extent().length_squared();
+        // Any scale serves directional lights where there is nothing that they could light.
+        let extent_sq =
+            if triangles.live().is_empty() { 1.0 } else { triangles.bounds().extent().length_squared() };
+        let cross_section = FRAC_PI_4 * extent_sq;
         let deltas = deltas.iter().map(|&light| (light, light.power(cross_section)));
         let deltas: Vec<_> = deltas.filter(|(_, power)| *power > 0.0).collect();
         powers.extend(deltas.iter().map(|(_, power)| power));
@@ -164,8 +167,7 @@ impl Lights {
         self.areas.iter().map(|light| light.area * light.emission.exitance().luminance())
     }
 
-    /// The delta lights that are not black, in the order of the model. In a scene without triangles that can be
-    /// hit, a directional light has no power and is left out.
+    /// The delta lights that are not black, in the order of the model.
     pub fn delta_lights(&self) -> impl Iterator<Item = &DeltaLight> {
         self.deltas.iter().map(|delta| &delta.light)
     }

@@ -330,7 +330,7 @@ mod tests {
     /// Adds the differences of a seed.
     fn add(deviations: &mut Deviations, shared: &[Rgb], alone: &[Rgb]) {
         let difference = |pixels: Range<usize>| {
-            let of_pixel = |i: usize| shared[i] + alone[i] * -1.0;
+            let of_pixel = |i: usize| shared[i] - alone[i];
             pixels.map(of_pixel).fold(Rgb::BLACK, |sum, difference| sum + difference).to_array()
         };
         let bands = [0, 1, 2, 3].map(|band| difference(52 * band..52 * (band + 1)));

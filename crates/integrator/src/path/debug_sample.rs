@@ -4,9 +4,11 @@ use super::path_state::{Contribution, Path, Target};
 use super::pixel_groups::square_around;
 use super::probes::probed;
 use super::render_context::RenderContext;
+use super::tile_bounds::Tile;
 use super::training::guide;
 use super::wavefront::{IRRADIANCE_PER_RADIANCE, Wavefront, irradiance_vertex};
 use crate::caught::caught;
+use crate::worker_threads::worker_threads;
 use crate::{RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SurfacePoint};
 use globillum_material::{Material, Rgb};
@@ -64,7 +66,7 @@ pub struct Vertex {
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture
 /// does not have. [`RenderError::SensorSize`] for settings of another size than the sensor's.
-/// [`RenderError::Worker`] for a panic in that.
+/// [`RenderError::Threads`] if no threads can be started. [`RenderError::Worker`] for a panic in an accelerator or the sensor.
 pub fn replay(
     scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,
@@ -81,28 +83,35 @@ pub fn replay(
     if let Some((name, value, _, range)) = within.into_iter().find(|(_, value, end, _)| value >= end) {
         return Err(RenderError::Param { name, value: value.into(), range });
     }
-    let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
-    let context = RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref());
-    let context =
-        caught(|| probed(context)).map_err(|message| RenderError::Worker { x: 0, y: 0, message })?;
+    let threads = worker_threads(settings.threads).map_err(RenderError::Threads)?;
+    threads.install(|| {
+        let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
+        let context = RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref());
+        let square = square_around(x, y, settings.width, settings.height);
+        caught(|| replay_within(&probed(context), square, (x, y), sample))
+            .map_err(|message| RenderError::Worker { x: square.x, y: square.y, message })
+    })
+}
+
+/// [`replay`], given what is done before the first sample and the tile of the pixel.
+fn replay_within(context: &RenderContext<'_>, square: Tile, (x, y): (u32, u32), sample: u32) -> Replay {
     let one = sample..sample + 1;
-    let square = square_around(x, y, settings.width, settings.height);
     let place = (y - square.y) * square.width + (x - square.x);
     let mut wavefront = Wavefront::default();
-    let edges = LightEdges::of(&context, square);
-    wavefront.trace(&context, (square, &edges), &one, || false);
+    let edges = LightEdges::of(context, square);
+    wavefront.trace(context, (square, &edges), &one, || false);
     let radiance = wavefront.radiance()[place as usize];
     let lights = wavefront.lights_seen_by(place);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
-    wavefront.start(&context, (square, &edges), &one);
+    wavefront.start(context, (square, &edges), &one);
     for bounce in 0.. {
-        if !wavefront.step(&context, place, bounce, &mut replay) {
+        if !wavefront.step(context, place, bounce, &mut replay) {
             break;
         }
     }
     replay.alone += lights;
-    Ok(replay)
+    replay
 }
 
 impl Wavefront {

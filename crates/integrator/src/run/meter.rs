@@ -6,7 +6,10 @@ use std::time::Instant;
 /// Measures a running render; shared by all workers.
 #[derive(Debug)]
 pub(crate) struct Meter {
+    /// When the run began, from which its limit counts.
     start: Instant,
+    /// When the first pass could begin, after what is done once, such as the training of a guide.
+    passes_start: Instant,
     seconds_limit: Option<f64>,
     samples_done: AtomicU64,
     samples_total: AtomicU64,
@@ -16,10 +19,11 @@ pub(crate) struct Meter {
 }
 
 impl Meter {
-    /// Starts the clock.
-    pub(crate) fn new(seconds_limit: Option<f64>) -> Self {
+    /// Of a run that began at `start` and is now ready for its first pass.
+    pub(crate) fn new(start: Instant, seconds_limit: Option<f64>) -> Self {
         Self {
-            start: Instant::now(),
+            start,
+            passes_start: Instant::now(),
             seconds_limit,
             samples_done: AtomicU64::new(0),
             samples_total: AtomicU64::new(0),
@@ -51,9 +55,9 @@ impl Meter {
         self.samples_total.store(self.samples_done() + samples, Relaxed);
     }
 
-    /// Estimate of the seconds that `samples` take.
+    /// Estimate of the seconds that `samples` take, by those done since the first pass began.
     pub(crate) fn seconds_for(&self, samples: u64) -> f64 {
-        self.seconds() * samples as f64 / self.samples_done().max(1) as f64
+        self.passes_start.elapsed().as_secs_f64() * samples as f64 / self.samples_done().max(1) as f64
     }
 
     fn samples_done(&self) -> u64 {
@@ -74,5 +78,23 @@ impl Meter {
             seconds,
             seconds_left: left.min((limit - seconds).max(0.0)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    /// What precedes the passes counts for the limit, not for the time of a pass.
+    #[test]
+    fn passes_are_expected_to_take_as_long_as_passes_have_taken() {
+        const HOUR: f64 = 3600.0;
+        let Some(start) = Instant::now().checked_sub(Duration::from_secs(3600)) else { return };
+        let meter = Meter::new(start, Some(1.5 * HOUR));
+        meter.add(10, &Counters::default());
+        assert!(meter.progress().seconds >= HOUR);
+        assert!(!meter.is_over_in(meter.seconds_for(10)));
+        assert!(meter.is_over_in(0.5 * HOUR));
     }
 }

@@ -12,6 +12,7 @@ use globillum_geom::Accel;
 use std::cmp::Ordering;
 use std::ops::{ControlFlow, Range};
 use std::sync::OnceLock;
+use std::time::Instant;
 
 /// Renders all samples of `scene` as measured by `sensor`, such as a [`Camera`](crate::Camera): [`Render`] without
 /// further conditions.
@@ -144,6 +145,7 @@ impl<'a> Render<'a> {
     /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
     /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
     pub fn run(mut self, monitor: &dyn Monitor) -> Result<Picture, RenderError> {
+        let start = Instant::now();
         let settings = self.settings.for_sensor(self.sensor)?;
         self.stop.validate()?;
         let passes = self.checked_passes()?;
@@ -156,7 +158,6 @@ impl<'a> Render<'a> {
         let rows = picture.film.rows();
         let window = Tile { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
         let threads = worker_threads(self.settings.threads).map_err(RenderError::Threads)?;
-        let meter = Meter::new(self.stop.seconds);
         threads.install(|| {
             let guide = guide(self.scene, self.sensor, &settings, || monitor.cancelled())?;
             let ControlFlow::Continue(guide) = guide else {
@@ -169,6 +170,7 @@ impl<'a> Render<'a> {
                 message,
             })?;
             let edges = Tile::all(window).map(|_| OnceLock::new()).collect();
+            let meter = Meter::new(start, self.stop.seconds);
             let renderer = PassRenderer { context, monitor, meter: &meter, window, edges };
             PassLoop { renderer, stop: self.stop }.add_passes(picture, passes)
         })

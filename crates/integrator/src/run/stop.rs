@@ -26,8 +26,9 @@ pub struct Stop {
     ///
     /// The first pass that this run adds is always finished, so a run adds at least one pass,
     /// [resumed](crate::Render::resume) or not, unless the picture holds all passes, the goals are met before,
-    /// or the monitor cancels. A run takes at most the limit or the time of one pass, whichever is longer; with
-    /// a [pilot](Stop::pilot), whose first pass is finished too, the time of two.
+    /// or the monitor cancels. So a run takes at most the limit, or the time for what precedes its first pass (the
+    /// [training of a guide](crate::Guiding), probes, photons) and that pass, whichever is longer; with a
+    /// [pilot](Stop::pilot), whose first pass is finished too, for two passes.
     pub seconds: Option<f64>,
     /// Goal: the upper end of the 95 % interval of the picture's relative error
     /// ([`ImageError`](crate::ImageError)) is at most this.
@@ -82,22 +83,18 @@ impl Stop {
     /// # Errors
     /// [`RenderError::Param`] for the first one outside.
     pub fn validate(&self) -> Result<(), RenderError> {
-        let positive = "(0, inf)";
+        let positive = |value: f64| (value > 0.0 && value.is_finite(), value, "(0, inf)");
+        let share = |value: f64| (value > 0.0 && value <= 1.0, value, "(0, 1]");
+        let passes = |value: u32| (value >= 2, value.into(), "[2, inf)");
         let checks = [
-            ("seconds", self.seconds, positive),
-            ("relative_rmse", self.relative_rmse, positive),
-            ("pixel error", self.pixels.map(|goal| goal.error), positive),
-            ("share of pixels", self.pixels.map(|goal| goal.share), "(0, 1]"),
-            ("pilot passes", self.pilot.map(f64::from), "[2, inf)"),
+            ("seconds", self.seconds.map(positive)),
+            ("relative_rmse", self.relative_rmse.map(positive)),
+            ("pixel error", self.pixels.map(|goal| positive(goal.error))),
+            ("share of pixels", self.pixels.map(|goal| share(goal.share))),
+            ("pilot passes", self.pilot.map(passes)),
         ];
-        for (name, value, range) in checks {
-            let Some(value) = value else { continue };
-            let valid = match range {
-                "(0, 1]" => value > 0.0 && value <= 1.0,
-                "[2, inf)" => value >= 2.0,
-                _ => value > 0.0 && value.is_finite(),
-            };
-            if !valid {
+        for (name, check) in checks {
+            if let Some((false, value, range)) = check {
                 return Err(RenderError::Param { name, value, range });
             }
         }

@@ -101,7 +101,7 @@ impl<A: Accel> Scene<A> {
     /// The same scene within an environment of constant `radiance`.
     ///
     /// # Errors
-    /// [`RenderError::Material`] for a component that is negative, not finite or too large.
+    /// [`RenderError::Material`] for a component that is negative, not finite, too large, or above zero and too small.
     pub fn with_environment(self, radiance: Rgb) -> Result<Self, RenderError> {
         // The range of radiances is that of emission.
         Emission::new(radiance, Sides::Both)?;

@@ -123,9 +123,10 @@ impl IrradiancePoints {
     /// [rows](Film::rows). The film of a crop has lost its place among the points.
     ///
     /// # Panics
-    /// If `film` has rows beyond the points.
+    /// If `film` has rows beyond the points, or more than one column.
     pub fn readings(&self, film: &Film) -> impl Iterator<Item = Reading> {
         let Range { start, end } = film.rows();
+        assert_eq!(film.width(), 1, "the film of points has one column");
         assert!(end <= self.count(), "the film has rows up to {end}, of {} points", self.count());
         let quantile = film.student_quantile();
         self.rows.iter().filter(move |row| (start..end).contains(row)).map(move |&row| {

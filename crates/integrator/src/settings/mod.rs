@@ -167,8 +167,8 @@ pub enum Guiding {
     /// Half by the cosine, half by what training paths found (path guiding, after Müller, Gross and Novák 2017): for light
     /// that most directions miss, such as that through a door ajar. A sample takes 1.3 to 1.6 times as long.
     ///
-    /// There are at least four training paths per pixel, and between `2^16` and about `2^18` in all, of the whole picture
-    /// whatever the crop. They are dropped, and not counted; their time is. Each render trains: one that resumes too, and
+    /// There are between `2^16` and about `2^18` training paths, at least four for a pixel, of tiles that are spread over
+    /// the whole picture, whatever the crop. They are dropped, and not counted; their time is. Each render trains: one that resumes too, and
     /// each part of a picture. Training takes up to some 100 MB.
     Trained = 1,
 }
@@ -239,6 +239,9 @@ impl Settings {
     }
 
     /// The number of passes for all samples.
+    ///
+    /// # Panics
+    /// If `pass_samples` is 0, which [`Settings::validate`] refuses.
     pub fn passes(&self) -> u32 {
         self.samples.div_ceil(self.pass_samples)
     }

@@ -1,11 +1,11 @@
 //! View factors as files, in little-endian numbers: magic, version, passes, rays of a pass, patches, key, the area of
 //! each patch, the length of each row, all rows, and a checksum of it all.
 
-use super::ViewFactors;
 use super::row::Row;
-use crate::bytes::{Numbers, checksum, sealed};
+use super::{FactorSettings, ViewFactors};
+use crate::bytes::{Numbers, sealed, unsealed};
 use crate::error::CHECKPOINT_VERSION;
-use crate::{CheckpointError, Ending};
+use crate::{CheckpointError, Ending, Sampler};
 
 const MAGIC: [u8; 8] = *b"GLBLVIEW";
 
@@ -33,10 +33,7 @@ impl ViewFactors {
         if version != CHECKPOINT_VERSION {
             return Err(CheckpointError::Version(version));
         }
-        let (content, end) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Length)?;
-        if checksum(0, content) != u64::from_le_bytes(*end) {
-            return Err(CheckpointError::Checksum);
-        }
+        unsealed(0, bytes)?;
         let (passes, pass_rays, patches) = (numbers.u32()?, numbers.u32()?, numbers.u32()?);
         let key = numbers.u64()?;
         let areas = (0..patches).map(|_| numbers.f64()).collect::<Result<Vec<_>, _>>()?;
@@ -60,7 +57,9 @@ impl ViewFactors {
     /// Refuses what no run writes.
     fn check(&self) -> Result<(), CheckpointError> {
         let is_area = |area: &f64| *area > 0.0 && area.is_finite();
-        let is_pass = self.pass_rays.is_power_of_two() && self.pass_rays <= 1 << 16 && self.passes <= 1 << 20;
+        let is_pass = self.pass_rays.is_power_of_two()
+            && self.pass_rays <= Sampler::MAX_PASS
+            && self.passes <= FactorSettings::MAX_PASSES;
         if !is_pass || !self.areas.iter().all(is_area) {
             return Err(CheckpointError::Malformed("number of rays or area"));
         }

@@ -1,6 +1,6 @@
 use super::row::{Entry, Row};
 use crate::Ending;
-use crate::film::student::quantile_975;
+use crate::film::student::{NORMAL_QUANTILE_975, quantile_975};
 use rayon::prelude::*;
 
 /// Where a ray from a patch arrives.
@@ -127,7 +127,7 @@ impl ViewFactors {
         let (value, rays) = (self.value(entry.hits), self.rays() as f64);
         let [center, margin] = if self.is_rare(entry.hits) {
             /// The squared normal quantile.
-            const Z_SQ: f64 = 1.959_963_984_540_054 * 1.959_963_984_540_054;
+            const Z_SQ: f64 = NORMAL_QUANTILE_975 * NORMAL_QUANTILE_975;
             let scale = 1.0 / (rays + Z_SQ);
             let spread = Z_SQ * (rays * value * (1.0 - value) + Z_SQ / 4.0);
             [(rays * value + Z_SQ / 2.0) * scale, spread.sqrt() * scale]
@@ -137,7 +137,7 @@ impl ViewFactors {
         [(center - margin).max(0.0), (center + margin).min(1.0)]
     }
 
-    /// The accuracy of the factors of at least `least`, in all rows, to patches and surroundings.
+    /// The accuracy of the factors of at least `least`, in all rows, to patches, their backs and the surroundings.
     pub fn accuracy(&self, least: f64) -> FactorAccuracy {
         // Rows are summed in parallel, but put together in order, so that no bit depends on the threads.
         let sums = |row: &Row| {

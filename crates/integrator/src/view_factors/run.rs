@@ -9,6 +9,7 @@ use crate::{Counters, Ending, Monitor};
 use globillum_geom::{Accel, Triangles};
 use globillum_material::Sides;
 use rayon::prelude::*;
+use std::time::Instant;
 
 /// The computation of view factors.
 ///
@@ -88,7 +89,7 @@ impl<'a, A: Accel> FactorRun<'a, A> {
     ) -> Result<ViewFactors, FactorError> {
         let FactorSettings { passes, error, least_factor, .. } = *self.settings;
         let tracer = Tracer::new(self.triangles, self.accel, self.patches, self.settings);
-        let meter = Meter::new(None);
+        let meter = Meter::new(Instant::now(), None);
         let mut planned = if error.is_some() { FactorSettings::MIN_PASSES.min(passes) } else { passes };
         factors.ending = Ending::Open;
         loop {

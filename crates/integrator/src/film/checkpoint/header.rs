@@ -152,11 +152,7 @@ impl CheckpointHeader {
             *counter = numbers.u64()?;
         }
         bytes::read(source, u64::from(length) + 8, &mut bytes)?;
-        let (content, end) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Length)?;
-        let checksum = bytes::checksum(0, content);
-        if checksum != u64::from_le_bytes(*end) {
-            return Err(CheckpointError::Checksum);
-        }
+        let (content, checksum) = bytes::unsealed(0, &bytes)?;
         let mut numbers = Numbers(&content[FIXED_BYTES as usize..]);
         let strips = (0..count).map(|_| CheckpointStrip::read(&mut numbers)).collect::<Result<_, _>>()?;
         if !numbers.0.is_empty() {

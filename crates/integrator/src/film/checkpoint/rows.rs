@@ -1,7 +1,7 @@
 //! A row of tiles as bytes: for each node how its halves differ, then for each pixel the sum of three components
 //! and, if there are several observations, their spread, and then that of each square of 4 x 4 pixels; then a checksum.
 
-use super::bytes::{self, Numbers, sealed};
+use super::bytes::{Numbers, sealed, unsealed};
 use crate::CheckpointError;
 use crate::film::dispersion::{Halves, Squares};
 use crate::film::pass_node::{PassNode, PassNodeHeader};
@@ -53,10 +53,7 @@ pub(super) fn from_bytes(
     bytes: &[u8],
     seed: u64,
 ) -> Result<Film, CheckpointError> {
-    let (content, end) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Length)?;
-    if bytes::checksum(seed, content) != u64::from_le_bytes(*end) {
-        return Err(CheckpointError::Checksum);
-    }
+    let (content, _) = unsealed(seed, bytes)?;
     let mut numbers = Numbers(content);
     for &header in nodes {
         let halves = Halves { spread: numbers.f64()?, squared: numbers.f64()?, fourths: numbers.f64()? };

@@ -1,6 +1,6 @@
 //! The end of a checkpoint: the sums over all its pixels (their number, means, variances of means), and a checksum.
 
-use super::bytes::{self, Numbers, sealed};
+use super::bytes::{Numbers, sealed, unsealed};
 use crate::CheckpointError;
 use crate::film::PixelSums;
 
@@ -15,10 +15,7 @@ pub(super) fn to_bytes(sums: &PixelSums, seed: u64) -> Vec<u8> {
 }
 
 pub(super) fn from_bytes(bytes: &[u8], seed: u64) -> Result<PixelSums, CheckpointError> {
-    let (content, end) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Length)?;
-    if bytes::checksum(seed, content) != u64::from_le_bytes(*end) {
-        return Err(CheckpointError::Checksum);
-    }
+    let (content, _) = unsealed(seed, bytes)?;
     let mut numbers = Numbers(content);
     Ok(PixelSums { pixels: numbers.u64()?, mean: numbers.rgb()?, variance: numbers.rgb()? })
 }
