@@ -186,6 +186,7 @@ fn what_is_equal_or_has_no_pictures_is_told() {
     assert_eq!(Comparison::between(one, &[]), None);
     assert_eq!(Comparison::between(one, &[Estimates::unknown(62, 60)]), None);
     for empty in [Estimates::unknown(0, 5), Estimates::unknown(5, 0), Estimates::unknown(0, 0)] {
-        assert_eq!(Comparison::between(&[empty.clone()], &[empty]), None);
+        let empty = &[empty];
+        assert_eq!(Comparison::between(empty, empty), None);
     }
 }

@@ -36,9 +36,18 @@ impl Emission {
     /// [`MaterialError::Emission`] for a component that is neither 0 nor within
     /// `[MIN_RADIANCE, MAX_RADIANCE]`, or NaN.
     pub fn new(radiance: Rgb, sides: Sides) -> Result<Self, MaterialError> {
+        if Self::allows(radiance) {
+            Ok(Self { radiance, sides })
+        } else {
+            Err(MaterialError::Emission(radiance))
+        }
+    }
+
+    /// Whether each component is 0 or within `[MIN_RADIANCE, MAX_RADIANCE]`: the range of all that lights emit, in their
+    /// units.
+    pub fn allows(radiance: Rgb) -> bool {
         let range = Self::MIN_RADIANCE..=Self::MAX_RADIANCE;
-        let valid = radiance.to_array().iter().all(|x| *x == 0.0 || range.contains(x));
-        if valid { Ok(Self { radiance, sides }) } else { Err(MaterialError::Emission(radiance)) }
+        radiance.to_array().iter().all(|x| *x == 0.0 || range.contains(x))
     }
 
     /// The radiance emitted toward a direction whose cosine with the front normal is `cos`;

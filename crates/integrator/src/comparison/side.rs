@@ -96,7 +96,7 @@ fn dependence(picture: &Estimates, pixels: &[Cell]) -> Vec<f64> {
     let independent: Vec<f64> = blocks(picture.width, picture.height).map(independent).collect();
     let told = |at: usize| picture.block_errors[at].map(|error| error * error).mean();
     let whole = Tile { x: 0, y: 0, width: picture.width, height: picture.height };
-    let all = whole.squares_in(&whole);
+    let all = whole.blocks_in(&whole);
     let near = |x: u32, size: u32| x.saturating_sub(1)..(x + 2).min(size);
     let of_block = |(block, (x, y))| {
         let around = near(y, all.height).flat_map(|y| near(x, all.width).map(move |x| all.index(x, y)));

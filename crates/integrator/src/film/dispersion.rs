@@ -5,24 +5,24 @@ use crate::path::{BLOCK_SIDE, TILE_SIDE, Tile};
 use globillum_material::Rgb;
 use std::slice::Chunks;
 
-/// The width of a film, and the side of squares of pixels, by which it is divided from its upper left corner.
+/// The width of a film, and the side of blocks of pixels, by which it is divided from its upper left corner.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Squares {
+pub(crate) struct Blocks {
     pub(crate) width: u32,
     pub(crate) side: u32,
 }
 
 /// By how much estimates of a picture's variance differ: one picture's passes are divided in two halves, and
-/// what they say is compared square by square.
+/// what they say is compared block by block.
 ///
-/// Between the halves of one square there is no difference but chance, whatever its true variance, and squares
+/// Between the halves of one block there is no difference but chance, whatever its true variance, and blocks
 /// are independent: the sum of the squared differences is that of the variances. Differences are relative
 /// to the variance of the whole picture, so that the scale of its radiance plays no part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Dispersion {
     /// Relative variance of an estimate of one degree of freedom.
     pub(crate) variance: f64,
-    /// Degrees of freedom of `variance` (Satterthwaite 1946): 2 if one square decides, up to twice their number.
+    /// Degrees of freedom of `variance` (Satterthwaite 1946): 2 if one block decides, up to twice their number.
     /// 0 if nothing is known.
     pub(crate) dof: f64,
 }
@@ -33,7 +33,7 @@ pub(crate) struct Dispersion {
 pub(crate) struct Halves {
     /// Squared deviations of both halves, all pixels together.
     pub(crate) spread: f64,
-    /// Squared differences of the squares' variances, relative to the variance of the row.
+    /// Squared differences of the blocks' variances, relative to the variance of the row.
     pub(crate) squared: f64,
     /// Their squares.
     pub(crate) fourths: f64,
@@ -41,7 +41,7 @@ pub(crate) struct Halves {
 
 impl Halves {
     /// Of two sets of passes in one row of tiles.
-    pub(crate) fn between([a, b]: [&[Moments]; 2], tallies: [Tally; 2], squares: &Squares) -> Self {
+    pub(crate) fn between([a, b]: [&[Moments]; 2], tallies: [Tally; 2], blocks: &Blocks) -> Self {
         if tallies.iter().any(|tally| tally.observations < 2) {
             return Self::default();
         }
@@ -53,8 +53,8 @@ impl Halves {
         let scale = whole / (m + n) * (1.0 / m + 1.0 / n).sqrt();
         let apart = |i: usize| spread(&a[i]) / m - spread(&b[i]) / n;
         let mut halves = Self { spread: whole, ..Self::default() };
-        for square in squares.all(a.len()) {
-            let apart = square.map(apart).sum::<f64>() / scale;
+        for block in blocks.all(a.len()) {
+            let apart = block.map(apart).sum::<f64>() / scale;
             halves.squared += apart * apart;
             halves.fourths += apart.powi(4);
         }
@@ -82,14 +82,14 @@ impl Dispersion {
         if dof.is_finite() { Self { variance: squared, dof } } else { Self::default() }
     }
 
-    /// Of one set of passes, by the spreads of the squares themselves: too large, since some squares are truly
-    /// noisier. Unknown of one square.
-    pub(crate) fn among(squares: &[f64], observations: u64) -> Self {
-        let (whole, count) = (squares.iter().sum::<f64>(), squares.len() as f64);
+    /// Of one set of passes, by the spreads of the blocks themselves: too large, since some blocks are truly
+    /// noisier. Unknown of one block.
+    pub(crate) fn among(blocks: &[f64], observations: u64) -> Self {
+        let (whole, count) = (blocks.iter().sum::<f64>(), blocks.len() as f64);
         if observations < 2 || count < 2.0 || whole == 0.0 {
             return Self::default();
         }
-        let squared: f64 = squares.iter().map(|square| (square / whole - 1.0 / count).powi(2)).sum();
+        let squared: f64 = blocks.iter().map(|block| (block / whole - 1.0 / count).powi(2)).sum();
         let variance = squared * count / (count - 1.0) * (observations - 1) as f64;
         Self { variance, dof: count - 1.0 }
     }
@@ -101,8 +101,8 @@ fn spread(moments: &Moments) -> f64 {
     Rgb::mean(spread)
 }
 
-impl Squares {
-    /// The squares whose means a film of this width knows.
+impl Blocks {
+    /// The blocks whose means a film of this width knows.
     pub(crate) fn of_means(width: u32) -> Self {
         Self { width, side: BLOCK_SIDE }
     }
@@ -118,23 +118,23 @@ impl Squares {
         pixels.chunks(self.width as usize * TILE_SIDE as usize)
     }
 
-    /// Those of `squares`, one for each square of a film, that are in a row of tiles.
-    pub(crate) fn of_tile_row<'a, T>(&self, squares: &'a [T], index: usize) -> &'a [T] {
+    /// Those of `blocks`, one for each block of a film, that are in a row of tiles.
+    pub(crate) fn of_tile_row<'a, T>(&self, blocks: &'a [T], index: usize) -> &'a [T] {
         let count = self.width.div_ceil(self.side) as usize * (TILE_SIDE / self.side) as usize;
-        &squares[count * index..squares.len().min(count * (index + 1))]
+        &blocks[count * index..blocks.len().min(count * (index + 1))]
     }
 
-    /// The spread of every square.
+    /// The spread of every block.
     pub(crate) fn spreads(&self, moments: &[Moments]) -> impl Iterator<Item = f64> {
-        self.all(moments.len()).map(|square| square.map(|i| spread(&moments[i])).sum())
+        self.all(moments.len()).map(|block| block.map(|i| spread(&moments[i])).sum())
     }
 
-    /// The pixels of every square, as places among `pixels` pixels of whole rows.
+    /// The pixels of every block, as places among `pixels` pixels of whole rows.
     pub(crate) fn all(self, pixels: usize) -> impl Iterator<Item = impl Iterator<Item = usize>> {
         let width = self.width as usize;
         let place = move |(x, y): (u32, u32)| y as usize * width + x as usize;
         Tile::grid([self.width, (pixels / width) as u32], [self.side; 2])
-            .map(move |square| square.pixels().map(place))
+            .map(move |block| block.pixels().map(place))
     }
 }
 
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const ROW: Squares = Squares { width: 4, side: 2 };
+    const ROW: Blocks = Blocks { width: 4, side: 2 };
 
     type Half = (Vec<Moments>, Tally);
 
@@ -158,10 +158,10 @@ mod tests {
     }
 
     #[test]
-    fn halves_are_compared_square_by_square() {
+    fn halves_are_compared_block_by_block() {
         let (a, b) = (half(3, [1.0, 3.0, 2.0, 2.0]), half(5, [4.0, 8.0, 1.0, 3.0]));
         let Dispersion { variance, dof } = between(&a, &b);
-        // Variances of the squares 2 and 2 beside 3 and 1; of all together 24 by 6 degrees of freedom.
+        // Variances of the blocks 2 and 2 beside 3 and 1; of all together 24 by 6 degrees of freedom.
         let unit = 1.0 / (16.0 * (0.5 + 0.25));
         assert_relative_eq!(variance, (1.0 + 1.0) * unit, max_relative = 1e-14);
         assert_relative_eq!(dof, 4.0, max_relative = 1e-14);
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn squares_by_themselves_disperse_by_their_variances() {
+    fn blocks_by_themselves_disperse_by_their_variances() {
         let (pixels, tally) = half(4, [1.0, 2.0, 2.0, 3.0]);
         // Shares of 3/8 and 5/8: a variance of 1/32, and of their sum twice that, for 3 degrees of freedom.
         let spreads: Vec<f64> = ROW.spreads(&pixels).collect();
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn rows_of_tiles_add_up() {
         let (a, b) = (half(3, [1.0, 3.0, 2.0, 2.0]), half(5, [4.0, 8.0, 1.0, 3.0]));
-        let pair = Squares { width: 2, side: 2 };
+        let pair = Blocks { width: 2, side: 2 };
         let rows =
             [0..2, 2..4].map(|part| Halves::between([&a.0[part.clone()], &b.0[part]], [a.1, b.1], &pair));
         let (whole, parts) = (between(&a, &b), Dispersion::between(&rows));

@@ -17,11 +17,11 @@ pub struct ImageError {
     /// The interval that holds with a probability of 95 % what `relative_rmse` is on average over all seeds.
     ///
     /// It comes from the difference between the two halves of a node of passes ([`Film`]), of which only chance is
-    /// the reason, summed over squares of pixels that are independent of each other. Each half needs two
+    /// the reason, summed over blocks of pixels that are independent of each other. Each half needs two
     /// observations: with Sobol' points, passes `4 k` to `4 k + 3` for some `k`; with independent samples, passes
     /// `2 k` and `2 k + 1` of at least two samples each. Among several nodes that of the most observations counts.
     ///
-    /// Without such a node it comes from the differences between the squares, of which some are truly noisier, and
+    /// Without such a node it comes from the differences between the blocks, of which some are truly noisier, and
     /// is too wide. `[0, inf]` if nothing is known, or if strips of the picture hold different passes. How often it
     /// holds, and where less: docs/estimators.md.
     pub interval_95: [f64; 2],
@@ -78,8 +78,8 @@ pub(crate) struct ErrorSums {
     pub(crate) pixels: PixelSums,
     /// The passes of the first strip; `None` if another one has others.
     passes: Option<Passes>,
-    /// The spreads of all squares, if the halves of nodes say nothing.
-    squares: Vec<f64>,
+    /// The spreads of all blocks, if the halves of nodes say nothing.
+    blocks: Vec<f64>,
 }
 
 /// Passes that all strips have.
@@ -106,7 +106,7 @@ impl ErrorSums {
         }
         if film.nodes().iter().flat_map(|node| &node.halves).all(|halves| halves.spread == 0.0) {
             let moments: Vec<Moments> = film.all_sums().map(|(moments, _)| moments).collect();
-            self.squares.extend(film.squares().spreads(&moments));
+            self.blocks.extend(film.independent_blocks().spreads(&moments));
         }
         self.pixels.add(film);
     }
@@ -119,7 +119,7 @@ impl ErrorSums {
         }
         let unknown = ImageError { relative_rmse, interval_95: [0.0, f64::INFINITY] };
         let Some(passes) = self.passes.as_ref().filter(|_| relative_rmse.is_finite()) else { return unknown };
-        let Dispersion { variance, dof } = passes.dispersion(&self.squares);
+        let Dispersion { variance, dof } = passes.dispersion(&self.blocks);
         if dof == 0.0 {
             return unknown;
         }
@@ -132,12 +132,12 @@ impl ErrorSums {
 
 impl Passes {
     /// What is known of the picture's variance: by the halves of the largest node, or if it has none that
-    /// vary, by the squares of pixels.
-    fn dispersion(&self, squares: &[f64]) -> Dispersion {
+    /// vary, by the blocks of pixels.
+    fn dispersion(&self, blocks: &[f64]) -> Dispersion {
         let nodes = self.nodes.iter().map(|(header, halves)| (header, Dispersion::between(halves)));
         let known = nodes.filter(|(_, dispersion)| dispersion.dof > 0.0);
         let largest = known.max_by_key(|(header, _)| (header.tally.observations, Reverse(header.first)));
         largest
-            .map_or_else(|| Dispersion::among(squares, self.tally.observations), |(_, dispersion)| dispersion)
+            .map_or_else(|| Dispersion::among(blocks, self.tally.observations), |(_, dispersion)| dispersion)
     }
 }

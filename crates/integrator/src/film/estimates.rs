@@ -1,4 +1,4 @@
-use super::dispersion::Squares;
+use super::dispersion::Blocks;
 use super::{Film, margin};
 use crate::PathReuse;
 use crate::path::BLOCK_SIDE;
@@ -54,7 +54,7 @@ impl Estimates {
             origin: [0; 2],
             means: vec![Rgb::BLACK; pixels],
             standard_errors: vec![Rgb::splat(f64::INFINITY); pixels],
-            block_errors: vec![Rgb::splat(f64::INFINITY); Squares::of_means(width).count(pixels)],
+            block_errors: vec![Rgb::splat(f64::INFINITY); Blocks::of_means(width).count(pixels)],
             samples: vec![0; pixels],
             observations: vec![0; pixels],
             path_reuse: PathReuse::Off,
@@ -88,8 +88,8 @@ impl Estimates {
         for (error, variance) in errors.zip(film.variances_of_mean()) {
             *error = variance.map(f64::sqrt);
         }
-        let squares = Squares::of_means(self.width);
-        let first = squares.count(pixels.start);
+        let blocks = Blocks::of_means(self.width);
+        let first = blocks.count(pixels.start);
         for (error, variance) in self.block_errors[first..].iter_mut().zip(film.block_variances_of_mean()) {
             *error = variance.map(f64::sqrt);
         }

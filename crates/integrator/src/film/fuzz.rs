@@ -88,7 +88,7 @@ mod tests {
         let good = checkpoint(&[(0, 1.0, 0.0)]);
         for number in [f64::NAN, -1.0, f64::INFINITY] {
             let mut bytes = good.clone();
-            // Before the pixel, its square, the checksum and the end.
+            // Before the pixel, its block, the checksum and the end.
             let at = bytes.len() - 64 - 8 - 24 - 48 - 24;
             bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
             let result = Picture::from_bytes(&resealed(&bytes).unwrap());

@@ -14,7 +14,7 @@ mod pixels;
 pub(crate) mod student;
 
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
-pub(crate) use dispersion::Squares;
+pub(crate) use dispersion::Blocks;
 pub use error::{ImageError, PixelSums};
 pub use estimates::Estimates;
 pub(crate) use estimates::{assert_crop, crop};
@@ -41,7 +41,7 @@ use std::ops::Range;
 ///
 /// Passes are kept as nodes of `2^k` passes that start at a multiple of `2^k`. Passes from 0 on without gaps make one
 /// node for each digit 1 of their number in binary; other passes may make more. A node takes 48 bytes a pixel, and 24
-/// bytes for each square of 4 x 4 pixels and each row of tiles.
+/// bytes for each block of 4 x 4 pixels and each row of tiles.
 ///
 /// The standard error comes from the spread of independent observations: of samples where those
 /// are independent, of the means of passes where the samples of a pass are stratified. Errors of
@@ -179,12 +179,12 @@ impl Film {
     /// [`Film::observations`], here of such means: it allows for errors that the pixels of a block have in common or
     /// that cancel. Infinite for fewer than two observations.
     pub fn block_variances_of_mean(&self) -> impl Iterator<Item = Rgb> + '_ {
-        let squares = Squares::of_means(self.width).all(self.pixel_count());
-        squares.enumerate().map(|(at, square)| {
-            let places: Vec<usize> = square.collect();
+        let blocks = Blocks::of_means(self.width).all(self.pixel_count());
+        blocks.enumerate().map(|(at, block)| {
+            let places: Vec<usize> = block.collect();
             let (moments, tally) = self.joined(|node| Moments {
                 sum: mean(places.iter().map(|&place| node.pixels[place].sum)),
-                spread: node.squares[at],
+                spread: node.blocks[at],
             });
             moments.variance_of_mean(tally)
         })
@@ -234,8 +234,8 @@ impl Film {
 
     /// Adds a node of passes that are not there yet, and joins what makes up a larger node.
     pub(crate) fn insert(&mut self, node: PassNode) {
-        let squares = self.squares();
-        insert(&mut self.nodes, node, |node, next| node.join(next, &squares));
+        let blocks = self.independent_blocks();
+        insert(&mut self.nodes, node, |node, next| node.join(next, &blocks));
     }
 
     /// Appends the rows below, of the same passes.
@@ -245,7 +245,7 @@ impl Film {
         for (node, more) in self.nodes.iter_mut().zip(below.nodes) {
             debug_assert_eq!(node.header, more.header);
             node.pixels.extend(more.pixels);
-            node.squares.extend(more.squares);
+            node.blocks.extend(more.blocks);
             node.halves.extend(more.halves);
         }
     }
@@ -281,9 +281,9 @@ impl Film {
         self.nodes.iter().fold(Tally::default(), |sum, node| sum.joined(node.header.tally))
     }
 
-    /// The squares of pixels whose errors are independent of each other's.
-    pub(crate) fn squares(&self) -> Squares {
-        Squares { width: self.width, side: self.path_reuse.tile_side() }
+    /// The blocks of pixels whose errors are independent of each other's.
+    pub(crate) fn independent_blocks(&self) -> Blocks {
+        Blocks { width: self.width, side: self.path_reuse.tile_side() }
     }
 
     pub(crate) fn all_sums(&self) -> impl Iterator<Item = (Moments, Tally)> + '_ {

@@ -1,4 +1,4 @@
-use super::dispersion::{Halves, Squares};
+use super::dispersion::{Blocks, Halves};
 use super::moments::{Moments, Tally};
 use globillum_material::Rgb;
 use std::fmt;
@@ -62,8 +62,8 @@ impl PassNodeHeader {
 pub(crate) struct PassNode {
     pub(crate) header: PassNodeHeader,
     pub(crate) pixels: Vec<Moments>,
-    /// Squared deviations of the observations of each square of 4 x 4 pixels, which are means over its pixels.
-    pub(crate) squares: Vec<Rgb>,
+    /// Squared deviations of the observations of each block of 4 x 4 pixels, which are means over its pixels.
+    pub(crate) blocks: Vec<Rgb>,
     /// How its halves differ, for each row of tiles.
     pub(crate) halves: Vec<Halves>,
 }
@@ -71,20 +71,20 @@ pub(crate) struct PassNode {
 impl PassNode {
     /// A node of one pass of one observation, of pixels in rows of this width.
     pub(crate) fn of_pass(first: u32, tally: Tally, pixels: Vec<Moments>, width: u32) -> Self {
-        let squares = vec![Rgb::BLACK; Squares::of_means(width).count(pixels.len())];
-        let halves = vec![Halves::default(); Squares::of_means(width).tile_rows(&pixels).len()];
-        Self { header: PassNodeHeader { first, passes: 1, tally }, pixels, squares, halves }
+        let blocks = vec![Rgb::BLACK; Blocks::of_means(width).count(pixels.len())];
+        let halves = vec![Halves::default(); Blocks::of_means(width).tile_rows(&pixels).len()];
+        Self { header: PassNodeHeader { first, passes: 1, tally }, pixels, blocks, halves }
     }
 
-    /// Takes in the other half. The errors of `independent` squares do not depend on each other's.
-    pub(crate) fn join(&mut self, next: &Self, independent: &Squares) {
+    /// Takes in the other half. The errors of `independent` blocks do not depend on each other's.
+    pub(crate) fn join(&mut self, next: &Self, independent: &Blocks) {
         let tallies = [self.header.tally, next.header.tally];
         let rows = independent.tile_rows(&self.pixels).zip(independent.tile_rows(&next.pixels));
         self.halves = rows.map(|(a, b)| Halves::between([a, b], tallies, independent)).collect();
         let samples = tallies.map(|tally| tally.samples);
-        let squares = Squares::of_means(independent.width).all(self.pixels.len());
-        for (square, (own, &other)) in squares.zip(self.squares.iter_mut().zip(&next.squares)) {
-            let sums = square_sums([&self.pixels, &next.pixels], square);
+        let blocks = Blocks::of_means(independent.width).all(self.pixels.len());
+        for (block, (own, &other)) in blocks.zip(self.blocks.iter_mut().zip(&next.blocks)) {
+            let sums = block_sums([&self.pixels, &next.pixels], block);
             let [a, b] = [(sums[0], *own), (sums[1], other)].map(|(sum, spread)| Moments { sum, spread });
             *own = a.joined(samples[0], &b, samples[1]).spread;
         }
@@ -96,10 +96,10 @@ impl PassNode {
     }
 }
 
-/// The mean over a square's pixels of the sums of their samples, in each of two sets.
-fn square_sums(sets: [&[Moments]; 2], square: impl Iterator<Item = usize>) -> [Rgb; 2] {
+/// The mean over a block's pixels of the sums of their samples, in each of two sets.
+fn block_sums(sets: [&[Moments]; 2], block: impl Iterator<Item = usize>) -> [Rgb; 2] {
     let (mut sums, mut count) = ([Rgb::BLACK; 2], 0.0);
-    for at in square {
+    for at in block {
         for (sum, pixels) in sums.iter_mut().zip(sets) {
             *sum += pixels[at].sum;
         }

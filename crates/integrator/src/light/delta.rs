@@ -236,7 +236,5 @@ fn valid_direction(direction: DVec3) -> Result<DVec3, DeltaLightError> {
 }
 
 fn valid_value(value: Rgb) -> Result<Rgb, DeltaLightError> {
-    let range = Emission::MIN_RADIANCE..=Emission::MAX_RADIANCE;
-    let is_valid = value.to_array().iter().all(|x| *x == 0.0 || range.contains(x));
-    if is_valid { Ok(value) } else { Err(DeltaLightError::Value(value)) }
+    if Emission::allows(value) { Ok(value) } else { Err(DeltaLightError::Value(value)) }
 }

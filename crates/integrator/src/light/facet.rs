@@ -69,7 +69,7 @@ impl Facet {
 
     /// The reflection of the unit vector `direction`.
     pub(crate) fn reflect(&self, direction: DVec3) -> DVec3 {
-        direction - 2.0 * self.normal.dot(direction) * self.normal
+        reflection(direction, self.normal)
     }
 
     /// Whether the ray, without regard to `t_max` and other triangles, hits the facet, decided as accelerators decide it.
@@ -105,4 +105,9 @@ impl Facet {
         let may_show = |&index: &u32| lights.may_be_seen_through(triangles.get(index), image);
         self.triangles.len() > Self::MOST_TESTED || self.triangles.iter().any(may_show)
     }
+}
+
+/// The reflection of the unit vector `direction` by a mirror of this unit normal.
+pub(crate) fn reflection(direction: DVec3, normal: DVec3) -> DVec3 {
+    direction - 2.0 * normal.dot(direction) * normal
 }

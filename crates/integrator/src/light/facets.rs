@@ -24,43 +24,63 @@ impl Facets {
     /// Of the triangles with the indices `mirrors`. Adjacent triangles that are coplanar share a facet.
     pub(super) fn of(triangles: &Triangles, mirrors: &[u32]) -> Self {
         let neighbours = neighbours(triangles, mirrors);
-        let mut facets = Self::default();
+        let bodies = closed_bodies(triangles, mirrors, &neighbours);
         let mut body_of = vec![None; mirrors.len()];
-        for body in connected(&neighbours, |_, _| true, 0..mirrors.len() as u32) {
-            let is_closed = body.iter().all(|&place| neighbours[place as usize].iter().all(Option::is_some));
-            if !is_closed || facets.bodies.len() == Self::MOST_BODIES {
-                continue;
-            }
-            let members = || body.iter().map(|&place| triangles.get(mirrors[place as usize]).vertices);
-            let is_inverted = volume(members()) < 0.0;
-            let number = facets.bodies.len() as u32;
-            body.iter().for_each(|&place| body_of[place as usize] = Some((number, is_inverted)));
-            facets.bodies.push(Aabb::around(members().flatten()));
+        for (number, body) in (0_u32..).zip(&bodies) {
+            body.places.iter().for_each(|&place| body_of[place as usize] = Some((number, body.is_inverted)));
         }
-        // Larger triangles determine their plane more precisely.
-        let mut by_area: Vec<_> = (0..mirrors.len() as u32).collect();
-        // The bits of areas, which are not negative, are in the order of the areas.
-        let area = |place: &u32| Reverse(triangles.get(mirrors[*place as usize]).area().to_bits());
-        by_area.par_sort_by_cached_key(area);
-        let normals: Vec<_> = mirrors.par_iter().map(|&index| triangles.get(index).normal()).collect();
-        let is_coplanar = |first: u32, other: u32| {
-            let [a, b] = [first, other].map(|place| normals[place as usize]);
-            let triangle = |place: u32| triangles.get(mirrors[place as usize]);
-            Facet::is_parallel(a, b)
-                && Facet::of(mirrors[first as usize], triangle(first)).is_close(triangle(other))
-        };
-        for group in connected(&neighbours, is_coplanar, by_area) {
-            let index = mirrors[group[0] as usize];
+        let facet = |places: Vec<u32>| {
+            let index = mirrors[places[0] as usize];
             let mut facet = Facet::of(index, triangles.get(index));
-            facet.triangles = group.iter().map(|&place| mirrors[place as usize]).collect();
-            if let Some((body, is_inverted)) = body_of[group[0] as usize] {
+            facet.triangles = places.iter().map(|&place| mirrors[place as usize]).collect();
+            if let Some((body, is_inverted)) = body_of[places[0] as usize] {
                 facet.body = Some(body);
                 facet.normal *= if is_inverted { -1.0 } else { 1.0 };
             }
-            facets.facets.push(facet);
-        }
-        facets
+            facet
+        };
+        let facets = coplanar_groups(triangles, mirrors, &neighbours).into_iter().map(facet).collect();
+        Self { facets, bodies: bodies.into_iter().map(|body| body.bounds).collect() }
     }
+}
+
+/// Triangles that enclose a part of space.
+struct ClosedBody {
+    /// The places of the triangles.
+    places: Vec<u32>,
+    bounds: Aabb,
+    /// Whether the fronts are on the inner side.
+    is_inverted: bool,
+}
+
+/// The first [`Facets::MOST_BODIES`] groups of connected triangles whose every edge is shared by exactly one other, in the
+/// opposite direction.
+fn closed_bodies(triangles: &Triangles, mirrors: &[u32], neighbours: &[Neighbours]) -> Vec<ClosedBody> {
+    let is_closed =
+        |body: &Vec<u32>| body.iter().all(|&place| neighbours[place as usize].iter().all(Option::is_some));
+    let body = |places: Vec<u32>| {
+        let members = || places.iter().map(|&place| triangles.get(mirrors[place as usize]).vertices);
+        let (bounds, is_inverted) = (Aabb::around(members().flatten()), volume(members()) < 0.0);
+        ClosedBody { places, bounds, is_inverted }
+    };
+    let all = connected(neighbours, |_, _| true, 0..mirrors.len() as u32);
+    all.into_iter().filter(is_closed).take(Facets::MOST_BODIES).map(body).collect()
+}
+
+/// The groups of adjacent coplanar triangles, by their places. The first triangle of each is its largest.
+fn coplanar_groups(triangles: &Triangles, mirrors: &[u32], neighbours: &[Neighbours]) -> Vec<Vec<u32>> {
+    let triangle = |place: u32| triangles.get(mirrors[place as usize]);
+    // Larger triangles determine their plane more precisely.
+    let mut by_area: Vec<_> = (0..mirrors.len() as u32).collect();
+    // The bits of areas, which are not negative, are in the order of the areas.
+    by_area.par_sort_by_cached_key(|&place| Reverse(triangle(place).area().to_bits()));
+    let normals: Vec<_> = mirrors.par_iter().map(|&index| triangles.get(index).normal()).collect();
+    let is_coplanar = |first: u32, other: u32| {
+        let [a, b] = [first, other].map(|place| normals[place as usize]);
+        Facet::is_parallel(a, b)
+            && Facet::of(mirrors[first as usize], triangle(first)).is_close(triangle(other))
+    };
+    connected(neighbours, is_coplanar, by_area)
 }
 
 /// The groups of triangles that are connected by shared edges. Each grows from the first of `seeds` that is in none,

@@ -19,6 +19,7 @@ mod viewpoints;
 
 pub(crate) use alias_table::AliasTable;
 pub use delta::{DeltaLight, DeltaLightSample};
+pub(crate) use facet::reflection;
 pub(crate) use large_mirrors::LargeMirrors;
 pub(crate) use lights::Light;
 pub use lights::Lights;

@@ -1,3 +1,4 @@
+use super::facet::reflection;
 use super::light_clusters::LightClusters;
 use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
 use super::receiver::Receiver;
@@ -110,7 +111,7 @@ impl SmallMirrors {
         let (u, v) = Triangle::sample_uniform(point);
         let point = triangles.surface_point(triangle, u, v);
         let direction = (point.position - from).try_normalize()?;
-        let reflected = direction - 2.0 * point.normal.dot(direction) * point.normal;
+        let reflected = reflection(direction, point.normal);
         if !lights.may_be_hit_by(point.position, reflected) {
             return None;
         }

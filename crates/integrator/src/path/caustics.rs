@@ -7,7 +7,7 @@
 //! that it sees in `y`. [Rays guided by photons](super::photon_rays) take a part of what comes by way of several mirrors.
 
 use super::counters::Counters;
-use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflection};
+use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use super::path_state::{Path, Stage};
 use super::photon_rays::bsdf_weight;
 use super::pixel_groups::square_of;
@@ -162,7 +162,7 @@ impl Caustics {
         for (i, (ray, _)) in
             (1..).zip(rays.iter().zip(occluded.iter())).filter(|(_, (_, occluded))| !**occluded)
         {
-            emission_rays.push(reflection(mirror, ray.direction), i, reflectance.rgb());
+            emission_rays.push(reflected_ray(mirror, ray.direction), i, reflectance.rgb());
         }
         // Two bounces: at the prefix's end, and at this mirror.
         let left = context.settings.max_bounces.map_or(u32::MAX, |max| max - bounce - 2);

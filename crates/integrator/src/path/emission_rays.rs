@@ -1,6 +1,7 @@
 //! Rays that find the emission of lights, directly and by way of mirrors.
 
 use super::render_context::RenderContext;
+use crate::light::reflection;
 use crate::{Interaction, PathStart};
 use glam::DVec3;
 use globillum_geom::{Hit, Ray, SurfacePoint};
@@ -37,9 +38,9 @@ pub(super) fn max_reflections(context: &RenderContext<'_>) -> u32 {
     context.settings.max_bounces.unwrap_or(u32::MAX).min(MAX_REFLECTIONS)
 }
 
-/// The ray that leaves a mirror after one in `direction` has met it.
-pub(super) fn reflection(mirror: &SurfacePoint, direction: DVec3) -> Ray {
-    mirror.spawn(direction - 2.0 * mirror.normal.dot(direction) * mirror.normal)
+/// The ray that leaves a mirror after one in the unit `direction` has met it.
+pub(super) fn reflected_ray(mirror: &SurfacePoint, direction: DVec3) -> Ray {
+    mirror.spawn(reflection(direction, mirror.normal))
 }
 
 impl EmissionRays {

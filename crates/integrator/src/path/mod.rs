@@ -3,7 +3,6 @@
 mod caustics;
 mod choices;
 mod counters;
-mod debug_sample;
 mod emission_rays;
 mod large_mirror_rays;
 mod light_edges;
@@ -14,6 +13,7 @@ mod photon_rays;
 mod pixel_groups;
 mod probes;
 mod render_context;
+mod replay;
 mod reuse;
 mod reuse_vertex;
 mod shading_point;
@@ -24,10 +24,10 @@ mod training;
 mod wavefront;
 
 pub use counters::Counters;
-pub use debug_sample::{Replay, Vertex, replay};
 pub(crate) use light_edges::LightEdges;
 pub(crate) use probes::probed;
 pub(crate) use render_context::RenderContext;
+pub use replay::{Replay, Vertex, replay};
 pub(crate) use tile_bounds::{BLOCK_SIDE, SIDE as TILE_SIDE, Tile};
 pub(crate) use training::guide;
 pub(crate) use wavefront::Wavefront;

@@ -5,7 +5,7 @@
 //! last mirror.
 
 use super::counters::Counters;
-use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflection};
+use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use super::render_context::RenderContext;
 use super::reuse::{Prefix, Prefixes};
 use super::reuse_vertex::ReuseVertex;
@@ -118,7 +118,7 @@ impl PhotonRays {
                 // As for the path of a sample: no ray can leave it.
                 radiance[samples[i as usize] as usize] = Rgb::splat(f64::NAN);
             } else if let Bsdf::Mirror(reflectance) = at.material.bsdf {
-                emission_rays.push(reflection(&at.point, ray.direction), i, reflectance.rgb());
+                emission_rays.push(reflected_ray(&at.point, ray.direction), i, reflectance.rgb());
             }
         }
         let add = |found: FoundEmission<'_>| {

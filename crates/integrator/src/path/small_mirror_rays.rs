@@ -1,4 +1,4 @@
-use super::emission_rays::reflection;
+use super::emission_rays::reflected_ray;
 use super::path_state::{Contribution, Path, Target};
 use super::render_context::RenderContext;
 use super::shading_point::{PriorChoice, ShadingPoint};
@@ -83,7 +83,7 @@ impl SmallMirrorRays {
             let radiance = sample.radiance * reflectance.rgb();
             if !radiance.is_black() {
                 let point = scene.triangles().surface_point(hit.triangle, hit.u, hit.v);
-                self.reflected_rays.push(reflection(&point, ray.direction));
+                self.reflected_rays.push(reflected_ray(&point, ray.direction));
                 self.reflected.push(Sample { radiance, ..*sample });
             }
         }

@@ -31,8 +31,8 @@ impl Tile {
         })
     }
 
-    /// The tile in squares of 4 x 4 pixels of `window`, whose upper left corner is at 0; it begins with one.
-    pub(crate) fn squares_in(&self, window: &Tile) -> Tile {
+    /// The tile in blocks of 4 x 4 pixels of `window`, whose upper left corner is at 0; it begins with one.
+    pub(crate) fn blocks_in(&self, window: &Tile) -> Tile {
         Tile {
             x: (self.x - window.x) / BLOCK_SIDE,
             y: (self.y - window.y) / BLOCK_SIDE,

@@ -1,7 +1,7 @@
 use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
-use crate::film::{Moments, PassNode, Squares, Tally};
+use crate::film::{Blocks, Moments, PassNode, Tally};
 use crate::path::{LightEdges, RenderContext, Tile, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_material::Rgb;
@@ -30,8 +30,8 @@ pub(crate) struct PassRenderer<'a> {
 struct TileResult {
     tile: Tile,
     pixels: Vec<Moments>,
-    /// The means of squares, where single samples are observations.
-    squares: Vec<Moments>,
+    /// The means of blocks, where single samples are observations.
+    blocks: Vec<Moments>,
     counters: Counters,
 }
 
@@ -76,8 +76,8 @@ impl PassRenderer<'_> {
     ) -> Result<Option<TileResult>, RenderError> {
         let all = self.context.settings.samples_of(pass..pass + 1);
         let mut pixels = vec![Moments::default(); tile.pixel_count()];
-        let of_squares = Squares::of_means(tile.width);
-        let mut squares = vec![Moments::default(); of_squares.count(pixels.len())];
+        let of_blocks = Blocks::of_means(tile.width);
+        let mut blocks = vec![Moments::default(); of_blocks.count(pixels.len())];
         let mut counters = Counters::default();
         for first in all.clone().step_by(WAVEFRONT_SAMPLES as usize) {
             if cancelled() {
@@ -98,14 +98,14 @@ impl PassRenderer<'_> {
             }
             if self.context.settings.sampler == Sampler::Independent {
                 let add =
-                    |(square, moments)| add_means(moments, square, wavefront.radiance(), &samples, all.start);
-                of_squares.all(pixels.len()).zip(&mut squares).for_each(add);
+                    |(block, moments)| add_means(moments, block, wavefront.radiance(), &samples, all.start);
+                of_blocks.all(pixels.len()).zip(&mut blocks).for_each(add);
             }
             counters += counted;
         }
         self.meter.add(pixels.len() as u64 * all.len() as u64, &counters);
         self.monitor.progress(self.meter.progress());
-        Ok(Some(TileResult { tile, pixels, squares, counters }))
+        Ok(Some(TileResult { tile, pixels, blocks, counters }))
     }
 
     /// Puts the tiles of a pass together as a node of the film.
@@ -120,14 +120,14 @@ impl PassRenderer<'_> {
         let pixels = vec![Moments::default(); self.window.pixel_count()];
         let mut node = PassNode::of_pass(pass, Tally { samples, observations }, pixels, self.window.width);
         let mut counters = Counters::default();
-        for TileResult { tile, pixels, squares, counters: counted } in tiles {
+        for TileResult { tile, pixels, blocks, counters: counted } in tiles {
             for ((x, y), moments) in tile.pixels().zip(pixels) {
                 let spread = if observations > 1 { moments.spread } else { Rgb::BLACK };
                 node.pixels[self.window.index(x, y)] = Moments { spread, ..moments };
             }
-            let [all, part] = [&self.window, &tile].map(|tile| tile.squares_in(&self.window));
-            for ((x, y), moments) in part.pixels().zip(squares) {
-                node.squares[all.index(x, y)] = moments.spread;
+            let [all, part] = [&self.window, &tile].map(|tile| tile.blocks_in(&self.window));
+            for ((x, y), moments) in part.pixels().zip(blocks) {
+                node.blocks[all.index(x, y)] = moments.spread;
             }
             counters += counted;
         }
@@ -135,15 +135,15 @@ impl PassRenderer<'_> {
     }
 }
 
-/// Adds the means of a square's `radiance`, of all samples of a tile, to the mean of those from `start` on.
+/// Adds the means of a block's `radiance`, of all samples of a tile, to the mean of those from `start` on.
 fn add_means(
     moments: &mut Moments,
-    square: impl Iterator<Item = usize>,
+    block: impl Iterator<Item = usize>,
     radiance: &[Rgb],
     samples: &Range<u32>,
     start: u32,
 ) {
-    let places: Vec<usize> = square.collect();
+    let places: Vec<usize> = block.collect();
     for (i, sample) in samples.clone().enumerate() {
         let mut sum = Rgb::BLACK;
         places.iter().for_each(|place| sum += radiance[place * samples.len() + i]);

@@ -1,9 +1,9 @@
 //! A row of tiles as bytes: for each node how its halves differ, then for each pixel the sum of three components
-//! and, if there are several observations, their spread, and then that of each square of 4 x 4 pixels; then a checksum.
+//! and, if there are several observations, their spread, and then that of each block of 4 x 4 pixels; then a checksum.
 
 use super::bytes::{Numbers, sealed, unsealed};
 use crate::CheckpointError;
-use crate::film::dispersion::{Halves, Squares};
+use crate::film::dispersion::{Blocks, Halves};
 use crate::film::pass_node::{PassNode, PassNodeHeader};
 use crate::film::{Film, Moments};
 use globillum_material::Rgb;
@@ -14,8 +14,8 @@ const TRIPLE_BYTES: u64 = 24;
 /// The bytes of a film of one row of tiles with these nodes.
 pub(super) fn length(rows: &Film, nodes: &[PassNodeHeader]) -> u64 {
     let pixels = rows.pixel_count() as u64;
-    let squares = Squares::of_means(rows.width()).count(rows.pixel_count()) as u64;
-    let triples = |node| 1 + pixels + if has_spread(node) { pixels + squares } else { 0 };
+    let blocks = Blocks::of_means(rows.width()).count(rows.pixel_count()) as u64;
+    let triples = |node| 1 + pixels + if has_spread(node) { pixels + blocks } else { 0 };
     TRIPLE_BYTES * nodes.iter().map(triples).sum::<u64>() + 8
 }
 
@@ -27,7 +27,7 @@ fn has_spread(node: &PassNodeHeader) -> bool {
 /// Row `index` of the rows of tiles of `film`.
 pub(super) fn to_bytes(film: &Film, index: usize, seed: u64) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let means = Squares::of_means(film.width());
+    let means = Blocks::of_means(film.width());
     for node in film.nodes() {
         let Halves { spread, squared, fourths } = node.halves[index];
         bytes.extend([spread, squared, fourths].into_iter().flat_map(f64::to_le_bytes));
@@ -39,8 +39,8 @@ pub(super) fn to_bytes(film: &Film, index: usize, seed: u64) -> Vec<u8> {
             }
         }
         if has_spread(&node.header) {
-            let squares = means.of_tile_row(&node.squares, index).iter();
-            bytes.extend(squares.flat_map(|spread| spread.to_array()).flat_map(f64::to_le_bytes));
+            let blocks = means.of_tile_row(&node.blocks, index).iter();
+            bytes.extend(blocks.flat_map(|spread| spread.to_array()).flat_map(f64::to_le_bytes));
         }
     }
     sealed(seed, bytes).0
@@ -70,16 +70,16 @@ pub(super) fn from_bytes(
             }
             pixels.push(moments);
         }
-        let mut squares = vec![Rgb::BLACK; Squares::of_means(rows.width()).count(pixels.len())];
+        let mut blocks = vec![Rgb::BLACK; Blocks::of_means(rows.width()).count(pixels.len())];
         if has_spread(&header) {
-            for spread in &mut squares {
+            for spread in &mut blocks {
                 *spread = numbers.rgb()?;
                 if !(Moments { sum: Rgb::BLACK, spread: *spread }).are_possible() {
                     return Err(CheckpointError::Malformed("radiance"));
                 }
             }
         }
-        rows.insert(PassNode { header, pixels, squares, halves: vec![halves] });
+        rows.insert(PassNode { header, pixels, blocks, halves: vec![halves] });
     }
     Ok(rows)
 }

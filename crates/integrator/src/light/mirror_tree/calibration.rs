@@ -81,7 +81,7 @@ impl MirrorTree {
     /// The sum of the importances of all facets below a node of this level. Adds the inner nodes below it to `found`.
     fn sum_facets(&self, query: &Query, index: u32, level: u32, found: &mut Vec<Found>) -> f64 {
         let node = &self.nodes[index as usize];
-        let importance = self.level.run(
+        let importance = self.simd.run(
             #[inline(always)]
             || node.importance(query),
         );

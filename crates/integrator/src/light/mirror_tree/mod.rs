@@ -30,7 +30,7 @@ pub(super) struct MirrorTree {
     origin: DVec3,
     scale: f64,
     /// All levels give the same bits.
-    level: SimdLevel,
+    simd: SimdLevel,
 }
 
 /// What the tree is told of a facet.
@@ -75,7 +75,7 @@ impl MirrorTree {
         let mut items: Vec<_> = (0..).zip(facets).map(item).collect();
         let Built { nodes, depth, paths } = build::build(&mut items);
         let order = items.iter().map(|item| item.facet).collect();
-        (Self { nodes, depth, paths, bodies, origin, scale, level: SimdLevel::best() }, order)
+        (Self { nodes, depth, paths, bodies, origin, scale, simd: SimdLevel::best() }, order)
     }
 
     /// Where choices among the facets for which `shows` holds begin; `None` if none is ever chosen.
@@ -84,7 +84,7 @@ impl MirrorTree {
     /// than 1.
     #[inline(always)]
     pub(super) fn root(&self, at: &Viewpoint, attempts: f64, shows: impl Fn(u32) -> bool) -> Option<Root> {
-        self.level.run(
+        self.simd.run(
             #[inline(always)]
             || {
                 let query = self.query(at);
@@ -106,7 +106,7 @@ impl MirrorTree {
         us: [f64; N],
         shows: impl Fn(u32) -> bool,
     ) -> [Option<(u32, f64)>; N] {
-        self.level.run(
+        self.simd.run(
             #[inline(always)]
             || {
                 let mut descents = [None; N];
@@ -151,7 +151,7 @@ impl MirrorTree {
     /// does.
     #[inline(always)]
     pub(super) fn prob(&self, root: &Root, place: u32, shows: impl Fn(u32) -> bool) -> Option<f64> {
-        self.level.run(
+        self.simd.run(
             #[inline(always)]
             || {
                 let Root { query, mut weights, attempt_prob: mut prob } = *root;

@@ -32,7 +32,7 @@ pub(super) struct LightTree {
     far: Option<FarLights>,
     places: Vec<Place>,
     /// All levels give the same bits.
-    level: SimdLevel,
+    simd: SimdLevel,
 }
 
 /// A light that a tree has chosen.
@@ -82,13 +82,13 @@ impl LightTree {
         }
         let frame = TreeFrame::around(near.iter().map(|&(_, cluster)| cluster));
         let nodes = build::nodes(&mut near, &frame, |index, path| places[index as usize] = Place::Path(path));
-        Self { nodes, frame, far: FarLights::new(&far), places, level: SimdLevel::best() }
+        Self { nodes, frame, far: FarLights::new(&far), places, simd: SimdLevel::best() }
     }
 
     /// Chooses a light for the receiver by each of `us`, in `[0, 1)`.
     #[inline(never)] // compiled once for all accelerators
     pub(super) fn choose<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [ChosenLight; N] {
-        self.level.run(
+        self.simd.run(
             #[inline(always)]
             || {
                 let receiver = self.frame.receiver(receiver);
@@ -104,7 +104,7 @@ impl LightTree {
         receivers: [Receiver; N],
         us: [f64; N],
     ) -> [ChosenLight; N] {
-        self.level.run(
+        self.simd.run(
             #[inline(always)]
             || {
                 let (mut receivers, mut descents) = (receivers, [Descent::new(1.0, 0.0); N]);
@@ -163,7 +163,7 @@ impl LightTree {
     /// The probability with which [`LightTree::choose`] chooses the light `index`, to the bit.
     #[inline(never)]
     pub(super) fn prob(&self, receiver: Receiver, index: usize) -> f64 {
-        self.level.run(
+        self.simd.run(
             #[inline(always)]
             || self.prob_at_level(self.frame.receiver(receiver), index),
         )

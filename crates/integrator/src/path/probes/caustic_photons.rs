@@ -2,7 +2,7 @@
 
 use crate::guide::{Photon, PhotonGuide, coordinates};
 use crate::light::AliasTable;
-use crate::path::emission_rays::reflection;
+use crate::path::emission_rays::reflected_ray;
 use crate::path::photon_rays::{LEAST_MIRRORS, most_mirrors};
 use crate::path::render_context::RenderContext;
 use crate::{Settings, Stream};
@@ -109,7 +109,7 @@ impl PhotonPath {
                 // Russian roulette: what goes on has the same power.
                 let survives = self.numbers.uniform(6 + reflections) < reflectance.rgb().max_component();
                 (survives && reflections < most_mirrors(context)).then(|| Self {
-                    ray: reflection(&at.point, self.ray.direction),
+                    ray: reflected_ray(&at.point, self.ray.direction),
                     reflections: reflections + 1,
                     exit: at.point.position.as_vec3(),
                     ..*self

@@ -1,7 +1,7 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
 use crate::path::caustics::{LEAST_WEIGHT, at_first_vertex, weight};
-use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflection};
+use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::render_context::RenderContext;
 use crate::path::shading_point::MisContext;
 use crate::{PathStart, Stream};
@@ -33,7 +33,7 @@ fn probes_that_find(context: &RenderContext<'_>) -> usize {
         let Some(at) = hit.as_ref().map(|hit| context.scene.interaction(ray, hit)) else { continue };
         let Bsdf::Mirror(reflectance) = at.material.bsdf else { continue };
         if at.point.position.is_finite() {
-            reflected.push(reflection(&at.point, ray.direction), i, reflectance.rgb());
+            reflected.push(reflected_ray(&at.point, ray.direction), i, reflectance.rgb());
         }
     }
     let mut count = 0;
