@@ -94,7 +94,7 @@ impl FirstHits {
         let settings = &settings.for_sensor(camera)?;
         let threads = worker_threads(settings.threads).map_err(RenderError::Threads)?;
         let &Settings { width, height, .. } = settings;
-        let view = View { scene, camera, width: f64::from(width), height: f64::from(height) };
+        let view = View { scene, camera, size: [width, height] };
         let row = |y: u32| {
             let pixels = || (0..width).map(|x| view.pixel(x, y)).collect::<Vec<FirstHit>>();
             caught(pixels).map_err(|message| RenderError::Worker { x: 0, y, message })
@@ -121,8 +121,7 @@ struct View<'a> {
     scene: &'a Scene<dyn Accel + 'a>,
     camera: &'a dyn Sensor,
     /// Size of the picture in pixels.
-    width: f64,
-    height: f64,
+    size: [u32; 2],
 }
 
 impl View<'_> {
@@ -131,17 +130,16 @@ impl View<'_> {
         let mut hits = 0;
         for at in 0..RAYS * RAYS {
             let [dx, dy] = [at % RAYS, at / RAYS].map(|i| (f64::from(i) + 0.5) / f64::from(RAYS));
-            let Some((ray, hit)) = self.trace(f64::from(x) + dx, f64::from(y) + dy) else { continue };
+            let Some((ray, hit)) = self.trace((x, y), [dx, dy]) else { continue };
             let interaction = self.scene.interaction(&ray, &hit);
-            let front = interaction.point.normal;
             // Directions of cameras end at depth 1.
             depth += hit.t;
-            normal += if front.dot(ray.direction) > 0.0 { -front } else { front };
+            normal += interaction.side();
             albedo += albedo_of(&interaction.material.bsdf);
             hits += 1;
         }
         let all = f64::from(RAYS * RAYS);
-        let middle = self.trace(f64::from(x) + 0.5, f64::from(y) + 0.5).map(|(_, hit)| hit.triangle);
+        let middle = self.trace((x, y), [0.5; 2]).map(|(_, hit)| hit.triangle);
         FirstHit {
             depth: if hits == 0 { f64::INFINITY } else { depth / f64::from(hits) },
             normal: normal / all,
@@ -151,16 +149,9 @@ impl View<'_> {
         }
     }
 
-    /// The ray through a point of the picture, in pixels from its upper left corner, and its first hit.
-    fn trace(&self, x: f64, y: f64) -> Option<(Ray, Hit)> {
-        let Self { width, height, .. } = *self;
-        let sample = ElementSample {
-            column: x as u32,
-            row: y as u32,
-            x: 2.0 * x / width - 1.0,
-            y: 1.0 - 2.0 * y / height,
-            aspect: width / height,
-        };
+    /// The ray through a point of a pixel, at this offset from its upper left corner in pixels, and its first hit.
+    fn trace(&self, pixel: (u32, u32), offset: [f64; 2]) -> Option<(Ray, Hit)> {
+        let sample = ElementSample::new(pixel, offset, self.size);
         let PathStart::Ray(ray) = self.camera.start(&sample) else { return None };
         let hit = self.scene.accel().intersect(&ray)?;
         Some((ray, hit))

@@ -233,18 +233,16 @@ impl Pair {
     /// independent.
     fn weights(&self, variances: &[f64]) -> Vec<f64> {
         let columns = self.columns();
-        let rows = variances.len() / columns;
+        let (width, height) = (columns as u32, (variances.len() / columns) as u32);
+        let tiles = Tile { x: 0, y: 0, width, height };
         let floor = floor(variances);
-        let near = |x: usize, size: usize| x.saturating_sub(1)..(x + 2).min(size);
-        let weight = |at: usize| {
-            let (x, y) = (at % columns, at / columns);
-            let around = near(y, rows).flat_map(|y| near(x, columns).map(move |x| y * columns + x));
-            let around: Vec<f64> =
-                around.filter(|&other| other != at).map(|other| variances[other]).collect();
+        let weight = |tile: (u32, u32)| {
+            let around = Tile::pixels_near(tile, width, height).filter(|&other| other != tile);
+            let around: Vec<f64> = around.map(|(x, y)| variances[tiles.index(x, y)]).collect();
             let variance = mean_of(&around) + floor;
             if variance > 0.0 { 1.0 / variance } else { 1.0 }
         };
-        (0..variances.len()).map(weight).collect()
+        tiles.pixels().map(weight).collect()
     }
 }
 

@@ -97,9 +97,8 @@ fn dependence(picture: &Estimates, pixels: &[Cell]) -> Vec<f64> {
     let told = |at: usize| picture.block_errors[at].map(|error| error * error).mean();
     let whole = Tile { x: 0, y: 0, width: picture.width, height: picture.height };
     let all = whole.blocks_in(&whole);
-    let near = |x: u32, size: u32| x.saturating_sub(1)..(x + 2).min(size);
-    let of_block = |(block, (x, y))| {
-        let around = near(y, all.height).flat_map(|y| near(x, all.width).map(move |x| all.index(x, y)));
+    let of_block = |(block, place)| {
+        let around = Tile::pixels_near(place, all.width, all.height).map(|(x, y)| all.index(x, y));
         let (mut joint, mut alone) = (0.0, 0.0);
         around.for_each(|at| (joint, alone) = (joint + told(at), alone + independent[at]));
         let ratio = joint / alone;

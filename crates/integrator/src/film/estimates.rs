@@ -1,7 +1,7 @@
 use super::dispersion::Blocks;
 use super::{Film, margin};
 use crate::PathReuse;
-use crate::path::BLOCK_SIDE;
+use crate::path::{BLOCK_SIDE, Tile};
 use globillum_material::Rgb;
 use std::ops::Range;
 
@@ -145,15 +145,13 @@ impl Estimates {
         let mut sum = Rgb::BLACK;
         variances.iter().for_each(|&variance| sum += variance);
         let picture = sum / variances.len() as f64;
-        let (width, height) = (self.width as usize, self.height as usize);
-        let near = |x: usize, size: usize| x.saturating_sub(1)..(x + 2).min(size);
-        let margin = |at: usize| {
-            let (x, y) = (at % width, at / width);
-            let around = near(y, height).flat_map(|y| near(x, width).map(move |x| y * width + x));
-            let around = around.map(|at| variances[at]);
+        let whole = Tile { x: 0, y: 0, width: self.width, height: self.height };
+        let margin = |(at, pixel): (usize, (u32, u32))| {
+            let around = Tile::pixels_near(pixel, self.width, self.height);
+            let around = around.map(|(x, y)| variances[whole.index(x, y)]);
             margin::margin_95(self.observations[at].into(), variances[at], around, || picture)
         };
-        (0..variances.len()).map(margin).collect()
+        whole.pixels().enumerate().map(margin).collect()
     }
 }
 

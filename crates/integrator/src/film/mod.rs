@@ -24,7 +24,7 @@ pub(crate) use moments::{Moments, Tally};
 pub(crate) use pass_node::PassNode;
 pub use picture::{Ending, Picture};
 
-use crate::path::TILE_SIDE;
+use crate::path::{TILE_SIDE, Tile};
 use crate::{CheckpointError, PathReuse};
 use globillum_material::Rgb;
 use pass_node::insert;
@@ -252,8 +252,7 @@ impl Film {
 
     /// [`Film::margin_95`], by the mean variance of the `picture`.
     fn margin_of(&self, x: u32, y: u32, picture: impl FnOnce() -> Rgb) -> Rgb {
-        let near = |x: u32, size: u32| x.saturating_sub(1)..(x + 2).min(size);
-        let around = near(y, self.height()).flat_map(|y| near(x, self.width).map(move |x| (x, y)));
+        let around = Tile::pixels_near((x, y), self.width, self.height());
         let around = around.map(|(x, y)| self.variance_of_mean(x, y));
         margin::margin_95(self.observations(), self.variance_of_mean(x, y), around, picture)
     }

@@ -55,8 +55,8 @@ impl LightEdges {
         let seen = emission_seen(context, around);
         let differs = |(x, y): (u32, u32)| {
             let own = seen[around.index(x, y)];
-            let near = Tile { x, y, width: 1, height: 1 }.grown(width, height);
-            own.is_none() || near.pixels().any(|(x, y)| seen[around.index(x, y)] != own)
+            let mut near = Tile::pixels_near((x, y), width, height);
+            own.is_none() || near.any(|(x, y)| seen[around.index(x, y)] != own)
         };
         let pixels = (0..).zip(tile.pixels()).filter(|&(_, pixel)| differs(pixel)).map(|(i, _)| i).collect();
         Self { pixels }

@@ -73,13 +73,9 @@ impl RenderContext<'_> {
     }
 
     /// Where the path of a sample of `element` begins that the pixel filter places by `u`.
-    pub(super) fn path_start(&self, (column, row): (u32, u32), u: [f64; 2]) -> PathStart {
+    pub(super) fn path_start(&self, element: (u32, u32), u: [f64; 2]) -> PathStart {
         let Settings { width, height, filter, .. } = *self.settings;
-        let (width, height) = (f64::from(width), f64::from(height));
-        let [dx, dy] = filter.place(u);
-        let x = 2.0 * (f64::from(column) + dx) / width - 1.0;
-        let y = 1.0 - 2.0 * (f64::from(row) + dy) / height;
-        self.sensor.start(&ElementSample { column, row, x, y, aspect: width / height })
+        self.sensor.start(&ElementSample::new(element, filter.place(u), [width, height]))
     }
 
     /// Whether the samples of pixels that reuse each other's paths are one net.

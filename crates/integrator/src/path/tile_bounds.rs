@@ -53,6 +53,15 @@ impl Tile {
         Tile { x, y, width: end(self.x, self.width, width) - x, height: end(self.y, self.height, height) - y }
     }
 
+    /// Pixel (`x`, `y`) and those around it, in a picture of this size, row by row.
+    pub(crate) fn pixels_near(
+        (x, y): (u32, u32),
+        width: u32,
+        height: u32,
+    ) -> impl Iterator<Item = (u32, u32)> {
+        Tile { x, y, width: 1, height: 1 }.grown(width, height).pixels()
+    }
+
     /// Pixel `index` of [`pixels`](Tile::pixels).
     pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
         (self.x + index % self.width, self.y + index / self.width)

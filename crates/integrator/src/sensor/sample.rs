@@ -97,6 +97,16 @@ pub struct ElementSample {
     pub aspect: f64,
 }
 
+impl ElementSample {
+    /// The sample at this offset from the upper left corner of an element, in elements, of a grid of this size.
+    pub(crate) fn new((column, row): (u32, u32), [dx, dy]: [f64; 2], [width, height]: [u32; 2]) -> Self {
+        let (width, height) = (f64::from(width), f64::from(height));
+        let x = 2.0 * (f64::from(column) + dx) / width - 1.0;
+        let y = 1.0 - 2.0 * (f64::from(row) + dy) / height;
+        Self { column, row, x, y, aspect: width / height }
+    }
+}
+
 /// Where the path of a sample begins, and what it measures there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

@@ -253,7 +253,7 @@ fn zip<S: Simd, V: SimdBase<S>>(a: V, b: V) -> (V, V) {
 
 /// Origin, direction, `t_min` and `t_max`.
 #[inline(always)]
-fn numbers(ray: &Ray) -> [f64; 8] {
+pub(super) fn numbers(ray: &Ray) -> [f64; 8] {
     let Ray { origin: o, direction: d, t_min, t_max, .. } = *ray;
     [o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max]
 }

@@ -13,7 +13,7 @@ mod ray_setup;
 mod stream;
 mod traversal_state;
 
-use super::simd::{Aligned, PACKET, Simd};
+use super::simd::{Aligned, PACKET, Simd, numbers};
 use super::tree::Tree;
 use crate::query::Query;
 use crate::{Probe, Ray};
@@ -31,8 +31,7 @@ use traversal_state::Traversal;
 pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: &Ray, probe: &mut P) -> Q {
     let mut query = Q::new(ray);
     let mut setups = RaySetups::idle();
-    let Ray { origin: o, direction: d, t_min, t_max, .. } = *ray;
-    let columns = Aligned([o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max].map(|x| [x]));
+    let columns = Aligned(numbers(ray).map(|x| [x]));
     setups.set(&columns, &tree.triangles.bounds(), &tree.space);
     let Some(setup) = setups.get(0) else { return query };
     Scratch::lend(
