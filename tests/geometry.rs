@@ -77,7 +77,7 @@ fn collinear_and_repeated_vertices_are_degenerate() {
 
 #[test]
 fn inverted_corners_of_a_triangle_are_numbers_below_one() {
-    for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.7, 1.0 - 0.7)] {
+    for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.7, 1.0 - 0.7), (-1e-17, 0.5), (0.5, -1e-17)] {
         let numbers = Triangle::invert_uniform(u, v);
         assert!(numbers.iter().all(|x| (0.0..1.0).contains(x)), "{u}, {v}: {numbers:?}");
     }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray, Triangle};
 use globillum::integrator::{
-    Camera, Ending, Estimator, Model, Monitor, Picture, PixelGoal, Progress, Render, RenderError, Scene,
-    Settings, Stop, Supersampling, render, replay,
+    Camera, Ending, Estimator, Guiding, Model, Monitor, Picture, PixelGoal, Progress, Render, RenderError,
+    Scene, Settings, Stop, Supersampling, render, replay,
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -83,6 +83,28 @@ fn a_time_limit_leaves_whole_passes() {
     assert_eq!((picture.ending, picture.samples % 16), (Ending::Seconds, 0));
     let whole = with_samples(settings, picture.samples);
     assert_eq!(run(&whole, Stop::default(), &()).film, picture.film);
+}
+
+/// Sleeps when it is asked for the first time, which is before the first pass if a guide is trained.
+#[derive(Default)]
+struct SlowStart(AtomicU32);
+
+impl Monitor for SlowStart {
+    fn cancelled(&self) -> bool {
+        if self.0.fetch_add(1, Ordering::Relaxed) == 0 {
+            std::thread::sleep(Duration::from_secs(2));
+        }
+        false
+    }
+}
+
+/// A pass takes some milliseconds. If it were expected to take the seconds before it as well, there would be one.
+#[test]
+fn what_precedes_the_passes_is_not_the_time_of_one() {
+    let mut settings = Settings::new(16, 16, 64);
+    (settings.guiding, settings.threads) = (Guiding::Trained, 1);
+    let picture = run(&settings, stop(|s| s.seconds = Some(4.0)), &SlowStart::default());
+    assert!(picture.samples > 16, "{} samples", picture.samples);
 }
 
 /// A run completes its first pass even if its time is over, also if the resumed picture already has passes.

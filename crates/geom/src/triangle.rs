@@ -110,7 +110,7 @@ impl Triangle {
     pub fn invert_uniform(u: f64, v: f64) -> [f64; 2] {
         let root = 1.0 - u;
         let numbers = [1.0 - root * root, if root > 0.0 { v / root } else { 0.0 }];
-        numbers.map(|x| x.min(1.0_f64.next_down()))
+        numbers.map(|x| x.clamp(0.0, 1.0_f64.next_down()))
     }
 
     /// The pdf of [`Triangle::sample_uniform`] per unit of area: one over the area.

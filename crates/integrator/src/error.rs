@@ -58,7 +58,8 @@ pub enum RenderError {
     #[error("panic in the tile at pixel ({x}, {y}): {message}")]
     Worker {
         /// Column of the tile's upper left pixel. While a guide is trained, that of the tile that trains; in what else
-        /// precedes the first tile, that of all pixels to be rendered.
+        /// precedes the first tile of a render, that of all pixels to be rendered. Of a replay, that of the pixel's tile; of
+        /// first hits, 0, and `y` is their row.
         x: u32,
         /// Row of that pixel, 0 at the top.
         y: u32,

@@ -30,6 +30,6 @@ impl CosineHemisphere {
     pub fn invert(w: DVec3) -> [f64; 2] {
         let turn = libm::atan2(w.y, w.x) / TAU;
         let u = [w.x * w.x + w.y * w.y, if turn < 0.0 { turn + 1.0 } else { turn }];
-        u.map(|x| x.min(1.0_f64.next_down()))
+        u.map(|x| x.clamp(0.0, 1.0_f64.next_down()))
     }
 }

@@ -87,24 +87,24 @@ pub fn replay(
     threads.install(|| {
         let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
         let context = RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref());
-        let square = square_around(x, y, settings.width, settings.height);
-        caught(|| replay_within(&probed(context), square, (x, y), sample))
-            .map_err(|message| RenderError::Worker { x: square.x, y: square.y, message })
+        let tile = square_around(x, y, settings.width, settings.height);
+        caught(|| replay_within(&probed(context), tile, (x, y), sample))
+            .map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
     })
 }
 
 /// [`replay`], given what is done before the first sample and the tile of the pixel.
-fn replay_within(context: &RenderContext<'_>, square: Tile, (x, y): (u32, u32), sample: u32) -> Replay {
+fn replay_within(context: &RenderContext<'_>, tile: Tile, (x, y): (u32, u32), sample: u32) -> Replay {
     let one = sample..sample + 1;
-    let place = (y - square.y) * square.width + (x - square.x);
+    let place = (y - tile.y) * tile.width + (x - tile.x);
     let mut wavefront = Wavefront::default();
-    let edges = LightEdges::of(context, square);
-    wavefront.trace(context, (square, &edges), &one, || false);
+    let edges = LightEdges::of(context, tile);
+    wavefront.trace(context, (tile, &edges), &one, || false);
     let radiance = wavefront.radiance()[place as usize];
     let lights = wavefront.lights_seen_by(place);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
-    wavefront.start(context, (square, &edges), &one);
+    wavefront.start(context, (tile, &edges), &one);
     for bounce in 0.. {
         if !wavefront.step(context, place, bounce, &mut replay) {
             break;

@@ -141,7 +141,7 @@ impl<'a> Render<'a> {
     /// [`RenderError::SensorSize`] for settings of another size than the sensor's,
     /// [`RenderError::Checkpoint`] for a picture to resume that does not belong to this render,
     /// [`RenderError::Threads`] if no threads can be started, [`RenderError::NonFinite`] for a sample
-    /// that is NaN or infinite. Panics are caught: [`RenderError::Worker`] for one in an accelerator,
+    /// that is NaN or infinite. Panics are caught: [`RenderError::Worker`] for one in an accelerator, the sensor,
     /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
     /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
     pub fn run(mut self, monitor: &dyn Monitor) -> Result<Picture, RenderError> {

@@ -26,9 +26,9 @@ pub struct Stop {
     ///
     /// The first pass that this run adds is always finished, so a run adds at least one pass,
     /// [resumed](crate::Render::resume) or not, unless the picture holds all passes, the goals are met before,
-    /// or the monitor cancels. So a run takes at most the limit, or the time for what precedes its first pass (the
-    /// [training of a guide](crate::Guiding), probes, photons) and that pass, whichever is longer; with a
-    /// [pilot](Stop::pilot), whose first pass is finished too, for two passes.
+    /// or the monitor cancels. So a run takes at most the longer of two times: the limit, and that of what precedes
+    /// its first pass (the [training of a guide](crate::Guiding), probes, photons) and of that pass. With a
+    /// [pilot](Stop::pilot), whose first pass is finished too, the second is the time of two passes.
     pub seconds: Option<f64>,
     /// Goal: the upper end of the 95 % interval of the picture's relative error
     /// ([`ImageError`](crate::ImageError)) is at most this.
