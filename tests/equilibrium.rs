@@ -164,7 +164,7 @@ fn slivers() -> (Model, Camera) {
     (model, camera)
 }
 
-/// [`crowd`], scaled by `size` and centred at `center`.
+/// [`crowd`], scaled by `size` and centered at `center`.
 fn crowd_at(size: f64, center: DVec3) -> (Model, Camera) {
     let (crowd, _) = crowd();
     let mut model = Model::default();

@@ -34,7 +34,7 @@ fn a_wall_has_one_depth_and_faces_the_camera() {
 }
 
 #[test]
-fn means_are_those_of_the_pixels_square_and_indices_those_of_its_centre() {
+fn means_are_those_of_the_pixels_square_and_indices_those_of_its_center() {
     for (left, covered) in [(2.25, 0.75), (2.75, 0.25)] {
         let hits = wall(left);
         assert_eq!(hits.pixels[8 + 1], FirstHit::NOTHING, "the wall begins in the next pixel");

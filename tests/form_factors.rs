@@ -46,17 +46,17 @@ fn assert_floor(
 
 #[test]
 fn rectangular_lights_above_a_floor() {
-    let centred = |half: f64, h: f64| 4.0 * corner(half / h, half / h);
+    let centered = |half: f64, h: f64| 4.0 * corner(half / h, half / h);
     assert!((corner(1.0, 1.0) - 0.138_531_606).abs() < 1e-9);
-    assert!((centred(0.5, 1.0) - 0.239_456_470).abs() < 1e-9);
-    assert!((centred(1.0, 0.01) - 0.999_918_176).abs() < 1e-9);
-    assert!((centred(1.0, 100.0) / 1.273_070e-4 - 1.0).abs() < 1e-6);
+    assert!((centered(0.5, 1.0) - 0.239_456_470).abs() < 1e-9);
+    assert!((centered(1.0, 0.01) - 0.999_918_176).abs() < 1e-9);
+    assert!((centered(1.0, 100.0) / 1.273_070e-4 - 1.0).abs() < 1e-6);
     let cases = [
         ([0.0, 1.0], 1.0, corner(1.0, 1.0), &MORE_BY_BSDF[..]),
-        ([-0.5, 0.5], 1.0, centred(0.5, 1.0), &MORE_BY_BSDF),
-        ([-1.0, 1.0], 0.01, centred(1.0, 0.01), &ALL.map(|estimator| (estimator, 32))),
+        ([-0.5, 0.5], 1.0, centered(0.5, 1.0), &MORE_BY_BSDF),
+        ([-1.0, 1.0], 0.01, centered(1.0, 0.01), &ALL.map(|estimator| (estimator, 32))),
         // BSDF sampling almost never hits so small a light.
-        ([-1.0, 1.0], 100.0, centred(1.0, 100.0), &MORE_BY_BSDF[1..]),
+        ([-1.0, 1.0], 100.0, centered(1.0, 100.0), &MORE_BY_BSDF[1..]),
     ];
     for (span, height, factor, estimators) in cases {
         let model = scenes::rectangle_over_floor(span, span, height);

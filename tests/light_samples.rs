@@ -340,9 +340,9 @@ fn densities_cover_what_is_seen_of_the_lights() {
     // The third and the fourth emit on both sides; the first faces the origin.
     let solid_angle =
         |i| SphericalTriangle::new(scene.triangles().get(i), DVec3::ZERO).unwrap().solid_angle();
-    // Far away: its area by the cosine over the squared distance, at its centre.
-    let centre = DVec3::new(30.0, 1.0 / 3.0, 1.0 / 3.0);
-    let truth = solid_angle(0) + solid_angle(2) + 0.5 * 30.0 / centre.length().powi(3);
+    // Far away: its area by the cosine over the squared distance, at its center.
+    let center = DVec3::new(30.0, 1.0 / 3.0, 1.0 / 3.0);
+    let truth = solid_angle(0) + solid_angle(2) + 0.5 * 30.0 / center.length().powi(3);
     for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
         let lights = scene.light_sampler(sampling, DVec3::ZERO, DVec3::Y);
         let (mut sum, mut sum_sq, n) = (0.0, 0.0, 2_000_000);

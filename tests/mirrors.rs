@@ -273,7 +273,7 @@ fn either_segment_of_a_mirrored_path_can_be_blocked() {
 fn mirror_sampling_changes_no_mean() {
     let ball = || icosphere(2).placed(0.3, DVec3::new(0.65, 0.4, -0.2)).triangles();
     let walls = || [0.6, -0.4].map(|x| upright(x, [0.0, 0.9], [-3.0, 3.0])).concat();
-    // The target and the light are close to the centre of a dish.
+    // The target and the light are close to the center of a dish.
     let dish = inside_out(icosphere(3).placed(1.0, TARGET).triangles());
     let dish: Vec<_> = dish.into_iter().filter(|t| t.vertices.iter().all(|v| v.y > 0.3)).collect();
     let at_focus = inside_out(level(0.1, [0.13, 0.19], [-0.25, -0.15]));

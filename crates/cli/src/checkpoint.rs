@@ -155,8 +155,9 @@ fn estimate(result: &impl Saved) -> Duration {
     Duration::from_secs_f64(result.size() / 200e6)
 }
 
-/// About the most bytes of a checkpoint of these pixels, while `passes` passes are rendered, a power of two: 48 for
-/// a pixel of each node of passes, of which there are as many as the number of passes has binary digits 1.
+/// About the most bytes of a checkpoint of these pixels, while `passes` passes are rendered, a power of two from 1 up: 48
+/// for a pixel of each node of passes, of which there are as many as the number of passes has binary digits 1, and 2 for its
+/// share of a block.
 pub(crate) fn most_bytes(pixels: u64, passes: u32) -> u64 {
     50 * pixels * u64::from(passes.ilog2().max(1))
 }

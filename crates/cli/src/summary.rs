@@ -79,7 +79,7 @@ impl<'a> Summary<'a> {
         let counters = picture.counters;
         let pixels = u64::from(picture.film.width()) * u64::from(picture.film.height());
         let bounds = scene.triangles().bounds();
-        let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+        let middle = bounds.center();
         Self {
             version: env!("CARGO_PKG_VERSION"),
             arguments: arguments(),

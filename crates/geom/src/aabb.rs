@@ -42,6 +42,11 @@ impl Aabb {
         if self.is_empty() { DVec3::ZERO } else { self.max.as_dvec3() - self.min.as_dvec3() }
     }
 
+    /// The point in the middle of the box; without meaning for an empty one.
+    pub fn center(&self) -> DVec3 {
+        0.5 * (self.min.as_dvec3() + self.max.as_dvec3())
+    }
+
     /// Half the surface area, in squared units of length, as the surface area heuristic uses it.
     pub fn half_area(&self) -> f64 {
         let e = self.extent();

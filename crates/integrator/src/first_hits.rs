@@ -42,7 +42,7 @@ pub struct FirstHits {
 }
 
 /// What a pixel shows. Depth, normal and albedo are means over its square (the box filter), by 16 rays on a regular
-/// grid; a mirror is a surface like others. The indices are those of the ray through its centre.
+/// grid; a mirror is a surface like others. The indices are those of the ray through its center.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FirstHit {

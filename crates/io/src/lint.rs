@@ -37,7 +37,7 @@ fn lights(model: &Model) -> Vec<usize> {
 /// The number of `lights` that overlap another triangle in their plane.
 fn coplanar(model: &Model, lights: &[usize]) -> usize {
     let bounds = Aabb::around(model.triangles().iter().flat_map(|t| t.vertices));
-    let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+    let middle = bounds.center();
     let planes = Planes { middle, size: bounds.extent().max_element() };
     let mut by_plane: HashMap<_, Vec<usize>> = HashMap::new();
     for &index in lights {

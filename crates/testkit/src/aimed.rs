@@ -87,7 +87,7 @@ impl Ball {
     /// A ray from inside the ball toward an edge or vertex. Its origin is representable in `f32`.
     pub fn ray_at(&self, target: Target, seed: u64, index: u32) -> Ray {
         let random = Family::Mesh.stream(seed, index);
-        // The cube's corners are 0.87 radii from the centre, the mesh is never nearer than 0.98.
+        // The cube's corners are 0.87 radii from the center, the mesh is never nearer than 0.98.
         let origin = (self.center + 0.5 * self.radius * in_cube(&random, 0)).as_vec3().as_dvec3();
         let triangle = &self.triangles[choose(&random, 3, self.triangles.len())];
         let first = choose(&random, 4, 3);

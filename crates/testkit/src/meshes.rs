@@ -31,7 +31,7 @@ impl Subject {
         let triangles = Triangles::new(mesh)?;
         let bounds = triangles.bounds();
         let empty = bounds.is_empty();
-        let target = if empty { DVec3::ZERO } else { (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0 };
+        let target = if empty { DVec3::ZERO } else { bounds.center() };
         let size = bounds.extent().max_element().max(f64::MIN_POSITIVE);
         let eye = target + DVec3::new(0.3, 0.2, 1.5) * size;
         let light = target + DVec3::new(0.8, 1.5, 0.9) * size;

@@ -46,7 +46,7 @@ pub fn furnace(rho: f64, half: f64, center: DVec3) -> Model {
     model
 }
 
-/// A light of 2 x 2 and radiance 1, at height 1, centred above a floor of albedo 0.5 at
+/// A light of 2 x 2 and radiance 1, at height 1, centered above a floor of albedo 0.5 at
 /// height 0.
 pub fn light_over_floor() -> Model {
     let p = DVec3::new;
@@ -149,8 +149,8 @@ pub fn disc(height: f64, sides: u32, down: bool) -> Vec<Triangle> {
         let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(sides)).sin_cos();
         DVec3::new(cos, height, sin).as_vec3()
     };
-    let centre = DVec3::new(0.0, height, 0.0).as_vec3();
-    let part = |i: u32| Triangle::new(centre, corner(i), corner(i + 1));
+    let center = DVec3::new(0.0, height, 0.0).as_vec3();
+    let part = |i: u32| Triangle::new(center, corner(i), corner(i + 1));
     let fan = (0..sides).map(part);
     if down { fan.collect() } else { inside_out(fan) }
 }

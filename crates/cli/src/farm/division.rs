@@ -9,8 +9,8 @@ const PART_BYTES: u64 = 32_000_000;
 /// How a picture is divided into tasks: ranges of passes of strips of the picture. Strips are as high as
 /// [`PART_BYTES`] allows, and lower if there are too few ranges.
 ///
-/// Ranges are as long as a power of two and begin at its multiples, as the blocks of a film do, but for the first
-/// and the last: what a task renders is then one block.
+/// Ranges are as long as a power of two and begin at its multiples, as the nodes of a film do, but for the first
+/// and the last: what a task renders is then one node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Division {

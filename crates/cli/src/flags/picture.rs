@@ -16,7 +16,7 @@ pub(crate) struct PictureFlags {
     #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = parse::integer(1..=u32::MAX))]
     #[arg(allow_negative_numbers = true)]
     pub(crate) height: u32,
-    /// Pixel filter: how radiance around a pixel's centre is weighted
+    /// Pixel filter: how radiance around a pixel's center is weighted
     #[arg(long, value_enum, default_value_t = FilterKind::Box)]
     pub(crate) filter: FilterKind,
     /// Render only the pixels of this rectangle; X and Y count from the upper left corner
@@ -33,7 +33,7 @@ pub(crate) struct PictureFlags {
     pub(crate) preview: bool,
     /// Add depth, normal, albedo, and the indices of triangle and material to OpenEXR pictures
     ///
-    /// The first three are means over the pixel, the indices those at its centre. Previews do not have them.
+    /// The first three are means over the pixel, the indices those at its center. Previews do not have them.
     #[arg(long)]
     pub(crate) buffers: bool,
 }

@@ -64,7 +64,7 @@ pub(crate) fn of_room<A: Accel>(
 fn eyes<A>(scene: &Scene<A>, up: Up) -> Vec<DVec3> {
     let bounds = scene.triangles().bounds();
     let axes = up.axes();
-    let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+    let middle = bounds.center();
     let size = (axes.transpose() * bounds.extent()).abs();
     let share = |i| (f64::from(i) + 0.5) / f64::from(PLACES) - 0.5;
     let places = (0..PLACES).flat_map(|x| (0..PLACES).map(move |z| (x, z)));

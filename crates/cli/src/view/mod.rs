@@ -64,7 +64,7 @@ impl View {
             }
         };
         let bounds = scene.triangles().bounds();
-        let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+        let middle = bounds.center();
         Ok((AnyCamera::like(camera, camera_type, middle, up.axes().y_axis)?, by))
     }
 }

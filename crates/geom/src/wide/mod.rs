@@ -27,8 +27,9 @@ use tree::Tree;
 /// A wide bounding volume hierarchy, the fastest structure of this crate. Every node stores the bounds of up to eight
 /// children.
 ///
-/// It is built from above by the planes of a [`KdTree`], which separate the scene into cells of some hundred triangles.
-/// Within a cell, object splits group the triangles into leaf blocks of up to eight.
+/// [`WideBvh::build`] separates the scene into cells of some hundred triangles by the planes of a [`KdTree`];
+/// [`WideBvh::build_quickly`] sorts the triangles into the cells of a grid. Within a cell, object splits group the triangles
+/// into leaf blocks of up to eight.
 ///
 /// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
 /// 64 coherent rays in a row are traversed as a packet: rays from one point that exclude no triangle, such as those of 8 x

@@ -5,7 +5,7 @@ mod side;
 
 use crate::Estimates;
 use crate::film::student::NORMAL_QUANTILE_975;
-use crate::path::{BLOCK_SIDE, Tile};
+use crate::path::{BLOCK_SIDE, PixelRect};
 use globillum_material::Rgb;
 use side::{Cell, Side, places};
 
@@ -149,12 +149,12 @@ struct Pair {
 
 impl Pair {
     /// What the picture has of each tile, row by row.
-    fn tiles(&self) -> impl Iterator<Item = Tile> {
+    fn tiles(&self) -> impl Iterator<Item = PixelRect> {
         let [left, top] = self.offset;
-        Tile::grid([self.width + left, self.height + top], [self.tile_side; 2]).map(move |tile| {
+        PixelRect::grid([self.width + left, self.height + top], [self.tile_side; 2]).map(move |tile| {
             let (x, y) = (tile.x.max(left), tile.y.max(top));
             let (width, height) = (tile.x + tile.width - x, tile.y + tile.height - y);
-            Tile { x: x - left, y: y - top, width, height }
+            PixelRect { x: x - left, y: y - top, width, height }
         })
     }
 
@@ -234,10 +234,10 @@ impl Pair {
     fn weights(&self, variances: &[f64]) -> Vec<f64> {
         let columns = self.columns();
         let (width, height) = (columns as u32, (variances.len() / columns) as u32);
-        let tiles = Tile { x: 0, y: 0, width, height };
+        let tiles = PixelRect { x: 0, y: 0, width, height };
         let floor = floor(variances);
         let weight = |tile: (u32, u32)| {
-            let around = Tile::pixels_near(tile, width, height).filter(|&other| other != tile);
+            let around = PixelRect::pixels_near(tile, width, height).filter(|&other| other != tile);
             let around: Vec<f64> = around.map(|(x, y)| variances[tiles.index(x, y)]).collect();
             let variance = mean_of(&around) + floor;
             if variance > 0.0 { 1.0 / variance } else { 1.0 }

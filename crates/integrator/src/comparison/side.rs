@@ -1,5 +1,5 @@
 use crate::Estimates;
-use crate::path::{BLOCK_SIDE, Tile};
+use crate::path::{BLOCK_SIDE, PixelRect};
 use globillum_material::Rgb;
 
 /// A mean with its variance: of a pixel, or of a block.
@@ -20,12 +20,12 @@ pub(super) struct Side {
 }
 
 /// Blocks of 4 x 4 pixels, row by row.
-fn blocks(width: u32, height: u32) -> impl Iterator<Item = Tile> {
-    Tile::grid([width, height], [BLOCK_SIDE; 2])
+fn blocks(width: u32, height: u32) -> impl Iterator<Item = PixelRect> {
+    PixelRect::grid([width, height], [BLOCK_SIDE; 2])
 }
 
 /// Where the pixels of a block are in a picture.
-pub(super) fn places(block: Tile, width: u32) -> impl Iterator<Item = usize> {
+pub(super) fn places(block: PixelRect, width: u32) -> impl Iterator<Item = usize> {
     block.pixels().map(move |(x, y)| y as usize * width as usize + x as usize)
 }
 
@@ -48,7 +48,7 @@ impl Side {
         };
         let pixels: Vec<Cell> = (0..picture.means.len()).map(pixel).collect();
         let dependence = dependence(picture, &pixels);
-        let block = |(block, dependence): (Tile, f64)| {
+        let block = |(block, dependence): (PixelRect, f64)| {
             let (mut mean, mut variance, mut uncertain, mut count) = (Rgb::BLACK, Rgb::BLACK, 0.0, 0.0);
             let mut least = f64::INFINITY;
             for pixel in places(block, picture.width).map(|at| pixels[at]) {
@@ -70,7 +70,7 @@ impl Side {
     fn of_seeds(seeds: &[Estimates]) -> Self {
         let (width, height) = (seeds[0].width, seeds[0].height);
         let pixel = |at: usize| spread(seeds.iter().map(|seed| seed.means[at]));
-        let block = |block: Tile| {
+        let block = |block: PixelRect| {
             let mean = |seed: &Estimates| {
                 let mut sum = Rgb::BLACK;
                 places(block, width).for_each(|at| sum += seed.means[at]);
@@ -89,16 +89,16 @@ impl Side {
 /// it: a block's own error rests on a few observations only. The most that it can be where errors of blocks are unknown
 /// (Cauchy and Schwarz).
 fn dependence(picture: &Estimates, pixels: &[Cell]) -> Vec<f64> {
-    let independent = |block: Tile| {
+    let independent = |block: PixelRect| {
         let variance: f64 = places(block, picture.width).map(|at| pixels[at].variance.mean()).sum();
         variance / (block.pixel_count() as f64).powi(2)
     };
     let independent: Vec<f64> = blocks(picture.width, picture.height).map(independent).collect();
     let told = |at: usize| picture.block_errors[at].map(|error| error * error).mean();
-    let whole = Tile { x: 0, y: 0, width: picture.width, height: picture.height };
+    let whole = PixelRect { x: 0, y: 0, width: picture.width, height: picture.height };
     let all = whole.blocks_in(&whole);
     let of_block = |(block, place)| {
-        let around = Tile::pixels_near(place, all.width, all.height).map(|(x, y)| all.index(x, y));
+        let around = PixelRect::pixels_near(place, all.width, all.height).map(|(x, y)| all.index(x, y));
         let (mut joint, mut alone) = (0.0, 0.0);
         around.for_each(|at| (joint, alone) = (joint + told(at), alone + independent[at]));
         let ratio = joint / alone;
@@ -108,7 +108,7 @@ fn dependence(picture: &Estimates, pixels: &[Cell]) -> Vec<f64> {
 }
 
 /// How many times the variance of a block's mean may be what it were if its pixels were independent.
-fn dependent_pixels(picture: &Estimates, block: Tile) -> f64 {
+fn dependent_pixels(picture: &Estimates, block: PixelRect) -> f64 {
     let pixels = block.pixel_count() as f64;
     pixels.min(picture.path_reuse.dependent_pixels().into())
 }

@@ -1,7 +1,7 @@
 //! How certain a picture's variance is.
 
 use super::moments::{Moments, Tally};
-use crate::path::{BLOCK_SIDE, TILE_SIDE, Tile};
+use crate::path::{BLOCK_SIDE, PixelRect, TILE_SIDE};
 use globillum_material::Rgb;
 use std::slice::Chunks;
 
@@ -133,7 +133,7 @@ impl Blocks {
     pub(crate) fn all(self, pixels: usize) -> impl Iterator<Item = impl Iterator<Item = usize>> {
         let width = self.width as usize;
         let place = move |(x, y): (u32, u32)| y as usize * width + x as usize;
-        Tile::grid([self.width, (pixels / width) as u32], [self.side; 2])
+        PixelRect::grid([self.width, (pixels / width) as u32], [self.side; 2])
             .map(move |block| block.pixels().map(place))
     }
 }

@@ -1,7 +1,7 @@
 use super::dispersion::Blocks;
 use super::{Film, margin};
 use crate::PathReuse;
-use crate::path::{BLOCK_SIDE, Tile};
+use crate::path::{BLOCK_SIDE, PixelRect};
 use globillum_material::Rgb;
 use std::ops::Range;
 
@@ -145,9 +145,9 @@ impl Estimates {
         let mut sum = Rgb::BLACK;
         variances.iter().for_each(|&variance| sum += variance);
         let picture = sum / variances.len() as f64;
-        let whole = Tile { x: 0, y: 0, width: self.width, height: self.height };
+        let whole = PixelRect { x: 0, y: 0, width: self.width, height: self.height };
         let margin = |(at, pixel): (usize, (u32, u32))| {
-            let around = Tile::pixels_near(pixel, self.width, self.height);
+            let around = PixelRect::pixels_near(pixel, self.width, self.height);
             let around = around.map(|(x, y)| variances[whole.index(x, y)]);
             margin::margin_95(self.observations[at].into(), variances[at], around, || picture)
         };

@@ -24,7 +24,7 @@ pub(crate) use moments::{Moments, Tally};
 pub(crate) use pass_node::PassNode;
 pub use picture::{Ending, Picture};
 
-use crate::path::{TILE_SIDE, Tile};
+use crate::path::{PixelRect, TILE_SIDE};
 use crate::{CheckpointError, PathReuse};
 use globillum_material::Rgb;
 use pass_node::insert;
@@ -46,7 +46,7 @@ use std::ops::Range;
 /// The standard error comes from the spread of independent observations: of samples where those
 /// are independent, of the means of passes where the samples of a pass are stratified. Errors of
 /// different pixels are independent, unless they share paths and points ([`Film::path_reuse`]): then those of different
-/// tiles of 16 x 16 are.
+/// squares of 16 x 16 are.
 ///
 /// ```
 /// use globillum_integrator::Film;
@@ -96,7 +96,7 @@ impl Film {
         self.rows.clone()
     }
 
-    /// Whether the errors of the pixels of a tile depend on each other. [`Film::block_variances_of_mean`] allows for
+    /// Whether the errors of the pixels of a square of 16 x 16 depend on each other. [`Film::block_variances_of_mean`] allows for
     /// that.
     pub fn path_reuse(&self) -> PathReuse {
         self.path_reuse
@@ -252,7 +252,7 @@ impl Film {
 
     /// [`Film::margin_95`], by the mean variance of the `picture`.
     fn margin_of(&self, x: u32, y: u32, picture: impl FnOnce() -> Rgb) -> Rgb {
-        let around = Tile::pixels_near((x, y), self.width, self.height());
+        let around = PixelRect::pixels_near((x, y), self.width, self.height());
         let around = around.map(|(x, y)| self.variance_of_mean(x, y));
         margin::margin_95(self.observations(), self.variance_of_mean(x, y), around, picture)
     }

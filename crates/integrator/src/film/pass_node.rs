@@ -69,7 +69,7 @@ pub(crate) struct PassNode {
 }
 
 impl PassNode {
-    /// A node of one pass of one observation, of pixels in rows of this width.
+    /// A node of one pass, of pixels in rows of this width, the means of whose blocks have no spread.
     pub(crate) fn of_pass(first: u32, tally: Tally, pixels: Vec<Moments>, width: u32) -> Self {
         let blocks = vec![Rgb::BLACK; Blocks::of_means(width).count(pixels.len())];
         let halves = vec![Halves::default(); Blocks::of_means(width).tile_rows(&pixels).len()];

@@ -3,7 +3,7 @@ use super::vertex_tree::{GuideVertex, VertexTree};
 use super::{Directions, Guide, GuideRecord};
 use rayon::prelude::*;
 
-/// About as many records are in a cell.
+/// The least mean number of records in a cell. The mean is less than twice this, as the number of cells is a power of two.
 const CELL_RECORDS: usize = 512;
 
 /// One of so many records decides where cells are divided.

@@ -63,7 +63,7 @@ impl Facet {
 
     /// The mirror image of `receiver`.
     pub(crate) fn image_of(&self, Receiver { position, side }: Receiver) -> Receiver {
-        let position = position - 2.0 * self.height(position) * self.normal;
+        let position = mirror_image(position, self.normal, self.height(position));
         Receiver { position, side: self.reflect(side.as_dvec3()).as_vec3() }
     }
 
@@ -96,15 +96,20 @@ impl Facet {
         is_outside: bool,
     ) -> bool {
         let height = self.height(from);
-        let lights_height = self.height(lights.centre) * 1.0_f64.copysign(height);
+        let lights_height = self.height(lights.center) * 1.0_f64.copysign(height);
         let is_behind = is_outside && height < 0.0;
         if is_behind || height.abs() <= self.tolerance || lights_height < -lights.radius {
             return false;
         }
-        let image = from - 2.0 * height * self.normal;
+        let image = mirror_image(from, self.normal, height);
         let may_show = |&index: &u32| lights.may_be_seen_through(triangles.get(index), image);
         self.triangles.len() > Self::MOST_TESTED || self.triangles.iter().any(may_show)
     }
+}
+
+/// The mirror image of a point at this signed distance from a plane of this unit normal.
+pub(super) fn mirror_image(point: DVec3, normal: DVec3, height: f64) -> DVec3 {
+    point - 2.0 * height * normal
 }
 
 /// The reflection of the unit vector `direction` by a mirror of this unit normal.

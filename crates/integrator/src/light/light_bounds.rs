@@ -4,8 +4,8 @@ use globillum_geom::{Aabb, Triangle, Triangles};
 /// The box around some area lights, and the sphere around that.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
-    pub(super) centre: DVec3,
-    /// The distances of the box's faces from the centre.
+    pub(super) center: DVec3,
+    /// The distances of the box's faces from the center.
     pub(super) half_extents: DVec3,
     pub(super) radius: f64,
 }
@@ -13,19 +13,18 @@ pub(super) struct LightBounds {
 impl LightBounds {
     /// Around the triangles with these indices.
     pub(super) fn around(triangles: &Triangles, lights: impl IntoIterator<Item = u32>) -> Self {
-        let Aabb { min, max } =
-            Aabb::around(lights.into_iter().flat_map(|index| triangles.get(index).vertices));
-        let (min, max) = (min.as_dvec3(), max.as_dvec3());
-        Self { centre: 0.5 * (min + max), half_extents: 0.5 * (max - min), radius: 0.5 * min.distance(max) }
+        let bounds = Aabb::around(lights.into_iter().flat_map(|index| triangles.get(index).vertices));
+        let extent = bounds.extent();
+        Self { center: bounds.center(), half_extents: 0.5 * extent, radius: 0.5 * extent.length() }
     }
 
     /// Whether a ray of this origin and unit `direction` may meet the box. Rounding to less than `2^-20` of the distance
     /// loses none.
     pub(super) fn may_be_hit_by(&self, origin: DVec3, direction: DVec3) -> bool {
-        let to_centre = self.centre - origin;
-        let margin = (to_centre.length() + self.radius) / f64::from(1 << 20);
+        let to_center = self.center - origin;
+        let margin = (to_center.length() + self.radius) / f64::from(1 << 20);
         let reach = self.half_extents + margin;
-        let (a, b) = ((to_centre - reach) / direction, (to_centre + reach) / direction);
+        let (a, b) = ((to_center - reach) / direction, (to_center + reach) / direction);
         a.min(b).max_element().max(0.0) <= a.max(b).min_element()
     }
 
@@ -33,11 +32,11 @@ impl LightBounds {
     /// of the three planes through `eye` and a side.
     pub(super) fn may_be_seen_through(&self, window: &Triangle, eye: DVec3) -> bool {
         let [a, b, c] = window.vertices.map(|v| v.as_dvec3() - eye);
-        let centre = self.centre - eye;
+        let center = self.center - eye;
         let winding = 1.0_f64.copysign(a.cross(b).dot(c));
         let is_beyond = |a: DVec3, b: DVec3| {
             let inward = winding * a.cross(b);
-            let distance = inward.dot(centre);
+            let distance = inward.dot(center);
             distance < 0.0 && distance * distance > self.radius * self.radius * inward.length_squared()
         };
         !(is_beyond(a, b) || is_beyond(b, c) || is_beyond(c, a))

@@ -29,13 +29,13 @@ impl LightClusters {
         let emitting: Vec<_> = lights.triangles().collect();
         let powers: Vec<_> = lights.area_powers().collect();
         let mut groups = connected(&neighbours(triangles, &emitting), |_, _| true, 0..emitting.len() as u32);
-        let centre = |group: &[u32]| {
-            LightBounds::around(triangles, group.iter().map(|&i| emitting[i as usize])).centre
+        let center = |group: &[u32]| {
+            LightBounds::around(triangles, group.iter().map(|&i| emitting[i as usize])).center
         };
         if groups.len() > Self::MOST {
-            let mut centred: Vec<_> = groups.into_iter().map(|group| (centre(&group), group)).collect();
+            let mut centered: Vec<_> = groups.into_iter().map(|group| (center(&group), group)).collect();
             groups = Vec::new();
-            halve(&mut centred, Self::MOST, &mut groups);
+            halve(&mut centered, Self::MOST, &mut groups);
         }
         let power = |group: &Vec<u32>| group.iter().map(|&i| powers[i as usize]).sum::<f64>();
         let group_powers: Vec<_> = groups.iter().map(power).collect();
@@ -76,14 +76,14 @@ impl LightClusters {
     }
 }
 
-/// Joins groups, each with its centre, into at most `count`.
+/// Joins groups, each with its center, into at most `count`.
 fn halve(groups: &mut [(DVec3, Vec<u32>)], count: usize, joined: &mut Vec<Vec<u32>>) {
     if count == 1 || groups.len() == 1 {
         joined.push(groups.iter().flat_map(|(_, group)| group.iter().copied()).collect());
         return;
     }
-    let min = groups.iter().fold(DVec3::INFINITY, |min, (centre, _)| min.min(*centre));
-    let max = groups.iter().fold(DVec3::NEG_INFINITY, |max, (centre, _)| max.max(*centre));
+    let min = groups.iter().fold(DVec3::INFINITY, |min, (center, _)| min.min(*center));
+    let max = groups.iter().fold(DVec3::NEG_INFINITY, |max, (center, _)| max.max(*center));
     let axis = (max - min).max_position();
     groups.sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
     let (before, after) = groups.split_at_mut(groups.len() / 2);

@@ -1,4 +1,4 @@
-use super::facet::reflection;
+use super::facet::{mirror_image, reflection};
 use super::light_clusters::LightClusters;
 use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
 use super::receiver::Receiver;
@@ -139,7 +139,7 @@ impl SmallMirrors {
         let prob = self.tree.prob(&root, self.places[place].1, |_| true)?;
         let (triangle, from) = (triangles.get(index), receiver.position);
         let (normal, height) = plane(triangle, from);
-        let image = from - 2.0 * height * normal;
+        let image = mirror_image(from, normal, height);
         // At the image, the direction has the same angle with the plane.
         let pdf = pdf(triangle, from, (position - image).try_normalize()?)?;
         let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);

@@ -11,11 +11,11 @@ use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflect
 use super::path_state::{Path, Stage};
 use super::photon_rays::bsdf_weight;
 use super::pixel_groups::square_of;
+use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
 use super::reuse::{Prefix, Prefixes};
 use super::reuse_vertex::ReuseVertex;
 use super::shading_point::MisContext;
-use super::tile_bounds::Tile;
 use crate::Interaction;
 use crate::light::Receiver;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
@@ -99,7 +99,7 @@ impl Caustics {
     pub(super) fn share(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, prefixes): (Tile, &Prefixes),
+        (tile, prefixes): (PixelRect, &Prefixes),
         samples: &mut [Rgb],
         counters: &mut Counters,
     ) {
@@ -243,7 +243,7 @@ mod tests {
     use std::hash::Hasher;
     use std::ops::Range;
 
-    const TILE: Tile = Tile { x: 0, y: 0, width: 13, height: 16 };
+    const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 13, height: 16 };
     const SEEDS: u64 = 200;
 
     /// A floor of colours without blue or red between mirrors, flat, curved and emitting, and a light of this size. The

@@ -110,7 +110,7 @@ impl EmissionRays {
                 if cos == 0.0 || throughput.is_black() {
                     continue;
                 }
-                let direction = 2.0 * cos * at.point.normal - at.wo;
+                let direction = reflection(-at.wo, at.point.normal);
                 reflect(target, direction);
                 self.rays[kept] = at.point.spawn(direction);
                 self.states[kept] = (target, throughput);

@@ -4,8 +4,8 @@
 //! per sample.
 
 use super::emission_rays::{EmissionRays, FoundEmission, max_reflections};
+use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
-use super::tile_bounds::Tile;
 use crate::scene::unit;
 use crate::{PathStart, Settings};
 use glam::DVec3;
@@ -26,7 +26,7 @@ const LEAST_ANGLE: f64 = 1e-6;
 /// Pixels whose probes are traced at once.
 const PIXELS_AT_ONCE: usize = 16;
 
-/// The pixels of a tile that may see the edge of a light, as indices into [`Tile::pixels`], in ascending order.
+/// The pixels of a tile that may see the edge of a light, as indices into [`PixelRect::pixels`], in ascending order.
 #[derive(Debug, Default)]
 pub(crate) struct LightEdges {
     pub(super) pixels: Vec<u32>,
@@ -46,7 +46,7 @@ struct Probes {
 
 impl LightEdges {
     /// Finds them by probes in the tile and in the pixels around it.
-    pub(crate) fn of(context: &RenderContext<'_>, tile: Tile) -> Self {
+    pub(crate) fn of(context: &RenderContext<'_>, tile: PixelRect) -> Self {
         if !context.supersamples_lights() {
             return Self::default();
         }
@@ -55,7 +55,7 @@ impl LightEdges {
         let seen = emission_seen(context, around);
         let differs = |(x, y): (u32, u32)| {
             let own = seen[around.index(x, y)];
-            let mut near = Tile::pixels_near((x, y), width, height);
+            let mut near = PixelRect::pixels_near((x, y), width, height);
             own.is_none() || near.any(|(x, y)| seen[around.index(x, y)] != own)
         };
         let pixels = (0..).zip(tile.pixels()).filter(|&(_, pixel)| differs(pixel)).map(|(i, _)| i).collect();
@@ -64,7 +64,7 @@ impl LightEdges {
 }
 
 /// The emission that each pixel of the tile sees; `None` if its probes do not all see the same.
-fn emission_seen(context: &RenderContext<'_>, tile: Tile) -> Vec<Option<Rgb>> {
+fn emission_seen(context: &RenderContext<'_>, tile: PixelRect) -> Vec<Option<Rgb>> {
     let pixels: Vec<_> = tile.pixels().collect();
     let mut probes = Probes::default();
     let mut seen = Vec::with_capacity(pixels.len());
@@ -144,7 +144,7 @@ mod tests {
     use globillum_material::Material;
     use std::hash::Hasher;
 
-    const TILE: Tile = Tile { x: 0, y: 0, width: 16, height: 16 };
+    const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 16, height: 16 };
 
     /// A light behind the camera, and a mirror in front of it.
     fn scene(mirror: Vec<Triangle>) -> Scene<KdTree> {

@@ -14,7 +14,8 @@ pub(super) struct Path {
     /// The density with which the directions of the same part of the path were sampled, over their density by the BSDFs
     /// alone. 1 without a guide.
     pub(super) guide_ratio: f64,
-    /// The largest throughput of the prefixes that may reuse the suffix, by component; white before.
+    /// The largest throughput of the prefixes that may reuse the suffix, by component. White before the prefix ends; where
+    /// no other may reuse what follows, that of the path's own prefix.
     pub(super) prefix_throughput: Rgb,
     pub(super) mis: MisContext,
 }
@@ -45,7 +46,8 @@ pub(super) enum Stage {
     /// Of the vertices since the end of the prefix, all were mirrors, of this number. Others may share what the path finds
     /// of lights ([`Caustics`](super::caustics::Caustics)), or the suffix that begins beyond the first mirror.
     Reflected(u8),
-    /// The suffix has begun, or the prefix has ended and is not reused.
+    /// The suffix has begun, or the prefix has ended and none begins: paths are not reused, or a diffuse vertex followed two
+    /// mirrors or more, or there were more mirrors than are shared.
     Suffix,
 }
 

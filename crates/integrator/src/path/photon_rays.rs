@@ -6,10 +6,10 @@
 
 use super::counters::Counters;
 use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
+use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
 use super::reuse::{Prefix, Prefixes};
 use super::reuse_vertex::ReuseVertex;
-use super::tile_bounds::Tile;
 use crate::guide::PhotonGuide;
 use crate::{Sampler, Settings, Stream};
 use glam::DVec3;
@@ -74,7 +74,7 @@ impl PhotonRays {
         &mut self,
         context: &RenderContext<'_>,
         photons: &PhotonGuide,
-        (tile, prefixes): (Tile, &Prefixes),
+        (tile, prefixes): (PixelRect, &Prefixes),
         samples: &Range<u32>,
     ) {
         let Settings { seed, width, .. } = *context.settings;
@@ -103,7 +103,7 @@ impl PhotonRays {
     pub(super) fn trace(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, prefixes): (Tile, &Prefixes),
+        (tile, prefixes): (PixelRect, &Prefixes),
         samples_traced: &Range<u32>,
         radiance: &mut [Rgb],
         counters: &mut Counters,

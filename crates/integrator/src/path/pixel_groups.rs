@@ -1,12 +1,12 @@
 //! The groups of pixels that reuse each other's paths, and how their samples are stratified.
 
-use super::tile_bounds::{BLOCK_SIDE, SIDE, Tile};
+use super::pixel_rect::{BLOCK_SIDE, PixelRect, SIDE};
 use crate::sampler::Member;
 
 /// Blocks of a square of 16 x 16 pixels, and pixels of a block and of a group.
 const COUNT: usize = 16;
 
-/// A pixel of each block of a square, as indices into [`Tile::pixels`]; `None` for a pixel outside the tile.
+/// A pixel of each block of a square, as indices into [`PixelRect::pixels`]; `None` for a pixel outside the tile.
 pub(super) type PixelGroup = [Option<u32>; COUNT];
 
 /// The squares of 16 x 16 pixels are the largest tiles: each holds whole groups.
@@ -60,10 +60,10 @@ impl Groups {
     }
 
     /// The groups of a tile. Each pixel is in one.
-    pub(super) fn of_tile(self, tile: Tile) -> impl Iterator<Item = PixelGroup> {
+    pub(super) fn of_tile(self, tile: PixelRect) -> impl Iterator<Item = PixelGroup> {
         let pixels: [u32; COUNT] =
             std::array::from_fn(|place| times_power(place as u32, POWERS - self.power));
-        Tile::grid([tile.width, tile.height], [SIDE; 2]).flat_map(move |square| {
+        PixelRect::grid([tile.width, tile.height], [SIDE; 2]).flat_map(move |square| {
             (0..COUNT).map(move |group| {
                 std::array::from_fn(|block| {
                     let (pixel, block) = (pixels[group ^ block], block as u32);
@@ -76,18 +76,18 @@ impl Groups {
     }
 }
 
-/// The pixels of a tile that are in one square with `pixel`, as indices into [`Tile::pixels`], row by row.
-pub(super) fn square_of(tile: Tile, pixel: u32) -> impl Iterator<Item = u32> {
+/// The pixels of a tile that are in one square with `pixel`, as indices into [`PixelRect::pixels`], row by row.
+pub(super) fn square_of(tile: PixelRect, pixel: u32) -> impl Iterator<Item = u32> {
     let (x, y) = (pixel % tile.width, pixel / tile.width);
     let square = square_around(x, y, tile.width, tile.height);
     square.pixels().map(move |(x, y)| y * tile.width + x)
 }
 
 /// The part of a picture of `width` x `height` pixels that holds all groups of pixel (`x`, `y`).
-pub(super) fn square_around(x: u32, y: u32, width: u32, height: u32) -> Tile {
+pub(super) fn square_around(x: u32, y: u32, width: u32, height: u32) -> PixelRect {
     let start = |x: u32| x - x % SIDE;
     let length = |x: u32, end: u32| SIDE.min(end - start(x));
-    Tile { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
+    PixelRect { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
 }
 
 #[cfg(test)]
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    const SQUARE: Tile = Tile { x: 0, y: 0, width: 16, height: 16 };
+    const SQUARE: PixelRect = PixelRect { x: 0, y: 0, width: 16, height: 16 };
 
     /// The groups of a whole square.
     fn groups(pass: u32) -> impl Iterator<Item = [u32; COUNT]> {
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn in_each_pass_every_pixel_is_in_one_group() {
         for (width, height) in [(1, 1), (4, 4), (16, 16), (7, 2), (3, 45), (16, 32)] {
-            let tile = Tile { x: 32, y: 16, width, height };
+            let tile = PixelRect { x: 32, y: 16, width, height };
             for pass in 0..POWERS {
                 let of_tile = Groups::of_pass(pass).of_tile(tile);
                 let mut pixels: Vec<u32> = of_tile.flatten().flatten().collect();

@@ -117,7 +117,7 @@ impl RenderContext<'_> {
         if is_first { 1.0 } else { self.large_mirror_prob }
     }
 
-    /// How many light samples by way of small mirrors it takes.
+    /// How many samples of small mirrors a diffuse vertex takes, by whether it is the first one of the path.
     #[inline(always)]
     pub(super) fn small_mirror_samples(&self, is_first: bool) -> u32 {
         if is_first { self.settings.light_samples } else { 1 }

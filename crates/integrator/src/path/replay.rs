@@ -2,9 +2,9 @@ use super::counters::Counters;
 use super::light_edges::LightEdges;
 use super::path_state::{Contribution, Path, Target};
 use super::pixel_groups::square_around;
+use super::pixel_rect::PixelRect;
 use super::probes::probed;
 use super::render_context::RenderContext;
-use super::tile_bounds::Tile;
 use super::training::guide;
 use super::wavefront::{IRRADIANCE_PER_RADIANCE, Wavefront, irradiance_vertex};
 use crate::caught::caught;
@@ -94,7 +94,7 @@ pub fn replay(
 }
 
 /// [`replay`], given what is done before the first sample and the tile of the pixel.
-fn replay_within(context: &RenderContext<'_>, tile: Tile, (x, y): (u32, u32), sample: u32) -> Replay {
+fn replay_within(context: &RenderContext<'_>, tile: PixelRect, (x, y): (u32, u32), sample: u32) -> Replay {
     let one = sample..sample + 1;
     let place = (y - tile.y) * tile.width + (x - tile.x);
     let mut wavefront = Wavefront::default();

@@ -8,10 +8,10 @@
 use super::counters::Counters;
 use super::path_state::{Path, RadianceSums, Stage, Target};
 use super::pixel_groups::{Groups, PixelGroup};
+use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
 use super::reuse_vertex::{ReuseVertex, Suffix};
 use super::shading_point::ShadingPoint;
-use super::tile_bounds::Tile;
 use globillum_geom::Ray;
 use globillum_material::Rgb;
 use std::ops::Range;
@@ -67,7 +67,12 @@ pub(super) struct Prefixes {
 
 impl Prefixes {
     /// Prepares for these samples; returns how many suffixes there may be.
-    pub(super) fn start(&mut self, context: &RenderContext<'_>, tile: Tile, samples: &Range<u32>) -> usize {
+    pub(super) fn start(
+        &mut self,
+        context: &RenderContext<'_>,
+        tile: PixelRect,
+        samples: &Range<u32>,
+    ) -> usize {
         self.all.clear();
         self.groups.clear();
         if context.reuses_paths() {

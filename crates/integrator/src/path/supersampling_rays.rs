@@ -1,7 +1,7 @@
 use super::emission_rays::{EmissionRays, FoundEmission, max_reflections};
 use super::light_edges::LightEdges;
+use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
-use super::tile_bounds::Tile;
 use crate::Sampler;
 use globillum_material::Rgb;
 use std::ops::Range;
@@ -23,7 +23,7 @@ impl SupersamplingRays {
     pub(super) fn find(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, edges): (Tile, &LightEdges),
+        (tile, edges): (PixelRect, &LightEdges),
         samples: &Range<u32>,
     ) -> u64 {
         self.found.clear();
@@ -47,7 +47,7 @@ impl SupersamplingRays {
 
     /// Begins the rays of these pixels.
     #[inline(always)]
-    fn begin(&mut self, context: &RenderContext<'_>, tile: Tile, pixels: &[u32], samples: &Range<u32>) {
+    fn begin(&mut self, context: &RenderContext<'_>, tile: PixelRect, pixels: &[u32], samples: &Range<u32>) {
         let settings = context.settings;
         let pass = settings.pass_of(samples.start);
         for &pixel in pixels {

@@ -2,8 +2,8 @@
 
 use super::counters::Counters;
 use super::light_edges::LightEdges;
+use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
-use super::tile_bounds::Tile;
 use super::wavefront::Wavefront;
 use crate::caught::caught;
 use crate::guide::{Guide, GuideRecord, bin_of, coordinates};
@@ -15,7 +15,7 @@ use std::ops::{ControlFlow, Range};
 
 /// The least samples of a pixel.
 const MIN_SAMPLES: u32 = 4;
-/// The number of paths is between these two, if there are pixels enough and not too many.
+/// The number of paths is between these two, about, if there are pixels enough and not too many.
 const MIN_PATHS: u64 = 1 << 16;
 const MAX_PATHS: u64 = 1 << 18;
 /// Pixels along the side of a tile.
@@ -68,13 +68,12 @@ fn training_settings(settings: &Settings) -> Settings {
 
 /// The tiles, each with the first of its [`MIN_SAMPLES`] samples. In a large picture there are gaps between
 /// tiles.
-fn tiles(settings: &Settings) -> Vec<(Tile, u32)> {
+fn tiles(settings: &Settings) -> Vec<(PixelRect, u32)> {
     let Settings { width, height, samples, .. } = *settings;
     let paths = u64::from(width) * u64::from(height) * u64::from(samples);
     let step = (1..).find(|&step: &u64| step * step * MAX_PATHS >= paths).unwrap_or(1) as u32;
-    let places = Tile::grid([width, height], [SIDE * step; 2]);
-    let tiles =
-        places.map(|place| Tile { width: place.width.min(SIDE), height: place.height.min(SIDE), ..place });
+    let places = PixelRect::grid([width, height], [SIDE * step; 2]);
+    let tiles = places.map(|place| place.corner(SIDE));
     let firsts = (0..samples).step_by(MIN_SAMPLES as usize);
     tiles.flat_map(|tile| firsts.clone().map(move |first| (tile, first))).collect()
 }
@@ -105,7 +104,7 @@ impl Wavefront {
     fn records(
         &mut self,
         context: &RenderContext<'_>,
-        tile: Tile,
+        tile: PixelRect,
         samples: Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Vec<GuideRecord>> {

@@ -8,12 +8,12 @@ use super::numbers::{draw_bounce_numbers, draw_film_numbers, draw_numbers};
 use super::path_state::{Contribution, Path, RadianceSums, Stage};
 use super::photon_rays::PhotonRays;
 use super::pixel_groups::Groups;
+use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::small_mirror_rays::SmallMirrorRays;
 use super::supersampling_rays::SupersamplingRays;
-use super::tile_bounds::Tile;
 use crate::guide::{GuideVertex, guide_vertex};
 use crate::light::{ChosenLight, ChosenMirror};
 use crate::sampler::{BounceNumbers, Member, MirrorSize, Numbers};
@@ -76,7 +76,7 @@ impl Wavefront {
     pub(crate) fn trace(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, edges): (Tile, &LightEdges),
+        (tile, edges): (PixelRect, &LightEdges),
         samples: &Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Counters> {
@@ -111,7 +111,7 @@ impl Wavefront {
     fn supersample(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, edges): (Tile, &LightEdges),
+        (tile, edges): (PixelRect, &LightEdges),
         samples: &Range<u32>,
     ) -> u64 {
         let rays = self.supersampling_rays.find(context, (tile, edges), samples);
@@ -162,7 +162,7 @@ impl Wavefront {
     pub(super) fn start(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, edges): (Tile, &LightEdges),
+        (tile, edges): (PixelRect, &LightEdges),
         samples: &Range<u32>,
     ) {
         let settings = context.settings;
@@ -191,7 +191,7 @@ impl Wavefront {
 
     /// Asks the sensor where the paths begin, `count` of each element. Keeps those that begin with a ray, in order, and
     /// those that begin at a point by themselves.
-    fn place(&mut self, context: &RenderContext<'_>, tile: Tile, count: usize) {
+    fn place(&mut self, context: &RenderContext<'_>, tile: PixelRect, count: usize) {
         self.rays.clear();
         self.from_points.clear();
         self.points.clear();
@@ -488,7 +488,7 @@ mod tests {
         let scene = corner();
         let camera =
             Camera::look_at(DVec3::new(0.3, 0.8, 2.5), DVec3::new(0.0, 0.6, 0.0), DVec3::Y, 0.8).unwrap();
-        let tile = Tile { x: 0, y: 0, width: 16, height: 16 };
+        let tile = PixelRect { x: 0, y: 0, width: 16, height: 16 };
         for (sampler, estimator) in [Sampler::Sobol, Sampler::Independent]
             .into_iter()
             .flat_map(|s| [Estimator::Bsdf, Estimator::Light, Estimator::Mis].map(|e| (s, e)))

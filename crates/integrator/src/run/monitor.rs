@@ -43,7 +43,8 @@ pub trait Monitor<R = Picture>: Sync {
     /// Called after each tile.
     fn progress(&self, _progress: Progress) {}
 
-    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far.
+    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far. It is not called while
+    /// probes and photons are traced, before the first tile, which takes about as long as one sample of each pixel.
     fn cancelled(&self) -> bool {
         false
     }

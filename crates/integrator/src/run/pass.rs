@@ -2,7 +2,7 @@ use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
 use crate::film::{Blocks, Moments, PassNode, Tally};
-use crate::path::{LightEdges, RenderContext, Tile, Wavefront};
+use crate::path::{LightEdges, PixelRect, RenderContext, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_material::Rgb;
 use rayon::prelude::*;
@@ -21,14 +21,14 @@ pub(crate) struct PassRenderer<'a> {
     pub(crate) monitor: &'a dyn Monitor,
     pub(crate) meter: &'a Meter,
     /// The pixels that are rendered: those of the film, in the sensor's grid.
-    pub(crate) window: Tile,
+    pub(crate) window: PixelRect,
     /// The pixels at edges of lights, for each tile. The first pass that renders the tile finds them.
     pub(crate) edges: Vec<OnceLock<LightEdges>>,
 }
 
 /// What the samples of a tile add up to.
 struct TileResult {
-    tile: Tile,
+    tile: PixelRect,
     pixels: Vec<Moments>,
     /// The means of blocks, where single samples are observations.
     blocks: Vec<Moments>,
@@ -47,7 +47,7 @@ impl PassRenderer<'_> {
         pass: u32,
         cancelled: impl Fn() -> bool + Sync,
     ) -> Result<Option<(PassNode, Counters)>, RenderError> {
-        let tiles: Vec<Tile> = Tile::all(self.window).collect();
+        let tiles: Vec<PixelRect> = PixelRect::tiles(self.window).collect();
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
             .with_max_len(TILES_AT_ONCE)
@@ -70,7 +70,7 @@ impl PassRenderer<'_> {
     fn render_tile(
         &self,
         wavefront: &mut Wavefront,
-        (tile, edges): (Tile, &LightEdges),
+        (tile, edges): (PixelRect, &LightEdges),
         pass: u32,
         cancelled: &impl Fn() -> bool,
     ) -> Result<Option<TileResult>, RenderError> {

@@ -5,7 +5,7 @@ use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
 use crate::caught::caught;
-use crate::path::{RenderContext, Tile, guide, probed};
+use crate::path::{PixelRect, RenderContext, guide, probed};
 use crate::worker_threads::worker_threads;
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
@@ -156,7 +156,7 @@ impl<'a> Render<'a> {
         let crop = self.checked_crop(&settings)?;
         let picture = self.start(crop, self.checked_rows(crop.height)?, &settings)?;
         let rows = picture.film.rows();
-        let window = Tile { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
+        let window = PixelRect { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
         let threads = worker_threads(self.settings.threads).map_err(RenderError::Threads)?;
         threads.install(|| {
             let guide = guide(self.scene, self.sensor, &settings, || monitor.cancelled())?;
@@ -169,7 +169,7 @@ impl<'a> Render<'a> {
                 y: window.y,
                 message,
             })?;
-            let edges = Tile::all(window).map(|_| OnceLock::new()).collect();
+            let edges = PixelRect::tiles(window).map(|_| OnceLock::new()).collect();
             let meter = Meter::new(start, self.stop.seconds);
             let renderer = PassRenderer { context, monitor, meter: &meter, window, edges };
             PassLoop { renderer, stop: self.stop }.add_passes(picture, passes)
@@ -188,9 +188,9 @@ impl<'a> Render<'a> {
     }
 
     /// The pixels of the crop; the whole picture if there is none.
-    fn checked_crop(&self, settings: &Settings) -> Result<Tile, RenderError> {
+    fn checked_crop(&self, settings: &Settings) -> Result<PixelRect, RenderError> {
         let Settings { width, height, .. } = *settings;
-        let Some([columns, rows]) = &self.crop else { return Ok(Tile { x: 0, y: 0, width, height }) };
+        let Some([columns, rows]) = &self.crop else { return Ok(PixelRect { x: 0, y: 0, width, height }) };
         let step = settings.path_reuse.tile_side();
         let range = match step {
             1 => "the columns and rows of the picture, of which at least one must be asked for",
@@ -206,7 +206,7 @@ impl<'a> Render<'a> {
             }
         }
         let length = |range: &Range<u32>| range.end - range.start;
-        Ok(Tile { x: columns.start, y: rows.start, width: length(columns), height: length(rows) })
+        Ok(PixelRect { x: columns.start, y: rows.start, width: length(columns), height: length(rows) })
     }
 
     /// The rows to render, of a picture or crop of this height.
@@ -223,7 +223,12 @@ impl<'a> Render<'a> {
     }
 
     /// The picture of these rows of `crop` to continue.
-    fn start(&mut self, crop: Tile, rows: Range<u32>, settings: &Settings) -> Result<Picture, RenderError> {
+    fn start(
+        &mut self,
+        crop: PixelRect,
+        rows: Range<u32>,
+        settings: &Settings,
+    ) -> Result<Picture, RenderError> {
         let key = self.key();
         let Some(picture) = self.before.take() else {
             let film = Film::new(crop.width, rows, settings.path_reuse);

@@ -21,8 +21,8 @@ impl Decision {
     /// independent. With Sobol' points the rays are sixteen points in two dimensions.
     pub(super) const SUPERSAMPLING: Self = Self(Self::FIRST_OF_MIRRORS - 11);
 
-    /// Up to this one, decisions are of pixels by themselves, and stratified by blocks. All others are of paths that a
-    /// group may reuse, and stratified by groups.
+    /// Up to this one, decisions are stratified by blocks: they are of pixels by themselves. All others are stratified by
+    /// groups: of paths that a group may reuse, and of lights in mirrors, also at the first bounce.
     pub(super) const LAST_OF_BLOCKS: Self = Self(1);
 
     /// Decisions at each bounce.

@@ -86,7 +86,7 @@ impl Sampler {
                 let first = (sample - pass.start) * Self::RAYS as u32;
                 let first = SobolPoint::new(seed, Member::alone(pixel), pass.start, first, digits);
                 let [x, y] =
-                    SobolPoints::<{ Self::RAYS }>::successive(&first).uniform(Decision::SUPERSAMPLING.0);
+                    SobolPoints::<{ Self::RAYS }>::successive(&first).uniform(Decision::SUPERSAMPLING);
                 std::array::from_fn(|i| [x[i], y[i]])
             }
         }
@@ -119,14 +119,14 @@ impl BounceNumbers {
 
     #[inline(always)]
     fn side_by_side<const N: usize>(points: &SobolPoints<N>, bounce: u32, roulette: bool) -> [Self; N] {
-        let [x, y, light] = points.uniform(Decision::light(bounce).0);
+        let [x, y, light] = points.uniform(Decision::light(bounce));
         let [u, v] = points.scatter(bounce);
         let mut all = [Self::default(); N];
         for (i, numbers) in all.iter_mut().enumerate() {
             *numbers = Self { light: light[i], point: [x[i], y[i]], scatter: [u[i], v[i]], roulette: None };
         }
         if roulette {
-            let [chances] = points.uniform(Decision::roulette(bounce).0);
+            let [chances] = points.uniform(Decision::roulette(bounce));
             for (numbers, chance) in all.iter_mut().zip(chances) {
                 numbers.roulette = Some(chance);
             }
@@ -152,7 +152,7 @@ impl<const N: usize> SobolPoints<N> {
     #[inline(always)]
     fn scatter(&self, bounce: u32) -> [[f64; N]; 2] {
         let half = if bounce.is_multiple_of(2) { Half::First } else { Half::Last };
-        self.half(Decision::scatter(bounce - bounce % 2).0, half)
+        self.half(Decision::scatter(bounce - bounce % 2), half)
     }
 }
 
@@ -161,7 +161,7 @@ impl Numbers {
     #[inline(always)]
     pub(crate) fn films<const N: usize>(samples: &[Self; N]) -> [[f64; 2]; N] {
         let Some(points) = Self::as_points(samples) else { return samples.map(|numbers| numbers.film()) };
-        let [x, y] = points.uniform(Decision::FILM.0);
+        let [x, y] = points.uniform(Decision::FILM);
         std::array::from_fn(
             #[inline(always)]
             |i| [x[i], y[i]],
@@ -192,7 +192,7 @@ impl Numbers {
         let Some(points) = Self::as_points(samples) else {
             return Self::lights_one_by_one(samples, decision);
         };
-        let [x, y, light] = points.uniform(decision.0);
+        let [x, y, light] = points.uniform(decision);
         std::array::from_fn(
             #[inline(always)]
             |i| (light[i], [x[i], y[i]]),
@@ -252,7 +252,7 @@ impl Numbers {
     pub(crate) fn mirrors<const N: usize>(samples: &[Self; N], size: MirrorSize, bounce: u32) -> [f64; N] {
         match Self::as_points(samples) {
             Some(points) => {
-                let [choice] = points.uniform(Decision::mirror(size, bounce).0);
+                let [choice] = points.uniform(Decision::mirror(size, bounce));
                 choice
             }
             None => samples.map(|numbers| numbers.mirror(size, bounce)),
@@ -295,7 +295,7 @@ impl Numbers {
             Self::Independent(stream) => {
                 std::array::from_fn(|i| stream.uniform(decision.dimension() + i as u32))
             }
-            Self::Sobol(point) => point.uniform(decision.0),
+            Self::Sobol(point) => point.uniform(decision),
         }
     }
 }

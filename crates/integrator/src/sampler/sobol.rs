@@ -75,10 +75,10 @@ impl SobolPoint {
         Self { index: self.index << digits | part, shape, ..*self }
     }
 
-    /// The first `D` coordinates, up to three, of the point of `dimension`.
+    /// The first `D` coordinates, up to three, of the point of `decision`.
     #[inline]
-    pub(super) fn uniform<const D: usize>(&self, dimension: u32) -> [f64; D] {
-        SobolPoints::from(&[*self]).uniform(dimension).map(|[u]| u)
+    pub(super) fn uniform<const D: usize>(&self, decision: Decision) -> [f64; D] {
+        SobolPoints::from(&[*self]).uniform(decision).map(|[u]| u)
     }
 
     /// The four coordinates of this point and of those after it, for a replicate of a single decision: all its
@@ -124,18 +124,18 @@ impl<const N: usize> SobolPoints<N> {
         Self { indices, ..Self::from(&[*first; N]) }
     }
 
-    /// The first `D` coordinates, up to three, of the points of `dimension`.
+    /// The first `D` coordinates, up to three, of the points of `decision`.
     #[inline(always)]
-    pub(super) fn uniform<const D: usize>(&self, dimension: u32) -> [[f64; N]; D] {
-        let (keys, places) = self.places(dimension);
+    pub(super) fn uniform<const D: usize>(&self, decision: Decision) -> [[f64; N]; D] {
+        let (keys, places) = self.places(decision);
         self.coordinates(SOBOL, keys, places)
     }
 
-    /// The first or last two of the four coordinates of the points of `dimension`.
+    /// The first or last two of the four coordinates of the points of `decision`.
     #[inline(always)]
-    pub(super) fn half(&self, dimension: u32, half: Half) -> [[f64; N]; 2] {
+    pub(super) fn half(&self, decision: Decision, half: Half) -> [[f64; N]; 2] {
         let [first, second, third, fourth] = FAURE;
-        let (keys, places) = self.places(dimension);
+        let (keys, places) = self.places(decision);
         match half {
             Half::First => self.coordinates([first, second], keys, places),
             Half::Last => self.coordinates([third, fourth], keys, places),
@@ -158,12 +158,12 @@ impl<const N: usize> SobolPoints<N> {
         all
     }
 
-    /// The keys of a dimension, and the indices of the points in the sequence: members in a random order, and in each
+    /// The keys of a decision, and the indices of the points in the sequence: members in a random order, and in each
     /// its samples in another.
     #[inline(always)]
-    fn places(&self, dimension: u32) -> ([u64; N], [u64; N]) {
+    fn places(&self, decision: Decision) -> ([u64; N], [u64; N]) {
         let Shape { digits, sample_digits } = self.shape;
-        let keys = of_dimension(self.keys, dimension);
+        let keys = of_decision(self.keys, decision);
         if digits == sample_digits {
             return (keys, shuffled(keys, self.indices, digits));
         }
@@ -172,11 +172,11 @@ impl<const N: usize> SobolPoints<N> {
             *member >>= sample_digits;
             *sample &= (1 << sample_digits) - 1;
         }
-        if dimension <= Decision::LAST_OF_BLOCKS.0 {
+        if decision.0 <= Decision::LAST_OF_BLOCKS.0 {
             members = by_blocks(members, digits - sample_digits);
         }
         members = in_random_order(keys, members, digits - sample_digits);
-        let mut places = shuffled(of_dimension(self.member_keys, dimension), samples, sample_digits);
+        let mut places = shuffled(of_decision(self.member_keys, decision), samples, sample_digits);
         for (place, member) in places.iter_mut().zip(members) {
             *place |= member << sample_digits;
         }
@@ -255,9 +255,9 @@ fn in_random_order<const N: usize>(keys: [u64; N], members: [u64; N], digits: u3
 }
 
 #[inline(always)]
-fn of_dimension<const N: usize>(mut keys: [u64; N], dimension: u32) -> [u64; N] {
+fn of_decision<const N: usize>(mut keys: [u64; N], decision: Decision) -> [u64; N] {
     for key in &mut keys {
-        *key = nth(*key, dimension.into());
+        *key = nth(*key, decision.0.into());
     }
     keys
 }
@@ -270,13 +270,13 @@ mod tests {
     /// holds one point. Both halves of four coordinates have it.
     #[test]
     fn every_elementary_interval_holds_one_point() {
-        for (digits, replicate, dimension) in
+        for (digits, replicate, decision) in
             [(0, 0, 1), (1, 3, 0), (4, 0, 7), (6, 1, 2), (8, 2, 600), (11, 0, 3)]
         {
             for half in [Half::First, Half::Last] {
                 let points: Vec<_> = (0..1_u32 << digits)
                     .map(|i| SobolPoint::new(5, Member::alone(77), replicate, i, digits))
-                    .map(|point| SobolPoints::from(&[point]).half(dimension, half).map(|[u]| u))
+                    .map(|point| SobolPoints::from(&[point]).half(Decision(decision), half).map(|[u]| u))
                     .collect();
                 assert!(is_net(&points, digits), "{digits} digits, {half:?}");
             }
@@ -299,16 +299,16 @@ mod tests {
     /// first half in common, or for the first decisions the sum of both halves.
     #[test]
     fn members_share_a_net_and_have_nets_of_their_own() {
-        for (sample_digits, dimension) in [(0, 3), (2, 0), (4, 7), (4, 1), (6, 2)] {
+        for (sample_digits, decision) in [(0, 3), (2, 0), (4, 7), (4, 1), (6, 2)] {
             let point = |number, sample| {
                 let member = Member { net: 77, number, digits: 8 };
-                SobolPoint::new(5, member, 2, sample, sample_digits).uniform::<2>(dimension)
+                SobolPoint::new(5, member, 2, sample, sample_digits).uniform::<2>(Decision(decision))
             };
             let of_members = |members: Vec<u32>| -> Vec<[f64; 2]> {
                 let samples = 0..1 << sample_digits;
                 members.iter().flat_map(|&m| samples.clone().map(move |sample| point(m, sample))).collect()
             };
-            let part = |number: u32| if dimension < 2 { (number / 16) ^ (number % 16) } else { number / 16 };
+            let part = |number: u32| if decision < 2 { (number / 16) ^ (number % 16) } else { number / 16 };
             assert!(is_net(&of_members((0..256).collect()), sample_digits + 8), "{sample_digits} digits");
             for all in 0..16 {
                 let members = (0..256).filter(|&number| part(number) == all).collect();
@@ -323,7 +323,7 @@ mod tests {
     fn every_elementary_box_holds_two_points() {
         for digits in [1, 2, 4, 6, 9] {
             let points: Vec<_> = (0..1_u32 << digits)
-                .map(|i| SobolPoint::new(5, Member::alone(77), 3, i, digits).uniform::<3>(8))
+                .map(|i| SobolPoint::new(5, Member::alone(77), 3, i, digits).uniform::<3>(Decision(8)))
                 .collect();
             for (along, across) in (0..digits).flat_map(|i| (0..digits - i).map(move |j| (i, j))) {
                 let sides = [along, across, digits - 1 - along - across].map(|d| 1_usize << d);
@@ -367,7 +367,7 @@ mod tests {
         for fours in 0..=5 {
             let points: Vec<[f64; 4]> = (0..1_u32 << (2 * fours))
                 .map(|i| SobolPoints::from(&[SobolPoint::new(5, Member::alone(77), 3, i, 2 * fours)]))
-                .map(|point| [Half::First, Half::Last].map(|half| point.half(8, half)))
+                .map(|point| [Half::First, Half::Last].map(|half| point.half(Decision(8), half)))
                 .map(|[[[x], [y]], [[z], [w]]]| [x, y, z, w])
                 .collect();
             let splits = (0..=fours).flat_map(|a| (0..=fours - a).map(move |b| (a, b)));

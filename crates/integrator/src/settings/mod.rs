@@ -41,7 +41,7 @@ pub struct Settings {
     pub pass_samples: u32,
     /// Where random numbers come from.
     pub sampler: Sampler,
-    /// How a pixel weighs the light around its centre.
+    /// How a pixel weighs the light around its center.
     pub filter: PixelFilter,
     /// Which random numbers are used.
     pub seed: u64,

@@ -64,7 +64,7 @@ pub fn run(options: &Options, out: &mut impl Write) -> Result<()> {
     )?;
     write_table(
         out,
-        &["leaks per million, edge / vertex", "r = 1", "r = 1e-3", "r = 2, off centre"],
+        &["leaks per million, edge / vertex", "r = 1", "r = 1e-3", "r = 2, off center"],
         [leaks_of::<MoellerTrumbore>(options), leaks_of::<Woop>(options), leaks_of::<Shear>(options)],
     )?;
     let cpu = cpu_model().unwrap_or_else(|| "unknown".to_owned());

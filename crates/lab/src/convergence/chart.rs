@@ -39,8 +39,8 @@ impl Drawing for Chart<'_> {
             panel(cell, self.study, ladders)?;
         }
         let middle = ((self.size().0 / 2) as i32, 0);
-        let centred = ("sans-serif", 14).into_font().color(&BLACK).pos(Pos::new(HPos::Center, VPos::Top));
-        below.draw(&Text::new("seconds of rendering", middle, centred)).map_err(failed)?;
+        let centered = ("sans-serif", 14).into_font().color(&BLACK).pos(Pos::new(HPos::Center, VPos::Top));
+        below.draw(&Text::new("seconds of rendering", middle, centered)).map_err(failed)?;
         draw_legend(&below)
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct Loss {
 }
 
 /// Traces `side` squared paths of 64 bounces by BSDF sampling in a cubic furnace of albedo 0.8 with half side
-/// `half` and centre `center`. Their exact radiance is 5 to within a part in a million.
+/// `half` and center `center`. Their exact radiance is 5 to within a part in a million.
 ///
 /// # Panics
 /// If the furnace cannot be built or rendered.

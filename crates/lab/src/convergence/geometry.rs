@@ -30,7 +30,7 @@ pub(crate) struct Decision {
 /// A furnace of radiance 5 with a size and position.
 pub(crate) struct Furnace {
     pub(crate) half: f64,
-    /// The centre's coordinate on each axis.
+    /// The center's coordinate on each axis.
     pub(crate) offset: f64,
     pub(crate) loss: Loss,
     /// The radiance that Mitsuba 3.9.1 renders (variant `scalar_rgb`, its own path integrator), where it was

@@ -1,6 +1,6 @@
 //! Collapses the binary tree into a wide one: which of its nodes become the up to eight children of a node.
 
-use super::kd_to_bvh::{BinaryNode, BinaryTree, MemberRange, Split};
+use super::binary_tree::{BinaryNode, BinaryTree, MemberRange, Split};
 use crate::kdtree::Member;
 use crate::wide::simd::LANES;
 use crate::wide::tree::leaf::LeafBlocks;
@@ -156,7 +156,7 @@ mod tests {
         // Planes cost nothing, so that a leaf holds what no plane separates, and nothing else does.
         let options = KdOptions { leaf_size: 1, traversal_cost: 0.0, ..KdOptions::default() };
         let (tree, mut members) = KdTree::build_with_members(&triangles, &options).unwrap();
-        let binary = BinaryTree::new(&tree, &mut members);
+        let binary = BinaryTree::by_kd_tree(&tree, &mut members);
         Collapse::run(&triangles, &binary, &members, NormalizedSpace::new(&triangles.bounds())).nodes
     }
 

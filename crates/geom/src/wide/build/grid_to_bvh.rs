@@ -1,7 +1,7 @@
 //! The binary tree with the help of a grid instead of a k-d tree: members are sorted by its cells in linear time, and
 //! upper levels are split between cells instead of members.
 
-use super::kd_to_bvh::BinaryTree;
+use super::binary_tree::BinaryTree;
 use super::sah::{Boxed, center, center_bounds, split_in_bins};
 use crate::Aabb;
 use crate::grid::Lattice;

@@ -1,6 +1,8 @@
-//! Building: a [binary tree](kd_to_bvh) split by the [surface area heuristic](sah) is [collapsed](collapse) where
-//! the [costs of lanes](collapse_cost) are least. [A grid](grid_to_bvh) may take the place of k-d planes.
+//! Building: a [binary tree](binary_tree) split by the [surface area heuristic](sah) is [collapsed](collapse) where
+//! the [costs of lanes](collapse_cost) are least. Its upper levels are the planes of a [k-d tree](kd_to_bvh), or are split
+//! between the cells of a [grid](grid_to_bvh).
 
+mod binary_tree;
 mod collapse;
 mod collapse_cost;
 mod grid_to_bvh;
@@ -12,14 +14,14 @@ use super::tree::node::Child;
 use super::tree::normalize::NormalizedSpace;
 use crate::kdtree::Member;
 use crate::{GeomError, KdOptions, KdTree, Triangles};
+use binary_tree::BinaryTree;
 use collapse::Collapse;
-use kd_to_bvh::BinaryTree;
 
 /// Builds the tree over the leaves of the k-d tree with these options.
 pub(super) fn build(triangles: &Triangles, options: &KdOptions) -> Result<Tree, GeomError> {
     let (kd_tree, mut members) = KdTree::build_with_members(triangles, options)?;
     Child::check_references(kd_tree.references.len())?;
-    let binary = BinaryTree::new(&kd_tree, &mut members);
+    let binary = BinaryTree::by_kd_tree(&kd_tree, &mut members);
     Ok(collapse(triangles, &binary, &members))
 }
 

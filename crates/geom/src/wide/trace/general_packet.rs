@@ -98,7 +98,7 @@ impl GeneralPacket {
     }
 }
 
-/// Whether three of the rays start near the first one and point nearly where it does.
+/// Whether three of the rays start near the first one and point within 45 degrees of its direction.
 #[inline(always)]
 fn may_be_coherent(rays: &[Ray; PACKET], bounds: &Aabb) -> bool {
     let (first, near) = (&rays[0], NEAR * bounds.extent().max_element());

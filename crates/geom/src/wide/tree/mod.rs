@@ -16,8 +16,8 @@ use std::hint::select_unpredictable;
 /// How many `f32` a cache line holds.
 const WORDS_OF_A_LINE: usize = 16;
 
-/// Most levels of nodes below a leaf of the k-d tree. Half of them are enough to halve any number of
-/// triangles.
+/// Most levels of nodes below a leaf of the k-d tree, or below the root of a tree that is built without one. Half of them
+/// are enough to halve any number of triangles.
 pub(super) const MAX_LEVELS: u32 = 60;
 
 /// A tree of nodes with up to eight children; the first node is the root.

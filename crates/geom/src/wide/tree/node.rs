@@ -3,8 +3,8 @@
 use crate::wide::simd::LANES;
 use crate::{Aabb, GeomError};
 
-/// Up to eight children, a lane each, in four cache lines. Children below a leaf of the k-d tree may
-/// overlap.
+/// Up to eight children, a lane each, in four cache lines. Children that no plane of a k-d tree
+/// separates may overlap.
 #[repr(C, align(64))]
 #[derive(Clone, Debug)]
 pub(crate) struct Node {

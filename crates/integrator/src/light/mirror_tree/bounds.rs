@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 pub(super) struct Item {
     /// The place of the facet in the list that the tree is built of.
     pub(super) facet: u32,
-    pub(super) centre: DVec3,
+    pub(super) center: DVec3,
     pub(super) radius: f64,
     pub(super) normal: DVec3,
     pub(super) area: f64,
@@ -17,7 +17,7 @@ pub(super) struct Item {
 /// Bounds of some facets: a sphere, and a cone of rectangular cross section around their normals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
-    pub(super) centre: DVec3,
+    pub(super) center: DVec3,
     pub(super) radius: f64,
     /// The axis of the cone, and the directions of its sides: orthogonal unit vectors.
     pub(super) frame: [DVec3; 3],
@@ -33,10 +33,10 @@ pub(super) struct Bounds {
 impl Bounds {
     /// Of one or more facets.
     pub(super) fn around(items: &[Item]) -> Self {
-        let min = items.iter().map(|item| item.centre - item.radius).fold(DVec3::INFINITY, DVec3::min);
-        let max = items.iter().map(|item| item.centre + item.radius).fold(DVec3::NEG_INFINITY, DVec3::max);
-        let centre = 0.5 * (min + max);
-        let radius = |item: &Item| item.centre.distance(centre) + item.radius;
+        let min = items.iter().map(|item| item.center - item.radius).fold(DVec3::INFINITY, DVec3::min);
+        let max = items.iter().map(|item| item.center + item.radius).fold(DVec3::NEG_INFINITY, DVec3::max);
+        let center = 0.5 * (min + max);
+        let radius = |item: &Item| item.center.distance(center) + item.radius;
         let frame = frame(items);
         let angles = [frame[1], frame[2]].map(|side| {
             let tan = |item: &Item| item.normal.dot(side).abs() / item.normal.dot(frame[0]);
@@ -45,7 +45,7 @@ impl Bounds {
             if is_wide { PI } else { libm::atan(items.iter().map(tan).fold(0.0, f64::max)) }
         });
         Self {
-            centre,
+            center,
             radius: items.iter().map(radius).fold(0.0, f64::max),
             frame,
             angles,

@@ -81,7 +81,7 @@ fn split(items: &mut [Item], count: usize) -> Vec<&mut [Item]> {
 /// Sorts `items` into those before and after `middle`, along the axis of positions or of normals on which they extend
 /// farthest.
 fn sort_around(items: &mut [Item], middle: usize) {
-    let places = |item: &Item| [POSITION_WEIGHT * item.centre, item.normal];
+    let places = |item: &Item| [POSITION_WEIGHT * item.center, item.normal];
     let extent = |kind: usize| {
         let places = || items.iter().map(|item| places(item)[kind]);
         places().fold(DVec3::NEG_INFINITY, DVec3::max) - places().fold(DVec3::INFINITY, DVec3::min)

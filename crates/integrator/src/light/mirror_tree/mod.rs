@@ -56,21 +56,17 @@ const OPEN: u32 = 1 << 31;
 impl MirrorTree {
     /// A tree over one or more facets, and their order in the tree.
     pub(super) fn new(triangles: &Triangles, facets: &[FacetBounds], bodies: Vec<Aabb>) -> (Self, Vec<u32>) {
-        let Aabb { min, max } = triangles.bounds();
-        let (min, max) = (min.as_dvec3(), max.as_dvec3());
-        let origin = 0.5 * (min + max);
-        let (_, exponent) = libm::frexp(0.5 * (max - min).max_element());
+        let bounds = triangles.bounds();
+        let origin = bounds.center();
+        let (_, exponent) = libm::frexp(0.5 * bounds.extent().max_element());
         let scale = libm::ldexp(1.0, -exponent);
-        let item = |(facet, of): (u32, &FacetBounds)| {
-            let (min, max) = (of.bounds.min.as_dvec3(), of.bounds.max.as_dvec3());
-            Item {
-                facet,
-                centre: (0.5 * (min + max) - origin) * scale,
-                radius: 0.5 * min.distance(max) * scale,
-                normal: of.normal,
-                area: of.area * scale * scale,
-                body: of.body.map_or(OPEN, |body| 1 << body),
-            }
+        let item = |(facet, of): (u32, &FacetBounds)| Item {
+            facet,
+            center: (of.bounds.center() - origin) * scale,
+            radius: 0.5 * of.bounds.extent().length() * scale,
+            normal: of.normal,
+            area: of.area * scale * scale,
+            body: of.body.map_or(OPEN, |body| 1 << body),
         };
         let mut items: Vec<_> = (0..).zip(facets).map(item).collect();
         let Built { nodes, depth, paths } = build::build(&mut items);
@@ -205,7 +201,7 @@ impl MirrorTree {
         Query {
             from: place(at.receiver.position),
             side: at.receiver.side,
-            lights: place(at.lights.centre),
+            lights: place(at.lights.center),
             lights_half_extents: (at.lights.half_extents * self.scale).as_vec3(),
             lights_radius: (at.lights.radius * self.scale) as f32,
             around: (0..self.bodies.len() as u32).fold(OPEN, |all, body| all | within(body)),

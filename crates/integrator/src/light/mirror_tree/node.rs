@@ -11,7 +11,7 @@ pub(super) struct Query {
     pub(super) from: Vec3,
     /// The unit normal on the side of the surface where mirrors count.
     pub(super) side: Vec3,
-    /// The centre of the box around the lights, the distances of its faces from there, and the radius of the sphere
+    /// The center of the box around the lights, the distances of its faces from there, and the radius of the sphere
     /// around it.
     pub(super) lights: Vec3,
     pub(super) lights_half_extents: Vec3,
@@ -23,7 +23,7 @@ pub(super) struct Query {
 /// A node of the mirror tree: the bounds of its children, by component.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    centre: [Lanes; 3],
+    center: [Lanes; 3],
     radius: Lanes,
     axis: [Lanes; 3],
     /// The two directions orthogonal to the axis, times the cosine of the angle; zero for wide cones.
@@ -58,7 +58,7 @@ impl Node {
         // Both sides of a wide cone count.
         let bodies = |bounds: &Bounds| if is_wide(bounds) { u32::MAX } else { bounds.bodies };
         Self {
-            centre: vectors(&|bounds| bounds.centre),
+            center: vectors(&|bounds| bounds.center),
             radius: lanes(&|bounds| bounds.radius),
             axis: vectors(&|bounds| bounds.frame[0]),
             sides: [0, 1].map(|k| vectors(&|bounds| side(bounds, k).1)),
@@ -89,8 +89,8 @@ impl Node {
         // A plain loop, which the compiler vectorizes.
         for (i, importance) in all.iter_mut().enumerate() {
             let radius = self.radius[i];
-            let to_from = difference(query.from, &self.centre, i);
-            let to_lights = difference(query.lights, &self.centre, i);
+            let to_from = difference(query.from, &self.center, i);
+            let to_lights = difference(query.lights, &self.center, i);
             let from_sq = max(dot(to_from, to_from), LEAST);
             let lights_sq = max(dot(to_lights, to_lights), LEAST);
             let (per_from, per_lights) = (1.0 / from_sq.sqrt(), 1.0 / lights_sq.sqrt());
@@ -139,14 +139,14 @@ impl Node {
     }
 }
 
-/// The directions from the centre of a child to the lights.
+/// The directions from the center of a child to the lights.
 struct LightsFromChild {
-    /// That to the centre of the lights, a unit vector.
+    /// That to the center of the lights, a unit vector.
     middle: [f32; 3],
-    /// The half extents of the lights, and the radius around them, over the distance of their centre.
+    /// The half extents of the lights, and the radius around them, over the distance of their center.
     half_extents: [f32; 3],
     size: f32,
-    /// A lower bound of the depths of the lights along `middle`, over the distance of their centre. Bounds of a single
+    /// A lower bound of the depths of the lights along `middle`, over the distance of their center. Bounds of a single
     /// component are not valid unless it is positive.
     nearest: f32,
     /// An upper bound of the difference between `middle` and the direction to any point of the lights.
@@ -171,7 +171,7 @@ impl LightsFromChild {
     /// An upper bound of the component along `side`, a vector of length up to 1, of the difference between `middle` and
     /// the direction to any point of the lights.
     ///
-    /// In units of the distance of the centre, a point is `middle + d`, where `d` has the component `d_m` along `middle`
+    /// In units of the distance of the center, a point is `middle + d`, where `d` has the component `d_m` along `middle`
     /// and the rest `d_r`. Its distance is at least `1 + d_m`, and exceeds that by at most `d_r^2 / (2 (1 + d_m))`. So
     /// the component is at most `(|side . d_r| + |side . middle| d_r^2 / (2 (1 + d_m))) / (1 + d_m)`.
     #[inline(always)]

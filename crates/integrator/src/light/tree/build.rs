@@ -90,13 +90,13 @@ fn halve(lights: &mut [Light]) -> [Group<'_>; 2] {
 
 /// Splits two or more lights into the two groups of least cost, along the axis on which they extend farthest.
 fn best_split(lights: &mut [Light]) -> [Group<'_>; 2] {
-    let centres = || lights.iter().map(|(_, cluster)| cluster.centre);
-    let min = centres().fold(DVec3::INFINITY, DVec3::min);
-    let max = centres().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let centers = || lights.iter().map(|(_, cluster)| cluster.center);
+    let min = centers().fold(DVec3::INFINITY, DVec3::min);
+    let max = centers().fold(DVec3::NEG_INFINITY, DVec3::max);
     let axis = (max - min).max_position();
     let scale = BINS as f64 / (max[axis] - min[axis]);
-    // The product is not a number where all centres coincide; the cast makes 0 of it.
-    let bin = |(_, cluster): &Light| (((cluster.centre[axis] - min[axis]) * scale) as usize).min(BINS - 1);
+    // The product is not a number where all centers coincide; the cast makes 0 of it.
+    let bin = |(_, cluster): &Light| (((cluster.center[axis] - min[axis]) * scale) as usize).min(BINS - 1);
     let mut bins = [None::<Cluster>; BINS];
     for light in &*lights {
         let cluster = &mut bins[bin(light)];

@@ -7,7 +7,7 @@ pub(crate) struct Cluster {
     /// The sum of the largest radiant intensities, as luminance.
     pub(super) intensity: f64,
     /// The mean position.
-    pub(super) centre: DVec3,
+    pub(super) center: DVec3,
     /// The variances of the three coordinates.
     pub(super) variance: DVec3,
     /// The mean of the normals. Its length is at most 1.
@@ -26,17 +26,17 @@ impl Cluster {
     /// Below all cosines.
     const UNLIMITED: f64 = -2.0;
 
-    /// With this variance of normals, a third of it along each axis, and a mean of 0, [`positive_part`] is twice the distance
+    /// With this variance of normals, a third of it along each axis, and a mean of 0, [`twice_positive_part`] is twice the distance
     /// in all directions.
     const POINT_VARIANCE: f64 = 12.0;
 
     /// A triangle of these vertices whose front, of unit normal `normal`, has this intensity.
     pub(crate) fn of_triangle(vertices: [DVec3; 3], normal: DVec3, both_sides: bool, intensity: f64) -> Self {
-        let centre = vertices.into_iter().sum::<DVec3>() / 3.0;
+        let center = vertices.into_iter().sum::<DVec3>() / 3.0;
         let square = |vector: DVec3| vector * vector;
-        let variance = vertices.iter().map(|&vertex| square(vertex - centre)).sum::<DVec3>() / 12.0;
+        let variance = vertices.iter().map(|&vertex| square(vertex - center)).sum::<DVec3>() / 12.0;
         let limit = if both_sides { Self::UNLIMITED } else { 0.0 };
-        Self { intensity, centre, variance, normal, normal_variance: 0.0, both_sides, limit }
+        Self { intensity, center, variance, normal, normal_variance: 0.0, both_sides, limit }
     }
 
     /// A point that emits in all directions.
@@ -50,7 +50,7 @@ impl Cluster {
         let length = 0.5 * (1.0 + cos_outer);
         Self {
             intensity,
-            centre: position,
+            center: position,
             variance: DVec3::ZERO,
             normal: length * axis,
             normal_variance: Self::POINT_VARIANCE * (1.0 - length),
@@ -68,10 +68,10 @@ impl Cluster {
         // Normals of triangles that emit on both sides have no sign.
         let is_turned = self.both_sides && other.both_sides && self.normal.dot(other.normal) < 0.0;
         let other_normal = if is_turned { -other.normal } else { other.normal };
-        let (apart, turned) = (other.centre - self.centre, other_normal - self.normal);
+        let (apart, turned) = (other.center - self.center, other_normal - self.normal);
         Self {
             intensity,
-            centre: mean(self.centre, other.centre),
+            center: mean(self.center, other.center),
             variance: mean(self.variance, other.variance) + both * apart * apart,
             normal: mean(self.normal, other_normal),
             normal_variance: shares[0] * self.normal_variance
@@ -93,7 +93,7 @@ impl Cluster {
 /// Twice a bound on the mean of the positive part of a number of this mean and variance: no number has a larger one
 /// (Scarf 1958), and without variance it is exact.
 #[inline(always)]
-pub(super) fn positive_part(mean: f32, variance: f32) -> f32 {
+pub(super) fn twice_positive_part(mean: f32, variance: f32) -> f32 {
     let root = (mean * mean + variance).sqrt();
     // The same, without cancellation.
     let of_negative = variance / (root - mean);
@@ -117,10 +117,10 @@ mod tests {
             let mean = a + share * (b - a);
             let variance = share * (1.0 - share) * (a - b).powi(2);
             let part = a.max(0.0) + share * (b.max(0.0) - a.max(0.0));
-            let bound = 0.5 * f64::from(positive_part(mean as f32, variance as f32));
+            let bound = 0.5 * f64::from(twice_positive_part(mean as f32, variance as f32));
             assert!(part <= bound * (1.0 + 1e-5), "{i}: {part}, {bound}");
             attained = attained.max(part / bound);
-            let exact = 0.5 * f64::from(positive_part(a as f32, 0.0));
+            let exact = 0.5 * f64::from(twice_positive_part(a as f32, 0.0));
             assert!((exact - a.max(0.0)).abs() <= 1e-6 * a.abs(), "{i}: {exact}, {a}");
         }
         assert!(attained > 0.999, "{attained}");
@@ -141,16 +141,16 @@ mod tests {
         let mean = |value: &dyn Fn(&Cluster) -> DVec3| {
             lights.iter().map(|light| light.intensity / total * value(light)).sum::<DVec3>()
         };
-        let centre = mean(&|light| light.centre);
+        let center = mean(&|light| light.center);
         let square = |vector: DVec3| vector * vector;
-        let variance = mean(&|light| light.variance + square(light.centre - centre));
+        let variance = mean(&|light| light.variance + square(light.center - center));
         let normal = mean(&|light| light.normal);
         let normal_variance = 1.0 - normal.length_squared();
         let in_a_row = |lights: &[Cluster]| lights.iter().copied().reduce(|a, b| a.union(&b)).unwrap();
         let halves = in_a_row(&lights[..16]).union(&in_a_row(&lights[16..]));
         for union in [in_a_row(&lights), halves] {
             assert!((union.intensity / total - 1.0).abs() < 1e-14);
-            assert!((union.centre - centre).length() < 1e-12 && (union.variance - variance).length() < 1e-12);
+            assert!((union.center - center).length() < 1e-12 && (union.variance - variance).length() < 1e-12);
             assert!((union.normal - normal).length() < 1e-14);
             assert!((union.normal_variance - normal_variance).abs() < 1e-14);
         }

@@ -1,4 +1,4 @@
-use super::cluster::positive_part;
+use super::cluster::twice_positive_part;
 use crate::light::alias_table::AliasTable;
 use glam::{DVec3, Vec3};
 
@@ -47,7 +47,7 @@ impl FarLights {
     /// The irradiance from all, about, on the side of a surface to which `side` points.
     #[inline(always)]
     pub(super) fn irradiance_on(&self, side: Vec3) -> f64 {
-        self.irradiance * f64::from(0.5 * positive_part(side.dot(self.direction), self.variance))
+        self.irradiance * f64::from(0.5 * twice_positive_part(side.dot(self.direction), self.variance))
     }
 
     /// The index of the light that `u` in `[0, 1)` chooses.

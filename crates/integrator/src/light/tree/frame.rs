@@ -2,7 +2,7 @@ use super::cluster::Cluster;
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 
-/// The frame of a tree, in which the centres of the lights, each with the standard deviation of its points, lie within
+/// The frame of a tree, in which the centers of the lights, each with the standard deviation of its points, lie within
 /// `[-1, 1]`. Single precision has enough range there, and no unit of length matters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeFrame {
@@ -19,7 +19,7 @@ impl TreeFrame {
     pub(super) fn around(lights: impl Iterator<Item = Cluster>) -> Self {
         let corners = |light: Cluster| {
             let extent = light.variance.map(f64::sqrt);
-            (light.centre - extent, light.centre + extent)
+            (light.center - extent, light.center + extent)
         };
         let all = lights.map(corners).reduce(|(min, max), (a, b)| (min.min(a), max.max(b)));
         let (min, max) = all.unwrap_or_default();

@@ -252,7 +252,7 @@ mod tests {
         (0..6).map(|i| vector(Stream::new(8, 0, i), 0) * [1.0, 0.1, 3.0][i as usize % 3]).chain([
             DVec3::ZERO,
             DVec3::splat(1e9),
-            near(&lights(40, 1.0)[4]).centre,
+            near(&lights(40, 1.0)[4]).center,
         ])
     }
 
@@ -386,7 +386,7 @@ mod tests {
     /// were as bright at their edges as in the middle.
     fn irradiance(lights: &[Cluster], receiver: &Receiver) -> f64 {
         let from_one = |light: &Cluster| {
-            let line = receiver.position - light.centre;
+            let line = receiver.position - light.center;
             let distance = line.length();
             let cos_in = -receiver.side.as_dvec3().dot(line) / distance;
             let cos = light.normal.dot(line) / distance;
@@ -408,7 +408,7 @@ mod tests {
         let all: Vec<_> = all.iter().filter(|light| matches!(light, Reach::Near(_))).map(near).collect();
         let alike = |light: &Cluster| Cluster {
             intensity: light.intensity.powf(0.1),
-            centre: 0.3 * light.centre,
+            center: 0.3 * light.center,
             variance: 1e-8 * light.variance,
             ..*light
         };
@@ -423,7 +423,7 @@ mod tests {
                 let receiver = Receiver { position, side: side.as_vec3() };
                 let brought = irradiance(&group, &receiver);
                 let extent_sq = union.variance.element_sum();
-                if position.distance_squared(union.centre) > 4.0 * extent_sq && brought > 1e-3 {
+                if position.distance_squared(union.center) > 4.0 * extent_sq && brought > 1e-3 {
                     ratios.push(node.importance(&receiver)[0] / brought);
                 }
             }
@@ -513,9 +513,9 @@ mod tests {
     fn one_chosen_light_tells_much_of_the_irradiance_from_planes() {
         let lamp = |i: u32| {
             let numbers = Stream::new(18, 0, i);
-            let centre = DVec3::new(1.0, 0.0, 1.0) * vector(numbers, 0) + f64::from(i % 2) * DVec3::Y;
+            let center = DVec3::new(1.0, 0.0, 1.0) * vector(numbers, 0) + f64::from(i % 2) * DVec3::Y;
             let corners = [DVec3::X, DVec3::Z, DVec3::NEG_ONE]
-                .map(|corner| centre + 0.01 * corner * DVec3::new(1.0, 0.0, 1.0));
+                .map(|corner| center + 0.01 * corner * DVec3::new(1.0, 0.0, 1.0));
             Cluster::of_triangle(corners, DVec3::NEG_Y, false, 10.0_f64.powf(3.0 * numbers.uniform(3)))
         };
         let variance = relative_variance(&(0..300).map(lamp).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-use super::cluster::{Cluster, positive_part};
+use super::cluster::{Cluster, twice_positive_part};
 use super::frame::TreeFrame;
 use crate::light::child_weights::{ChildWeights, WIDTH};
 use crate::light::receiver::Receiver;
@@ -19,7 +19,7 @@ pub(super) enum Child {
 /// A node of the light tree: the clusters of its children, by component, in the tree's frame.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    centre: [Lanes; 3],
+    center: [Lanes; 3],
     variance: [Lanes; 3],
     normal: [Lanes; 3],
     /// Along one axis, taken for the same along all.
@@ -57,7 +57,7 @@ impl Node {
             |value: &dyn Fn(&Cluster) -> DVec3| [0, 1, 2].map(|k| lanes(&|cluster| value(cluster)[k]));
         let first = children[0].0;
         Self {
-            centre: vectors(&|cluster| frame.position(cluster.centre)),
+            center: vectors(&|cluster| frame.position(cluster.center)),
             variance: vectors(&|cluster| frame.variance(cluster.variance)),
             normal: vectors(&|cluster| cluster.normal),
             normal_variance: lanes(&|cluster| cluster.normal_variance / 3.0),
@@ -91,18 +91,18 @@ impl Node {
         let mut importances = [0.0; WIDTH];
         // A plain loop, which the compiler vectorizes.
         for (i, importance) in importances.iter_mut().enumerate() {
-            let x = (position.x - f64::from(self.centre[0][i])) as f32;
-            let y = (position.y - f64::from(self.centre[1][i])) as f32;
-            let z = (position.z - f64::from(self.centre[2][i])) as f32;
+            let x = (position.x - f64::from(self.center[0][i])) as f32;
+            let y = (position.y - f64::from(self.center[1][i])) as f32;
+            let z = (position.z - f64::from(self.center[2][i])) as f32;
             let [vx, vy, vz] = [self.variance[0][i], self.variance[1][i], self.variance[2][i]];
             let distance_sq = x * x + y * y + z * z;
             // The cosines, times twice the distance.
             let height = -(x * side.x + y * side.y + z * side.z);
-            let received = positive_part(height, vx * side_sq.x + vy * side_sq.y + vz * side_sq.z);
+            let received = twice_positive_part(height, vx * side_sq.x + vy * side_sq.y + vz * side_sq.z);
             let along = x * self.normal[0][i] + y * self.normal[1][i] + z * self.normal[2][i];
             let variance = self.normal_variance[i] * distance_sq + self.variance_along_normal[i];
-            let emitted =
-                positive_part(along, variance) + self.both_sides[i] * positive_part(-along, variance);
+            let emitted = twice_positive_part(along, variance)
+                + self.both_sides[i] * twice_positive_part(-along, variance);
             let emits = along * along.abs() >= self.limit[i] * distance_sq;
             let emitted = if emits { emitted } else { 0.0 };
             let per_distance_sq =

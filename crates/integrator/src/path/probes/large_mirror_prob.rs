@@ -4,8 +4,8 @@
 use crate::path::counters::Counters;
 use crate::path::light_edges::LightEdges;
 use crate::path::path_state::Contribution;
+use crate::path::pixel_rect::PixelRect;
 use crate::path::render_context::RenderContext;
-use crate::path::tile_bounds::Tile;
 use crate::path::wavefront::Wavefront;
 use crate::{PathReuse, Settings, Supersampling};
 use rayon::prelude::*;
@@ -59,7 +59,7 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     let settings = probe_settings(context.settings);
     // Without a guide, which depends on the seed.
     let context = RenderContext { settings: &settings, guide: None, photons: None, ..*context };
-    let of_tile = |wavefront: &mut Wavefront, (tile, sample): (Tile, u32)| {
+    let of_tile = |wavefront: &mut Wavefront, (tile, sample): (PixelRect, u32)| {
         wavefront.later_squares(&context, tile, sample..sample + 1)
     };
     let of_tiles: Vec<_> = tiles(&settings).into_par_iter().map_init(Wavefront::default, of_tile).collect();
@@ -87,7 +87,7 @@ fn probe_settings(settings: &Settings) -> Settings {
 }
 
 /// The tiles, each with a sample of its pixels. In a large picture there are gaps between tiles.
-fn tiles(settings: &Settings) -> Vec<(Tile, u32)> {
+fn tiles(settings: &Settings) -> Vec<(PixelRect, u32)> {
     let Settings { width, height, samples, .. } = *settings;
     let most = PATHS / (SIDE * SIDE);
     let by_shape = f64::from(most) * f64::from(width) / f64::from(height);
@@ -95,15 +95,19 @@ fn tiles(settings: &Settings) -> Vec<(Tile, u32)> {
     let rows = (most / columns).clamp(1, height.div_ceil(SIDE));
     let columns = (most / rows).clamp(1, width.div_ceil(SIDE));
     let step = |size: u32, count: u32| size.div_ceil(count).max(SIDE);
-    let places = Tile::grid([width, height], [step(width, columns), step(height, rows)]);
-    let tiles =
-        places.map(|place| Tile { width: place.width.min(SIDE), height: place.height.min(SIDE), ..place });
+    let places = PixelRect::grid([width, height], [step(width, columns), step(height, rows)]);
+    let tiles = places.map(|place| place.corner(SIDE));
     tiles.flat_map(|tile| (0..samples).map(move |sample| (tile, sample))).collect()
 }
 
 impl Wavefront {
     /// The sums for these samples of a tile.
-    fn later_squares(&mut self, context: &RenderContext<'_>, tile: Tile, samples: Range<u32>) -> Squares {
+    fn later_squares(
+        &mut self,
+        context: &RenderContext<'_>,
+        tile: PixelRect,
+        samples: Range<u32>,
+    ) -> Squares {
         self.start(context, (tile, &LightEdges::default()), &samples);
         let mut is_later = vec![false; tile.pixel_count() * samples.len()];
         let mut squares = Squares::default();
@@ -149,7 +153,7 @@ mod tests {
     use globillum_geom::{KdOptions, KdTree};
     use globillum_material::{Material, Rgb};
 
-    const TILE: Tile = Tile { x: 0, y: 0, width: 12, height: 12 };
+    const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 12, height: 12 };
 
     /// A floor and a wall under a square light of this size. Another wall is a mirror, and so is a small ball. The light may
     /// be hidden from the wall by a box that is open below.

@@ -11,19 +11,19 @@ use globillum_material::Bsdf;
 /// Probes along each side of the picture, by which caustics are found to be rare.
 const PROBES: u32 = 64;
 
-/// The most probes that find a caustic where caustics are rare. Sharing then takes two connections per sample or less, as
-/// far as the probes tell.
+/// The most caustics that the probes find where caustics are rare. Sharing then takes two connections per sample or less,
+/// as far as the probes tell.
 const MOST_FOUND: usize = (PROBES * PROBES) as usize / 128;
 
-/// Whether pixels share caustics: these are rare if of some paths at fixed places, few find one.
+/// Whether pixels share caustics: these are rare if some paths at fixed places find few.
 pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
     let may_share = context.reuses_paths() && context.scene.has_mirrors();
-    may_share && probes_that_find(context) <= MOST_FOUND
+    may_share && caustics_found(context) <= MOST_FOUND
 }
 
-/// How many of [`PROBES`] x [`PROBES`] paths find a caustic that would be shared. They follow from the scene and the
-/// sensor, never from samples.
-fn probes_that_find(context: &RenderContext<'_>) -> usize {
+/// How many caustics that would be shared [`PROBES`] x [`PROBES`] paths find, each by way of up to [`MAX_REFLECTIONS`]
+/// mirrors whatever the limit on bounces. They follow from the scene, the sensor and the settings, never from samples.
+fn caustics_found(context: &RenderContext<'_>) -> usize {
     let scattered = scattered(context);
     let rays: Vec<Ray> = scattered.iter().map(|(ray, _)| *ray).collect();
     let mut hits = Vec::new();

@@ -1,44 +1,50 @@
-/// A rectangle of pixels that is one task.
+/// A rectangle of pixels: a picture or a part of one, such as a tile, which is one task. In [`PixelRect::blocks_in`], of
+/// blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Tile {
+pub(crate) struct PixelRect {
     pub(crate) x: u32,
     pub(crate) y: u32,
     pub(crate) width: u32,
     pub(crate) height: u32,
 }
 
-/// Pixels along a side: with four samples each, a wavefront of about a thousand rays.
+/// Pixels along a side of a square: with four samples each, a wavefront of about a thousand rays.
 pub(crate) const SIDE: u32 = 16;
 
 /// Pixels along each side of the blocks whose means are observed.
 pub(crate) const BLOCK_SIDE: u32 = 4;
 
-impl Tile {
+impl PixelRect {
     /// The tiles that `window`, a rectangle of pixels, is divided into, row by row. In one that is narrower than
     /// [`SIDE`], tiles are higher, for as many pixels.
-    pub(crate) fn all(window: Tile) -> impl Iterator<Item = Tile> {
+    pub(crate) fn tiles(window: PixelRect) -> impl Iterator<Item = PixelRect> {
         let height = SIDE * (SIDE / window.width.clamp(1, SIDE));
         let tiles = Self::grid([window.width, window.height], [SIDE, height]);
-        tiles.map(move |tile| Tile { x: window.x + tile.x, y: window.y + tile.y, ..tile })
+        tiles.map(move |tile| PixelRect { x: window.x + tile.x, y: window.y + tile.y, ..tile })
     }
 
     /// A picture of this size in rectangles of the size `of`, row by row; less of them at its right and bottom.
-    pub(crate) fn grid(size: [u32; 2], of: [u32; 2]) -> impl Iterator<Item = Tile> {
+    pub(crate) fn grid(size: [u32; 2], of: [u32; 2]) -> impl Iterator<Item = PixelRect> {
         let starts = move |axis: usize| (0..size[axis].div_ceil(of[axis])).map(move |i| i * of[axis]);
         let length = move |axis: usize, start: u32| of[axis].min(size[axis] - start);
         starts(1).flat_map(move |y| {
-            starts(0).map(move |x| Tile { x, y, width: length(0, x), height: length(1, y) })
+            starts(0).map(move |x| PixelRect { x, y, width: length(0, x), height: length(1, y) })
         })
     }
 
     /// The tile in blocks of 4 x 4 pixels of `window`, whose upper left corner is at 0; it begins with one.
-    pub(crate) fn blocks_in(&self, window: &Tile) -> Tile {
-        Tile {
+    pub(crate) fn blocks_in(&self, window: &PixelRect) -> PixelRect {
+        PixelRect {
             x: (self.x - window.x) / BLOCK_SIDE,
             y: (self.y - window.y) / BLOCK_SIDE,
             width: self.width.div_ceil(BLOCK_SIDE),
             height: self.height.div_ceil(BLOCK_SIDE),
         }
+    }
+
+    /// The upper left corner of up to `side` x `side` pixels.
+    pub(crate) fn corner(&self, side: u32) -> PixelRect {
+        PixelRect { width: self.width.min(side), height: self.height.min(side), ..*self }
     }
 
     /// The number of pixels.
@@ -47,10 +53,15 @@ impl Tile {
     }
 
     /// The tile and the pixels around it, in a picture of this size.
-    pub(crate) fn grown(&self, width: u32, height: u32) -> Tile {
+    pub(crate) fn grown(&self, width: u32, height: u32) -> PixelRect {
         let (x, y) = (self.x.saturating_sub(1), self.y.saturating_sub(1));
         let end = |start: u32, length: u32, size: u32| size.min(start + length + 1);
-        Tile { x, y, width: end(self.x, self.width, width) - x, height: end(self.y, self.height, height) - y }
+        PixelRect {
+            x,
+            y,
+            width: end(self.x, self.width, width) - x,
+            height: end(self.y, self.height, height) - y,
+        }
     }
 
     /// Pixel (`x`, `y`) and those around it, in a picture of this size, row by row.
@@ -59,10 +70,10 @@ impl Tile {
         width: u32,
         height: u32,
     ) -> impl Iterator<Item = (u32, u32)> {
-        Tile { x, y, width: 1, height: 1 }.grown(width, height).pixels()
+        PixelRect { x, y, width: 1, height: 1 }.grown(width, height).pixels()
     }
 
-    /// Pixel `index` of [`pixels`](Tile::pixels).
+    /// Pixel `index` of [`pixels`](PixelRect::pixels).
     pub(crate) fn pixel(&self, index: u32) -> (u32, u32) {
         (self.x + index % self.width, self.y + index / self.width)
     }
@@ -95,8 +106,8 @@ mod tests {
         for (width, height) in [(1, 1), (16, 16), (17, 33), (1, 400), (7, 100), (50, 1)] {
             let mut seen = vec![0; (width * height) as usize];
             for rows in [0..16.min(height), 16.min(height)..height] {
-                let window = Tile { x: 0, y: rows.start, width, height: rows.len() as u32 };
-                for (x, y) in Tile::all(window).flat_map(|tile| tile.pixels()) {
+                let window = PixelRect { x: 0, y: rows.start, width, height: rows.len() as u32 };
+                for (x, y) in PixelRect::tiles(window).flat_map(|tile| tile.pixels()) {
                     seen[(y * width + x) as usize] += 1;
                 }
             }
@@ -107,20 +118,21 @@ mod tests {
     #[test]
     fn blocks_have_the_same_pixels_as_rows() {
         for (width, height) in [(1, 1), (16, 16), (7, 9), (3, 20)] {
-            let tile = Tile { x: 5, y: 2, width, height };
+            let tile = PixelRect { x: 5, y: 2, width, height };
             let mut by_block: Vec<_> = tile.pixels_by_block().map(|(x, y)| (y, x)).collect();
             by_block.sort_unstable();
             assert!(by_block.into_iter().eq(tile.pixels().map(|(x, y)| (y, x))), "{width} x {height}");
         }
-        let first: Vec<_> = Tile { x: 5, y: 2, width: 9, height: 9 }.pixels_by_block().take(16).collect();
-        assert!(first.into_iter().eq(Tile { x: 5, y: 2, width: 4, height: 4 }.pixels()));
+        let first: Vec<_> =
+            PixelRect { x: 5, y: 2, width: 9, height: 9 }.pixels_by_block().take(16).collect();
+        assert!(first.into_iter().eq(PixelRect { x: 5, y: 2, width: 4, height: 4 }.pixels()));
     }
 
     #[test]
     fn tiles_have_no_more_pixels_than_a_square_and_not_many_less() {
         for (width, height) in [(1, 256), (3, 80), (8, 32), (9, 16), (16, 16), (40, 16)] {
-            let tile = Tile::all(Tile { x: 4, y: 8, width, height: 1000 }).next().unwrap();
-            assert_eq!(tile, Tile { x: 4, y: 8, width: width.min(16), height });
+            let tile = PixelRect::tiles(PixelRect { x: 4, y: 8, width, height: 1000 }).next().unwrap();
+            assert_eq!(tile, PixelRect { x: 4, y: 8, width: width.min(16), height });
         }
     }
 }
