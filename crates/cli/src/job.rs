@@ -8,13 +8,14 @@ use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::preview::Preview;
 use crate::summary::{self, Summary, Timing};
-use crate::uses::Uses;
+use crate::uses::{SCENE_FILE, Uses};
 use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
 use globillum::integrator::{Ending, FirstHits, Model, Picture, Scene, Settings};
 use globillum::io::PictureData;
 use globillum::material::Rgb;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// What a picture shows.
@@ -25,12 +26,14 @@ pub(crate) struct Subject {
     pub(crate) view: View,
     /// Radiance from all directions.
     pub(crate) environment: Rgb,
+    /// The files that it was read from.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 impl Subject {
     /// Builds its scene, and finds the camera.
     pub(crate) fn build(self, flags: &RenderFlags, interrupt: &Interrupt) -> Result<BuiltSubject> {
-        let Self { name, model, view, environment } = self;
+        let Self { name, model, view, environment, .. } = self;
         let (scene, build_seconds) = build(model, environment, flags.speed.accel)?;
         interrupt.check()?;
         let (camera, camera_by) = view
@@ -83,6 +86,7 @@ impl Job {
     /// Renders, writes what was asked for and can be written, and prints the figures.
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
+        flags.add_to(Uses::default().read(SCENE_FILE, &subject.files)).check()?;
         let BuiltSubject { name, scene, build_seconds, camera, camera_by } =
             subject.build(&flags, &interrupt)?;
         let settings = flags.settings();

@@ -1,5 +1,4 @@
-//! What the files of a command line are used for: none is written that has another use. Files that a scene refers to,
-//! such as MTL files, are not known here.
+//! What the files of a command line are used for: none is written that has another use.
 
 use crate::output::STDOUT;
 use anyhow::{Result, bail, ensure};
@@ -7,6 +6,9 @@ use std::collections::HashMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::{fs, iter};
+
+/// What a file is that a scene is read from. Which files these are is known when it is loaded.
+pub(crate) const SCENE_FILE: &str = "the scene's file";
 
 /// The files that a command reads and writes.
 #[derive(Debug, Default)]

@@ -41,9 +41,11 @@ pub enum RenderError {
     /// The camera's position and direction are invalid.
     #[error("camera: {0}")]
     Camera(&'static str),
-    /// What a sample measures is NaN or infinite, or the sensor started it with a ray that cannot be traced. Such
-    /// samples are never dropped.
-    #[error("pixel ({x}, {y}), sample {sample}: radiance is not finite")]
+    /// What a sample measures is NaN or infinite, or the sensor started it with a ray that cannot be traced, or at a point
+    /// that is not finite or has no unit normal. Such samples are never dropped.
+    #[error(
+        "pixel ({x}, {y}), sample {sample}: what it measures is not finite, or it starts with an invalid ray or point"
+    )]
     NonFinite {
         /// Column of the pixel.
         x: u32,

@@ -1,7 +1,7 @@
 use crate::path::folder_of;
 use crate::{IoError, special, temporary};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::iter;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -83,7 +83,10 @@ impl Sink {
         }
         let target = resolved(path);
         // The operating system's message would name the temporary file.
-        let temporary = temporary::beside(&target).map_err(|error| io::Error::from(error.kind()))?;
+        let temporary = temporary::beside(&target).map_err(|error| match error.kind() {
+            kind @ ErrorKind::NotFound => io::Error::new(kind, "its folder does not exist"),
+            kind => kind.into(),
+        })?;
         Ok(Self::Replace { temporary, target })
     }
 }

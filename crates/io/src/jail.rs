@@ -13,11 +13,13 @@ pub(crate) struct Jail<'a> {
     /// Total bytes that further files may have.
     bytes_left: u64,
     limit: u64,
+    /// The files that have been read, in this order.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 impl<'a> Jail<'a> {
     pub(crate) fn around(scene: &'a Path, limits: &Limits) -> Self {
-        Self { scene, bytes_left: limits.bytes, limit: limits.bytes }
+        Self { scene, bytes_left: limits.bytes, limit: limits.bytes, files: Vec::new() }
     }
 
     /// Total bytes of the files that have been read.
@@ -61,6 +63,7 @@ impl<'a> Jail<'a> {
         file.read_to_end(&mut bytes).map_err(failed)?;
         check_size(bytes.len() as u64)?;
         self.bytes_left -= bytes.len() as u64;
+        self.files.push(path.into());
         Ok(bytes)
     }
 }

@@ -11,7 +11,7 @@ use globillum_integrator::{Camera, MaterialId, Model};
 use globillum_material::Material;
 use std::io;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The content of a scene file.
 #[derive(Clone, Debug)]
@@ -26,6 +26,9 @@ pub struct Loaded {
     /// The objects of the file, in the order of their triangles; empty unless
     /// [asked for](crate::Loader::keep_objects).
     pub objects: Vec<Object>,
+    /// The files that were read: the scene file and those that it refers to, such as material libraries and buffers, but no
+    /// textures.
+    pub files: Vec<PathBuf>,
 }
 
 /// An object of a scene file: what follows a statement `o` or `g` of OBJ, or the mesh of a node of glTF.
@@ -209,6 +212,7 @@ impl<'a> Loading<'a> {
             self.warn(Place::File, kind);
         }
         let objects = self.objects.unwrap_or_default();
-        Ok(Loaded { model: self.model, cameras: self.cameras, report: self.report, objects })
+        let (model, cameras, report, files) = (self.model, self.cameras, self.report, self.jail.files);
+        Ok(Loaded { model, cameras, report, objects, files })
     }
 }

@@ -159,8 +159,14 @@ impl PictureData {
     }
 }
 
+/// How every OpenEXR file begins.
+const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
 /// The picture in a file.
 fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
+    if !bytes.starts_with(&MAGIC) {
+        return Err("is no OpenEXR picture".into());
+    }
     let chunks = exr::block::read(Cursor::new(bytes), false)?;
     chunks.headers().iter().try_for_each(|header| check_size(header, bytes.len()))?;
     let layers = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();

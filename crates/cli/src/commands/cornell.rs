@@ -89,15 +89,18 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 impl Options {
     /// Makes the scene.
     pub(crate) fn subject(&self, interrupt: &Interrupt) -> Result<Subject> {
-        let (model, camera) = self.scene(interrupt)?;
+        let mut files = Vec::new();
+        let (model, camera) = self.scene(interrupt, &mut files)?;
         let name = format!("cornell {}", self.scene);
         let view = View::Own(camera, CameraType::Pinhole, Up::Y);
-        Ok(Subject { name, model, view, environment: Rgb::BLACK })
+        Ok(Subject { name, model, view, environment: Rgb::BLACK, files })
     }
 
-    fn scene(&self, interrupt: &Interrupt) -> Result<(Model, Camera)> {
+    /// The scene and its camera. Adds the files of its meshes to `files`.
+    fn scene(&self, interrupt: &Interrupt, files: &mut Vec<PathBuf>) -> Result<(Model, Camera)> {
         self.check()?;
-        let meshes = self.mesh.iter().map(|path| self.mesh(path, interrupt)).collect::<Result<Vec<_>>>()?;
+        let mesh = |path: &PathBuf| self.mesh(path, interrupt, files);
+        let meshes = self.mesh.iter().map(mesh).collect::<Result<Vec<_>>>()?;
         let model = match self.scene {
             0 if meshes.is_empty() => cornell::with_blocks(self.specular)?,
             0 | 1 => cornell::with_mesh(&self.statues(meshes, [cornell::knot], 100_000)[0], self.specular)?,
@@ -132,8 +135,9 @@ impl Options {
         Ok(())
     }
 
-    fn mesh(&self, path: &Path, interrupt: &Interrupt) -> Result<Vec<Triangle>> {
+    fn mesh(&self, path: &Path, interrupt: &Interrupt, files: &mut Vec<PathBuf>) -> Result<Vec<Triangle>> {
         let loaded = load::load(path, Loader::new(), self.flags.warnings(), interrupt)?;
+        files.extend(loaded.files);
         let mesh = loaded.model.triangles().to_vec();
         ensure!(cornell::has_extent(&mesh), "{}: all vertices are the same point", path.display());
         Ok(mesh)

@@ -6,7 +6,7 @@ use crate::job::{build, report_interrupt};
 use crate::monitor::RenderMonitor;
 use crate::output::TextOutput;
 use crate::summary::{Timing, of_points, reason};
-use crate::uses::Uses;
+use crate::uses::{SCENE_FILE, Uses};
 use crate::{console, points};
 use anyhow::Result;
 use std::path::PathBuf;
@@ -59,20 +59,23 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let flags = options.flags.resolved()?;
     let interrupt = Interrupt::catch()?;
     let stats = flags.report.stats.as_deref();
-    Uses::default()
-        .read("the scene", [&options.scene.scene])
-        .read("--points", [&options.points])
-        .written("--out", [&options.out])
-        .written("--stats", stats)
-        .written("--checkpoint", flags.checkpoints.save.path())
-        .check()?;
+    let check_files = |uses: Uses<'_>| {
+        uses.written("--out", [&options.out])
+            .written("--stats", stats)
+            .written("--checkpoint", flags.checkpoints.save.path())
+            .check()
+    };
+    check_files(
+        Uses::default().read("the scene", [&options.scene.scene]).read("--points", [&options.points]),
+    )?;
     let points = points::read(&options.points)?;
     let out = TextOutput::open(&options.out)?;
-    let stats = stats.map(TextOutput::open).transpose()?;
+    let stats_output = stats.map(TextOutput::open).transpose()?;
     let checkpoint = flags.checkpoints.save.open()?;
 
-    let LoadedScene { name, model, environment, .. } =
+    let LoadedScene { name, model, environment, files, .. } =
         options.scene.load(flags.report.warnings(), &interrupt)?;
+    check_files(Uses::default().read(SCENE_FILE, &files))?;
     let (scene, build_seconds) = build(model, environment, flags.speed.accel)?;
     interrupt.check()?;
 
@@ -85,10 +88,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let ended_by = reason(picture.ending, &interrupt);
     let timing = Timing { build_seconds, render_seconds, traced, ended_by };
     let summary = of_points(&name, &flags, &scene, &picture, timing);
-    let data_on_stdout = out.is_stdout() || stats.as_ref().is_some_and(TextOutput::is_stdout);
+    let data_on_stdout = out.is_stdout() || stats_output.as_ref().is_some_and(TextOutput::is_stdout);
     let name = (!out.is_stdout()).then(|| format!("readings      {}\n", options.out.display()));
     let written = failures.keep(out.write(&points::format(points.readings(&picture.film)))).and(name);
-    failures.keep(stats.map_or(Ok(()), |stats| stats.write(&summary.to_json()?)));
+    failures.keep(stats_output.map_or(Ok(()), |stats| stats.write(&summary.to_json()?)));
     let table = format!("{summary}{}", written.unwrap_or_default());
     failures.keep(console::print_table(&table, data_on_stdout));
     failures.into_result()?;

@@ -6,14 +6,14 @@ use crate::farm::{Part, Plan, Task, part_file};
 use crate::flags::PictureOutput;
 use crate::interrupt::{Interrupt, NOTHING};
 use crate::merging::{self, Merged};
-use crate::output::Outputs;
+use crate::output::{Outputs, STDOUT};
 use crate::uses::Uses;
 use crate::{console, parse, summary};
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{CheckpointError, CheckpointHeader};
 use globillum::io::PictureData;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const LONG_ABOUT: &str = "\
 Joins checkpoints of one picture that was rendered in parts, on one machine or on several. The picture has the bits \
@@ -65,6 +65,8 @@ pub(crate) struct Options {
 pub(crate) fn run(options: &Options) -> Result<()> {
     let nothing = options.output.out.is_empty() && options.checkpoint.is_none();
     ensure!(!nothing, "neither --out nor --checkpoint is given");
+    let is_stdout = options.checkpoint.as_deref() == Some(Path::new(STDOUT));
+    ensure!(!is_stdout, "--checkpoint -: a checkpoint needs a file");
     options.check_files()?;
     let interrupt = Interrupt::catch()?;
     let outputs = Outputs::open(&options.output, None)?;

@@ -4,7 +4,7 @@ use crate::flags::{SaveFlags, SpeedFlags};
 use crate::interrupt::Interrupt;
 use crate::load::{self, Warnings};
 use crate::monitor::RenderMonitor;
-use crate::uses::Uses;
+use crate::uses::{SCENE_FILE, Uses};
 use crate::{console, parse};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
@@ -99,7 +99,8 @@ pub(crate) struct Options {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PatchKind {
-    /// All triangles of a material; materials are numbered from 0 as the file lists them
+    /// All triangles of a material; numbered from 0 in the order of a glTF file's list, and from 1 in the order of first use
+    /// in an OBJ file, where 0 is the material of faces without one
     Material,
     /// All triangles of the objects of a name: `o` or `g` of OBJ, nodes of glTF
     Object,
@@ -110,11 +111,10 @@ enum PatchKind {
 pub(crate) fn run(options: &Options) -> Result<()> {
     let format = format_of(&options.out)?;
     let interrupt = Interrupt::catch()?;
-    Uses::default()
-        .read("the scene", [&options.scene])
-        .written("--out", [&options.out])
-        .written("--checkpoint", options.save.path())
-        .check()?;
+    let check_files = |uses: Uses<'_>| {
+        uses.written("--out", [&options.out]).written("--checkpoint", options.save.path()).check()
+    };
+    check_files(Uses::default().read("the scene", [&options.scene]))?;
     let file = AtomicFile::create(&options.out)?;
     let before = options.save.read()?;
     let checkpoint = options.save.open()?;
@@ -123,6 +123,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         if options.patches == PatchKind::Object { Loader::new().keep_objects() } else { Loader::new() };
     let warnings = if options.verbose { Warnings::All } else { Warnings::FirstOfEachKind };
     let loaded = load::load(&options.scene, loader, warnings, &interrupt)?;
+    check_files(Uses::default().read(SCENE_FILE, &loaded.files))?;
     let NamedPatches { patches, names } = NamedPatches::of(&loaded, options.patches);
     let triangles = Triangles::new(loaded.model.triangles().to_vec())?;
     let accel = options.speed.accel.build(&triangles)?;

@@ -61,7 +61,8 @@ impl Plan {
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let name = || path.display().to_string();
         let text = std::fs::read_to_string(path).with_context(|| format!("{}: cannot be read", name()))?;
-        let plan: Self = serde_json::from_str(&text).map_err(|error| anyhow!("{}: {error}", name()))?;
+        let plan: Self =
+            serde_json::from_str(&text).map_err(|error| anyhow!("{}: is no job file: {error}", name()))?;
         let Self { division, tasks, key, .. } = &plan;
         let possible =
             division.is_possible() && division.tasks() == *tasks && u64::from_str_radix(key, 16).is_ok();

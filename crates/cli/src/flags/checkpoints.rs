@@ -1,4 +1,6 @@
+use super::output::path_as_text;
 use crate::checkpoint::{self, Checkpoint, SaveEvery, Saved};
+use crate::output::STDOUT;
 use crate::parse;
 use anyhow::{Error, Result, bail, ensure};
 use globillum::integrator::{Render, RenderError};
@@ -12,6 +14,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct SaveFlags {
     /// Save the passes done so far in FILE, while running and at the end
     #[arg(long, value_name = "FILE")]
+    #[serde(serialize_with = "path_as_text")]
     checkpoint: Option<PathBuf>,
     /// Seconds between two checkpoints; 0 saves after each pass [default: 60, or 99 times what saving takes]
     ///
@@ -33,6 +36,7 @@ pub(crate) struct SaveFlags {
 impl SaveFlags {
     /// The checkpoint to be saved, known to be writable.
     pub(crate) fn open(&self) -> Result<Option<Checkpoint>> {
+        ensure!(self.path() != Some(Path::new(STDOUT)), "--checkpoint -: a checkpoint needs a file");
         let every = self.save_every.map_or(SaveEvery::Hundredth, SaveEvery::Seconds);
         self.checkpoint.as_deref().map(|path| Checkpoint::new(path, every)).transpose()
     }

@@ -28,6 +28,7 @@ use output::ReportFlags;
 use picture::PictureFlags;
 use sampling::SamplingFlags;
 use serde::Serialize;
+use std::path::PathBuf;
 use stop::StopFlags;
 
 /// How a picture is rendered, whatever it shows.
@@ -93,6 +94,11 @@ impl RenderFlags {
         if let Some(crop) = self.picture.crop.filter(|crop| !crop.is_within(width, height)) {
             anyhow::bail!("--crop {crop}: must lie within the picture of {width} x {height} pixels");
         }
+        let is_exr = |path: &PathBuf| path.extension().is_some_and(|end| end.eq_ignore_ascii_case("exr"));
+        ensure!(
+            !self.picture.buffers || self.output.out.iter().any(is_exr),
+            "--buffers: only OpenEXR pictures hold them; --out names none"
+        );
         let passes = self.settings().passes();
         self.stop.check(passes)?;
         self.checkpoints.check(passes, self.settings().samples)

@@ -1,6 +1,6 @@
 use crate::load::Warnings;
 use crate::parse;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::path::PathBuf;
 
 /// Where pictures go.
@@ -13,6 +13,7 @@ pub(crate) struct PictureOutput {
     /// radiance in Rec. 709 primaries as 32-bit floats, and in the layer `stderr` its standard error, for
     /// measuring. A file appears when it is complete.
     #[arg(long, value_name = "FILE")]
+    #[serde(serialize_with = "paths_as_text")]
     pub(crate) out: Vec<PathBuf>,
     /// Brighten PNG pictures by this number of stops, each of which doubles radiance
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = parse::finite)]
@@ -29,10 +30,21 @@ pub(crate) struct ReportFlags {
     /// Settings have the names of their flags, with underscores. The table goes to standard error if `-` is
     /// given here or to --out.
     #[arg(long, value_name = "FILE")]
+    #[serde(serialize_with = "path_as_text")]
     pub(crate) stats: Option<PathBuf>,
     /// List every warning about a scene file, not the first of each kind
     #[arg(long)]
     pub(crate) verbose: bool,
+}
+
+/// A path as text, with a replacement character for what is no UTF-8.
+pub(super) fn path_as_text<S: Serializer>(path: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
+    path.as_ref().map(|path| path.to_string_lossy()).serialize(serializer)
+}
+
+/// Paths as text, with a replacement character for what is no UTF-8.
+fn paths_as_text<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
 impl ReportFlags {

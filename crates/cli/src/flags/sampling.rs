@@ -13,7 +13,8 @@ use serde::Serialize;
 pub(crate) struct SamplingFlags {
     /// Samples per pixel, or per point [default: 64, or no limit with --error or --seconds]
     ///
-    /// The render ends at this number even if --error or --seconds would let it go on.
+    /// The render ends at this number even if --error or --seconds would let it go on. Without it,
+    /// --passes alone says how many passes there are.
     #[arg(long, visible_alias = "samples", value_name = "N", value_parser = parse::integer(1..=u32::MAX))]
     #[arg(allow_negative_numbers = true)]
     pub(crate) spp: Option<u32>,

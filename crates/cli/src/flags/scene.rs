@@ -3,7 +3,7 @@ use crate::load::Warnings;
 use crate::{console, load, parse, view};
 use anyhow::Result;
 use globillum::integrator::{Camera, Model};
-use globillum::io::{Limits, LoadReport, Loader, WarningKind};
+use globillum::io::{Limits, LoadReport, Loaded, Loader, WarningKind};
 use globillum::material::Rgb;
 use std::path::PathBuf;
 
@@ -44,6 +44,8 @@ pub(crate) struct LoadedScene {
     pub(crate) cameras: Vec<Camera>,
     /// Radiance from all directions.
     pub(crate) environment: Rgb,
+    /// The files that it was read from.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 impl SceneFlags {
@@ -57,7 +59,8 @@ impl SceneFlags {
         let loaded = load::load(&self.scene, loader, warnings, interrupt)?;
         let name = self.scene.display().to_string();
         let environment = self.environment(&name, &loaded.report);
-        Ok(LoadedScene { name, model: loaded.model, cameras: loaded.cameras, environment })
+        let Loaded { model, cameras, files, .. } = loaded;
+        Ok(LoadedScene { name, model, cameras, environment, files })
     }
 
     /// The environment asked for; else none, or a white one if nothing in the file shines.

@@ -89,6 +89,20 @@ fn tasks_have_the_bytes_of_one_run() {
 }
 
 #[test]
+fn a_job_does_not_take_over_parts() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    plan(folder, "job.json", &["--tasks", "12"], "4");
+    run_task(folder, 0);
+    fs::remove_file(folder.join("job.json")).expect("it is there");
+    let again = [&["plan", "job.json", "--"], &PICTURE[..], &["4"]].concat();
+    let (code, _, said) = run(&mut GLOBILLUM.command(folder, &again));
+    let expected = "error: job.parts: is not empty: the parts of another job may be there\n";
+    assert_eq!((code, said.as_str()), (Some(1), expected));
+    assert_eq!(names(folder), ["job.parts"]);
+}
+
+#[test]
 fn the_index_is_the_schedulers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
@@ -227,7 +241,7 @@ fn jobs_that_cannot_be_are_refused() {
         let fill = |folder: &Path| fs::write(folder.join("job.json"), text).expect("an empty folder");
         GLOBILLUM.assert_refused(fill, &["status", "job.json"], words);
     };
-    written("{}", &["job.json: missing field `version`"]);
+    written("{}", &["job.json: is no job file: missing field `version`"]);
     let impossible = r#"{"version": "", "key": "0", "picture": [], "samples": 1, "tasks": 1, "division":
         {"height": 16, "first_pass": 0, "end_pass": 3, "task_passes": 3, "task_rows": 16}}"#;
     written(impossible, &["job.json: is no plan"]);

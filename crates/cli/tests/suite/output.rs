@@ -155,6 +155,68 @@ fn a_file_has_one_use() {
     refused(&["plan", "z.parts", "--", "cornell"], "the job z.parts and the folder of its parts z.parts");
 }
 
+/// The files that a scene refers to are known when it is loaded.
+#[test]
+fn no_file_of_a_scene_is_written() {
+    let fill = |folder: &Path| {
+        let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+        let library = "newmtl a\nKd 0.5 0.5 0.5\nKe 1 1 1\n";
+        let scene = |library: &str| format!("mtllib {library}\n{mesh}");
+        let files =
+            [("a.obj", scene("a.mtl")), ("b.obj", scene("b.csv")), ("points", "0,0,1,0,0,-1\n".into())];
+        let libraries = ["a.mtl", "b.csv"].map(|name| (name, library.into()));
+        let write =
+            |(name, text): (&str, String)| std::fs::write(folder.join(name), text).expect("an empty folder");
+        files.into_iter().chain(libraries).for_each(write);
+    };
+    let refused = |arguments: &[&str], uses: &str| {
+        let said = format!("error: the scene's file {uses}: are the same file");
+        GLOBILLUM.assert_refused(fill, arguments, &[&said]);
+    };
+    refused(&["render", "a.obj", "--stats", "a.mtl"], "a.mtl and --stats a.mtl");
+    refused(&["cornell", "--scene", "1", "--mesh", "a.obj", "--stats", "a.mtl"], "a.mtl and --stats a.mtl");
+    let measure = ["irradiance", "a.obj", "--points", "points", "--out", "a.mtl"];
+    refused(&measure, "a.mtl and --out a.mtl");
+    let factors = ["view-factors", "b.obj", "--patches", "material", "--out", "b.csv"];
+    refused(&factors, "b.csv and --out b.csv");
+}
+
+#[test]
+fn files_that_cannot_hold_what_they_are_for_are_refused() {
+    let refused = |arguments: &[&str], said: &str| GLOBILLUM.assert_refused(fill, arguments, &[said]);
+    let no_file = "error: --checkpoint -: a checkpoint needs a file";
+    refused(&["cornell", "--checkpoint", "-"], no_file);
+    refused(&["merge", "a.part", "--checkpoint", "-"], no_file);
+    let no_buffers = "error: --buffers: only OpenEXR pictures hold them; --out names none";
+    refused(&["cornell", "--buffers", "--out", "z.png"], no_buffers);
+    refused(
+        &["cornell", "--out", "none/z.png"],
+        "error: none/z.png: cannot be written: its folder does not exist",
+    );
+    refused(&["status", "job.json"], "error: job.json: is no job file: expected value at line 1 column 1");
+    refused(&["diff", "a.exr", "a.exr"], "error: a.exr: is no OpenEXR picture");
+}
+
+/// Figures have a replacement character for each byte that is no text.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_of_files_may_be_no_text() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let names = [OsStr::from_bytes(b"a\xff.png"), OsStr::from_bytes(b"a\xff.part")];
+    let mut command =
+        GLOBILLUM.command(folder.path(), &[&["cornell", "--stats", "a.json"], &SMALL[..]].concat());
+    let output = command.args([OsStr::new("--out"), names[0], OsStr::new("--checkpoint"), names[1]]).output();
+    assert!(output.expect("the program starts").status.success());
+    let figures = std::fs::read(folder.path().join("a.json")).expect("it was written");
+    let figures: serde_json::Value = serde_json::from_slice(&figures).expect("it is JSON");
+    assert_eq!(
+        (&figures["out"][0], &figures["checkpoint"]),
+        (&"a\u{fffd}.png".into(), &"a\u{fffd}.part".into())
+    );
+}
+
 /// Links lead to the file that is replaced, also if it does not exist yet.
 #[cfg(unix)]
 #[test]

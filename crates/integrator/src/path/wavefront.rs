@@ -205,7 +205,9 @@ impl Wavefront {
                     self.rays.push(ray);
                     kept += 1;
                 }
-                PathStart::Irradiance { position, normal } if (position + normal).is_finite() => {
+                PathStart::Irradiance { position, normal }
+                    if position.is_finite() && normal.is_normalized() =>
+                {
                     self.from_points.push(self.paths[i]);
                     self.points.push(context.scene.triangles().given_point(position, normal));
                 }

@@ -32,7 +32,7 @@ pub struct Model {
     pub(super) delta_lights: Vec<DeltaLight>,
 }
 
-/// A material of a [`Model`], returned by [`Model::add_material`].
+/// A material of a [`Model`], returned by [`Model::add_material`] and [`Model::material_id`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaterialId(u32);
 
@@ -92,6 +92,34 @@ impl Model {
         &self.material_ids
     }
 
+    /// The material of triangle `index`, for [`Model::set_material`] and [`Model::push`].
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use globillum_geom::Triangle;
+    /// use globillum_integrator::Model;
+    /// use globillum_material::{Material, Rgb};
+    ///
+    /// /// Makes mirrors of all triangles that have the material of the first one.
+    /// fn polish(model: &mut Model) -> Result<(), globillum_material::MaterialError> {
+    ///     let id = model.material_id(0);
+    ///     model.set_material(id, Material::mirror(Rgb::splat(0.9))?);
+    ///     Ok(())
+    /// }
+    ///
+    /// let mut model = Model::default();
+    /// model.add(Material::lambert(Rgb::splat(0.5))?, [Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)]);
+    /// polish(&mut model)?;
+    /// assert_eq!(*model.material(0), Material::mirror(Rgb::splat(0.9))?);
+    /// # Ok::<(), globillum_material::MaterialError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If `index` is not below the number of triangles.
+    pub fn material_id(&self, index: usize) -> MaterialId {
+        MaterialId(self.material_ids[index])
+    }
+
     /// All materials in the order in which they were added.
     pub fn materials(&self) -> &[Material] {
         &self.materials
@@ -136,7 +164,7 @@ impl Model {
     /// model.add(Material::lambert(Rgb::splat(0.5))?, [triangle]);
     /// // Fit into a box of side 1 around the origin.
     /// let bounds = model.bounds();
-    /// let center = 0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3());
+    /// let center = bounds.center();
     /// let scale = 1.0 / bounds.extent().max_element();
     /// model.transform(&(DAffine3::from_scale(DVec3::splat(scale)) * DAffine3::from_translation(-center)))?;
     /// assert_eq!((model.bounds().min, model.bounds().max), (Vec3::new(-0.5, -0.25, 0.0), Vec3::new(0.5, 0.25, 0.0)));

@@ -119,8 +119,8 @@ pub enum PathStart {
     ///
     /// `position` may lie on a surface ([`Triangles::given_point`](globillum_geom::Triangles::given_point) says how
     /// exactly). The path begins with a vertex there, as if a camera saw a matte surface: lights are sampled at it,
-    /// and it counts as the first [bounce](crate::Settings::max_bounces). A coordinate that is not finite is an error
-    /// of the render.
+    /// and it counts as the first [bounce](crate::Settings::max_bounces). A coordinate that is not finite, or a
+    /// normal whose length differs from 1 by more than about 1e-4, is an error of the render.
     Irradiance {
         /// Where, in world space.
         position: DVec3,

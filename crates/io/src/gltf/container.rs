@@ -17,11 +17,14 @@ const BINARY: &[u8; 4] = b"BIN\0";
 
 /// Splits a file into its parts. The first bytes determine the format, not the name.
 pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>> {
+    let malformed = |message: &str| IoError::Parse { at: Place::File.of(path), message: message.into() };
     let Some(after_magic) = bytes.strip_prefix(MAGIC) else {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        if !text.trim_ascii_start().starts_with(b"{") {
+            return Err(malformed("is neither GLB nor JSON"));
+        }
         return Ok(Container { json: text, binary: None, is_text: true });
     };
-    let malformed = |message: &str| IoError::Parse { at: Place::File.of(path), message: message.into() };
     let (version, rest) = number(after_magic).ok_or_else(|| malformed("header is truncated"))?;
     if version != 2 {
         return Err(IoError::Version { at: Place::File.of(path), version: version.to_string() });
