@@ -8,7 +8,7 @@ use anyhow::Result;
 use globillum::geom::{Accel, SimdLevel};
 use globillum::glam::DVec3;
 use globillum::integrator::{
-    CheckpointHeader, CheckpointStrip, Ending, Film, ImageError, Picture, Scene, Settings,
+    CheckpointHeader, CheckpointStrip, Ending, ImageError, Picture, Scene, Settings,
 };
 use serde::Serialize;
 use std::fmt::{self, Display};
@@ -101,7 +101,7 @@ impl<'a> Summary<'a> {
             build_seconds,
             render_seconds,
             samples_per_pixel: picture.samples,
-            passes_held: passes(&picture.film).map(|range| [range.start, range.end]).collect(),
+            passes_held: picture.film.passes().into_iter().map(|range| [range.start, range.end]).collect(),
             samples: u64::from(picture.samples) * pixels,
             camera_rays: counters.camera_rays,
             bounce_rays: counters.bounce_rays,
@@ -311,10 +311,6 @@ pub(crate) fn of_merged(header: &CheckpointHeader, error: ImageError) -> String 
 /// `A..B`.
 pub(crate) fn format_range(range: &Range<u32>) -> String {
     format!("{}..{}", range.start, range.end)
-}
-
-fn passes(film: &Film) -> impl Iterator<Item = Range<u32>> {
-    film.passes().into_iter()
 }
 
 /// Why a render ended that `interrupt` can cancel.

@@ -75,6 +75,13 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         Some(expected) if options.parts.is_empty() => expected.part_files()?,
         _ => options.parts.clone(),
     };
+    if let Some(Expected { job, tasks, .. }) = &expected {
+        let of_tasks: Vec<PathBuf> = tasks.iter().map(|task| part_file(job, task.index)).collect();
+        Uses::default()
+            .read("a task's part", &of_tasks)
+            .written("--checkpoint", &options.checkpoint)
+            .check()?;
+    }
     let check =
         |header: &CheckpointHeader| expected.as_ref().map_or(Ok(()), |expected| expected.check(header));
     let cancelled = || interrupt.is_asked();

@@ -89,6 +89,21 @@ fn tasks_have_the_bytes_of_one_run() {
 }
 
 #[test]
+fn a_merge_does_not_replace_a_part_of_its_job() {
+    let folder = rendered();
+    let before = read(folder.path(), "job.parts/task-000003.part");
+    let said = merge(
+        folder.path(),
+        &["--expect", "job.json", "--checkpoint", "job.parts/task-000003.part", "--out", "a.png"],
+    );
+    let expected = "error: a task's part job.parts/task-000003.part and --checkpoint job.parts/task-000003.part: \
+                    are the same file\n";
+    assert_eq!(said, (Some(1), expected.to_owned()));
+    assert!(read(folder.path(), "job.parts/task-000003.part") == before);
+    assert_eq!(names(folder.path()), ["job.json", "job.parts"]);
+}
+
+#[test]
 fn a_job_does_not_take_over_parts() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
