@@ -13,7 +13,7 @@ pub(crate) struct Jail<'a> {
     /// Total bytes that further files may have.
     bytes_left: u64,
     limit: u64,
-    /// The files that have been read, in this order.
+    /// The files that have been read, in the order of reading.
     pub(crate) files: Vec<PathBuf>,
 }
 

@@ -26,8 +26,8 @@ pub struct Loaded {
     /// The objects of the file, in the order of their triangles; empty unless
     /// [asked for](crate::Loader::keep_objects).
     pub objects: Vec<Object>,
-    /// The files that were read: the scene file and those that it refers to, such as material libraries and buffers, but no
-    /// textures.
+    /// The files that were read, in this order: the scene file, then those that it refers to, such as material libraries and
+    /// buffers, by their names in its folder; no textures. One may be there several times.
     pub files: Vec<PathBuf>,
 }
 

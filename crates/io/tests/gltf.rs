@@ -150,7 +150,9 @@ fn buffers_lie_in_uris_and_in_files_beside_the_scene() {
     let files = Files::new(&[("a.gltf", json.to_string().as_bytes())]);
     std::fs::create_dir(files.path("my data")).unwrap();
     std::fs::write(files.path("my data/a.bin"), &binary).unwrap();
-    assert_eq!(files.load("a.gltf").unwrap().model.triangles(), triangles(&[[0, 1, 2]]));
+    let loaded = files.load("a.gltf").unwrap();
+    assert_eq!(loaded.model.triangles(), triangles(&[[0, 1, 2]]));
+    assert_eq!(loaded.files, ["a.gltf", "my data/a.bin"].map(|name| files.path(name)));
     // Percent encoding. The unit tests of `uri` cover base64.
     let data: String = binary.iter().map(|byte| format!("%{byte:02x}")).collect();
     json["buffers"][0]["uri"] = json!(format!("data:application/octet-stream,{data}"));

@@ -75,8 +75,8 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         Some(expected) if options.parts.is_empty() => expected.part_files()?,
         _ => options.parts.clone(),
     };
-    if let Some(Expected { job, tasks, .. }) = &expected {
-        let of_tasks: Vec<PathBuf> = tasks.iter().map(|task| part_file(job, task.index)).collect();
+    if let Some(Expected { job, plan, .. }) = expected.as_ref().filter(|_| options.checkpoint.is_some()) {
+        let of_tasks: Vec<PathBuf> = plan.tasks().map(|task| part_file(job, task.index)).collect();
         Uses::default()
             .read("a task's part", &of_tasks)
             .written("--checkpoint", &options.checkpoint)
@@ -120,7 +120,7 @@ struct Expected {
 }
 
 impl Options {
-    /// Refuses files with several uses. A part may be that of --checkpoint: the joined one holds all of it.
+    /// Refuses files with several uses. A part may be that of --checkpoint, which then holds all of it.
     fn check_files(&self) -> Result<()> {
         let pictures = || Uses::default().read("--expect", &self.expect).written("--out", &self.output.out);
         pictures().written("--checkpoint", &self.checkpoint).check()?;

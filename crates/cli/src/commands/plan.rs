@@ -39,7 +39,7 @@ pub(crate) struct Options {
     /// Job file to write; the tasks' parts go to a folder beside it, with the extension `parts`
     #[arg(value_name = "JOB.json")]
     job: PathBuf,
-    /// The least number of tasks; more if passes do not divide otherwise, fewer if a task had less than a pass of 16 rows
+    /// About how many tasks: at least N, unless a task would be less than a pass of 16 rows
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = parse::integer(1..=u32::MAX))]
     #[arg(allow_negative_numbers = true)]
     tasks: u32,
@@ -68,7 +68,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let parts = parts_folder(job);
     Uses::default().written("the job", [job]).written("the folder of its parts", [&parts]).check()?;
     let has_parts = fs::read_dir(&parts).is_ok_and(|mut files| files.next().is_some());
-    ensure!(!has_parts, "{}: is not empty: the parts of another job may be there", parts.display());
+    ensure!(!has_parts, "{}: is not empty: move it away, or give the job another name", parts.display());
     let file = AtomicFile::create(job)?;
     let Staged { scene, camera, settings } = picture.stage(&interrupt)?;
     let key = Render::new(&scene, camera.sensor(), &settings).key();

@@ -99,8 +99,8 @@ pub(crate) struct Options {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PatchKind {
-    /// All triangles of a material; numbered from 0 in the order of a glTF file's list, and from 1 in the order of first use
-    /// in an OBJ file, where 0 is the material of faces without one
+    /// All triangles of a material, numbered from 0 as a glTF file lists them, or from 1 in the order of their first use in
+    /// an OBJ file. The material of triangles without one has 0 in an OBJ file, and in a glTF file the next number
     Material,
     /// All triangles of the objects of a name: `o` or `g` of OBJ, nodes of glTF
     Object,

@@ -2,7 +2,6 @@ use super::output::path_as_text;
 use crate::checkpoint::{self, Checkpoint, SaveEvery, Saved};
 use crate::output::STDOUT;
 use crate::parse;
-use crate::summary::format_range;
 use anyhow::{Error, Result, bail, ensure};
 use globillum::integrator::{Render, RenderError};
 use serde::{Serialize, Serializer};
@@ -106,5 +105,5 @@ impl CheckpointFlags {
 
 /// A range as it is written on the command line.
 fn as_text<S: Serializer>(range: &Option<Range<u32>>, serializer: S) -> Result<S::Ok, S::Error> {
-    range.as_ref().map(format_range).serialize(serializer)
+    range.as_ref().map(|range| format!("{}..{}", range.start, range.end)).serialize(serializer)
 }

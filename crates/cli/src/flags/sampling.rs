@@ -21,8 +21,9 @@ pub(crate) struct SamplingFlags {
     /// Samples per pixel in one pass, a power of two
     ///
     /// A picture is made of whole passes. The points of the Sobol' sampler are stratified within a pass, and
-    /// the standard error is estimated from the differences between passes. Longer passes have less variance, and
-    /// fewer of them tell the error: with some hundred samples per pixel, 32 or 64 is better than the default.
+    /// the standard error is estimated from the differences between passes. Longer passes lower the variance of
+    /// pixels, though not always that of means over many, and leave fewer to tell the error: with some hundred samples per
+    /// pixel, try 32 or 64.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = parse::power_of_two(1 << 16))]
     #[arg(allow_negative_numbers = true)]
     pub(crate) pass_spp: u32,

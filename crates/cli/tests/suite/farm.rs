@@ -92,13 +92,13 @@ fn tasks_have_the_bytes_of_one_run() {
 fn a_merge_does_not_replace_a_part_of_its_job() {
     let folder = rendered();
     let before = read(folder.path(), "job.parts/task-000003.part");
-    let said = merge(
-        folder.path(),
-        &["--expect", "job.json", "--checkpoint", "job.parts/task-000003.part", "--out", "a.png"],
-    );
+    let arguments = ["--expect", "job.json", "--checkpoint", "job.parts/task-000003.part", "--out", "a.png"];
     let expected = "error: a task's part job.parts/task-000003.part and --checkpoint job.parts/task-000003.part: \
                     are the same file\n";
-    assert_eq!(said, (Some(1), expected.to_owned()));
+    for tasks in [&[][..], &["--tasks", "4..8"]] {
+        let said = merge(folder.path(), &[&arguments[..], tasks].concat());
+        assert_eq!(said, (Some(1), expected.to_owned()));
+    }
     assert!(read(folder.path(), "job.parts/task-000003.part") == before);
     assert_eq!(names(folder.path()), ["job.json", "job.parts"]);
 }
@@ -112,7 +112,7 @@ fn a_job_does_not_take_over_parts() {
     fs::remove_file(folder.join("job.json")).expect("it is there");
     let again = [&["plan", "job.json", "--"], &PICTURE[..], &["4"]].concat();
     let (code, _, said) = run(&mut GLOBILLUM.command(folder, &again));
-    let expected = "error: job.parts: is not empty: the parts of another job may be there\n";
+    let expected = "error: job.parts: is not empty: move it away, or give the job another name\n";
     assert_eq!((code, said.as_str()), (Some(1), expected));
     assert_eq!(names(folder), ["job.parts"]);
 }

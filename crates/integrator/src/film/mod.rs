@@ -46,7 +46,7 @@ use std::ops::Range;
 /// The standard error comes from the spread of independent observations: of samples where those
 /// are independent, of the means of passes where the samples of a pass are stratified. Errors of
 /// different pixels are independent, unless they share paths and points ([`Film::path_reuse`]): then those of different
-/// squares of 16 x 16 are.
+/// tiles of 16 x 16 are.
 ///
 /// ```
 /// use globillum_integrator::Film;
@@ -96,8 +96,8 @@ impl Film {
         self.rows.clone()
     }
 
-    /// Whether the errors of the pixels of a square of 16 x 16 depend on each other. [`Film::block_variances_of_mean`] allows for
-    /// that.
+    /// Whether the errors of the pixels of a tile of 16 x 16 depend on each other. [`Film::block_variances_of_mean`]
+    /// allows for that.
     pub fn path_reuse(&self) -> PathReuse {
         self.path_reuse
     }

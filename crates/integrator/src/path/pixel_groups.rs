@@ -9,7 +9,7 @@ const COUNT: usize = 16;
 /// A pixel of each block of a square, as indices into [`PixelRect::pixels`]; `None` for a pixel outside the tile.
 pub(super) type PixelGroup = [Option<u32>; COUNT];
 
-/// The squares of 16 x 16 pixels are the largest tiles: each holds whole groups.
+/// A square is 4 x 4 blocks, and holds whole groups. A tile is one, or several above each other.
 const _: () = assert!(SIDE == BLOCK_SIDE * BLOCK_SIDE && (BLOCK_SIDE * BLOCK_SIDE) as usize == COUNT);
 
 /// The power of `a` in pass 0. With it the pixels of a group are a (0, 4, 2)-net: no two are in one row or column.

@@ -1,5 +1,5 @@
-/// A rectangle of pixels: a picture or a part of one, such as a tile, which is one task. In [`PixelRect::blocks_in`], of
-/// blocks.
+/// A rectangle of pixels: a picture or a part of one, such as a tile, which is one task. Where a caller says so, of
+/// blocks or of tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PixelRect {
     pub(crate) x: u32,
@@ -32,7 +32,7 @@ impl PixelRect {
         })
     }
 
-    /// The tile in blocks of 4 x 4 pixels of `window`, whose upper left corner is at 0; it begins with one.
+    /// The rectangle in blocks of 4 x 4 pixels of `window`, whose upper left corner is at 0; it begins with one.
     pub(crate) fn blocks_in(&self, window: &PixelRect) -> PixelRect {
         PixelRect {
             x: (self.x - window.x) / BLOCK_SIDE,
@@ -52,7 +52,7 @@ impl PixelRect {
         self.width as usize * self.height as usize
     }
 
-    /// The tile and the pixels around it, in a picture of this size.
+    /// The rectangle and the pixels around it, in a picture of this size.
     pub(crate) fn grown(&self, width: u32, height: u32) -> PixelRect {
         let (x, y) = (self.x.saturating_sub(1), self.y.saturating_sub(1));
         let end = |start: u32, length: u32, size: u32| size.min(start + length + 1);
@@ -83,13 +83,13 @@ impl PixelRect {
         (y - self.y) as usize * self.width as usize + (x - self.x) as usize
     }
 
-    /// The tile's pixels, row by row.
+    /// Its pixels, row by row.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let Self { x, y, width, height } = *self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
     }
 
-    /// The tile's pixels, block by block, so that neighbours follow each other.
+    /// Its pixels, block by block, so that neighbours follow each other.
     pub(crate) fn pixels_by_block(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let Self { x, y, width, height } = *self;
         let blocks = Self::grid([width, height], [BLOCK_SIDE; 2]);

@@ -43,8 +43,9 @@ pub trait Monitor<R = Picture>: Sync {
     /// Called after each tile.
     fn progress(&self, _progress: Progress) {}
 
-    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far. It is not called while
-    /// probes and photons are traced, before the first tile, which takes about as long as one sample of each pixel.
+    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far. It is not called
+    /// before the first tile while probes, some ten thousand paths, and photons are traced, by eight paths for each pixel,
+    /// `2^14` to `2^20` in all.
     fn cancelled(&self) -> bool {
         false
     }

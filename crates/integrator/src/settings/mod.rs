@@ -92,7 +92,7 @@ pub enum PathReuse {
     /// variance of its own, which is measured ([`Film::block_variances_of_mean`]). Tiles are independent of each other.
     ///
     /// Light that a path finds after its first diffuse vertex by way of up to eight mirrors is shared by all pixels of the
-    /// tile, if few of some paths at fixed places find such light. It takes a query for each of these pixels.
+    /// tile, if some paths at fixed places find little such light. It takes a query for each of these pixels.
     ///
     /// A prefix that Russian roulette could have ended ([`Roulette::start`]) is not shared.
     ///

@@ -21,7 +21,7 @@ pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>> {
     let Some(after_magic) = bytes.strip_prefix(MAGIC) else {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         if !text.trim_ascii_start().starts_with(b"{") {
-            return Err(malformed("is neither GLB nor JSON"));
+            return Err(malformed("is neither GLB nor a JSON object"));
         }
         return Ok(Container { json: text, binary: None, is_text: true });
     };

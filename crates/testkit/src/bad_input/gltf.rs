@@ -62,9 +62,9 @@ fn headers() -> Vec<Case> {
         bad(row, r#""version":"2.0""#, asset, "Version", &message)
     };
     vec![
-        text(42, "", " is neither GLB nor JSON"),
+        text(42, "", " is neither GLB nor a JSON object"),
         text(43, &TRIANGLE[..200], "3: column 36: EOF while parsing a string"),
-        text(44, "# not JSON", " is neither GLB nor JSON"),
+        text(44, "# not JSON", " is neither GLB nor a JSON object"),
         text(44, "{}", "1: column 2: missing field `asset`"),
         version(45, r#""version":"1.0""#, "1.0"),
         version(45, r#""version":"1.0\n\u001b[2J""#, r"1.0\n\u{1b}[2J"),

@@ -26,8 +26,8 @@ impl Cluster {
     /// Below all cosines.
     const UNLIMITED: f64 = -2.0;
 
-    /// With this variance of normals, a third of it along each axis, and a mean of 0, [`twice_positive_part`] is twice the distance
-    /// in all directions.
+    /// With this variance of normals, a third of it along each axis, and a mean of 0, [`twice_positive_part`] is twice the
+    /// distance in all directions.
     const POINT_VARIANCE: f64 = 12.0;
 
     /// A triangle of these vertices whose front, of unit normal `normal`, has this intensity.
