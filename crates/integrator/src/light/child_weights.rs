@@ -1,14 +1,30 @@
 /// The number of children of a node.
-pub(super) const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 16;
 
-/// The bits of a lane in a path.
-pub(super) const LANE_BITS: u32 = WIDTH.trailing_zeros();
+/// The bits of a child's number in a path.
+pub(super) const CHILD_BITS: u32 = WIDTH.trailing_zeros();
+
+/// Half of the lanes.
+const HALF: usize = WIDTH / 2;
+
+/// The lane of a child in vectors over all children. Successive children have lanes `k` and `HALF + k`, so their sums are made
+/// by vectors of half the width.
+#[inline(always)]
+pub(super) const fn lane_of(child: usize) -> usize {
+    child % 2 * HALF + child / 2
+}
+
+/// The child of this lane.
+#[inline(always)]
+pub(super) const fn child_of(lane: usize) -> usize {
+    lane % HALF * 2 + lane / HALF
+}
 
 /// The weights of the children of a node: a child is chosen with a probability proportional to its weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChildWeights {
     of_lanes: [f64; WIDTH],
-    /// The sums of the weights up to each lane, none below the one before it.
+    /// For each lane, the sum of the weights up to that of its child. None is below the one of the child before.
     ends: [f64; WIDTH],
 }
 
@@ -24,16 +40,20 @@ impl ChildWeights {
     /// [`ChildWeights::prob`] need a total above zero.
     #[inline(always)]
     pub(super) fn of_importance(importance: [f64; WIDTH]) -> Self {
-        // Three steps over all lanes. A sum is the one at a lane before it and a rest, so it is not below that when rounded.
-        // Zeros are added exactly, so a lane without weight has no interval.
-        let [a, b, c, d, e, f, g, h] = importance;
-        let [a, b, c, d, e, f, g, h] = [a, b + a, c, d + c, e, f + e, g, h + g];
-        let [a, b, c, d, e, f, g, h] = [a, b, c + b, d + b, e, f, g + f, h + f];
-        Self { of_lanes: importance, ends: [a, b, c, d, e + d, f + d, g + d, h + d] }
+        // Four steps over all lanes. A sum is the one of a child before it and a rest, so it is not below that when rounded. Zeros
+        // are added exactly, so a child without weight has no interval.
+        let mut ends = importance;
+        for lane in HALF..WIDTH {
+            ends[lane] += ends[lane - HALF];
+        }
+        add_first_halves::<1>(&mut ends);
+        add_first_halves::<2>(&mut ends);
+        add_first_halves::<4>(&mut ends);
+        Self { of_lanes: importance, ends }
     }
 
     /// Like [`ChildWeights::of_importance`], but with a uniform share: every child has a probability of at least
-    /// `UNIFORM_SHARE / count`. Lanes from `count` on have no child and the importance 0.
+    /// `UNIFORM_SHARE / count`. Children from `count` on do not exist and have the importance 0.
     #[inline(always)]
     pub(super) fn with_uniform_share(importance: [f64; WIDTH], count: f64) -> Self {
         let Self { mut of_lanes, mut ends } = Self::of_importance(importance);
@@ -41,8 +61,8 @@ impl ChildWeights {
         let least = least * ends[WIDTH - 1].max(Self::LEAST_TOTAL);
         for lane in 0..WIDTH {
             of_lanes[lane] += least;
-            // Lanes without a child have no interval, and so are never chosen.
-            ends[lane] += least * count.min((lane + 1) as f64);
+            // Children that do not exist have no interval, and so are never chosen.
+            ends[lane] += least * count.min((child_of(lane) + 1) as f64);
         }
         Self { of_lanes, ends }
     }
@@ -53,22 +73,37 @@ impl ChildWeights {
         self.ends[WIDTH - 1]
     }
 
-    /// The probability of the child at `lane`.
+    /// The probability of this child.
     #[inline(always)]
-    pub(super) fn prob(&self, lane: usize) -> f64 {
-        self.of_lanes[lane] / self.total()
+    pub(super) fn prob(&self, child: usize) -> f64 {
+        self.of_lanes[lane_of(child)] / self.total()
     }
 
-    /// The lane of the child that `u` in `[0, 1)` chooses, which has a weight above zero, and the number in `[0, 1)` that is
+    /// The child that `u` in `[0, 1)` chooses, which has a weight above zero, and the number in `[0, 1)` that is
     /// left for the choice below it.
     #[inline(always)]
     pub(super) fn choose(&self, u: f64) -> (usize, f64) {
         // Below the total also when rounded, as `u` is at most `1 - 2^-53`.
         let at = u * self.total();
-        let below: i64 = self.ends.map(|end| i64::from(end <= at)).iter().sum();
-        let lane = below as usize % WIDTH;
+        let ends_before = |child: usize| usize::from(self.ends[lane_of(child)] <= at);
+        let first = 4 * (ends_before(3) + ends_before(7) + ends_before(11));
+        let child = first + ends_before(first) + ends_before(first + 1) + ends_before(first + 2);
+        let lane = lane_of(child % WIDTH);
         let rest = 1.0 - (self.ends[lane] - at) / self.of_lanes[lane];
-        (lane, rest.clamp(0.0, 1.0_f64.next_down()))
+        (child % WIDTH, rest.clamp(0.0, 1.0_f64.next_down()))
+    }
+}
+
+/// Adds the sum of the first half of each block of children to all sums in the second half. A half has this many columns; a
+/// column has the children of lanes `k` and `HALF + k`.
+#[inline(always)]
+fn add_first_halves<const COLUMNS: usize>(ends: &mut [f64; WIDTH]) {
+    let sums: [f64; HALF] = std::array::from_fn(|column| ends[HALF + column]);
+    for lane in 0..WIDTH {
+        let column = lane % HALF;
+        if column & COLUMNS != 0 {
+            ends[lane] += sums[(column & !(COLUMNS - 1)) - 1];
+        }
     }
 }
 
@@ -80,12 +115,13 @@ mod tests {
     /// Importances over twelve orders of magnitude, a third of them 0, and the number of children.
     fn importances(i: u32) -> ([f64; WIDTH], usize) {
         let numbers = Stream::new(5, 0, i);
-        let count = 1 + (8.0 * numbers.uniform(0)) as usize;
+        let count = 1 + (WIDTH as f64 * numbers.uniform(0)) as usize;
         let of_child = |lane: u32| match numbers.uniform(1 + lane) {
             u if u < 1.0 / 3.0 => 0.0,
             u => 10.0_f64.powf(18.0 * u - 12.0),
         };
-        (std::array::from_fn(|lane| if lane < count { of_child(lane as u32) } else { 0.0 }), count)
+        let of_lane = |child: usize| if child < count { of_child(child as u32) } else { 0.0 };
+        (std::array::from_fn(|lane| of_lane(child_of(lane))), count)
     }
 
     #[test]
@@ -99,8 +135,8 @@ mod tests {
             let borders = weights.ends.map(|end| end / weights.total());
             let us = borders.iter().flat_map(|&u| [u.next_down(), u, u.next_up()]);
             for u in us.chain([0.0, 1.0_f64.next_down()]).filter(|u| (0.0..1.0).contains(u)) {
-                let (lane, left) = weights.choose(u);
-                assert!(weights.prob(lane) > 0.0 && (0.0..1.0).contains(&left), "{i}: {u}, {lane}, {left}");
+                let (child, left) = weights.choose(u);
+                assert!(weights.prob(child) > 0.0 && (0.0..1.0).contains(&left), "{i}: {u}, {child}, {left}");
             }
         }
     }
@@ -112,16 +148,17 @@ mod tests {
             let weights = ChildWeights::with_uniform_share(importance, count as f64);
             let total: f64 = importance.iter().sum();
             let mut start = 0.0;
-            for (lane, importance) in importance.into_iter().take(count).enumerate() {
-                let prob = weights.prob(lane);
+            for child in 0..count {
+                let importance = importance[lane_of(child)];
+                let prob = weights.prob(child);
                 let least = ChildWeights::UNIFORM_SHARE / count as f64;
                 let share = if total > 0.0 { importance / total } else { 1.0 / count as f64 };
                 let expected = (1.0 - ChildWeights::UNIFORM_SHARE) * share + least;
-                assert!((prob - expected).abs() < 1e-15, "{i}, {lane}: {prob}, {expected}");
+                assert!((prob - expected).abs() < 1e-15, "{i}, {child}: {prob}, {expected}");
                 for (place, rest) in [(0.001, 0.001), (0.5, 0.5), (0.999, 0.999)] {
                     let (chosen, left) = weights.choose(start + place * prob);
-                    assert_eq!(chosen, lane, "{i}: {place} of {prob}");
-                    assert!((left - rest).abs() < 1e-15 / prob, "{i}, {lane}: {left}, {rest}");
+                    assert_eq!(chosen, child, "{i}: {place} of {prob}");
+                    assert!((left - rest).abs() < 1e-15 / prob, "{i}, {child}: {left}, {rest}");
                 }
                 start += prob;
             }

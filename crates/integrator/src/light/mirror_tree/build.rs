@@ -1,6 +1,6 @@
 use super::bounds::{Bounds, Item};
 use super::node::Node;
-use crate::light::child_weights::{LANE_BITS, WIDTH};
+use crate::light::child_weights::{CHILD_BITS, WIDTH};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ pub(super) struct Built {
     pub(super) nodes: Vec<Node>,
     /// The number of levels.
     pub(super) depth: u32,
-    /// For each item, the lanes from the root to it, from the lowest bits up.
+    /// For each item, the numbers of the children from the root to it, from the lowest bits up.
     pub(super) paths: Vec<u32>,
 }
 
@@ -30,8 +30,8 @@ impl<'a> Group<'a> {
         let count = self.items.len().div_ceil(capacity);
         let parts = split(self.items, count);
         let bounds: Vec<_> = parts.par_iter().map(|part| Bounds::around(part)).collect();
-        let path_to = |lane: u32| self.path | lane << (LANE_BITS * level);
-        let children = (0..).zip(parts).map(|(lane, items)| Group { items, path: path_to(lane) }).collect();
+        let path_to = |child: u32| self.path | child << (CHILD_BITS * level);
+        let children = (0..).zip(parts).map(|(child, items)| Group { items, path: path_to(child) }).collect();
         (Node::new(&bounds, first), children)
     }
 }

@@ -5,7 +5,7 @@ mod build;
 mod calibration;
 mod node;
 
-use super::child_weights::{ChildWeights, LANE_BITS, WIDTH};
+use super::child_weights::{CHILD_BITS, ChildWeights, WIDTH, child_of};
 use super::light_bounds::LightBounds;
 use super::receiver::Receiver;
 use bounds::Item;
@@ -21,7 +21,7 @@ pub(super) struct MirrorTree {
     nodes: Vec<Node>,
     /// The number of levels.
     depth: u32,
-    /// For each facet, the lanes from the root to it, from the lowest bits up.
+    /// For each facet, the numbers of the children from the root to it, from the lowest bits up.
     paths: Vec<u32>,
     /// The bounds of closed bodies.
     bodies: Vec<Aabb>,
@@ -138,9 +138,9 @@ impl MirrorTree {
     /// To a child of the node of `descent`, which have these weights.
     #[inline(always)]
     fn step(&self, Descent { index, prob, u }: Descent, weights: &ChildWeights) -> Descent {
-        let (lane, u) = weights.choose(u);
-        let index = self.nodes[index as usize].first + lane as u32;
-        Descent { index, prob: prob * weights.prob(lane), u }
+        let (child, u) = weights.choose(u);
+        let index = self.nodes[index as usize].first + child as u32;
+        Descent { index, prob: prob * weights.prob(child), u }
     }
 
     /// The probability with which [`MirrorTree::choose`] chooses the facet at `place`, to the bit; `None` if it never
@@ -156,10 +156,10 @@ impl MirrorTree {
                     if level > 1 {
                         weights = self.weights(&query, index, level, &shows)?;
                     }
-                    let lane = path as usize % WIDTH;
-                    path >>= LANE_BITS;
-                    prob *= weights.prob(lane);
-                    index = self.nodes[index as usize].first + lane as u32;
+                    let child = path as usize % WIDTH;
+                    path >>= CHILD_BITS;
+                    prob *= weights.prob(child);
+                    index = self.nodes[index as usize].first + child as u32;
                 }
                 (prob > 0.0).then_some(prob)
             },
@@ -178,8 +178,8 @@ impl MirrorTree {
         let node = &self.nodes[index as usize];
         let mut importance = node.importance(query);
         if level == self.depth {
-            for (place, importance) in (node.first..).zip(&mut importance) {
-                if *importance > 0.0 && !shows(place) {
+            for (lane, importance) in importance.iter_mut().enumerate() {
+                if *importance > 0.0 && !shows(node.first + child_of(lane) as u32) {
                     *importance = 0.0;
                 }
             }

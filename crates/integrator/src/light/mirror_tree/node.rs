@@ -1,8 +1,8 @@
 use super::bounds::Bounds;
-use crate::light::child_weights::WIDTH;
+use crate::light::child_weights::{WIDTH, child_of, lane_of};
 use glam::{DVec3, Vec3};
 
-/// A number for each child. Single precision is enough for bounds that only guide sampling.
+/// A number for each child, by lane. Single precision is enough for bounds that only guide sampling.
 type Lanes = [f32; WIDTH];
 
 /// A shading point and the lights, in the tree's frame.
@@ -20,8 +20,9 @@ pub(super) struct Query {
     pub(super) around: u32,
 }
 
-/// A node of the mirror tree: the bounds of its children, by component.
+/// A node of the mirror tree: the bounds of its children, by component. Each vector has a cache line of its own.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub(super) struct Node {
     center: [Lanes; 3],
     radius: Lanes,
@@ -47,7 +48,7 @@ impl Node {
     /// A node of one to `WIDTH` children, of which the first has the index `first`.
     pub(super) fn new(children: &[Bounds], first: u32) -> Self {
         let lanes = |value: &dyn Fn(&Bounds) -> f64| -> Lanes {
-            std::array::from_fn(|lane| children.get(lane).map_or(0.0, |child| value(child) as f32))
+            std::array::from_fn(|lane| children.get(child_of(lane)).map_or(0.0, |child| value(child) as f32))
         };
         let vectors = |value: &dyn Fn(&Bounds) -> DVec3| [0, 1, 2].map(|k| lanes(&|child| value(child)[k]));
         let is_wide = |bounds: &Bounds| bounds.angles[0].max(bounds.angles[1]) >= Self::WIDE;
@@ -64,17 +65,18 @@ impl Node {
             sides: [0, 1].map(|k| vectors(&|bounds| side(bounds, k).1)),
             sines: [0, 1].map(|k| lanes(&|bounds| side(bounds, k).0)),
             area: lanes(&|bounds| bounds.area),
-            bodies: std::array::from_fn(|lane| children.get(lane).map_or(0, bodies)),
+            bodies: std::array::from_fn(|lane| children.get(child_of(lane)).map_or(0, bodies)),
             first,
         }
     }
 
     /// Scales the importance of a child.
-    pub(super) fn scale(&mut self, lane: usize, factor: f64) {
+    pub(super) fn scale(&mut self, child: usize, factor: f64) {
+        let lane = lane_of(child);
         self.area[lane] = (f64::from(self.area[lane]) * factor) as f32;
     }
 
-    /// The importance of each child: the solid angle that it takes up, times the share of its normals for which a ray
+    /// The importance of each child, by lane: the solid angle that it takes up, times the share of its normals for which a ray
     /// goes on to the lights, times the largest cosine at the shading point.
     ///
     /// A facet reflects light from its source to the shading point if its normal is parallel to the half vector
@@ -86,7 +88,7 @@ impl Node {
     pub(super) fn importance(&self, query: &Query) -> [f64; WIDTH] {
         const LEAST: f32 = f32::MIN_POSITIVE;
         let mut all = [0.0; WIDTH];
-        // A plain loop, which the compiler vectorizes.
+        // A plain loop in single precision, which the compiler vectorizes.
         for (i, importance) in all.iter_mut().enumerate() {
             let radius = self.radius[i];
             let to_from = difference(query.from, &self.center, i);
@@ -117,9 +119,9 @@ impl Node {
             let cos_from = min(max(cos_from, 0.0), 1.0);
             // Quotients do not wait for the share.
             let solid_angle = self.area[i] * cos_from / max(from_sq, radius * radius);
-            *importance = (solid_angle * cos * share).into();
+            *importance = solid_angle * cos * share;
         }
-        all
+        all.map(f64::from)
     }
 
     /// The share of the normals of child `i` along side `k` of its cone for which a ray goes on to the lights.

@@ -1,7 +1,7 @@
 use super::cluster::Cluster;
 use super::frame::TreeFrame;
 use super::node::{Child, Node};
-use crate::light::child_weights::{LANE_BITS, WIDTH};
+use crate::light::child_weights::{CHILD_BITS, WIDTH};
 use glam::DVec3;
 use std::collections::VecDeque;
 
@@ -9,8 +9,8 @@ use std::collections::VecDeque;
 pub(super) type Light = (u32, Cluster);
 
 /// From this level on clusters are halved by the number of their lights, so that a path fits 64 bits: there are
-/// fewer lights than `8^11`.
-const FIRST_HALVED_LEVEL: u32 = 10;
+/// fewer lights than `16^8`.
+const FIRST_HALVED_LEVEL: u32 = 8;
 
 /// The number of intervals whose borders are tried as split planes.
 const BINS: usize = 16;
@@ -34,8 +34,8 @@ pub(super) fn nodes(lights: &mut [Light], frame: &TreeFrame, mut place: impl FnM
         let first_child = nodes.len() + 1 + pending.len();
         let mut children = Vec::with_capacity(WIDTH);
         let mut inner = 0;
-        for (lane, Group { lights, cluster }) in (0..).zip(groups(lights, level)) {
-            let path = path | lane << (LANE_BITS * level);
+        for (child, Group { lights, cluster }) in (0..).zip(groups(lights, level)) {
+            let path = path | child << (CHILD_BITS * level);
             match lights {
                 [(light, _)] => {
                     place(*light, path);

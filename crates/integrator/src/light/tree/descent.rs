@@ -25,7 +25,7 @@ impl Descent {
     /// To a child of `node`.
     #[inline(always)]
     pub(super) fn step(self, node: &Node, weights: &ChildWeights) -> Self {
-        let (lane, u) = weights.choose(self.u);
-        Self { child: node.child(lane), prob: self.prob * weights.prob(lane), u }
+        let (child, u) = weights.choose(self.u);
+        Self { child: node.child(child), prob: self.prob * weights.prob(child), u }
     }
 }

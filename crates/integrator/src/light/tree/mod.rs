@@ -11,7 +11,7 @@ mod node;
 pub(super) use cluster::Cluster;
 pub(super) use far_lights::FarLight;
 
-use super::child_weights::{LANE_BITS, WIDTH};
+use super::child_weights::{CHILD_BITS, WIDTH};
 use super::receiver::Receiver;
 use descent::Descent;
 use far_lights::FarLights;
@@ -55,7 +55,7 @@ pub(in crate::light) enum Reach {
 /// Where the tree has a light.
 #[derive(Clone, Copy, Debug)]
 enum Place {
-    /// The lanes from the root to the light, from the lowest bits up.
+    /// The numbers of the children from the root to the light, from the lowest bits up.
     Path(u64),
     /// The probability among all lights that are infinitely far away.
     Far(f64),
@@ -177,11 +177,11 @@ impl LightTree {
         let Place::Path(mut path) = self.places[index] else { return self.far_share(index, far_prob) };
         let mut prob = 1.0 - far_prob;
         loop {
-            let lane = path as usize % WIDTH;
-            prob *= weights.prob(lane);
-            let Child::Node(index) = node.child(lane) else { return prob };
+            let child = path as usize % WIDTH;
+            prob *= weights.prob(child);
+            let Child::Node(index) = node.child(child) else { return prob };
             node = &self.nodes[index as usize];
-            path >>= LANE_BITS;
+            path >>= CHILD_BITS;
             weights = node.weights(&receiver);
         }
     }
@@ -272,7 +272,7 @@ mod tests {
                 let (sum, least) =
                     probs.fold((0.0, 1.0_f64), |(sum, least), prob| (sum + prob, prob.min(least)));
                 assert!((sum - 1.0).abs() < 1e-12, "{n} lights from {receiver:?}: {sum}");
-                assert!(least > 2.0_f64.powi(-409), "{n} lights from {receiver:?}: {least}");
+                assert!(least > 2.0_f64.powi(-330), "{n} lights from {receiver:?}: {least}");
             }
         }
     }

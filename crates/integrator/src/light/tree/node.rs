@@ -1,10 +1,10 @@
 use super::cluster::{Cluster, twice_positive_part};
 use super::frame::TreeFrame;
-use crate::light::child_weights::{ChildWeights, WIDTH};
+use crate::light::child_weights::{ChildWeights, WIDTH, child_of};
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 
-/// A number for each child. Single precision is enough for what only guides sampling.
+/// A number for each child, by lane. Single precision is enough for what only guides sampling.
 type Lanes = [f32; WIDTH];
 
 /// A child of a node.
@@ -50,7 +50,9 @@ impl Node {
     /// A node of one to `WIDTH` children.
     pub(super) fn new(children: &[(Child, Cluster)], frame: &TreeFrame) -> Self {
         let of_children = |value: &dyn Fn(&Cluster) -> f64| -> [f64; WIDTH] {
-            std::array::from_fn(|lane| children.get(lane).map_or(0.0, |(_, cluster)| value(cluster)))
+            std::array::from_fn(|lane| {
+                children.get(child_of(lane)).map_or(0.0, |(_, cluster)| value(cluster))
+            })
         };
         let lanes = |value: &dyn Fn(&Cluster) -> f64| of_children(value).map(|x| x as f32);
         let vectors =
@@ -67,14 +69,14 @@ impl Node {
             limit: lanes(&|cluster| cluster.limit * cluster.limit.abs() - Self::LIMIT_SLACK),
             both_sides: lanes(&|cluster| f64::from(u8::from(cluster.both_sides))),
             intensity: of_children(&|cluster| frame.intensity(cluster.intensity)),
-            children: std::array::from_fn(|lane| children.get(lane).map_or(first, |(child, _)| *child)),
+            children: std::array::from_fn(|number| children.get(number).map_or(first, |(child, _)| *child)),
             count: children.len() as f64,
         }
     }
 
     #[inline(always)]
-    pub(super) fn child(&self, lane: usize) -> Child {
-        self.children[lane]
+    pub(super) fn child(&self, number: usize) -> Child {
+        self.children[number]
     }
 
     /// The weights of the children for the receiver, in the tree's frame.
@@ -83,7 +85,7 @@ impl Node {
         ChildWeights::with_uniform_share(self.importance(receiver), self.count)
     }
 
-    /// The importance of each child: the irradiance from it, about, if it is visible. The mean of a product of both cosines
+    /// The importance of each child, by lane: the irradiance from it, about, if it is visible. The mean of a product of both cosines
     /// and the inverse squared distance is taken for a product of means.
     #[inline(always)]
     pub(super) fn importance(&self, &Receiver { position, side }: &Receiver) -> [f64; WIDTH] {
