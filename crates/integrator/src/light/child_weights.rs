@@ -99,10 +99,10 @@ impl ChildWeights {
 #[inline(always)]
 fn add_first_halves<const COLUMNS: usize>(ends: &mut [f64; WIDTH]) {
     let sums: [f64; HALF] = std::array::from_fn(|column| ends[HALF + column]);
-    for lane in 0..WIDTH {
+    for (lane, end) in ends.iter_mut().enumerate() {
         let column = lane % HALF;
         if column & COLUMNS != 0 {
-            ends[lane] += sums[(column & !(COLUMNS - 1)) - 1];
+            *end += sums[(column & !(COLUMNS - 1)) - 1];
         }
     }
 }
