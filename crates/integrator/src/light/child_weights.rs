@@ -1,14 +1,17 @@
 /// The number of children of a node.
 pub(super) const WIDTH: usize = 16;
 
+const _: () =
+    assert!(WIDTH == 16, "the steps of `of_importance` and `choose` are those for sixteen children");
+
 /// The bits of a child's number in a path.
 pub(super) const CHILD_BITS: u32 = WIDTH.trailing_zeros();
 
 /// Half of the lanes.
 const HALF: usize = WIDTH / 2;
 
-/// The lane of a child in vectors over all children. Successive children have lanes `k` and `HALF + k`, so their sums are made
-/// by vectors of half the width.
+/// The lane of a child in vectors over all children. Children `2 k` and `2 k + 1` have lanes `k` and `HALF + k`, so vectors of half
+/// the width add them.
 #[inline(always)]
 pub(super) const fn lane_of(child: usize) -> usize {
     child % 2 * HALF + child / 2
@@ -40,7 +43,7 @@ impl ChildWeights {
     /// [`ChildWeights::prob`] need a total above zero.
     #[inline(always)]
     pub(super) fn of_importance(importance: [f64; WIDTH]) -> Self {
-        // Four steps over all lanes. A sum is the one of a child before it and a rest, so it is not below that when rounded. Zeros
+        // Four steps. A sum is the one of a child before it and a rest, so it is not below that when rounded. Zeros
         // are added exactly, so a child without weight has no interval.
         let mut ends = importance;
         for lane in HALF..WIDTH {
@@ -88,9 +91,11 @@ impl ChildWeights {
         let ends_before = |child: usize| usize::from(self.ends[lane_of(child)] <= at);
         let first = 4 * (ends_before(3) + ends_before(7) + ends_before(11));
         let child = first + ends_before(first) + ends_before(first + 1) + ends_before(first + 2);
-        let lane = lane_of(child % WIDTH);
+        // It is below the width already.
+        let child = child % WIDTH;
+        let lane = lane_of(child);
         let rest = 1.0 - (self.ends[lane] - at) / self.of_lanes[lane];
-        (child % WIDTH, rest.clamp(0.0, 1.0_f64.next_down()))
+        (child, rest.clamp(0.0, 1.0_f64.next_down()))
     }
 }
 
@@ -116,12 +121,12 @@ mod tests {
     fn importances(i: u32) -> ([f64; WIDTH], usize) {
         let numbers = Stream::new(5, 0, i);
         let count = 1 + (WIDTH as f64 * numbers.uniform(0)) as usize;
-        let of_child = |lane: u32| match numbers.uniform(1 + lane) {
+        let importance = |child: u32| match numbers.uniform(1 + child) {
             u if u < 1.0 / 3.0 => 0.0,
             u => 10.0_f64.powf(18.0 * u - 12.0),
         };
-        let of_lane = |child: usize| if child < count { of_child(child as u32) } else { 0.0 };
-        (std::array::from_fn(|lane| of_lane(child_of(lane))), count)
+        let of_child = |child: usize| if child < count { importance(child as u32) } else { 0.0 };
+        (std::array::from_fn(|lane| of_child(child_of(lane))), count)
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub(super) struct Query {
 
 /// A node of the mirror tree: the bounds of its children, by component. Each vector has a cache line of its own.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(super) struct Node {
     center: [Lanes; 3],
     radius: Lanes,
@@ -33,6 +33,7 @@ pub(super) struct Node {
     sines: [Lanes; 2],
     /// The areas, in inner nodes times what calibrates them; 0 where there is no child.
     area: Lanes,
+    /// The bits of the bodies of each child, by lane.
     bodies: [u32; WIDTH],
     /// The index of the first child; the others follow.
     pub(super) first: u32,

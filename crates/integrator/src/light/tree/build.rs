@@ -12,6 +12,8 @@ pub(super) type Light = (u32, Cluster);
 /// fewer lights than `16^8`.
 const FIRST_HALVED_LEVEL: u32 = 8;
 
+const _: () = assert!((FIRST_HALVED_LEVEL + u32::BITS / CHILD_BITS) * CHILD_BITS <= u64::BITS);
+
 /// The number of intervals whose borders are tried as split planes.
 const BINS: usize = 16;
 

@@ -29,8 +29,9 @@ pub(super) struct Node {
     limit: Lanes,
     /// 1 for a cluster that emits on both sides, else 0.
     both_sides: Lanes,
-    /// 0 where there is no child.
+    /// By lane; 0 where there is no child.
     intensity: [f64; WIDTH],
+    /// By number, not by lane.
     children: [Child; WIDTH],
     /// The number of children.
     count: f64,
