@@ -122,7 +122,7 @@ fn the_form_factors_of_a_box_add_up_to_one() {
     }
     // A little less than the whole floor, without the walls at its edge.
     let camera = above_square(0.499_999, 0.5);
-    for (estimator, samples) in [(Bsdf, 32), (Light, 256), (Mis, 32)] {
+    for (estimator, samples) in [(Bsdf, 32), (Light, 384), (Mis, 32)] {
         let found = estimate(&model, &camera, estimator, samples);
         found.assert_is(0.5, &format!("{estimator:?}"));
         assert!(estimator != Bsdf || found.std_err < 1e-12, "every direction hits a light: {found:?}");
