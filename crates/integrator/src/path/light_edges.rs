@@ -29,7 +29,18 @@ const PIXELS_AT_ONCE: usize = 16;
 /// The pixels of a tile that may see the edge of a light, as indices into [`PixelRect::pixels`], in ascending order.
 #[derive(Debug, Default)]
 pub(crate) struct LightEdges {
-    pub(super) pixels: Vec<u32>,
+    /// Those that see no curved mirror.
+    pub(super) plain: Vec<u32>,
+    pub(super) in_curved_mirrors: Vec<u32>,
+}
+
+/// What a pixel sees.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    /// The emission that all of its probes find; `None` if they do not find the same.
+    emission: Option<Rgb>,
+    /// Whether it sees a curved mirror.
+    in_curved_mirror: bool,
 }
 
 /// Camera rays at fixed places of some pixels.
@@ -52,19 +63,29 @@ impl LightEdges {
         }
         let Settings { width, height, .. } = *context.settings;
         let around = tile.grown(width, height);
-        let seen = emission_seen(context, around);
-        let differs = |(x, y): (u32, u32)| {
+        let seen = seen_by(context, around);
+        let mut edges = Self::default();
+        for (i, (x, y)) in (0..).zip(tile.pixels()) {
             let own = seen[around.index(x, y)];
             let mut near = PixelRect::pixels_near((x, y), width, height);
-            own.is_none() || near.any(|(x, y)| seen[around.index(x, y)] != own)
-        };
-        let pixels = (0..).zip(tile.pixels()).filter(|&(_, pixel)| differs(pixel)).map(|(i, _)| i).collect();
-        Self { pixels }
+            let differs = |(x, y)| seen[around.index(x, y)].emission != own.emission;
+            if own.emission.is_none() || near.any(differs) {
+                let pixels =
+                    if own.in_curved_mirror { &mut edges.in_curved_mirrors } else { &mut edges.plain };
+                pixels.push(i);
+            }
+        }
+        edges
+    }
+
+    /// Whether a pixel is one of them.
+    pub(super) fn contain(&self, pixel: u32) -> bool {
+        [&self.plain, &self.in_curved_mirrors].into_iter().any(|pixels| pixels.binary_search(&pixel).is_ok())
     }
 }
 
-/// The emission that each pixel of the tile sees; `None` if its probes do not all see the same.
-fn emission_seen(context: &RenderContext<'_>, tile: PixelRect) -> Vec<Option<Rgb>> {
+/// What each pixel of the tile sees.
+fn seen_by(context: &RenderContext<'_>, tile: PixelRect) -> Vec<Seen> {
     let pixels: Vec<_> = tile.pixels().collect();
     let mut probes = Probes::default();
     let mut seen = Vec::with_capacity(pixels.len());
@@ -72,17 +93,18 @@ fn emission_seen(context: &RenderContext<'_>, tile: PixelRect) -> Vec<Option<Rgb
     for chunk in pixels.chunks(PIXELS_AT_ONCE) {
         probes.trace(context, chunk.iter().copied(), PROBES);
         for i in 0..chunk.len() {
-            let emission = probes.common_emission(i);
-            if emission.is_some() && probes.are_spread(i) {
+            let now = Seen { emission: probes.common_emission(i), in_curved_mirror: probes.are_spread(i) };
+            if now.emission.is_some() && now.in_curved_mirror {
                 in_curved_mirrors.push(seen.len());
             }
-            seen.push(emission);
+            seen.push(now);
         }
     }
     for chunk in in_curved_mirrors.chunks(PIXELS_AT_ONCE) {
         probes.trace(context, chunk.iter().map(|&pixel| pixels[pixel]), PROBES_OF_MIRRORS);
         for (i, &pixel) in chunk.iter().enumerate() {
-            seen[pixel] = seen[pixel].filter(|_| probes.common_emission(i) == seen[pixel]);
+            let Seen { emission, .. } = &mut seen[pixel];
+            *emission = emission.filter(|_| probes.common_emission(i) == *emission);
         }
     }
     seen
@@ -197,11 +219,12 @@ mod tests {
         let (scene, camera, settings) = (scene(balls()), camera(), Settings::new(16, 16, 1));
         let context = RenderContext::new(&scene, &camera, &settings);
         let variances = variances(&context);
-        let edges = LightEdges::of(&context, TILE).pixels;
-        let found: f64 = edges.iter().map(|&pixel| variances[pixel as usize]).sum();
+        let LightEdges { plain, in_curved_mirrors } = LightEdges::of(&context, TILE);
+        let found: f64 = in_curved_mirrors.iter().map(|&pixel| variances[pixel as usize]).sum();
         let all: f64 = variances.iter().sum();
         assert!(all > 1.0 && found > 0.6 * all, "{found} of {all}");
-        assert!(edges.len() < TILE.pixel_count() / 2, "{} pixels", edges.len());
+        let count = plain.len() + in_curved_mirrors.len();
+        assert!(count < TILE.pixel_count() / 2, "{count} pixels");
     }
 
     /// A camera with directions of this length.
@@ -226,7 +249,7 @@ mod tests {
         let (scene, settings) = (scene(balls()), Settings::new(16, 16, 1));
         let edges = |length| {
             let sensor = WithLength(camera(), length);
-            LightEdges::of(&RenderContext::new(&scene, &sensor, &settings), TILE).pixels
+            LightEdges::of(&RenderContext::new(&scene, &sensor, &settings), TILE).in_curved_mirrors
         };
         assert!(edges(1.0).len() > 50);
         assert_eq!(edges(1.0), edges(1024.0));

@@ -23,43 +23,93 @@ impl SupersamplingRays {
     pub(super) fn find(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, edges): (PixelRect, &LightEdges),
+        (tile, LightEdges { plain, in_curved_mirrors }): (PixelRect, &LightEdges),
         samples: &Range<u32>,
     ) -> u64 {
         self.found.clear();
-        let at_once = 1.max(BATCH / (samples.len() * Sampler::RAYS));
+        self.find_by::<{ Sampler::RAYS }>(context, (tile, plain), samples)
+            + self.find_by::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(context, (tile, in_curved_mirrors), samples)
+    }
+
+    /// The same for some pixels, by `N` rays for each sample.
+    fn find_by<const N: usize>(
+        &mut self,
+        context: &RenderContext<'_>,
+        (tile, pixels): (PixelRect, &[u32]),
+        samples: &Range<u32>,
+    ) -> u64 {
+        let at_once = 1.max(BATCH / (samples.len() * N));
         let mut camera_rays = 0;
-        for pixels in edges.pixels.chunks(at_once) {
+        for pixels in pixels.chunks(at_once) {
             let before = self.found.len();
             context.simd.run(
                 #[inline(always)]
-                || self.begin(context, tile, pixels, samples),
+                || self.begin::<N>(context, tile, pixels, samples),
             );
             camera_rays += self.rays.len() as u64;
             let mut found = std::mem::take(&mut self.found);
             let add = |emission: FoundEmission<'_>| found[emission.target as usize].1 += emission.radiance;
             self.rays.trace(context, max_reflections(context), add, |_, _| {});
-            found[before..].iter_mut().for_each(|(_, sum)| *sum = *sum / Sampler::RAYS as f64);
+            found[before..].iter_mut().for_each(|(_, sum)| *sum = *sum / N as f64);
             self.found = found;
         }
         camera_rays
     }
 
-    /// Begins the rays of these pixels.
+    /// Begins the rays of these pixels, `N` for each sample.
     #[inline(always)]
-    fn begin(&mut self, context: &RenderContext<'_>, tile: PixelRect, pixels: &[u32], samples: &Range<u32>) {
+    fn begin<const N: usize>(
+        &mut self,
+        context: &RenderContext<'_>,
+        tile: PixelRect,
+        pixels: &[u32],
+        samples: &Range<u32>,
+    ) {
         let settings = context.settings;
         let pass = settings.pass_of(samples.start);
         for &pixel in pixels {
             let (x, y) = tile.pixel(pixel);
             let net = u64::from(y) * u64::from(settings.width) + u64::from(x);
             for (sample, i) in samples.clone().zip(pixel * samples.len() as u32..) {
-                for u in settings.sampler.ray_positions(settings.seed, net, sample, &pass) {
+                for u in settings.sampler.ray_positions::<N>(settings.seed, net, sample, &pass) {
                     let start = context.path_start((x, y), u);
                     self.rays.push_start(start, self.found.len() as u32);
                 }
                 self.found.push((i, Rgb::BLACK));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Camera, Model, Scene, Settings};
+    use glam::DVec3;
+    use globillum_geom::conformance::shapes::{icosphere, quad};
+    use globillum_geom::{KdOptions, KdTree};
+    use globillum_material::Material;
+
+    /// A light that the camera sees, and a mirror ball that shows it.
+    #[test]
+    fn samples_of_curved_mirrors_have_twice_as_many_rays() {
+        let p = |x, y| DVec3::new(x, y, 0.0);
+        let mut model = Model::default();
+        let light = quad(p(0.1, -0.3), p(0.6, -0.3), p(0.6, 0.3), p(0.1, 0.3));
+        model.add(Material::light(Rgb::WHITE).unwrap(), light);
+        let ball = icosphere(4).placed(0.3, DVec3::new(-0.4, 0.0, 0.5)).triangles();
+        model.add(Material::mirror(Rgb::WHITE).unwrap(), ball);
+        let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
+        let camera = Camera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
+        let settings = Settings::new(16, 16, 3);
+        let context = RenderContext::new(&scene, &camera, &settings);
+        let tile = PixelRect { x: 0, y: 0, width: 16, height: 16 };
+        let edges = LightEdges::of(&context, tile);
+        let [plain, in_curved_mirrors] = [&edges.plain, &edges.in_curved_mirrors].map(|pixels| pixels.len());
+        assert!(plain > 5 && in_curved_mirrors > 5, "{plain} and {in_curved_mirrors} pixels");
+        let mut rays = SupersamplingRays::default();
+        let traced = rays.find(&context, (tile, &edges), &(0..3));
+        assert_eq!(traced, 3 * (16 * plain + 32 * in_curved_mirrors) as u64);
+        assert_eq!(rays.found.len(), 3 * (plain + in_curved_mirrors));
     }
 }

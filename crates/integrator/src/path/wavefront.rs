@@ -174,7 +174,7 @@ impl Wavefront {
             let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
             let member = groups.map_or_else(alone, |groups| groups.member(x, y, settings.width));
             let pixel = tile.index(x, y) as u32;
-            let supersampled = edges.pixels.binary_search(&pixel).is_ok();
+            let supersampled = edges.contain(pixel);
             for (i, sample) in (0..).zip(samples.clone()) {
                 let numbers = settings.sampler.numbers(settings.seed, member, sample, &pass);
                 let mut path = Path::new(pixel * samples.len() as u32 + i, numbers);

@@ -1,7 +1,7 @@
 /// A decision of a path, as the address of its random numbers.
 ///
 /// A decision has [`Decision::WIDTH`] dimensions of its own, which depend on its bounce only;
-/// [`Decision::SUPERSAMPLING`] has 32. With Sobol' points, the directions of a bounce of even number and of the next one
+/// [`Decision::supersampling`] has more. With Sobol' points, the directions of a bounce of even number and of the next one
 /// are four coordinates of one decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Decision(pub(super) u32);
@@ -14,12 +14,8 @@ pub(crate) enum MirrorSize {
 }
 
 impl Decision {
-    /// The largest number of dimensions of a decision but [`Decision::SUPERSAMPLING`].
+    /// The largest number of dimensions of a decision but [`Decision::supersampling`].
     pub(super) const WIDTH: u32 = 3;
-
-    /// The positions in the pixel of rays that supersample lights: two dimensions for each of sixteen rays if numbers are
-    /// independent. With Sobol' points the rays are sixteen points in two dimensions.
-    pub(super) const SUPERSAMPLING: Self = Self(Self::FIRST_OF_MIRRORS - 11);
 
     /// Up to this one, decisions are stratified by blocks: they are of pixels by themselves. All others are stratified by
     /// groups: of paths that a group may reuse, and of lights in mirrors, also at the first bounce.
@@ -44,6 +40,15 @@ impl Decision {
     /// Russian roulette.
     pub(super) fn roulette(bounce: u32) -> Self {
         Self(3 + Self::OF_BOUNCE * bounce)
+    }
+
+    /// The positions in the pixel of `rays` rays that supersample lights, a power of two from sixteen on: two dimensions for
+    /// each ray if numbers are independent. With Sobol' points the rays are as many points in two dimensions.
+    ///
+    /// Sixteen rays have the last eleven decisions before those about mirrors, 32 the 22 before these, and so on.
+    pub(super) const fn supersampling(rays: u32) -> Self {
+        assert!(rays >= 16 && rays.is_power_of_two());
+        Self(Self::FIRST_OF_MIRRORS - 11 * (rays / 8 - 1))
     }
 
     /// The first decision about lights in mirrors, beyond those of all bounces.

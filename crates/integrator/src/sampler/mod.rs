@@ -47,8 +47,11 @@ impl Sampler {
     /// The most parts of a sample.
     pub(crate) const MAX_PARTS: u32 = 16;
 
-    /// How many rays supersample the lights that one sample sees.
+    /// How many rays supersample the lights that one sample sees, where its pixel sees no curved mirror.
     pub(crate) const RAYS: usize = 16;
+
+    /// The same where it sees one, in which lights are often much smaller than the pixel.
+    pub(crate) const RAYS_IN_CURVED_MIRRORS: usize = 32;
 
     /// The numbers of sample `sample` of a member, one of the samples `pass` that are stratified together. Independent
     /// numbers know no nets: members are alone.
@@ -65,28 +68,28 @@ impl Sampler {
 }
 
 impl Sampler {
-    /// The positions in a pixel of the rays that supersample lights for `sample`, one of the samples `pass`: uniform in
-    /// the unit square. By Sobol' points, those of all samples of the pass are one net.
+    /// The positions in a pixel of the `N` rays that supersample lights for `sample`, one of the samples `pass`: uniform in
+    /// the unit square. By Sobol' points, those of all samples of the pass are one net. `N` is
+    /// [`RAYS`](Self::RAYS) or [`RAYS_IN_CURVED_MIRRORS`](Self::RAYS_IN_CURVED_MIRRORS).
     #[inline(always)]
-    pub(crate) fn ray_positions(
+    pub(crate) fn ray_positions<const N: usize>(
         self,
         seed: u64,
         pixel: u64,
         sample: u32,
         pass: &Range<u32>,
-    ) -> [[f64; 2]; Self::RAYS] {
-        let dimension = Decision::SUPERSAMPLING.dimension();
+    ) -> [[f64; 2]; N] {
+        let decision = const { Decision::supersampling(N as u32) };
         match self {
             Self::Independent => {
                 let stream = Stream::new(seed, pixel, sample);
-                std::array::from_fn(|i| [0, 1].map(|axis| stream.uniform(dimension + 2 * i as u32 + axis)))
+                std::array::from_fn(|i| stream.uniform_pair(decision.dimension() + 2 * i as u32))
             }
             Self::Sobol => {
-                let digits = (pass.len().next_power_of_two() * Self::RAYS).trailing_zeros();
-                let first = (sample - pass.start) * Self::RAYS as u32;
+                let digits = (pass.len().next_power_of_two() * N).trailing_zeros();
+                let first = (sample - pass.start) * N as u32;
                 let first = SobolPoint::new(seed, Member::alone(pixel), pass.start, first, digits);
-                let [x, y] =
-                    SobolPoints::<{ Self::RAYS }>::successive(&first).uniform(Decision::SUPERSAMPLING);
+                let [x, y] = SobolPoints::<N>::successive(&first).uniform(decision);
                 std::array::from_fn(|i| [x[i], y[i]])
             }
         }
@@ -303,6 +306,7 @@ impl Numbers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
 
     /// Samples of a pass.
     const PASS: u32 = 16;
@@ -311,6 +315,11 @@ mod tests {
     fn numbers(sampler: Sampler, pixel: u64, sample: u32) -> Numbers {
         let first = sample / PASS * PASS;
         sampler.numbers(1, Member::alone(pixel), sample, &(first..first + PASS))
+    }
+
+    /// The positions of `N` rays of one sample of the first pass.
+    fn rays<const N: usize>(sampler: Sampler, sample: u32) -> [[f64; 2]; N] {
+        sampler.ray_positions(1, 7, sample, &(0..PASS))
     }
 
     const BOTH: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
@@ -367,7 +376,10 @@ mod tests {
                 [&[light, x, y, u, v, roulette][..], &large, &small].concat()
             };
             let [film] = Numbers::films(&[numbers]);
-            let mut all: Vec<f64> = (0..1000).flat_map(of_bounce).chain(film).collect();
+            let few = rays::<{ Sampler::RAYS }>(sampler, 5).concat();
+            let many = rays::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(sampler, 5).concat();
+            let all = (0..1000).flat_map(of_bounce).chain(film).chain(few).chain(many);
+            let mut all: Vec<f64> = all.collect();
             all.sort_by(f64::total_cmp);
             // Numbers of 53 random bits coincide by chance with a probability of 2e-9.
             assert!(all.windows(2).all(|pair| pair[0] != pair[1]), "{sampler:?}");
@@ -436,15 +448,29 @@ mod tests {
             let part = numbers(Sampler::Sobol, 9, i / 4).part(i % 4, 4);
             assert_eq!(part.light(Decision::light(2)), *point);
         }
-        for columns in (0..=6).map(|digits| f64::from(1 << digits)) {
-            let cell = |&(_, [x, y]): &(f64, [f64; 2])| {
-                let rows = 64.0 / columns;
-                (x * columns).floor() * rows + (y * rows).floor()
-            };
-            let cells: std::collections::BTreeSet<_> =
-                points.iter().map(|point| cell(point) as u32).collect();
-            assert_eq!(cells.len(), 64, "{columns} columns");
+        assert_one_net(points.iter().map(|&(_, point)| point));
+    }
+
+    /// Asserts that of these `2^m` points, one lies in each cell of every grid of `2^m` cells.
+    fn assert_one_net(points: impl ExactSizeIterator<Item = [f64; 2]> + Clone) {
+        let count = points.len();
+        for columns in (0..=count.trailing_zeros()).map(|digits| f64::from(1 << digits)) {
+            let rows = count as f64 / columns;
+            let cell = |[x, y]: [f64; 2]| ((x * columns).floor() * rows + (y * rows).floor()) as u32;
+            let cells: BTreeSet<_> = points.clone().map(cell).collect();
+            assert_eq!(cells.len(), count, "{columns} columns");
         }
+    }
+
+    #[test]
+    fn the_rays_of_all_samples_are_one_net() {
+        let few: Vec<_> =
+            (0..PASS).flat_map(|sample| rays::<{ Sampler::RAYS }>(Sampler::Sobol, sample)).collect();
+        assert_one_net(few.into_iter());
+        let many: Vec<_> = (0..PASS)
+            .flat_map(|sample| rays::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(Sampler::Sobol, sample))
+            .collect();
+        assert_one_net(many.into_iter());
     }
 
     #[test]
@@ -506,8 +532,10 @@ mod tests {
                 for sample in [first, first + length - 1] {
                     let numbers =
                         sampler.numbers(u64::MAX, Member::alone(u64::MAX), sample, &(first..first + length));
-                    let [x, y] = numbers.uniform(Decision::scatter(1 << 28));
-                    assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y));
+                    let scatter: [f64; 2] = numbers.uniform(Decision::scatter(1 << 28));
+                    let rays: [_; Sampler::RAYS_IN_CURVED_MIRRORS] =
+                        sampler.ray_positions(u64::MAX, u64::MAX, sample, &(first..first + length));
+                    assert!(scatter.iter().chain(rays.as_flattened()).all(|u| (0.0..1.0).contains(u)));
                 }
             }
         }

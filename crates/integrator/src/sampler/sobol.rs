@@ -52,8 +52,8 @@ pub(super) enum Half {
 }
 
 impl SobolPoint {
-    /// The largest number of digits: `2^20` points of a member in a replicate.
-    const MAX_DIGITS: u32 = 20;
+    /// The largest number of digits: `2^21` points of a member in a replicate.
+    const MAX_DIGITS: u32 = 21;
 
     /// Point `sample` of the `2^sample_digits` of a member in replicate `replicate`, for a seed.
     pub(crate) fn new(seed: u64, member: Member, replicate: u32, sample: u32, sample_digits: u32) -> Self {
