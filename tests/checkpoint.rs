@@ -342,3 +342,14 @@ fn rows_are_whole_rows_of_tiles() {
     let resumed = Render::new(&scene, &camera, &settings).rows(0..16).resume(strip).run(&());
     assert_eq!(resumed, Err(mismatch));
 }
+
+#[test]
+fn a_checkpoint_without_passes_continues_the_rows_asked_for() {
+    let settings = three_tiles(Sampler::Sobol);
+    let (scene, camera) = the_box();
+    let strip = || Render::new(&scene, &camera, &settings).passes(0..1).rows(16..32);
+    let cancelled = strip().run(&After(0, AtomicU32::new(0))).expect("the scene is good");
+    assert_eq!((cancelled.ending, cancelled.samples), (Ending::Cancelled, 0));
+    let resumed = strip().resume(through_bytes(&cancelled)).run(&()).expect("it is the same picture");
+    assert_eq!(resumed, strip().run(&()).expect("the scene is good"));
+}

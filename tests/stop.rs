@@ -3,12 +3,13 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray, Triangle};
 use globillum::integrator::{
-    Camera, Ending, Estimator, Guiding, Model, Monitor, Picture, PixelGoal, Progress, Render, RenderError,
-    Scene, Settings, Stop, Supersampling, render, replay,
+    Camera, ElementSample, Ending, Estimator, Guiding, Model, Monitor, PathStart, Picture, PixelGoal,
+    Progress, Render, RenderError, Scene, Sensor, Settings, Stop, Supersampling, render, replay,
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
+use std::hash::Hasher;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -298,6 +299,75 @@ fn cancelling_finishes_no_further_tile() {
     assert_eq!((picture.ending, picture.samples), (Ending::Cancelled, 0));
     let late = recorder.tiles_after_cancelling.load(Ordering::Relaxed);
     assert!(late <= settings.threads as u32, "{late} tiles were finished");
+}
+
+/// Counts the rays that begin at it.
+#[derive(Debug)]
+struct Counting(Camera, AtomicU32);
+
+impl Sensor for Counting {
+    fn start(&self, sample: &ElementSample) -> PathStart {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.start(sample)
+    }
+
+    fn hash(&self, key: &mut dyn Hasher) {
+        self.0.hash(key);
+    }
+}
+
+/// Cancels as soon as this number of rays have begun.
+struct CancelsAfter<'a>(&'a Counting, u32);
+
+impl Monitor for CancelsAfter<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.1.load(Ordering::Relaxed) >= self.1
+    }
+}
+
+/// Probes for the edges of lights end too.
+#[test]
+fn cancelling_begins_no_further_tile() {
+    let (scene, camera) = light_over_floor();
+    let mut settings = Settings::new(1024, 1024, 16);
+    settings.threads = 2;
+    let sensor = Counting(camera, AtomicU32::new(0));
+    let after = 50_000;
+    let monitor = CancelsAfter(&sensor, after);
+    let picture = Render::new(&scene, &sensor, &settings).run(&monitor).expect("the scene is good");
+    assert_eq!((picture.ending, picture.samples), (Ending::Cancelled, 0));
+    // A tile has 16 probes in each of 18 x 18 pixels, and then four samples in 16 x 16.
+    let of_tile = 18 * 18 * 16 + 16 * 16 * 4;
+    let begun = sensor.1.load(Ordering::Relaxed);
+    assert!(begun <= after + 2 * of_tile, "{begun} rays");
+}
+
+/// Only passes that a run renders are passed to the monitor.
+#[test]
+fn passes_that_a_picture_holds_are_not_done_again() {
+    let (scene, camera) = light_over_floor();
+    let settings = Settings::new(32, 32, 96);
+    let held = Render::new(&scene, &camera, &settings).passes(1..4).run(&()).expect("the scene is good");
+    for stop in [Stop::default(), stop(|s| s.relative_rmse = Some(1e-9))] {
+        let recorder = Recorder::default();
+        let picture = Render::new(&scene, &camera, &settings).until(stop).resume(held.clone()).run(&recorder);
+        assert_eq!(picture.expect("it is the same picture").film.passes(), vec![0..6]);
+        assert_eq!(recorder.passes.load(Ordering::Relaxed), 3);
+    }
+}
+
+#[test]
+fn a_film_without_passes_plans_no_number_of_them() {
+    let (scene, camera) = light_over_floor();
+    let monitor =
+        Recorder { cancel_after: Some(Duration::ZERO), start: Some(Instant::now()), ..Recorder::default() };
+    let empty =
+        Render::new(&scene, &camera, &Settings::new(16, 16, 16)).run(&monitor).expect("the scene is good");
+    assert_eq!(empty.samples, 0);
+    let goal = PixelGoal { error: 0.1, share: 0.5 };
+    for stop in [stop(|s| s.relative_rmse = Some(0.1)), stop(|s| s.pixels = Some(goal))] {
+        assert_eq!(stop.passes_after(&empty.film), Some(f64::INFINITY));
+    }
 }
 
 /// An accelerator that fails once, after a number of rays.

@@ -53,8 +53,11 @@ impl PassRenderer<'_> {
             .with_max_len(TILES_AT_ONCE)
             .zip(&self.edges)
             .map_init(Wavefront::default, |wavefront, (tile, edges)| {
-                // A tile clears what a panic in the one before left in the wavefront.
+                // After a panic the pass has failed: what is left in the wavefront reaches no picture.
                 let result = caught(|| {
+                    if cancelled() {
+                        return Ok(None);
+                    }
                     let edges = edges.get_or_init(|| LightEdges::of(&self.context, tile));
                     self.render_tile(wavefront, (tile, edges), pass, &cancelled)
                 });
@@ -80,9 +83,6 @@ impl PassRenderer<'_> {
         let mut blocks = vec![Moments::default(); of_blocks.count(pixels.len())];
         let mut counters = Counters::default();
         for first in all.clone().step_by(WAVEFRONT_SAMPLES as usize) {
-            if cancelled() {
-                return Ok(None);
-            }
             let samples = first..all.end.min(first + WAVEFRONT_SAMPLES);
             let Some(counted) = wavefront.trace(&self.context, (tile, edges), &samples, cancelled) else {
                 return Ok(None);

@@ -32,6 +32,9 @@ impl PassLoop<'_> {
     fn until_goals_met(&self, picture: &mut Picture, passes: Range<u32>) -> Result<Ending, RenderError> {
         let before = picture.samples;
         for pass in passes.clone() {
+            if picture.film.holds(pass) {
+                continue;
+            }
             let excess = self.stop.excess(&picture.film);
             if excess.is_some_and(|excess| excess <= 1.0) {
                 return Ok(Ending::Goals);
@@ -63,6 +66,9 @@ impl PassLoop<'_> {
             f64::min(f64::from(second) + planned, f64::from(passes.end)) as u32
         });
         for pass in second..end {
+            if picture.film.holds(pass) {
+                continue;
+            }
             self.expect(picture, pass..end, None);
             if let Some(ending) = self.add_pass(picture, pass, before)? {
                 return Ok(ending);
@@ -119,13 +125,10 @@ impl PassLoop<'_> {
         told.map_err(|message| RenderError::Monitor { samples: picture.samples, message })
     }
 
-    /// Renders one pass and adds it to the picture, unless that holds it; the reason if there was
-    /// no time for it, or the monitor did not want it. The picture had `before` samples a pixel when
+    /// Renders one pass, which the picture lacks, and adds it; the reason if there was no time for it, or the monitor did
+    /// not want it. The picture had `before` samples a pixel when
     /// passes began to be added.
     fn add_pass(&self, picture: &mut Picture, pass: u32, before: u32) -> Result<Option<Ending>, RenderError> {
-        if picture.film.holds(pass) {
-            return Ok(None);
-        }
         let PassRenderer { monitor, meter, .. } = self.renderer;
         // The first pass is always finished, since its time is not known before.
         let limited = picture.samples > before;

@@ -229,15 +229,16 @@ impl<'a> Render<'a> {
         rows: Range<u32>,
         settings: &Settings,
     ) -> Result<Picture, RenderError> {
-        let key = self.key();
-        let Some(picture) = self.before.take() else {
+        let (key, before) = (self.key(), self.before.take());
+        if before.as_ref().is_some_and(|picture| picture.key != key) {
+            return Err(CheckpointError::OTHER_PICTURE.into());
+        }
+        // A checkpoint without passes does not tell its rows.
+        let Some(picture) = before.filter(|picture| !picture.film.passes().is_empty()) else {
             let film = Film::new(crop.width, rows, settings.path_reuse);
             return Ok(Picture::new(film, crop.height, settings.pass_samples, key));
         };
-        if picture.key != key {
-            return Err(CheckpointError::OTHER_PICTURE.into());
-        }
-        if picture.film.rows() != rows && !picture.film.passes().is_empty() {
+        if picture.film.rows() != rows {
             return Err(CheckpointError::Mismatch("range of rows").into());
         }
         // A short last pass cannot be continued when more samples are asked for.

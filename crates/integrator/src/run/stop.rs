@@ -107,7 +107,8 @@ impl Stop {
     /// For a picture whose passes are rendered elsewhere: these many, none of them the film's, are averaged
     /// without a stopping bias.
     pub fn passes_after(&self, pilot: &Film) -> Option<f64> {
-        let rendered = pilot.passes().iter().map(|range| range.len() as f64).sum::<f64>();
+        // Not zero: without passes, the excess is infinite.
+        let rendered = pilot.passes().iter().map(|range| range.len() as f64).sum::<f64>().max(1.0);
         self.excess(pilot).map(|excess| (excess * rendered).ceil().max(1.0))
     }
 

@@ -15,6 +15,9 @@ const PROBES: u32 = 64;
 /// as far as the probes tell.
 const MOST_FOUND: usize = (PROBES * PROBES) as usize / 128;
 
+/// The address of the random numbers of probes, in place of a pixel; that of photons is another one.
+const PIXEL: u64 = u64::MAX - 1;
+
 /// Whether pixels share caustics: these are rare if some paths at fixed places find few.
 pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
     let may_share = context.reuses_paths() && context.scene.has_mirrors();
@@ -59,7 +62,7 @@ fn scattered(context: &RenderContext<'_>) -> Vec<(Ray, MisContext)> {
             return None;
         }
         let frame = Frame::around(at.side());
-        let u = Stream::new(0, 0, i).uniform_pair(0);
+        let u = Stream::new(0, PIXEL, i).uniform_pair(0);
         let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
         let mis = at_first_vertex(sample.density, at.receiver());
         Some((at.point.spawn(frame.to_world(sample.wi)), mis))
