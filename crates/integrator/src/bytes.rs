@@ -3,7 +3,7 @@
 use crate::CheckpointError;
 use crate::hash::fold;
 use globillum_material::Rgb;
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 
 /// Words of a checksum that are hashed at the same time.
 const LANES: usize = 4;
@@ -46,12 +46,9 @@ pub(super) fn unsealed(seed: u64, bytes: &[u8]) -> Result<(&[u8], u64), Checkpoi
 
 /// Appends `length` bytes of `source` to `bytes`, of which no more are allocated than there are.
 pub(super) fn read(source: &mut impl Read, length: u64, bytes: &mut Vec<u8>) -> Result<(), CheckpointError> {
-    let taken = source.take(length).read_to_end(bytes).map_err(|error| read_error(error.kind()))?;
+    let taken =
+        source.take(length).read_to_end(bytes).map_err(|error| CheckpointError::Read(error.kind()))?;
     if taken as u64 == length { Ok(()) } else { Err(CheckpointError::Length) }
-}
-
-pub(super) fn read_error(kind: ErrorKind) -> CheckpointError {
-    CheckpointError::Read(kind)
 }
 
 /// Takes numbers from the front.

@@ -22,13 +22,13 @@ pub(crate) struct Blocks {
 pub(crate) struct Dispersion {
     /// Relative variance of an estimate of one degree of freedom.
     pub(crate) variance: f64,
-    /// Degrees of freedom of `variance` (Satterthwaite 1946): 2 if one block decides, up to twice their number.
-    /// 0 if nothing is known.
+    /// Degrees of freedom of `variance` (Satterthwaite 1946): by halves of the passes, 2 if one block
+    /// decides, and up to twice their number; among blocks, their number less one. 0 if nothing is known.
     pub(crate) dof: f64,
 }
 
-/// How the halves of a set of passes differ in a row of tiles. All 0 if one half has no spread, with fewer than
-/// two observations, or if nothing varied.
+/// How the halves of a set of passes differ in a row of tiles. All 0 if a half has fewer than two
+/// observations, or if no pixel varied.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Halves {
     /// Squared deviations of both halves, all pixels together.

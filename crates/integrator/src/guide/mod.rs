@@ -8,7 +8,7 @@ mod vertex_tree;
 
 pub(crate) use directions::{Directions, bin_of};
 pub(crate) use photon_guide::{Photon, PhotonGuide};
-pub(crate) use vertex_tree::{GuideVertex, coordinates, guide_vertex};
+pub(crate) use vertex_tree::{GuideVertex, guide_vertex};
 
 use vertex_tree::VertexTree;
 

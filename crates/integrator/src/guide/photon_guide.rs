@@ -1,6 +1,6 @@
 //! Directions toward places where photons left mirrors (after Jensen 1995).
 
-use super::vertex_tree::{GuideVertex, VertexTree, coordinates};
+use super::vertex_tree::{GuideVertex, VertexTree, guide_vertex};
 use crate::light::Receiver;
 use glam::{DVec3, Vec3};
 use globillum_geom::{Frame, PdfSolidAngle};
@@ -74,7 +74,7 @@ impl PhotonGuide {
 
     /// The balls of the cell of a receiver.
     fn balls(&self, receiver: Receiver) -> &[Ball] {
-        let [cell] = self.tree.cells(&[coordinates(receiver.position, receiver.side)]);
+        let [cell] = self.tree.cells(&[guide_vertex(receiver)]);
         &self.cells[cell]
     }
 
@@ -143,7 +143,10 @@ mod tests {
             let stream = Stream::new(1, 2, i);
             let [x, y] = stream.uniform_pair(0);
             let exit = DVec3::new(stream.uniform(2) - 0.5, stream.uniform(3), 0.3 + stream.uniform(4));
-            Photon { vertex: coordinates(DVec3::new(x, y, 0.0), Vec3::Z), exit: exit.as_vec3() }
+            Photon {
+                vertex: guide_vertex(Receiver { position: DVec3::new(x, y, 0.0), side: Vec3::Z }),
+                exit: exit.as_vec3(),
+            }
         };
         (0..count).map(photon).collect()
     }
@@ -200,7 +203,8 @@ mod tests {
     fn cells_have_photons_of_their_own() {
         let photon = |i: u32| {
             let x = f64::from(i % 2) * 10.0 + f64::from(i) * 1e-4;
-            let vertex = coordinates(DVec3::new(x, f64::from(i % 7), 0.0), Vec3::Z);
+            let vertex =
+                guide_vertex(Receiver { position: DVec3::new(x, f64::from(i % 7), 0.0), side: Vec3::Z });
             Photon { vertex, exit: Vec3::new(x as f32, 3.0, 20.0) }
         };
         let guide = PhotonGuide::new(&(0..128).map(photon).collect::<Vec<_>>()).unwrap();

@@ -1,5 +1,4 @@
-use crate::Interaction;
-use glam::{DVec3, Vec3};
+use crate::light::Receiver;
 
 /// Coordinates by which vertices are divided.
 const AXES: usize = 6;
@@ -7,18 +6,12 @@ const AXES: usize = 6;
 /// The coordinates of a path vertex.
 pub(crate) type GuideVertex = [f32; AXES];
 
-/// The coordinates of a vertex.
+/// The coordinates of a vertex at which the side of the path is that of the receiver.
 #[inline(always)]
-pub(crate) fn guide_vertex(at: &Interaction<'_>) -> GuideVertex {
-    coordinates(at.point.position, at.side().as_vec3())
-}
-
-/// The coordinates of a vertex at `position` whose surface has the unit normal `n` on the side of the path.
-#[inline(always)]
-pub(crate) fn coordinates(position: DVec3, n: Vec3) -> GuideVertex {
+pub(crate) fn guide_vertex(Receiver { position, side }: Receiver) -> GuideVertex {
     let [x, y, z] = position.as_vec3().to_array();
     // Where a normal's z changes sign, its local frame jumps. Vertices are divided there first.
-    [x, y, z, n.x, n.y, n.z + FRAMES_APART.copysign(n.z)]
+    [x, y, z, side.x, side.y, side.z + FRAMES_APART.copysign(side.z)]
 }
 
 /// Half the distance between vertices whose local frames differ by a jump.
@@ -105,14 +98,15 @@ fn extents(vertices: &[GuideVertex]) -> [f32; AXES] {
 mod tests {
     use super::*;
     use crate::Stream;
+    use glam::{DVec3, Vec3};
 
     /// A floor, a ceiling and a wall.
     fn vertices() -> Vec<GuideVertex> {
         let stream = Stream::new(1, 2, 3);
         let on = |i: u32| match (stream.uniform_pair(2 * i), i % 3) {
-            ([x, y], 0) => coordinates(DVec3::new(x, y, 0.0), Vec3::Z),
-            ([x, y], 1) => coordinates(DVec3::new(x, y, 1.0), -Vec3::Z),
-            ([x, y], _) => coordinates(DVec3::new(0.0, x, y), Vec3::X),
+            ([x, y], 0) => guide_vertex(Receiver { position: DVec3::new(x, y, 0.0), side: Vec3::Z }),
+            ([x, y], 1) => guide_vertex(Receiver { position: DVec3::new(x, y, 1.0), side: -Vec3::Z }),
+            ([x, y], _) => guide_vertex(Receiver { position: DVec3::new(0.0, x, y), side: Vec3::X }),
         };
         (0..12_000).map(on).collect()
     }

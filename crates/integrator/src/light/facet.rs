@@ -112,7 +112,7 @@ pub(super) fn mirror_image(point: DVec3, normal: DVec3, height: f64) -> DVec3 {
     point - 2.0 * height * normal
 }
 
-/// The reflection of the unit vector `direction` by a mirror of this unit normal.
+/// The reflection of `direction`, of any length, by a mirror of this unit normal.
 pub(crate) fn reflection(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - 2.0 * normal.dot(direction) * normal
 }

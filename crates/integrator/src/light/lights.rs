@@ -147,9 +147,12 @@ impl Lights {
         self.areas.len() + self.deltas.len()
     }
 
-    /// Whether lights are chosen at each shading point anew, in a light tree.
-    pub(crate) fn are_in_a_tree(&self) -> bool {
-        matches!(self.choice, Choice::Tree(_))
+    /// The tree in which lights are chosen at each shading point anew; `None` if they are chosen by power.
+    pub(crate) fn tree(&self) -> Option<&LightTree> {
+        match &self.choice {
+            Choice::Power(_) => None,
+            Choice::Tree(tree) => Some(tree),
+        }
     }
 
     /// Whether there are no lights of either kind.
@@ -181,21 +184,7 @@ impl Lights {
         }
     }
 
-    /// Chooses a light for each of the receivers by the number of the same index, as [`Lights::choose`] does.
-    /// `None` if lights are chosen by power, which is not faster for several points.
-    #[inline(always)]
-    pub(crate) fn choose_each<const N: usize>(
-        &self,
-        receivers: [Receiver; N],
-        us: [f64; N],
-    ) -> Option<[ChosenLight; N]> {
-        match &self.choice {
-            Choice::Power(_) => None,
-            Choice::Tree(tree) => Some(tree.choose_each(receivers, us)),
-        }
-    }
-
-    /// The light that [`Lights::choose_each`] has chosen.
+    /// The light that the [tree](Lights::tree) has chosen.
     #[inline(always)]
     pub(crate) fn chosen(&self, ChosenLight { index, prob }: ChosenLight) -> Light<'_> {
         self.light(index as usize, Some(prob))

@@ -229,7 +229,7 @@ pub(super) fn weight(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::guide::{Guide, Photon, PhotonGuide, coordinates};
+    use crate::guide::{Guide, Photon, PhotonGuide, guide_vertex};
     use crate::path::probes::photon_guide;
     use crate::path::{LightEdges, Wavefront, guide, probed};
     use crate::{
@@ -476,7 +476,7 @@ mod tests {
         let (scene, settings) = (shaft(), Settings::new(13, 16, 4));
         let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.02).unwrap();
         for mirrors in [1.0, 2.0, 8.0, 9.0] {
-            let vertex = coordinates(DVec3::ZERO, Vec3::Y);
+            let vertex = guide_vertex(Receiver { position: DVec3::ZERO, side: Vec3::Y });
             let photon = Photon { vertex, exit: Vec3::new(0.5, 2.0 / mirrors, 0.0) };
             let photons = PhotonGuide::new(&[photon; 64]).unwrap();
             let setup = Setup { scene: &scene, sensor: &camera, photons, trained: None };

@@ -40,7 +40,8 @@ impl<T: Copy> Choices<T> {
         self.of_paths.get(index).copied().unwrap_or(PriorChoice::Open)
     }
 
-    /// Chooses for those vertices of `paths` that `takes_one` says take one sample, each by its number of `numbers`.
+    /// Chooses for those vertices of `paths` that `takes_one` says take one sample, each by what `number` returns for the index
+    /// of its path.
     #[inline(always)]
     fn make(
         &mut self,
@@ -84,15 +85,10 @@ impl Choices<ChosenLight> {
         numbers: &[BounceNumbers],
     ) {
         self.of_paths.clear();
-        let lights = context.scene.lights();
-        if !context.samples_lights || !lights.are_in_a_tree() {
-            return;
-        }
+        let Some(tree) = context.scene.lights().tree().filter(|_| context.samples_lights) else { return };
         let takes_one = |path: &Path| context.direct_samples(path.is_prefix()) == 1;
-        let choose = |receivers, us| match lights.choose_each(receivers, us) {
-            Some(chosen) => chosen.map(|light| PriorChoice::Made(Some(light))),
-            None => [PriorChoice::Open; AT_ONCE],
-        };
+        let choose =
+            |receivers, us| tree.choose_each(receivers, us).map(|light| PriorChoice::Made(Some(light)));
         self.make(context, wave, takes_one, |i| numbers[i].light, choose);
     }
 }
@@ -176,15 +172,16 @@ mod tests {
                 continue;
             };
             let receiver = scene.interaction(&rays[i], &hit).receiver();
-            let light = scene.lights().choose_each([receiver], [numbers[i].light]).map(|[light]| light);
+            let tree = scene.lights().tree().expect("there are many lights");
+            let [light] = tree.choose_each([receiver], [numbers[i].light]);
             let [mirror] = small_mirrors.choose([receiver], 1, [of_mirrors[i]]);
             // They choose different ones of the five clusters.
             let us = [0.4, 0.0, 0.2, 0.2].map(|u| u + 0.2 * of_mirrors[i]);
             let alone = us.map(|u| small_mirrors.choose([receiver], 1, [u])[0]);
             assert_eq!(small_mirrors.choose([receiver; 4], 1, us), alone, "{i}");
-            with_light += u32::from(light.is_some());
+            with_light += 1;
             with_mirror += u32::from(mirror.is_some());
-            assert_eq!(lights.of_path(i), PriorChoice::Made(light), "{i}");
+            assert_eq!(lights.of_path(i), PriorChoice::Made(Some(light)), "{i}");
             assert_eq!(mirrors.of_path(i), PriorChoice::Made(mirror), "{i}");
         }
         assert!((30..60).contains(&with_light) && with_light % AT_ONCE as u32 != 0, "{with_light}");

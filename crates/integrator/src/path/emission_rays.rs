@@ -2,9 +2,9 @@
 
 use super::render_context::RenderContext;
 use crate::light::reflection;
-use crate::{Interaction, PathStart};
+use crate::{Interaction, PathStart, Scene};
 use glam::DVec3;
-use globillum_geom::{Hit, Ray, SurfacePoint};
+use globillum_geom::{Accel, Hit, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Material, Rgb};
 
 /// The most mirrors by way of which a ray finds a light.
@@ -38,7 +38,7 @@ pub(super) fn max_reflections(context: &RenderContext<'_>) -> u32 {
     context.settings.max_bounces.unwrap_or(u32::MAX).min(MAX_REFLECTIONS)
 }
 
-/// The ray that leaves a mirror after one in the unit `direction` has met it.
+/// The ray that leaves a mirror after one in `direction`, of any length, has met it.
 pub(super) fn reflected_ray(mirror: &SurfacePoint, direction: DVec3) -> Ray {
     mirror.spawn(reflection(direction, mirror.normal))
 }
@@ -83,37 +83,13 @@ impl EmissionRays {
             scene.accel().intersect_batch(&self.rays, &mut self.hits);
             let mut kept = 0;
             for i in 0..self.rays.len() {
-                let (ray, (target, throughput)) = (self.rays[i], self.states[i]);
-                let Some(hit) = &self.hits[i] else { continue };
-                let Material { bsdf, emission, .. } = *scene.material(hit.triangle);
-                if bsdf.is_diffuse() && emission.is_none() {
+                let next = self.follow(scene, i, reflections, &mut add);
+                let Some((ray, throughput)) = next.filter(|_| reflections < max_reflections) else {
                     continue;
-                }
-                let at = scene.interaction(&ray, hit);
-                let mut found =
-                    |radiance| add(FoundEmission { target, radiance, reflections, at: (hit, &at) });
-                if !at.point.position.is_finite() {
-                    // As for the path of a sample: no ray can leave it.
-                    found(Rgb::splat(f64::NAN));
-                    continue;
-                }
-                let emitted = at.emitted();
-                if !emitted.is_black() {
-                    found(throughput * emitted);
-                }
-                let Bsdf::Mirror(reflectance) = bsdf else { continue };
-                if reflections == max_reflections {
-                    continue;
-                }
-                let throughput = throughput * reflectance.rgb();
-                let cos = at.point.normal.dot(at.wo);
-                if cos == 0.0 || throughput.is_black() {
-                    continue;
-                }
-                let direction = reflection(-at.wo, at.point.normal);
-                reflect(target, direction);
-                self.rays[kept] = at.point.spawn(direction);
-                self.states[kept] = (target, throughput);
+                };
+                let target = self.states[i].0;
+                reflect(target, ray.direction);
+                (self.rays[kept], self.states[kept]) = (ray, (target, throughput));
                 kept += 1;
             }
             self.rays.truncate(kept);
@@ -122,5 +98,36 @@ impl EmissionRays {
         self.rays.clear();
         self.states.clear();
         traced
+    }
+
+    /// Calls `add` with the emission that ray `i` has hit after this number of reflections. Returns the ray that a mirror
+    /// reflects there, and the throughput along it.
+    fn follow(
+        &self,
+        scene: &Scene<dyn Accel + '_>,
+        i: usize,
+        reflections: u32,
+        add: &mut impl FnMut(FoundEmission<'_>),
+    ) -> Option<(Ray, Rgb)> {
+        let (ray, (target, throughput), hit) = (&self.rays[i], self.states[i], self.hits[i].as_ref()?);
+        let Material { bsdf, emission, .. } = *scene.material(hit.triangle);
+        if bsdf.is_diffuse() && emission.is_none() {
+            return None;
+        }
+        let at = scene.interaction(ray, hit);
+        let mut found = |radiance| add(FoundEmission { target, radiance, reflections, at: (hit, &at) });
+        if !at.point.position.is_finite() {
+            // As for the path of a sample: no ray can leave it.
+            found(Rgb::splat(f64::NAN));
+            return None;
+        }
+        let emitted = at.emitted();
+        if !emitted.is_black() {
+            found(throughput * emitted);
+        }
+        let Bsdf::Mirror(reflectance) = bsdf else { return None };
+        let throughput = throughput * reflectance.rgb();
+        let is_reflected = at.point.normal.dot(at.wo) != 0.0 && !throughput.is_black();
+        is_reflected.then(|| (reflected_ray(&at.point, -at.wo), throughput))
     }
 }

@@ -7,11 +7,6 @@ use globillum_geom::SimdLevel;
 /// How many paths' random numbers are computed at once.
 const NUMBERS_AT_ONCE: usize = 8;
 
-/// Fills `drawn` with the numbers of each path for its position in the pixel.
-pub(super) fn draw_film_numbers(simd: SimdLevel, paths: &[Path], drawn: &mut Vec<[f64; 2]>) {
-    draw_numbers(simd, paths, drawn, Numbers::films);
-}
-
 /// Fills `drawn` with the numbers of each path for a bounce, with one for roulette if `with_roulette`.
 pub(super) fn draw_bounce_numbers(
     simd: SimdLevel,

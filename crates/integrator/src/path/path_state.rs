@@ -14,8 +14,8 @@ pub(super) struct Path {
     /// The density with which the directions of the same part of the path were sampled, over their density by the BSDFs
     /// alone. 1 without a guide.
     pub(super) guide_ratio: f64,
-    /// The largest throughput of the prefixes that may reuse the suffix, by component. White before the prefix ends; where
-    /// no other may reuse what follows, that of the path's own prefix.
+    /// The largest throughput, by component, of the prefixes that may reuse what follows; that of the path's own prefix if
+    /// no other may. White as long as `throughput` is that of the whole path.
     pub(super) prefix_throughput: Rgb,
     pub(super) mis: MisContext,
 }

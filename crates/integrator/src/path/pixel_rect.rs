@@ -15,8 +15,8 @@ pub(crate) const SIDE: u32 = 16;
 pub(crate) const BLOCK_SIDE: u32 = 4;
 
 impl PixelRect {
-    /// The tiles that `window`, a rectangle of pixels, is divided into, row by row. In one that is narrower than
-    /// [`SIDE`], tiles are higher, for as many pixels.
+    /// The tiles that `window`, a rectangle of pixels, is divided into, row by row. In one of at most
+    /// half of [`SIDE`] columns, tiles are higher, of at most `SIDE * SIDE` pixels.
     pub(crate) fn tiles(window: PixelRect) -> impl Iterator<Item = PixelRect> {
         let height = SIDE * (SIDE / window.width.clamp(1, SIDE));
         let tiles = Self::grid([window.width, window.height], [SIDE, height]);

@@ -86,7 +86,7 @@ impl RenderContext<'_> {
     /// How many light samples a diffuse vertex takes, by whether it is the first one of the path.
     #[inline(always)]
     pub(super) fn direct_samples(&self, is_first: bool) -> u32 {
-        if is_first && self.scene.lights().are_in_a_tree() { self.settings.light_samples } else { 1 }
+        if is_first && self.scene.lights().tree().is_some() { self.settings.light_samples } else { 1 }
     }
 
     /// Whether vertices sample lights in large mirrors.

@@ -25,7 +25,7 @@ pub struct Replay {
     pub environment: Rgb,
     /// The emission of lights that the sample's other camera rays find, if it has any
     /// ([`Supersampling`](crate::Supersampling)). What the path itself meets before its first diffuse vertex is then
-    /// black, but by way of many mirrors.
+    /// black, unless by way of more than eight mirrors.
     pub lights: Rgb,
     /// The radiance that the sample finds by itself: the sum over its vertices, the environment and the lights.
     pub alone: Rgb,
@@ -46,15 +46,15 @@ pub struct Vertex {
     pub triangle: Option<u32>,
     /// The triangle's material.
     pub material: Material,
-    /// The throughput up to the vertex and including it: the product of `f cos / pdf`, divided by the
-    /// probabilities of surviving Russian roulette.
+    /// The factor on what leaves the vertex back along the path: the product of `f cos / pdf` over the vertices before it,
+    /// divided by the probabilities of surviving Russian roulette, and times pi if the path measures irradiance.
     pub throughput: Rgb,
     /// What the emission of the vertex adds to [`Replay::alone`].
     pub emitted: Rgb,
-    /// What next event estimation at the vertex adds; black if the light sample is occluded.
+    /// What next event estimation at the vertex adds: the sum over its light samples that are not occluded.
     pub direct: Rgb,
-    /// What next event estimation by way of a mirror adds; black if the segment to the mirror, or
-    /// the one from there to the light, is occluded.
+    /// What next event estimation by way of mirrors adds: the sum over the samples of which neither the segment to the
+    /// mirror nor the one from there to the light is occluded.
     pub mirrored: Rgb,
 }
 
@@ -96,7 +96,7 @@ pub fn replay(
 /// [`replay`], given what is done before the first sample and the tile of the pixel.
 fn replay_within(context: &RenderContext<'_>, tile: PixelRect, (x, y): (u32, u32), sample: u32) -> Replay {
     let one = sample..sample + 1;
-    let place = (y - tile.y) * tile.width + (x - tile.x);
+    let place = tile.index(x, y) as u32;
     let mut wavefront = Wavefront::default();
     let edges = LightEdges::of(context, tile);
     wavefront.trace(context, (tile, &edges), &one, || false);
@@ -134,13 +134,7 @@ impl Wavefront {
         let hit = on_ray.and_then(|i| self.hits[i]);
         self.shade(context, bounce, &mut Counters::default());
         let throughput_before = self.prefixes.throughput_before(path.target) * unit;
-        let of_suffix = match path.target {
-            Target::Sample(_) => Rgb::BLACK,
-            Target::Suffix(_) => *self.radiance.at(path.target),
-        };
-        // What a path finds of lights by way of mirrors after its prefix is in the sum of its sample.
-        let of_sample = self.radiance.samples[sample as usize] * unit;
-        let emitted = throughput_before * (of_suffix + self.caustics.found_by(sample)) + of_sample;
+        let emitted = self.emission_found(&path, unit);
         replay.alone += emitted;
         let at = match (ray.zip(hit), from_point) {
             (Some((ray, hit)), _) => context.scene.interaction(&ray, &hit),
@@ -154,15 +148,7 @@ impl Wavefront {
         let direct_count = self.contributions.len();
         self.trace_mirror_rays(context);
         self.trace_shadow_rays(context);
-        let unoccluded = |i: Range<usize>| i.filter(|&i| !self.occluded[i]).map(|i| &self.contributions[i]);
-        let add = |sum: Rgb, contribution: &Contribution| match contribution.target.sample() == sample {
-            true => sum + self.prefixes.throughput_before(contribution.target) * unit * contribution.radiance,
-            false => sum,
-        };
-        let direct = unoccluded(0..direct_count).fold(Rgb::BLACK, add);
-        let in_mirrors =
-            unoccluded(direct_count..self.contributions.len()).chain(&self.small_mirror_rays.found);
-        let mirrored = in_mirrors.fold(Rgb::BLACK, add);
+        let [direct, mirrored] = self.found_by_light_samples(sample, direct_count, unit);
         replay.alone += direct;
         replay.alone += mirrored;
         replay.vertices.push(Vertex {
@@ -175,6 +161,32 @@ impl Wavefront {
             mirrored,
         });
         true
+    }
+
+    /// The emission that a path has found at this bounce, times `unit`.
+    fn emission_found(&mut self, path: &Path, unit: f64) -> Rgb {
+        let sample = path.target.sample();
+        let of_suffix = match path.target {
+            Target::Sample(_) => Rgb::BLACK,
+            Target::Suffix(_) => *self.radiance.at(path.target),
+        };
+        // What a path finds of lights by way of mirrors after its prefix is in the sum of its sample.
+        let of_sample = self.radiance.samples[sample as usize] * unit;
+        let throughput_before = self.prefixes.throughput_before(path.target) * unit;
+        throughput_before * (of_suffix + self.caustics.found_by(sample)) + of_sample
+    }
+
+    /// What the light samples of a path have found at this bounce, times `unit`: directly, which are the first
+    /// `direct_count` contributions, and by way of mirrors.
+    fn found_by_light_samples(&self, sample: u32, direct_count: usize, unit: f64) -> [Rgb; 2] {
+        let unoccluded = |i: Range<usize>| i.filter(|&i| !self.occluded[i]).map(|i| &self.contributions[i]);
+        let add = |sum: Rgb, contribution: &Contribution| match contribution.target.sample() == sample {
+            true => sum + self.prefixes.throughput_before(contribution.target) * unit * contribution.radiance,
+            false => sum,
+        };
+        let in_large_mirrors = unoccluded(direct_count..self.contributions.len());
+        let direct = unoccluded(0..direct_count).fold(Rgb::BLACK, add);
+        [direct, in_large_mirrors.chain(&self.small_mirror_rays.found).fold(Rgb::BLACK, add)]
     }
 }
 

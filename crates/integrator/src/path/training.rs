@@ -6,7 +6,7 @@ use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
 use super::wavefront::Wavefront;
 use crate::caught::caught;
-use crate::guide::{Guide, GuideRecord, bin_of, coordinates};
+use crate::guide::{Guide, GuideRecord, bin_of, guide_vertex};
 use crate::{Guiding, PathReuse, RenderError, Scene, Sensor, Settings, Supersampling};
 use globillum_geom::{Accel, Frame};
 use globillum_material::{Density, Rgb};
@@ -152,7 +152,7 @@ impl Wavefront {
                 records[index as usize].next = Some((this.index, this.throughput / throughput));
             }
             records.push(GuideRecord {
-                vertex: coordinates(path.mis.receiver.position, path.mis.receiver.side),
+                vertex: guide_vertex(path.mis.receiver),
                 bin: bin_of(Frame::around(path.mis.receiver.side.as_dvec3()).to_local(ray.direction)) as u8,
                 radiance: 0.0,
                 next: None,

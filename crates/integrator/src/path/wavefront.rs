@@ -4,7 +4,7 @@ use super::counters::Counters;
 use super::emission_rays::MAX_REFLECTIONS;
 use super::large_mirror_rays::LargeMirrorRays;
 use super::light_edges::LightEdges;
-use super::numbers::{draw_bounce_numbers, draw_film_numbers, draw_numbers};
+use super::numbers::{draw_bounce_numbers, draw_numbers};
 use super::path_state::{Contribution, Path, RadianceSums, Stage};
 use super::photon_rays::PhotonRays;
 use super::pixel_groups::Groups;
@@ -182,7 +182,7 @@ impl Wavefront {
                 self.paths.push(path);
             }
         }
-        draw_film_numbers(context.simd, &self.paths, &mut self.film_numbers);
+        draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
         let suffixes = self.prefixes.start(context, tile, samples);
         self.radiance.reset(self.paths.len(), suffixes);
         self.caustics.clear();
@@ -361,7 +361,7 @@ impl Wavefront {
             let mut vertices = [GuideVertex::default(); CELLS_AT_ONCE];
             for (vertex, (ray, hit)) in vertices.iter_mut().zip(rays.iter().zip(hits)) {
                 if let Some(hit) = hit {
-                    *vertex = guide_vertex(&context.scene.interaction(ray, hit));
+                    *vertex = guide_vertex(context.scene.interaction(ray, hit).receiver());
                 }
             }
             self.guide_cells.extend_from_slice(&guide.cells(&vertices));
@@ -381,7 +381,8 @@ impl Wavefront {
         for i in 0..self.points.len() {
             let (mut path, point, numbers) = (self.from_points[i], self.points[i], self.bounce_numbers[i]);
             let at = irradiance_vertex(point);
-            let guide_cell = context.guide.map(|guide| guide.cell(guide.cells(&[guide_vertex(&at)])[0]));
+            let guide_cell =
+                context.guide.map(|guide| guide.cell(guide.cells(&[guide_vertex(at.receiver())])[0]));
             let vertex = ShadingPoint::new(at, guide_cell, 0, numbers);
             let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, None, counters) else {
                 continue;

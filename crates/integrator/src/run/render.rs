@@ -196,29 +196,16 @@ impl<'a> Render<'a> {
             1 => "the columns and rows of the picture, of which at least one must be asked for",
             _ => "multiples of 16, or the size of the picture",
         };
-        for (name, asked, size) in
-            [("columns of the crop", columns, width), ("rows of the crop", rows, height)]
-        {
-            let is_end = |at: u32| at <= size && (at.is_multiple_of(step) || at == size);
-            if asked.is_empty() || !is_end(asked.start) || !is_end(asked.end) {
-                let value = if is_end(asked.start) { asked.end } else { asked.start };
-                return Err(RenderError::Param { name, value: value.into(), range });
-            }
-        }
+        check_ends(("columns of the crop", range), columns, step, width)?;
+        check_ends(("rows of the crop", range), rows, step, height)?;
         let length = |range: &Range<u32>| range.end - range.start;
         Ok(PixelRect { x: columns.start, y: rows.start, width: length(columns), height: length(rows) })
     }
 
     /// The rows to render, of a picture or crop of this height.
     fn checked_rows(&self, height: u32) -> Result<Range<u32>, RenderError> {
-        let Some(rows) = self.rows.clone() else { return Ok(0..height) };
-        let is_end = |row: u32| row.is_multiple_of(Film::TILE_ROWS) || row == height;
-        if rows.is_empty() || rows.end > height || !is_end(rows.start) || !is_end(rows.end) {
-            let valid = |end: u32| is_end(end) && end <= height;
-            let value = if valid(rows.start) { rows.end } else { rows.start };
-            let range = "multiples of 16, or the height";
-            return Err(RenderError::Param { name: "rows", value: value.into(), range });
-        }
+        let rows = self.rows.clone().unwrap_or(0..height);
+        check_ends(("rows", "multiples of 16, or the height"), &rows, Film::TILE_ROWS, height)?;
         Ok(rows)
     }
 
@@ -250,4 +237,20 @@ impl<'a> Render<'a> {
             Ordering::Greater => Err(CheckpointError::TooManySamples.into()),
         }
     }
+}
+
+/// Refuses `asked` unless it has an element, and each end is a multiple of `step` below `size`, or `size`. A refusal has the
+/// name of what is asked for, and says the valid range.
+fn check_ends(
+    (name, range): (&'static str, &'static str),
+    asked: &Range<u32>,
+    step: u32,
+    size: u32,
+) -> Result<(), RenderError> {
+    let is_end = |at: u32| at == size || at < size && at.is_multiple_of(step);
+    if !asked.is_empty() && is_end(asked.start) && is_end(asked.end) {
+        return Ok(());
+    }
+    let value = if is_end(asked.start) { asked.end } else { asked.start };
+    Err(RenderError::Param { name, value: value.into(), range })
 }

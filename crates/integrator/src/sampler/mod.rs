@@ -65,9 +65,7 @@ impl Sampler {
             }
         }
     }
-}
 
-impl Sampler {
     /// The positions in a pixel of the `N` rays that supersample lights for `sample`, one of the samples `pass`: uniform in
     /// the unit square. By Sobol' points, those of all samples of the pass are one net. `N` is
     /// [`RAYS`](Self::RAYS) or [`RAYS_IN_CURVED_MIRRORS`](Self::RAYS_IN_CURVED_MIRRORS).

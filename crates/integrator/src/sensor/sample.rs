@@ -7,8 +7,8 @@ use std::hash::Hasher;
 ///
 /// The elements of a [`Camera`](crate::Camera) are pixels, those of [`IrradiancePoints`](crate::IrradiancePoints)
 /// points of a list. All else of a render, such as estimators, errors, stop conditions and checkpoints, is the same
-/// for any sensor. Elements are taken in tiles of 16 x 16, row by row, or of about 256 elements in a grid less than 16
-/// wide; the bits of a picture do not depend on the tiles.
+/// for any sensor. Elements are taken in tiles of 16 x 16, row by row, or of up to 256 elements in a grid of at most
+/// eight columns; the bits of a picture do not depend on the tiles.
 ///
 /// A fisheye camera, which maps angles to distances from the middle of the picture:
 ///

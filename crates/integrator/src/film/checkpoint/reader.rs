@@ -89,7 +89,7 @@ impl<R: Read> CheckpointReader<R> {
         match self.source.read_exact(&mut [0]) {
             Ok(()) => Err(CheckpointError::Length),
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(sums),
-            Err(error) => Err(bytes::read_error(error.kind())),
+            Err(error) => Err(CheckpointError::Read(error.kind())),
         }
     }
 }
@@ -103,7 +103,7 @@ impl<R: Read + Seek> CheckpointReader<R> {
     /// damaged sum.
     pub fn into_sums(mut self) -> Result<PixelSums, CheckpointError> {
         let end = self.header.file_length() - sums::LENGTH;
-        self.source.seek(SeekFrom::Start(end)).map_err(|error| bytes::read_error(error.kind()))?;
+        self.source.seek(SeekFrom::Start(end)).map_err(|error| CheckpointError::Read(error.kind()))?;
         self.end()
     }
 }

@@ -29,7 +29,7 @@ pub(super) struct MirrorTree {
     /// within `[-1, 1]`.
     origin: DVec3,
     scale: f64,
-    /// All levels give the same bits.
+    /// All instruction sets give the same bits.
     simd: SimdLevel,
 }
 

@@ -25,13 +25,13 @@ use node::{Child, Node};
 /// The probability is about proportional to the irradiance from the light at the receiver, if the light is visible. It
 /// does not depend on the unit of length.
 #[derive(Clone, Debug)]
-pub(super) struct LightTree {
+pub(crate) struct LightTree {
     /// The first is the root; none if all lights are infinitely far away.
     nodes: Vec<Node>,
     frame: TreeFrame,
     far: Option<FarLights>,
     places: Vec<Place>,
-    /// All levels give the same bits.
+    /// All instruction sets give the same bits.
     simd: SimdLevel,
 }
 
@@ -99,7 +99,7 @@ impl LightTree {
 
     /// Chooses a light for each of the receivers by the number of the same index, as [`LightTree::choose`] does.
     #[inline(never)]
-    pub(super) fn choose_each<const N: usize>(
+    pub(crate) fn choose_each<const N: usize>(
         &self,
         receivers: [Receiver; N],
         us: [f64; N],
@@ -165,12 +165,12 @@ impl LightTree {
     pub(super) fn prob(&self, receiver: Receiver, index: usize) -> f64 {
         self.simd.run(
             #[inline(always)]
-            || self.prob_at_level(self.frame.receiver(receiver), index),
+            || self.prob_in_frame(self.frame.receiver(receiver), index),
         )
     }
 
     #[inline(always)]
-    fn prob_at_level(&self, receiver: Receiver, index: usize) -> f64 {
+    fn prob_in_frame(&self, receiver: Receiver, index: usize) -> f64 {
         let Some(mut node) = self.nodes.first() else { return self.far_share(index, 1.0) };
         let mut weights = node.weights(&receiver);
         let far_prob = self.far_prob(weights.total(), receiver.side);

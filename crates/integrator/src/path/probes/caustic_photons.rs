@@ -1,6 +1,6 @@
 //! Paths from lights by way of mirrors: where they reach diffuse surfaces, photons are left (after Jensen 1996).
 
-use crate::guide::{Photon, PhotonGuide, coordinates};
+use crate::guide::{Photon, PhotonGuide, guide_vertex};
 use crate::light::AliasTable;
 use crate::path::emission_rays::reflected_ray;
 use crate::path::photon_rays::{LEAST_MIRRORS, most_mirrors};
@@ -116,7 +116,7 @@ impl PhotonPath {
                 })
             }
             Bsdf::Lambert(albedo) if reflections >= LEAST_MIRRORS && !albedo.rgb().is_black() => {
-                let vertex = coordinates(at.point.position, at.side().as_vec3());
+                let vertex = guide_vertex(at.receiver());
                 photons.push(Photon { vertex, exit });
                 None
             }
