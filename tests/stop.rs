@@ -356,6 +356,29 @@ fn passes_that_a_picture_holds_are_not_done_again() {
     }
 }
 
+/// Records the error that is told first.
+#[derive(Default)]
+struct FirstError(Mutex<Option<f64>>);
+
+impl Monitor for FirstError {
+    fn progress(&self, progress: Progress) {
+        self.0
+            .lock()
+            .expect("no thread panics while it holds the lock")
+            .get_or_insert(progress.relative_rmse);
+    }
+}
+
+#[test]
+fn the_error_of_a_resumed_picture_is_told_from_the_start() {
+    let (scene, camera) = light_over_floor();
+    let settings = Settings::new(32, 32, 96);
+    let held = Render::new(&scene, &camera, &settings).passes(0..4).run(&()).expect("the scene is good");
+    let (error, first) = (held.film.error().relative_rmse, FirstError::default());
+    Render::new(&scene, &camera, &settings).resume(held).run(&first).expect("it is the same picture");
+    assert_eq!(*first.0.lock().unwrap(), Some(error));
+}
+
 #[test]
 fn a_film_without_passes_plans_no_number_of_them() {
     let (scene, camera) = light_over_floor();

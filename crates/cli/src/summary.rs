@@ -191,7 +191,9 @@ impl From<ImageError> for PictureError {
 
 impl Display for PictureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(error) = self.relative_rmse.map(|share| 100.0 * share) else { return Ok(()) };
+        let Some(error) = self.relative_rmse.map(|share| 100.0 * share) else {
+            return writeln!(f, "error         unknown");
+        };
         write!(f, "error         {error:.3} % of the mean")?;
         match self.relative_rmse_95.map(|interval| interval.map(|share| 100.0 * share)) {
             Some([low, high]) => writeln!(f, " (95 % confidence interval {low:.3} to {high:.3} %)"),

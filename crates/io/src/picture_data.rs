@@ -13,6 +13,7 @@ use std::ops::Range;
 /// |---|---|---|
 /// | `R`, `G`, `B` | float | mean radiance, linear, Rec. 709 primaries |
 /// | `stderr.R`, `stderr.G`, `stderr.B` | float | its standard error; infinite if unknown |
+/// | `blockerr.R`, `blockerr.G`, `blockerr.B` | float | the standard error of the mean of each pixel's block of 4 x 4; infinite if unknown |
 /// | `samples.X` | integer | samples |
 /// | `observations.X` | integer | independent observations on which the standard error rests |
 /// | `Depth.Z` | float | distance along the view direction ([`FirstHits`]) |

@@ -66,17 +66,19 @@ impl Meter {
 
     pub(crate) fn progress(&self) -> Progress {
         let samples_done = self.samples_done();
-        let samples_total = self.samples_total.load(Relaxed).max(samples_done);
+        let samples_left = self.samples_total.load(Relaxed).saturating_sub(samples_done);
         let seconds = self.seconds();
-        let left = self.seconds_for(samples_total - samples_done);
+        let needed = self.seconds_for(samples_left);
         let limit = self.seconds_limit.unwrap_or(f64::INFINITY);
+        let seconds_left = needed.min((limit - seconds).max(0.0));
+        let share = if needed > seconds_left { seconds_left / needed } else { 1.0 };
         Progress {
             samples_done,
-            samples_total,
+            samples_total: samples_done + (share * samples_left as f64) as u64,
             rays: self.rays.load(Relaxed),
             relative_rmse: f64::from_bits(self.relative_rmse.load(Relaxed)),
             seconds,
-            seconds_left: left.min((limit - seconds).max(0.0)),
+            seconds_left,
         }
     }
 }
@@ -96,5 +98,22 @@ mod tests {
         assert!(meter.progress().seconds >= MINUTE);
         assert!(!meter.is_over_in(meter.seconds_for(10)));
         assert!(meter.is_over_in(0.5 * MINUTE));
+    }
+
+    /// Ten samples took a minute; in the minute left there are ten more.
+    #[test]
+    fn no_more_samples_are_expected_than_there_is_time_for() {
+        let minute_ago = Instant::now().checked_sub(Duration::from_secs(60)).expect("the clock is older");
+        let total = |seconds_limit| {
+            let mut meter = Meter::new(minute_ago, seconds_limit);
+            meter.passes_start = minute_ago;
+            meter.add(10, &Counters::default());
+            meter.expect(1000);
+            meter.progress().samples_total
+        };
+        assert_eq!(total(None), 1010);
+        assert!((15..=20).contains(&total(Some(120.0))));
+        assert_eq!(total(Some(60.0)), 10);
+        assert_eq!(total(Some(1e9)), 1010);
     }
 }

@@ -6,12 +6,12 @@ use crate::Picture;
 pub struct Progress {
     /// Samples taken so far in this run, all pixels together.
     pub samples_done: u64,
-    /// Samples that this run will take, all pixels together; an estimate if an error is the goal.
+    /// Samples that this run will take, all pixels together; an estimate if an error is the goal or the time is limited.
     pub samples_total: u64,
     /// Rays traced so far in this run, as counted by [`Counters::rays`](crate::Counters::rays).
     pub rays: u64,
-    /// The picture's error after the last whole pass ([`ImageError`](crate::ImageError)); infinite while
-    /// unknown.
+    /// The picture's error after the last whole pass ([`ImageError`](crate::ImageError)), also of a picture that this run
+    /// has resumed; infinite while unknown.
     pub relative_rmse: f64,
     /// Seconds since the run began.
     pub seconds: f64,

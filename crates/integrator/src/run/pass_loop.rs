@@ -21,6 +21,7 @@ impl PassLoop<'_> {
         passes: Range<u32>,
     ) -> Result<Picture, RenderError> {
         picture.ending = Ending::Open;
+        self.renderer.meter.set_error(picture.film.error().relative_rmse);
         picture.ending = match self.stop.pilot {
             Some(pilot) => self.in_two_stages(&mut picture, passes, pilot)?,
             None => self.until_goals_met(&mut picture, passes)?,
