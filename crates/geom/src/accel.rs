@@ -19,7 +19,8 @@ use std::fmt::Debug;
 ///    for later queries: none, or with a [`WideBvh`](crate::WideBvh) about 0.6 MB and up to 8 bytes for every 64
 ///    rays of its largest batch.
 ///
-/// Batches are faster than single rays, above all with a [`WideBvh`](crate::WideBvh):
+/// Batches are faster than single rays, above all with a [`WideBvh`](crate::WideBvh). By default both batch methods trace
+/// single rays, so a structure that wraps another one should forward them too:
 ///
 /// ```
 /// use glam::{DVec3, Vec3};

@@ -31,7 +31,8 @@ pub struct Stop {
     /// [pilot](Stop::pilot), whose first pass is finished too, the second is the time of two passes.
     pub seconds: Option<f64>,
     /// Goal: the upper end of the 95 % interval of the picture's relative error
-    /// ([`ImageError`](crate::ImageError)) is at most this.
+    /// ([`ImageError`](crate::ImageError)) is at most this. It is relative to the mean over all pixels: a small bright object
+    /// on a black background takes many more samples than one that fills the picture.
     pub relative_rmse: Option<f64>,
     /// Goal for single pixels.
     pub pixels: Option<PixelGoal>,
