@@ -8,7 +8,7 @@ use crate::interrupt::{Interrupt, NOTHING};
 use crate::merging::{self, Merged};
 use crate::output::{Outputs, STDOUT};
 use crate::uses::Uses;
-use crate::{console, parse, summary};
+use crate::{console, parse, replaced, summary};
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{CheckpointError, CheckpointHeader};
 use globillum::io::PictureData;
@@ -58,6 +58,9 @@ pub(crate) struct Options {
     #[command(flatten)]
     output: PictureOutput,
     /// Save the joined checkpoint in FILE
+    ///
+    /// An existing file is replaced if it is one of the parts, or a checkpoint of the same picture of which the parts hold
+    /// all passes. Any other file is refused.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     checkpoint: Option<PathBuf>,
 }
@@ -82,8 +85,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
             .written("--checkpoint", &options.checkpoint)
             .check()?;
     }
-    let check =
-        |header: &CheckpointHeader| expected.as_ref().map_or(Ok(()), |expected| expected.check(header));
+    let check = |header: &CheckpointHeader| {
+        expected.as_ref().map_or(Ok(()), |expected| expected.check(header))?;
+        options.checkpoint.as_deref().map_or(Ok(()), |path| replaced::check(path, &parts, header))
+    };
     let cancelled = || interrupt.is_asked();
     let merged =
         merging::merge(&parts, options.checkpoint.as_deref(), outputs.want_picture(), check, cancelled);

@@ -1,9 +1,9 @@
 use super::plan::{Plan, Task, part_file, parts_folder};
+use crate::held;
 use anyhow::{Context, Result};
 use globillum::integrator::{CheckpointError, CheckpointHeader, CheckpointReader, PixelSums};
 use std::fs::File;
 use std::io::ErrorKind;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// A file among the parts of a picture, by its header.
@@ -47,13 +47,7 @@ impl Part {
     /// How much of a task the file holds, from 0 to 1.
     pub(crate) fn share_of(&self, task: &Task) -> f64 {
         let Self::Good(header, _) = self else { return 0.0 };
-        let common =
-            |a: &Range<u32>, b: &Range<u32>| f64::from(a.end.min(b.end).saturating_sub(a.start.max(b.start)));
-        let strips = header.strips.iter().map(|strip| {
-            let passes: f64 = strip.passes().iter().map(|passes| common(passes, &task.passes)).sum();
-            passes * common(&strip.rows(), &task.rows)
-        });
-        strips.sum::<f64>() / (task.passes.len() as f64 * task.rows.len() as f64)
+        held::share(header, &task.passes, &task.rows)
     }
 }
 

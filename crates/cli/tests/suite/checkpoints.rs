@@ -46,6 +46,57 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("4: belongs to another picture"));
 }
 
+/// A merge replaces a file of which it holds everything, and no other.
+#[test]
+fn a_merge_replaces_only_what_it_holds() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let render = |arguments: &[&str]| CORNELL.succeed(folder, &[&SMALL[..], arguments].concat());
+    for (part, passes) in [("1", "0..2"), ("2", "2..4"), ("3", "4..6")] {
+        render(&["--passes", passes, "--checkpoint", part]);
+    }
+    render(&["--passes", "0..2", "--seed", "1", "--checkpoint", "other"]);
+    std::fs::write(folder.join("text"), "kept").expect("it can be written");
+    let merge = |arguments: &[&str]| MERGE.succeed(folder, arguments);
+    let refused = |arguments: &[&str], reason: &str| {
+        let (file, before) = (arguments[arguments.len() - 1], names(folder));
+        let bytes = read(folder, file);
+        let output = MERGE.run(folder, &[arguments, &["--out", "b.png"]].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        let expected =
+            format!("error: {file}: exists already and {reason}, or give --checkpoint another name\n");
+        assert_eq!((output.status.code(), &*said), (Some(1), expected.as_str()));
+        assert!(read(folder, file) == bytes && names(folder) == before, "{file} is replaced");
+    };
+    merge(&["1", "2", "--checkpoint", "all"]);
+    refused(
+        &["3", "--checkpoint", "all"],
+        "holds passes 0..4, not all of which the parts hold; join it with them, move it away",
+    );
+    refused(
+        &["2", "3", "--checkpoint", "all"],
+        "holds passes 0..4, not all of which the parts hold; join it with them, move it away",
+    );
+    refused(&["1", "--checkpoint", "text"], "is no checkpoint; move it away");
+    refused(
+        &["1", "--checkpoint", "other"],
+        "belongs to another picture: the scene, camera, settings or build differs; move it away",
+    );
+    // A last pass that is cut short has the number of a whole one.
+    render(&["--passes", "0..6", "--spp", "11", "--checkpoint", "cut"]);
+    render(&["--spp", "12", "--checkpoint", "whole"]);
+    refused(
+        &["cut", "--checkpoint", "whole"],
+        "holds passes 0..6, not all of which the parts hold; join it with them, move it away",
+    );
+    merge(&["3", "all", "--checkpoint", "all"]);
+    merge(&["1", "2", "3", "--checkpoint", "again"]);
+    assert_eq!(read(folder, "all"), read(folder, "again"));
+    merge(&["1", "--checkpoint", "few"]);
+    merge(&["3", "2", "1", "--checkpoint", "few"]);
+    assert_eq!(read(folder, "all"), read(folder, "few"), "what it held is in it");
+}
+
 /// The message names the checkpoint, and says what is wrong with it.
 #[test]
 fn what_cannot_be_continued_is_named() {
