@@ -6,16 +6,18 @@ use crate::farm::{Part, Plan, Task, part_file, parts_folder};
 use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
 use crate::uses::Uses;
-use crate::{console, parse};
+use crate::{console, held, parse};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use globillum::integrator::{CheckpointError, Ending, Picture as Rendered, Render, Settings};
+use std::iter;
 use std::path::{Path, PathBuf};
 
 const LONG_ABOUT: &str = "\
 Renders one task of a job, and saves its part in the folder beside the job file.
 
 A task that was interrupted goes on from what it saved; one that is done ends at once. A damaged part is set aside, \
-with the extension `damaged`, and rendered again. SIGTERM and SIGINT end the task after the passes that are complete, \
+with the extension `damaged`, and rendered again; so is one that holds what is not the task's, with the extension \
+`misplaced`. SIGTERM and SIGINT end the task after the passes that are complete, \
 with exit code 75: schedulers that run tasks with this code again (RequeueExit of Slurm) complete the picture.
 
 The task's index is --index, or SLURM_ARRAY_TASK_ID, AWS_BATCH_JOB_ARRAY_INDEX or JOB_COMPLETION_INDEX.";
@@ -57,7 +59,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let task = options.task(&plan)?;
     let path = part_file(job, task.index);
     Uses::default().read("the job", [job]).written("the part", [&path]).check()?;
-    let before = read_or_set_aside(&path, plan.key())?;
+    let before = read_or_set_aside(&path, plan.key(), &task)?;
     let tasks_passes = task.passes.len() as u64;
     if before.as_ref().is_some_and(|picture| passes_of(picture) == tasks_passes) {
         return console::print(format!("{task}: is complete\n").as_bytes());
@@ -119,14 +121,19 @@ fn passes_of(picture: &Rendered) -> u64 {
     picture.film.passes().iter().map(|range| range.len() as u64).sum()
 }
 
-/// The part that was saved before; a damaged one gets another name, so that the task begins again.
-fn read_or_set_aside(path: &Path, key: u64) -> Result<Option<Rendered>> {
+/// The part that was saved before; one that is damaged or another's gets another name, so that the task begins again.
+fn read_or_set_aside(path: &Path, key: u64, task: &Task) -> Result<Option<Rendered>> {
     if !path.exists() {
         return Ok(None);
     }
-    let damage = match Part::read(path, key)? {
-        Part::Foreign(error) => return Err(error).with_context(|| path.display().to_string()),
-        Part::Damaged(error) => error,
+    let part = Part::read(path, key)?;
+    let damage = match &part {
+        Part::Foreign(error) => return Err(*error).with_context(|| path.display().to_string()),
+        Part::Damaged(error) => *error,
+        Part::Good(header, _) if !part.is_of(task) => {
+            let held = format!("holds {}, which is not {task}", held::describe(header));
+            return set_aside(path, "misplaced", &held).map(|()| None);
+        }
         Part::Good(..) => match checkpoint::read(path) {
             Ok(picture) => return Ok(Some(picture)),
             Err(error) => match error.downcast_ref::<CheckpointError>() {
@@ -135,8 +142,16 @@ fn read_or_set_aside(path: &Path, key: u64) -> Result<Option<Rendered>> {
             },
         },
     };
-    let aside = path.with_extension("part.damaged");
+    set_aside(path, "damaged", &damage.to_string()).map(|()| None)
+}
+
+/// Gives a part another name, which no file has, and says why.
+fn set_aside(path: &Path, extension: &str, reason: &str) -> Result<()> {
+    let numbered = (2..).map(|number| format!("part.{extension}{number}"));
+    let mut names = iter::once(format!("part.{extension}")).chain(numbered);
+    let free = names.find_map(|extension| Some(path.with_extension(extension)).filter(|path| !path.exists()));
+    let aside = free.context("no name is free")?;
     std::fs::rename(path, &aside).with_context(|| path.display().to_string())?;
-    console::warn(format_args!("{}: {damage}; set aside as {}", path.display(), aside.display()));
-    Ok(None)
+    console::warn(format_args!("{}: {reason}; set aside as {}", path.display(), aside.display()));
+    Ok(())
 }

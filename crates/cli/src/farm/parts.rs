@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use globillum::integrator::{CheckpointError, CheckpointHeader, CheckpointReader, PixelSums};
 use std::fs::File;
 use std::io::ErrorKind;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// A file among the parts of a picture, by its header.
@@ -42,6 +43,13 @@ impl Part {
             Err(error @ CheckpointError::Version(_)) => Ok(Self::Foreign(error)),
             Err(error) => Ok(Self::Damaged(error)),
         }
+    }
+
+    /// Whether the file holds passes of the task's rows, and nothing else.
+    pub(crate) fn is_of(&self, task: &Task) -> bool {
+        let Self::Good(header, _) = self else { return false };
+        let within = |passes: &Range<u32>| task.passes.start <= passes.start && passes.end <= task.passes.end;
+        header.strips.iter().all(|strip| strip.rows() == task.rows && strip.passes().iter().all(within))
     }
 
     /// How much of a task the file holds, from 0 to 1.

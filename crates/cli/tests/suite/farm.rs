@@ -188,6 +188,36 @@ fn missing_and_damaged_parts_are_named() {
     assert!(read(folder, "before.film") == read(folder, "after.film"));
 }
 
+/// A part under the name of another task's is set aside, and the task is rendered.
+#[test]
+fn a_part_of_another_task_is_set_aside() {
+    let folder = rendered();
+    let folder = folder.path();
+    MERGE.succeed(folder, &["--expect", "job.json", "--checkpoint", "before.film"]);
+    let wrong = fs::read(part(folder, 0)).expect("it is there");
+    for (index, held) in
+        [(1, "passes 0..1 of rows 0..16"), (3, "passes 0..1 of rows 0..16"), (5, "passes 0..4")]
+    {
+        let (from, aside) =
+            (if index == 5 { "before.film" } else { "job.parts/task-000000.part" }, part(folder, index));
+        fs::copy(folder.join(from), &aside).expect("it can be copied");
+        let said = run_task(folder, index);
+        let aside = aside.with_extension("part.misplaced");
+        let expected =
+            format!("warning: job.parts/task-{index:06}.part: holds {held}, which is not task {index}: ");
+        assert!(said.contains(&expected) && said.contains("is complete"), "{said}");
+        assert!(fs::read(aside).expect("it is set aside") == read(folder, from));
+    }
+    // What was set aside before is kept.
+    fs::write(part(folder, 1), &wrong).expect("it can be written");
+    fs::write(part(folder, 1).with_extension("part.misplaced"), "before").expect("it can be written");
+    let said = run_task(folder, 1);
+    assert!(said.contains("set aside as job.parts/task-000001.part.misplaced2"), "{said}");
+    assert_eq!(read(folder, "job.parts/task-000001.part.misplaced"), b"before");
+    MERGE.succeed(folder, &["--expect", "job.json", "--checkpoint", "after.film"]);
+    assert!(read(folder, "before.film") == read(folder, "after.film"));
+}
+
 /// Damage between header and end is found when the rows are read.
 #[test]
 fn damage_inside_a_part_is_found_by_merge_and_by_its_task() {
