@@ -396,6 +396,28 @@ fn a_goal_ends_the_run() {
     assert_eq!(scene.factors(&settings).ending(), Ending::Samples);
 }
 
+/// A run ends when the intervals of all factors are below those that its goal is about, and not before.
+#[test]
+fn a_goal_of_factors_that_are_not_there_is_an_error() {
+    let cells = Cell::of_cube([1, 1]);
+    let scene = Scene::new(&cells.iter().map(Cell::triangles).collect::<Vec<_>>());
+    let mut settings = FactorSettings::new(1 << 24);
+    (settings.pass_rays, settings.passes) = (256, FactorSettings::MIN_PASSES);
+    settings.least_factor = 1.0;
+    let factors = scene.factors(&settings);
+    assert_eq!(factors.ending(), Ending::Samples, "without a goal nothing is judged");
+    let all = || (0..6).flat_map(|from| (0..6).map(move |to| (from, Patch(to))));
+    let largest = all().map(|(from, to)| factors.factor(from, to).value).fold(0.0, f64::max);
+    let end = all().map(|(from, to)| factors.interval_95(from, to)[1]).fold(0.0, f64::max);
+    assert!(largest < end);
+    settings.error = Some(1e-9);
+    settings.least_factor = 0.5 * (largest + end);
+    assert_eq!(scene.factors(&settings).ending(), Ending::Samples, "a factor may be as large");
+    (settings.least_factor, settings.passes) = (1.001 * end, FactorSettings::MAX_PASSES);
+    let error = scene.run(&settings).run(&()).expect_err("none is as large");
+    assert_eq!(error, FactorError::NoneAsLarge { least: 1.001 * end, most: end });
+}
+
 #[test]
 fn bad_input_is_named() {
     let scene = back_to_front();

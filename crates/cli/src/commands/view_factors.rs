@@ -68,6 +68,8 @@ pub(crate) struct Options {
     #[arg(allow_negative_numbers = true)]
     error: Option<f64>,
     /// Judge the error by the factors of at least F
+    ///
+    /// With --error, a run that finds that no factor is as large ends with an error, and writes no file.
     #[arg(long, value_name = "F", value_parser = parse::not_negative, help_heading = "When to stop")]
     #[arg(default_value_t = 0.001, allow_negative_numbers = true)]
     at_least: f64,
@@ -227,6 +229,9 @@ impl Options {
                 let name = name_of(names, patch);
                 anyhow!("{}: patch `{name}` has no triangle with an area", self.scene.display())
             }
+            FactorError::NoneAsLarge { least, most } => anyhow!(
+                "--at-least {least}: no factor is as large; they are {most:.4} at most, so --error has nothing to judge"
+            ),
             FactorError::OtherRun => anyhow::Error::from(error).context(self.save.name()),
             error => error.into(),
         }

@@ -140,6 +140,10 @@ fn bad_input_is_one_line() {
         &[&["a.obj", "--patches", "triangle", "--at-least", "2"], &out[..]].concat(),
         &["least_factor = 2 is outside [0, 1]"],
     );
+    refused(
+        &[&["a.obj", "--patches", "object", "--error", "0.5", "--at-least", "0.9"], &out[..]].concat(),
+        &["--at-least 0.9: no factor is as large; they are 0.8"],
+    );
     // The loader has warned of its degenerate triangle.
     let folder = folder();
     let arguments = [&["flat.obj", "--patches", "object"], &out[..]].concat();

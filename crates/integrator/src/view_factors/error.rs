@@ -29,6 +29,17 @@ pub enum FactorError {
         /// The range it must lie in.
         range: &'static str,
     },
+    /// No factor is as large as those that the goal is about ([`FactorSettings::least_factor`]): not one upper end of
+    /// their 95 % intervals is. The goal cannot be reached.
+    ///
+    /// [`FactorSettings::least_factor`]: super::FactorSettings::least_factor
+    #[error("no factor reaches least_factor = {least}: they are {most:.4} at most")]
+    NoneAsLarge {
+        /// [`FactorSettings::least_factor`](super::FactorSettings::least_factor).
+        least: f64,
+        /// The largest upper end.
+        most: f64,
+    },
     /// The view factors to resume are of another run.
     #[error("belongs to other view factors: the scene, patches, settings or build differ")]
     OtherRun,

@@ -123,7 +123,10 @@ impl ViewFactors {
     /// # Panics
     /// If `patch` is not below [`ViewFactors::patches`].
     pub fn interval_95(&self, patch: u32, target: Target) -> [f64; 2] {
-        let entry = self.entry(patch, target);
+        self.interval_of(self.entry(patch, target))
+    }
+
+    fn interval_of(&self, entry: Entry) -> [f64; 2] {
         let (value, rays) = (self.value(entry.hits), self.rays() as f64);
         let [center, margin] = if self.is_rare(entry.hits) {
             /// The squared normal quantile.
@@ -135,6 +138,14 @@ impl ViewFactors {
             [value, quantile_975(u64::from(self.passes.saturating_sub(1))) * self.variance(entry).sqrt()]
         };
         [(center - margin).max(0.0), (center + margin).min(1.0)]
+    }
+
+    /// The largest upper end of the intervals of all factors, that of a target without hits among them.
+    pub(super) fn largest_upper_end(&self) -> f64 {
+        let upper_end = |entry| self.interval_of(entry)[1];
+        let none = upper_end(Entry { column: 0, hits: 0, squares: 0 });
+        let of_row = |row: &Row| row.entries().map(upper_end).fold(none, f64::max);
+        self.rows.par_iter().map(of_row).reduce(|| none, f64::max)
     }
 
     /// The accuracy of the factors of at least `least`, in all rows, to patches, their backs and the surroundings.

@@ -1,6 +1,6 @@
 use super::row::Row;
 use super::tracer::{Buffers, Tracer};
-use super::{FactorError, FactorSettings, Patches, ViewFactors};
+use super::{FactorAccuracy, FactorError, FactorSettings, Patches, ViewFactors};
 use crate::caught::caught;
 use crate::hash::{fold, sources};
 use crate::run::Meter;
@@ -49,7 +49,8 @@ impl<'a, A: Accel> FactorRun<'a, A> {
     /// # Errors
     /// [`FactorError::Param`] for settings out of range, [`FactorError::Patches`] and [`FactorError::EmptyPatch`] for
     /// patches that do not fit, [`FactorError::OtherRun`] for view factors to resume of other triangles, patches or
-    /// settings, [`FactorError::Threads`] if no threads can be started. Panics are caught: [`FactorError::Worker`]
+    /// settings, [`FactorError::NoneAsLarge`] for a goal that no factor is large enough for,
+    /// [`FactorError::Threads`] if no threads can be started. Panics are caught: [`FactorError::Worker`]
     /// for one in an accelerator, [`Monitor::progress`] or [`Monitor::cancelled`], [`FactorError::Monitor`] for one in
     /// [`Monitor::pass_done`].
     pub fn run(mut self, monitor: &impl Monitor<ViewFactors>) -> Result<ViewFactors, FactorError> {
@@ -95,7 +96,10 @@ impl<'a, A: Accel> FactorRun<'a, A> {
         loop {
             // The error is judged where it is expected to meet the goal, or at half of the passes until then.
             if let Some(goal) = error.filter(|_| factors.passes >= planned) {
-                let reached = factors.accuracy(least_factor).relative_rmse;
+                let FactorAccuracy { count, relative_rmse: reached, .. } = factors.accuracy(least_factor);
+                if count == 0 {
+                    check_can_reach(&factors, least_factor)?;
+                }
                 meter.set_error(reached);
                 if reached <= goal {
                     factors.ending = Ending::Goals;
@@ -147,4 +151,10 @@ impl<'a, A: Accel> FactorRun<'a, A> {
         };
         (0..self.patches.len() as u32).into_par_iter().map_init(Buffers::default, of_patch).collect()
     }
+}
+
+/// Fails if no factor is plausibly as large as `least`.
+fn check_can_reach(factors: &ViewFactors, least: f64) -> Result<(), FactorError> {
+    let most = factors.largest_upper_end();
+    if most < least { Err(FactorError::NoneAsLarge { least, most }) } else { Ok(()) }
 }

@@ -16,7 +16,8 @@ pub struct FactorSettings {
     /// Goal: the run ends after the first pass, of at least [`FactorSettings::MIN_PASSES`], at which
     /// [`FactorAccuracy::relative_rmse`](super::FactorAccuracy::relative_rmse) is at most this.
     pub error: Option<f64>,
-    /// The goal is that of factors of at least this value, in `[0, 1]`; 0.001 by default.
+    /// The goal is that of factors of at least this value, in `[0, 1]`; 0.001 by default. A run that finds that no
+    /// factor is as large fails with [`FactorError::NoneAsLarge`].
     pub least_factor: f64,
     /// The sides that radiate, of all triangles.
     pub sides: Sides,
