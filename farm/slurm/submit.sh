@@ -9,11 +9,17 @@
 set -euo pipefail
 job=$1 picture=$2
 shift 2
+case ${picture,,} in
+  *.png | *.exr) ;;
+  *) echo "submit.sh: $picture: must end in .png or .exr" >&2; exit 1 ;;
+esac
 here=$(dirname "$0")
 export GLOBILLUM=${GLOBILLUM:-globillum} JOB=$job PICTURE=$picture FAN_IN=${FAN_IN:-64}
 size=$(scontrol show config | sed -n 's/^MaxArraySize *= *//p')
+arrays=$("$GLOBILLUM" status "$job" --arrays --max-array-size "$size")
 tasks=$(sed -n 's/^ *"tasks": *\([0-9]*\).*/\1/p' "$job")
 groups=$(((tasks + FAN_IN - 1) / FAN_IN))
+[ "$groups" -le "$size" ] || { echo "FAN_IN=$FAN_IN: more than $size merges" >&2; exit 1; }
 logs=${job%.*}.logs
 mkdir -p "$logs"
 
@@ -27,16 +33,17 @@ submit() { # LOG AFTER OPTION...
 
 after=
 while read -r offset indices; do
+  [ -n "$indices" ] || continue # nothing is missing
   id=$(OFFSET=$offset submit "task-$offset-%a" "" --array="$indices" "$@" "$here/task.sbatch")
   echo "tasks $id $indices, offset $offset"
   after+=:$id
-done < <("$GLOBILLUM" status "$job" --arrays --max-array-size "$size")
+done <<< "$arrays"
 
 # One merge of all parts, or an array of merges and one of theirs.
-[ "$groups" -le "$size" ] || { echo "FAN_IN=$FAN_IN: more than $size merges" >&2; exit 1; }
 if [ "$groups" -gt 1 ]; then
   id=$(submit "merge-%a" "$after" --array="0-$((groups - 1))" "$here/merge.sbatch")
   echo "merges $id 0-$((groups - 1))"
   after=:$id
 fi
-echo "picture $(GROUPS_MERGED=$groups submit picture "$after" "$here/picture.sbatch")"
+id=$(GROUPS_MERGED=$groups submit picture "$after" "$here/picture.sbatch")
+echo "picture $id"

@@ -13,6 +13,8 @@ mod interrupt;
 mod irradiance;
 mod output;
 mod render;
+#[cfg(unix)]
+mod slurm;
 mod stats;
 mod view_factors;
 
