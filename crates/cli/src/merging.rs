@@ -1,5 +1,6 @@
 //! Checkpoints as files, merged with little memory.
 
+use crate::held;
 use anyhow::{Context, Error, Result, anyhow};
 use globillum::integrator::{
     CheckpointHeader, CheckpointReader, CheckpointWriter, Estimates, Film, ImageError, Merge, MergeError,
@@ -27,8 +28,14 @@ pub(crate) fn merge(
     cancelled: impl Fn() -> bool,
 ) -> Result<Merged> {
     allow_open(paths.len() as u64);
-    let readers = paths.iter().map(|path| open(path)).collect::<Result<_>>()?;
-    let merge = Merge::new(readers).map_err(|error| named(error, paths))?;
+    let readers = paths.iter().map(|path| open(path)).collect::<Result<Vec<_>>>()?;
+    let headers: Vec<CheckpointHeader> = readers.iter().map(|reader| reader.header().clone()).collect();
+    let merge = Merge::new(readers).map_err(|error| match error {
+        MergeError::Overlap { indices, .. } => {
+            overlap(indices.map(|index| (&*paths[index], &headers[index])))
+        }
+        error => named(error, paths),
+    })?;
     let header = merge.header().clone();
     check(&header)?;
     let mut estimates = want_picture.then(|| Estimates::unknown(header.width, header.height));
@@ -86,7 +93,21 @@ fn open(path: &Path) -> Result<CheckpointReader<File>> {
     CheckpointReader::new(file).with_context(name)
 }
 
-/// The error with the names of the files.
+/// Two parts hold the same pass of a row, and not all the same: which of them to leave out.
+fn overlap(parts: [(&Path, &CheckpointHeader); 2]) -> Error {
+    let [(a, has_a), (b, has_b)] = parts.map(|(path, header)| (path.display(), header));
+    let [holds_a, holds_b] = [has_a, has_b].map(held::describe);
+    let leave_out = if held::is_all_of(has_a, has_b) {
+        format!("the first holds all of the second: leave {b} out")
+    } else if held::is_all_of(has_b, has_a) {
+        format!("the second holds all of the first: leave {a} out")
+    } else {
+        "these overlap: leave one of the two out".into()
+    };
+    anyhow!("{a} holds {holds_a}, and {b} {holds_b}; {leave_out}")
+}
+
+/// The error with the names of the files. Two that overlap hold all the same passes here.
 fn named(error: MergeError, paths: &[PathBuf]) -> Error {
     match error {
         MergeError::Input { index, error } => Error::new(error).context(paths[index].display().to_string()),

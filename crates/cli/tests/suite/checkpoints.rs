@@ -35,8 +35,19 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
     assert_eq!(read(folder, "all"), read(folder, "whole"));
     MERGE.succeed(folder, &["2", "3", "1", "2", "--checkpoint", "twice"]);
     assert_eq!(read(folder, "twice"), read(folder, "whole"), "equal parts count once");
-    let overlap = "3 and whole differ, and both hold pass 4 of row 0";
-    for (parts, message) in [(["3", "whole"], overlap), (["1", "a.exr"], "a.exr: is no checkpoint")] {
+    MERGE.succeed(folder, &["1", "2", "--checkpoint", "12"]);
+    MERGE.succeed(folder, &["2", "3", "--checkpoint", "23"]);
+    let [second, first, neither] = [
+        "error: whole holds passes 0..6, and 3 passes 4..6; the first holds all of the second: leave 3 out\n",
+        "error: 1 holds passes 0..3, and 12 passes 0..4; the second holds all of the first: leave 1 out\n",
+        "error: 12 holds passes 0..4, and 23 passes 3..6; these overlap: leave one of the two out\n",
+    ];
+    for (parts, message) in [
+        (["whole", "3"], second),
+        (["1", "12"], first),
+        (["12", "23"], neither),
+        (["1", "a.exr"], "a.exr: is no checkpoint"),
+    ] {
         let output = MERGE.run(folder, &[&parts[..], &["--out", "c.png"]].concat());
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(1) && said.contains(message), "{said}");
