@@ -88,9 +88,8 @@ fn error(plan: &Plan, parts: &Parts) -> f64 {
     for task in plan.tasks() {
         let own = |(_, part): &(PathBuf, Part)| match part {
             Part::Good(header, sums) => match header.strips.as_slice() {
-                [strip] if part.share_of(&task) > 0.0 && strip.rows() == task.rows => {
-                    Some((strip.samples() as f64, *sums))
-                }
+                // A merge of several tasks would count for each of them.
+                [strip] if part.is_of(&task) => Some((strip.samples() as f64, *sums)),
                 _ => None,
             },
             _ => None,

@@ -188,6 +188,24 @@ fn missing_and_damaged_parts_are_named() {
     assert!(read(folder, "before.film") == read(folder, "after.film"));
 }
 
+/// A merge among the parts is not counted for each of its tasks.
+#[test]
+fn the_error_is_that_of_the_tasks_own_parts() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    plan(folder, "job.json", &["--tasks", "4"], "16");
+    (0..4).for_each(|index| assert!(run_task(folder, index).contains("is complete")));
+    let error = || {
+        let (code, said) = status(folder);
+        let line = said.lines().find(|line| line.starts_with("error ")).map(str::to_owned);
+        assert!(code == Some(0) && line.is_some(), "{said}");
+        line
+    };
+    let before = error();
+    MERGE.succeed(folder, &["--expect", "job.json", "--checkpoint", "job.parts/all.part"]);
+    assert_eq!(error(), before);
+}
+
 /// A part under the name of another task's is set aside, and the task is rendered.
 #[test]
 fn a_part_of_another_task_is_set_aside() {
