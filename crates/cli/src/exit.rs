@@ -14,7 +14,7 @@ Exit codes:
   3   incomplete: a part is missing or damaged
   4   different: `diff` found a difference
   75  an error that may not come again: the disk is full, a server does not answer; `task` after a signal
-  130, 143  ended by SIGINT (Ctrl-C) or SIGTERM, except `task`";
+  129, 130, 143  ended by SIGHUP (the terminal closed), SIGINT (Ctrl-C) or SIGTERM, except `task`";
 
 /// Run again: what stands in the way may be gone then (`EX_TEMPFAIL` of sysexits.h).
 pub(crate) const AGAIN: u8 = 75;

@@ -10,11 +10,14 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Whether the program was asked to end, by SIGINT (Ctrl-C) or SIGTERM. The second signal ends it at once.
+/// Whether the program was asked to end, by SIGINT (Ctrl-C), SIGTERM or [SIGHUP](hangup). The second SIGINT or SIGTERM ends
+/// it at once.
 #[derive(Debug)]
 pub(crate) struct Interrupt {
     /// The last signal's number; 0 before the first.
     signal: Arc<AtomicUsize>,
+    /// SIGHUP, if it is caught.
+    hangup: Option<i32>,
     code: fn(i32) -> i32,
 }
 
@@ -38,12 +41,23 @@ impl Interrupt {
             flag::register(number, Arc::clone(&caught))?;
             flag::register_usize(number, Arc::clone(&signal), number as usize)?;
         }
-        Ok(Self { signal, code })
+        // A terminal that closes and its shell both send it: the second does not end the program at once.
+        let hangup = hangup();
+        if let Some(number) = hangup {
+            flag::register_usize(number, Arc::clone(&signal), number as usize)?;
+        }
+        Ok(Self { signal, hangup, code })
     }
 
     /// Whether there was a signal.
     pub(crate) fn is_asked(&self) -> bool {
         self.signal.load(Ordering::Relaxed) != 0
+    }
+
+    /// What came of showing something: after SIGHUP nobody is left to see it, and that is no error.
+    pub(crate) fn shown(&self, result: anyhow::Result<()>) -> anyhow::Result<()> {
+        let signal = self.signal.load(Ordering::Relaxed);
+        if self.hangup.is_some_and(|number| number as usize == signal) { Ok(()) } else { result }
     }
 
     /// What cancelled a render: a signal, or else a checkpoint that could not be saved.
@@ -61,6 +75,21 @@ impl Interrupt {
     pub(crate) fn check(&self) -> Result<(), Interrupted> {
         if self.is_asked() { Err(self.error(NOTHING)) } else { Ok(()) }
     }
+}
+
+/// SIGHUP, which a terminal sends that closes; `None` if it is ignored, as below `nohup`. Only Linux tells.
+fn hangup() -> Option<i32> {
+    #[cfg(target_os = "linux")]
+    {
+        use signal_hook::consts::SIGHUP;
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+        let ignored = u64::from_str_radix(ignored.trim(), 16).ok()?;
+        // Signals count from 1.
+        (ignored >> (SIGHUP - 1) & 1 == 0).then_some(SIGHUP)
+    }
+    #[cfg(not(target_os = "linux"))]
+    None
 }
 
 /// What is kept if nothing is complete.

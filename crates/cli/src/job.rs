@@ -110,7 +110,8 @@ impl Job {
             data.first_hits = Some(shown.cut_hits(hits));
         }
         let written = outputs.write(&data, || summary.to_json(), &mut failures);
-        failures.keep(console::print_table(&summary.to_table(&written), data_on_stdout));
+        let table = console::print_table(&summary.to_table(&written), data_on_stdout);
+        failures.keep(interrupt.shown(table));
         failures.into_result()?;
         report_interrupt(&picture, &interrupt, "pixel")
     }

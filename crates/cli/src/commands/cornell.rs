@@ -23,9 +23,9 @@ Scenes:
   3  the box with a pine cone, 1,000,000 triangles
   4  a hall of statues with a mirror wall and 7,680 light triangles, 1,000,000 triangles
 
-Ctrl-C (SIGINT) and SIGTERM end the render after the passes that are complete: picture, figures and \
-checkpoint are written, and the exit code is 130 or 143. If no pass is complete, no file is written. A \
-second signal ends the program at once.";
+Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the render after the passes that are complete: \
+picture, figures and checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is \
+written. A second SIGINT or SIGTERM ends the program at once. `nohup` keeps the render going.";
 
 const EXAMPLES: &str = "\
 Examples:

@@ -19,9 +19,9 @@ Irradiance is radiance times cosine, integrated over the side of the normal, for
 if the scene's lights are in watts. Points may lie on surfaces; they are not shadowed by the one they lie on. \
 docs/measuring.md has the definitions, and worked examples.
 
-Ctrl-C (SIGINT) and SIGTERM end the measurement after the passes that are complete: readings, figures and checkpoint \
-are written, and the exit code is 130 or 143. If no pass is complete, no file is written. A second signal ends the \
-program at once.";
+Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the measurement after the passes that are complete: \
+readings, figures and checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is \
+written. A second SIGINT or SIGTERM ends the program at once.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -93,7 +93,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let written = failures.keep(out.write(&points::format(points.readings(&picture.film)))).and(name);
     failures.keep(stats_output.map_or(Ok(()), |stats| stats.write(&summary.to_json()?)));
     let table = format!("{summary}{}", written.unwrap_or_default());
-    failures.keep(console::print_table(&table, data_on_stdout));
+    failures.keep(interrupt.shown(console::print_table(&table, data_on_stdout)));
     failures.into_result()?;
     report_interrupt(&picture, &interrupt, "point")
 }

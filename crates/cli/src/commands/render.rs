@@ -15,9 +15,9 @@ The first warning of each kind is shown, with the number of such warnings; --ver
 A file without cameras is framed automatically. A file in which nothing shines is rendered in a white \
 environment of radiance 1.
 
-Ctrl-C (SIGINT) and SIGTERM end the render after the passes that are complete: picture, figures and \
-checkpoint are written, and the exit code is 130 or 143. If no pass is complete, no file is written. A \
-second signal ends the program at once.";
+Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the render after the passes that are complete: \
+picture, figures and checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is \
+written. A second SIGINT or SIGTERM ends the program at once. `nohup` keeps the render going.";
 
 const EXAMPLES: &str = "\
 Examples:

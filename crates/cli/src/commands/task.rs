@@ -17,7 +17,7 @@ Renders one task of a job, and saves its part in the folder beside the job file.
 
 A task that was interrupted goes on from what it saved; one that is done ends at once. A damaged part is set aside, \
 with the extension `damaged`, and rendered again; so is one that holds what is not the task's, with the extension \
-`misplaced`. SIGTERM and SIGINT end the task after the passes that are complete, \
+`misplaced`. SIGTERM, SIGINT and SIGHUP end the task after the passes that are complete, \
 with exit code 75: schedulers that run tasks with this code again (RequeueExit of Slurm) complete the picture.
 
 The task's index is --index, or SLURM_ARRAY_TASK_ID, AWS_BATCH_JOB_ARRAY_INDEX or JOB_COMPLETION_INDEX.";

@@ -31,8 +31,9 @@ the standard error of each.
 Triangles radiate from their front, from where their vertices run counter-clockwise, and block rays on both sides. \
 Hits of a back are listed as `back`.
 
-Ctrl-C (SIGINT) and SIGTERM end the run after the passes that are complete: file and checkpoint are written, and \
-the exit code is 130 or 143. If no pass is complete, no file is written. A second signal ends the program at once.";
+Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the run after the passes that are complete: file and \
+checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is written. A second \
+SIGINT or SIGTERM ends the program at once.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -151,7 +152,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let rate = traced.rays as f64 / seconds / 1e6;
     let name = written.map(|()| format!("factors       {}\n", options.out.display())).unwrap_or_default();
     let summary = options.summary(&factors, &reciprocity, seconds, rate, &interrupt) + &name;
-    failures.keep(console::print(summary.as_bytes()));
+    failures.keep(interrupt.shown(console::print(summary.as_bytes())));
     failures.into_result()?;
     match factors.ending() {
         Ending::Cancelled => {

@@ -37,13 +37,20 @@ const ENDLESS: [&str; 6] = ["--width", "48", "--height", "32", "--error", "1e-12
 
 #[test]
 fn the_first_signal_keeps_complete_passes() {
-    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+    let signals = [("-INT", 130), ("-TERM", 143), ("-HUP", 129)];
+    // SIGHUP is caught only there.
+    let signals = if cfg!(target_os = "linux") { &signals[..] } else { &signals[..2] };
+    for &(signal, code) in signals {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let folder = folder.path();
         let files = ["--out", "a.exr", "--checkpoint", "parts", "--save-every", "0", "--stats", "stats.json"];
         let mut child = start(folder, &[&ENDLESS[..], &files, &["--pass-spp", "1"]].concat());
         wait_for(folder, "parts", &mut child);
         send(signal, &child);
+        if signal == "-HUP" {
+            // The terminal and its shell both send it.
+            send(signal, &child);
+        }
         let (output, said) = end(child);
         assert_eq!(output.status.code(), Some(code), "{said}");
         let stats = std::fs::read(folder.join("stats.json")).expect("it was written");
@@ -57,6 +64,51 @@ fn the_first_signal_keeps_complete_passes() {
         assert!(a.estimates == b.estimates, "picture and checkpoint hold the same passes");
         assert_eq!(names(folder), ["a.exr", "b.exr", "parts", "stats.json"]);
     }
+}
+
+/// A terminal that has closed takes no table: that is no error.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hangup_needs_no_terminal() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let files = ["--out", "a.exr", "--checkpoint", "parts", "--save-every", "0", "--pass-spp", "1"];
+    let mut command = CORNELL.command(folder, &[&ENDLESS[..], &files].concat());
+    let closed = std::fs::File::options().write(true).open("/dev/full").expect("it is there");
+    let mut child = command.stdout(closed).stderr(Stdio::piped()).spawn().expect("the program starts");
+    wait_for(folder, "parts", &mut child);
+    send("-HUP", &child);
+    let (output, said) = end(child);
+    assert_eq!(output.status.code(), Some(129), "{said}");
+    assert_eq!(names(folder), ["a.exr", "parts"]);
+}
+
+/// `nohup` ignores SIGHUP: the render goes on.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_ignored_hangup_stays_ignored() {
+    use std::os::unix::fs::MetadataExt;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let files = ["--out", "a.exr", "--checkpoint", "parts", "--save-every", "0", "--pass-spp", "1"];
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' HUP; exec \"$@\"", "sh", CORNELL.path, "cornell"]).args(ENDLESS).args(files);
+    let shell = shell.current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = shell.spawn().expect("there is a shell");
+    wait_for(folder, "parts", &mut child);
+    send("-HUP", &child);
+    // Each save is a new file.
+    let save = || std::fs::metadata(folder.join("parts")).expect("it is there").ino();
+    for _ in 0..4 {
+        let before = save();
+        while save() == before {
+            assert_eq!(child.try_wait().expect("it is our own"), None, "it ended");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+    send("-TERM", &child);
+    let (output, said) = end(child);
+    assert_eq!(output.status.code(), Some(143), "{said}");
 }
 
 /// A preview is a whole picture of the passes so far.
