@@ -50,6 +50,8 @@ pub enum WarningKind {
     NormalsIgnored { count: usize },
     /// Points and lines, which have no area.
     NotTriangles { count: usize },
+    /// Curves and surfaces of free form: Bézier, B-spline and others.
+    FreeFormIgnored { count: usize },
     /// Vertices of a primitive after its last complete triangle.
     LeftOver { count: usize },
     /// A primitive without positions.
@@ -123,6 +125,9 @@ impl fmt::Display for WarningKind {
             }
             Self::NormalsIgnored { count } => write!(f, "vertex normals are ignored: {count}"),
             Self::NotTriangles { count } => write!(f, "primitives of points or lines are skipped: {count}"),
+            Self::FreeFormIgnored { count } => {
+                write!(f, "free-form curves and surfaces are skipped: {count}")
+            }
             Self::LeftOver { count } => {
                 write!(f, "vertices after the last complete triangle are ignored: {count}")
             }

@@ -119,7 +119,20 @@ fn weights_divide_and_colours_are_passed_over() {
 
 #[test]
 fn lines_and_points_are_no_triangles() {
-    assert_eq!(faces("l 1 2 3\np 1\nl 1 2 3 4\nf 1 2 3"), [[0, 1, 2]]);
+    let loaded = load(format!("{SQUARE}f 1 2 3\nl 1 2 3\np 1\nl 1 2 3 4\n")).unwrap();
+    assert_eq!(loaded.model.triangles().len(), 1);
+    assert_eq!(warnings(&loaded), [(Place::Line(6), WarningKind::NotTriangles { count: 3 })]);
+}
+
+#[test]
+fn free_form_curves_and_surfaces_are_counted() {
+    let curves = "cstype bezier\ndeg 3 3\ncurv 0 1 1 2 3 4\nparm u 0 1\nend\n";
+    let surface = "surf 0 1 0 1 1 2 3 4\nparm u 0 1\nparm v 0 1\nend\nvp 0 1\ncurv2 1\nend\nbzp 1 2 3 4\n";
+    let loaded = load(format!("{SQUARE}f 1 2 3\n{curves}{surface}")).unwrap();
+    assert_eq!(loaded.model.triangles().len(), 1);
+    assert_eq!(warnings(&loaded), [(Place::Line(8), WarningKind::FreeFormIgnored { count: 4 })]);
+    let text = loaded.report.warnings[0].to_string();
+    assert!(text.ends_with("a.obj:8: free-form curves and surfaces are skipped: 4"), "{text}");
 }
 
 #[test]

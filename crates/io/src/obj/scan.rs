@@ -20,6 +20,8 @@ pub(super) struct Scan<'a> {
     texture_coordinates: usize,
     normals: Occurrences,
     short_faces: Occurrences,
+    points_and_lines: Occurrences,
+    free_form: Occurrences,
     /// The number of corners in tobj's current mesh.
     mesh_corners: usize,
     /// The number of triangles of all faces, with degenerate ones.
@@ -40,6 +42,8 @@ impl<'a> Scan<'a> {
             texture_coordinates: 0,
             normals: Occurrences::default(),
             short_faces: Occurrences::default(),
+            points_and_lines: Occurrences::default(),
+            free_form: Occurrences::default(),
             mesh_corners: 0,
             triangles: 0,
             runs: Vec::new(),
@@ -65,15 +69,21 @@ impl<'a> Scan<'a> {
             "usemtl" => self.palette.use_material(statement, loading)?,
             "mtllib" => self.palette.add_library(statement, loading)?,
             "o" | "g" if loading.objects.is_some() => self.objects.push((statement.arguments, self.faces)),
-            // Other names, points, lines and curves, which no ray can hit.
+            "p" | "l" => self.points_and_lines.add(statement.place(), 1),
+            "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdc" | "cdp" => {
+                self.free_form.add(statement.place(), 1)
+            }
+            // Other names, and what describes curves and surfaces without being one.
             _ => {}
         }
         Ok(())
     }
 
-    /// Adds the warnings about faces and normals that did not pass.
+    /// Adds the warnings about what did not pass.
     pub(super) fn warn(&self, loading: &mut Loading<'_>) {
         self.short_faces.warn(loading, |count| WarningKind::ShortFaces { count });
+        self.points_and_lines.warn(loading, |count| WarningKind::NotTriangles { count });
+        self.free_form.warn(loading, |count| WarningKind::FreeFormIgnored { count });
         self.normals.warn(loading, |count| WarningKind::NormalsIgnored { count });
     }
 
