@@ -8,8 +8,8 @@ use crate::output::TextOutput;
 use crate::summary::{Timing, of_points, reason};
 use crate::uses::{SCENE_FILE, Uses};
 use crate::{console, points};
-use anyhow::Result;
-use std::path::PathBuf;
+use anyhow::{Result, ensure};
+use std::path::{Path, PathBuf};
 
 const LONG_ABOUT: &str = "\
 Measures irradiance at points of a scene, and writes it with its standard error, one line a point.
@@ -55,7 +55,16 @@ pub(crate) struct Options {
     flags: MeasureFlags,
 }
 
+/// Refuses the name of a picture for a table.
+fn check_name(out: &Path) -> Result<()> {
+    let is_picture =
+        out.extension().is_some_and(|end| ["exr", "png"].iter().any(|name| end.eq_ignore_ascii_case(name)));
+    ensure!(!is_picture, "--out {}: is written as CSV, which is no picture; use .csv", out.display());
+    Ok(())
+}
+
 pub(crate) fn run(options: &Options) -> Result<()> {
+    check_name(&options.out)?;
     let flags = options.flags.resolved()?;
     let interrupt = Interrupt::catch()?;
     let stats = flags.report.stats.as_deref();

@@ -164,7 +164,8 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 }
 
 fn format_of(out: &Path) -> Result<FactorFormat> {
-    match out.extension().and_then(|extension| extension.to_str()) {
+    let extension = out.extension().map(|extension| extension.to_ascii_lowercase());
+    match extension.as_deref().and_then(|extension| extension.to_str()) {
         Some("csv") => Ok(FactorFormat::Csv),
         Some("mtx") => Ok(FactorFormat::MatrixMarket),
         _ => bail!("--out {}: must end in .csv or .mtx", out.display()),

@@ -98,4 +98,8 @@ fn what_is_wrong_is_one_line_that_names_file_and_line() {
         &["standard output can be given only once"],
     );
     refused("", &["--points", "a.csv", "--samples", "16", "--passes", "0..2"], &["has only passes 0..1"]);
+    for name in ["a.exr", "a.PNG"] {
+        let words = [&*format!("--out {name}: is written as CSV, which is no picture; use .csv")];
+        refused("", &["--points", "a.csv", "--out", name], &words);
+    }
 }
