@@ -29,7 +29,8 @@ cosine. A factor is the share of them that hits its target, so a row of factors 
 the standard error of each.
 
 Triangles radiate from their front, from where their vertices run counter-clockwise, and block rays on both sides. \
-Hits of a back are listed as `back`.
+Hits of a back are listed as `back`, rays that hit nothing as `surroundings`; an object of such a name is written as \
+`object back` or `object surroundings`, with a warning.
 
 Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the run after the passes that are complete: file and \
 checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is written. A second \
@@ -206,7 +207,26 @@ impl NamedPatches {
             });
             ids[object.triangles.clone()].fill(patch);
         }
+        rename_reserved(&mut names);
         Self { patches: Patches::new(names.len() as u32, ids), names: Some(names) }
+    }
+}
+
+/// The names of targets that are no patches.
+const RESERVED_NAMES: [&str; 2] = ["surroundings", "back"];
+
+/// Gives other names to objects that are called as targets that are no patches.
+fn rename_reserved(names: &mut [String]) {
+    for reserved in RESERVED_NAMES {
+        let Some(place) = names.iter().position(|name| name == reserved) else { continue };
+        let mut name = format!("object {reserved}");
+        while names.contains(&name) {
+            name.insert_str(0, "object ");
+        }
+        console::warn(format_args!(
+            "object `{reserved}` is written as `{name}`: `{reserved}` is another target"
+        ));
+        names[place] = name;
     }
 }
 

@@ -67,6 +67,28 @@ fn factors_between_objects_materials_and_triangles() {
     assert!(accelerators.iter().all(|bytes| *bytes == csv));
 }
 
+/// Objects that are called as targets that are no patches get other names, which no object has.
+#[test]
+fn reserved_names_are_no_patches() {
+    let folder = folder();
+    let folder = folder.path();
+    let square =
+        |name: &str, z: f32| format!("o {name}\nv 0 0 {z}\nv 1 0 {z}\nv 1 1 {z}\nv 0 1 {z}\nf -4 -3 -2 -1\n");
+    let scene = ["back", "surroundings", "object back"].map(|name| square(name, name.len() as f32));
+    std::fs::write(folder.join("a.obj"), scene.concat()).expect("it can be written");
+    let output =
+        VIEW_FACTORS.run(folder, &["a.obj", "--patches", "object", "--rays", "4096", "--out", "a.CSV"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    let expected = "warning: object `surroundings` is written as `object surroundings`: `surroundings` is another target\n\
+                    warning: object `back` is written as `object object back`: `back` is another target\n";
+    assert_eq!((output.status.code(), &*said), (Some(0), expected));
+    let csv = read(folder, "a.CSV");
+    let from: Vec<&str> = csv.lines().filter_map(|line| line.split(',').next()).collect();
+    let patches = ["object object back", "object surroundings", "object back"];
+    assert!(from[1..].iter().all(|name| patches.contains(name)), "{csv}");
+    assert!(csv.contains("\nobject object back,back,1,") && csv.contains("back,surroundings,1,"), "{csv}");
+}
+
 #[test]
 fn a_checkpoint_is_continued_and_foreign_ones_are_refused() {
     let folder = folder();

@@ -24,7 +24,8 @@ pub struct FactorTable<'a, N> {
 }
 
 impl<'a, N: Fn(u32) -> String> FactorTable<'a, N> {
-    /// All factors above 0 of patches that are called `name`.
+    /// All factors above 0 of patches that are called `name`. A patch should not be called `surroundings` or `back`, as the
+    /// other targets are.
     pub fn new(factors: &'a ViewFactors, name: N) -> Self {
         Self { factors, combined: None, name, least: 0.0 }
     }
