@@ -107,9 +107,12 @@ impl Options {
 
     fn threads(&self) -> Result<Option<usize>> {
         const NAME: &str = "SLURM_CPUS_PER_TASK";
-        let given = std::env::var(NAME).ok();
+        if self.threads.is_some() {
+            return Ok(self.threads);
+        }
+        let given = std::env::var(NAME).ok().filter(|value| !value.is_empty());
         let given = given.map(|value| number::<usize>(NAME, &value)).transpose()?;
-        Ok(self.threads.or(given).map(|threads| threads.clamp(1, Settings::MAX_THREADS)))
+        Ok(given.map(|threads| threads.clamp(1, Settings::MAX_THREADS)))
     }
 }
 

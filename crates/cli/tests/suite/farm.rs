@@ -132,6 +132,8 @@ fn the_index_is_the_schedulers() {
         (&[("AWS_BATCH_JOB_ARRAY_INDEX", "0")], &["--offset", "10"], 10),
         (&[("JOB_COMPLETION_INDEX", "4")], &["--threads", "1"], 4),
         (&[("SLURM_ARRAY_TASK_ID", "3")], &["--index", "5"], 5),
+        (&[("SLURM_CPUS_PER_TASK", "")], &["--index", "6"], 6),
+        (&[("SLURM_CPUS_PER_TASK", "x")], &["--index", "7", "--threads", "1"], 7),
     ] {
         let (code, said, error) = run_with(variables, arguments);
         assert!(code == Some(0) && said.starts_with(&format!("task {index}: ")), "{said}{error}");
@@ -139,6 +141,7 @@ fn the_index_is_the_schedulers() {
     for (variables, arguments, words) in [
         (&[][..], &[][..], "neither --index nor SLURM_ARRAY_TASK_ID"),
         (&[("SLURM_ARRAY_TASK_ID", "x")], &[], "SLURM_ARRAY_TASK_ID=x"),
+        (&[("SLURM_CPUS_PER_TASK", "x")], &["--index", "1"], "SLURM_CPUS_PER_TASK=x"),
         (&[], &["--index", "12"], "job.json: has only tasks 0 to 11"),
         (&[], &["--index", "4294967295", "--offset", "1"], "job.json: has only tasks 0 to 11"),
     ] {
