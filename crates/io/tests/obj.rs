@@ -89,6 +89,8 @@ fn indices_may_be_negative_and_have_companions() {
     let loaded = load(format!("{SQUARE}vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3/1")).unwrap();
     assert_eq!(loaded.model.triangles(), [Triangle::new(CORNERS[0], CORNERS[1], CORNERS[2])]);
     assert_eq!(warnings(&loaded), [(Place::Line(6), WarningKind::NormalsIgnored { count: 1 })]);
+    assert_eq!(faces("f 1/ 2// 3"), [[0, 1, 2]]);
+    assert_eq!(faces("vt 0 0\nf 1/1/ 2//  3//"), [[0, 1, 2]]);
     // Negative indices count back from the face, not from the end of the file.
     assert_eq!(faces("f -4 -3 -2\nv 0 0 0"), [[0, 1, 2]]);
 }
@@ -160,8 +162,8 @@ fn malformed_lines_are_named() {
         ("f a b c", "f: `a` is not a number"),
         ("f 1 2 99999999999999999999", "f: `99999999999999999999` is not a number"),
         ("f 1/1/1/1 2 3", "index 1 is out of range (texture coordinates above: 0)"),
-        ("f 1////1 2 3", "f: `` is not a number"),
-        ("f /1 2 3", "f: `` is not a number"),
+        ("f 1////1 2 3", "f: a vertex has more indices than v/vt/vn"),
+        ("f /1 2 3", "f: expected a number"),
         ("f 1 2 0", "index 0 is out of range (vertices above: 4)"),
         ("f 1 2 5", "index 5 is out of range (vertices above: 4)"),
         ("f 1 2 -5", "index -5 is out of range (vertices above: 4)"),
@@ -193,7 +195,7 @@ fn files_without_a_face_are_empty() {
 
 #[test]
 fn text_must_be_utf8() {
-    assert_eq!(message(load(b"# fine\n# caf\xe9\n")), "a.obj:2: is not UTF-8");
+    assert_eq!(message(load(b"# fine\n# caf\xe9\n")), "a.obj:2: is not UTF-8; save the file as UTF-8");
 }
 
 #[test]
@@ -276,7 +278,7 @@ fn impossible_or_malformed_materials_are_named() {
         ("Kd", "a.mtl:2: Kd: expected 1 or 3 numbers"),
         ("Kd 1 2", "a.mtl:2: Kd: expected 1 or 3 numbers"),
         ("Kd x", "a.mtl:2: Kd: `x` is not a number"),
-        ("illum", "a.mtl:2: illum: `` is not a number"),
+        ("illum", "a.mtl:2: illum: expected a number"),
         ("Kd 5 5 5", "a.mtl:1: material `m`: reflectance (5, 5, 5) is not within [0, 1]"),
         ("Kd -1 0 0", "a.mtl:1: material `m`: reflectance (-1, 0, 0) is not within [0, 1]"),
         ("Kd nan", "a.mtl:1: material `m`: reflectance (NaN, NaN, NaN) is not within [0, 1]"),

@@ -9,7 +9,7 @@ pub(super) type Counts = [usize; 3];
 const REFERENTS: [&str; 3] = ["vertices above", "texture coordinates above", "normals above"];
 
 /// The index `v` of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, after a check of all its indices. An index
-/// counts from 1, or back from the face if it is negative.
+/// counts from 1, or back from the face if it is negative. One that is left empty is none: `v/`, `v//`, `v/vt/`.
 pub(super) fn vertex<'a>(statement: &Statement<'a>, corner: &'a str, counts: &Counts) -> Result<&'a str> {
     let mut fields = corner.split('/');
     let vertex = fields.next().unwrap_or_default();
@@ -18,8 +18,7 @@ pub(super) fn vertex<'a>(statement: &Statement<'a>, corner: &'a str, counts: &Co
         if kind >= REFERENTS.len() {
             return Err(statement.malformed("a vertex has more indices than v/vt/vn"));
         }
-        // Only `v//vn` has an empty field.
-        if kind != 1 || !field.is_empty() {
+        if !field.is_empty() {
             check(statement, field, kind, counts)?;
         }
     }

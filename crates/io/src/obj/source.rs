@@ -22,7 +22,10 @@ impl Source {
             IoError::Parse { at: Place::Line(line).of(path), message: message.into() }
         };
         let mut text = String::from_utf8(bytes).map_err(|error| {
-            malformed(&error.as_bytes()[..error.utf8_error().valid_up_to()], "is not UTF-8")
+            malformed(
+                &error.as_bytes()[..error.utf8_error().valid_up_to()],
+                "is not UTF-8; save the file as UTF-8",
+            )
         })?;
         if let Some(nul) = text.find('\0') {
             return Err(malformed(&text.as_bytes()[..nul], "text contains a NUL byte"));
@@ -92,7 +95,9 @@ impl<'a> Statement<'a> {
     }
 
     pub(super) fn number<T: FromStr>(&self, word: &str) -> Result<T> {
-        word.parse().map_err(|_| self.malformed(&format!("`{word}` is not a number")))
+        let why =
+            || if word.is_empty() { "expected a number".into() } else { format!("`{word}` is not a number") };
+        word.parse().map_err(|_| self.malformed(&why()))
     }
 
     /// The approximate length in bytes.

@@ -73,7 +73,7 @@ fn files() -> Vec<Case> {
         obj(21, "# nothing\n", empty()),
         obj(22, good.replace('\n', "\r\n"), loaded(&[])),
         obj(23, format!("\u{feff}{good}"), loaded(&[])),
-        obj(24, b"# fine\n# caf\xe9\n", refused("Parse", "a.obj:2: is not UTF-8")),
+        obj(24, b"# fine\n# caf\xe9\n", refused("Parse", "a.obj:2: is not UTF-8; save the file as UTF-8")),
     ]
 }
 
