@@ -38,6 +38,7 @@ const MAX_EXPANSION: u64 = 1032;
 pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
     let Estimates { width, height, means, standard_errors, samples, observations, block_errors, .. } =
         &data.estimates;
+    check_range(data)?;
     let mut channels = triple("", means);
     if data.estimates.has_errors() || samples.iter().any(|&count| count > 0) {
         channels.extend(triple("stderr.", standard_errors));
@@ -57,6 +58,25 @@ pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
     let mut bytes = file.into_inner();
     sort_attributes(&mut bytes);
     Ok(bytes)
+}
+
+/// Refuses finite radiance, or a finite error of it, that is infinite as `f32`. What is infinite is not known.
+fn check_range(data: &PictureData) -> Result<(), Error> {
+    let Estimates { width, origin, means, standard_errors, .. } = &data.estimates;
+    for (what, pixels) in [("radiance", means), ("standard error", standard_errors)] {
+        for (at, pixel) in pixels.iter().enumerate() {
+            let is_lost = |value: &f64| value.is_finite() && (*value as f32).is_infinite();
+            if let Some(value) = pixel.to_array().into_iter().find(is_lost) {
+                let [x, y] = [at as u32 % width + origin[0], at as u32 / width + origin[1]];
+                let most = f32::MAX;
+                return Err(format!(
+                    "{what} {value:e} of pixel ({x}, {y}) exceeds {most:e}, the most of OpenEXR"
+                )
+                .into());
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The block of pixel `at` of a picture of this width.

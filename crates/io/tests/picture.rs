@@ -247,6 +247,34 @@ fn a_write_that_fails_says_so_and_leaves_nothing() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
+/// What is finite and beyond `f32` does not become infinite; what is infinite is unknown.
+#[test]
+fn an_exr_holds_no_radiance_beyond_its_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let write = |change: &dyn Fn(&mut Estimates)| {
+        let mut data = PictureData::of(&film());
+        data.estimates.origin = [10, 20];
+        change(&mut data.estimates);
+        PictureFile::create(&path).unwrap().write_data(&data).map_err(|error| error.to_string())
+    };
+    let most = f64::from(f32::MAX);
+    let expected = |what: &str| {
+        format!("{}: cannot be encoded: {what} exceeds 3.4028235e38, the most of OpenEXR", path.display())
+    };
+    let refused = write(&|estimates| estimates.means[5].g = 1e40);
+    assert_eq!(refused, Err(expected("radiance 1e40 of pixel (12, 21)")));
+    let refused = write(&|estimates| estimates.standard_errors[1].b = 2.0 * most);
+    assert_eq!(refused, Err(expected("standard error 6.805646932770577e38 of pixel (11, 20)")));
+    assert!(!path.exists());
+    write(&|estimates| {
+        estimates.means[0].r = most;
+        estimates.standard_errors[0] = Rgb::splat(f64::INFINITY);
+    })
+    .unwrap();
+    assert_eq!(PictureData::read(&path).unwrap().estimates.means[0].r, most);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_picture_is_written_through_to_a_fifo() {
