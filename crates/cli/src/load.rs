@@ -1,6 +1,6 @@
 use crate::console::warn;
 use crate::interrupt::{Interrupt, NOTHING};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use globillum::geom::Triangle;
 use globillum::io::{IoError, LoadMonitor, LoadReport, Loaded, Loader, Warning, WarningKind};
 use std::mem::discriminant;
@@ -15,13 +15,14 @@ pub(crate) enum Warnings {
 }
 
 /// Loads a scene by `loader` unless a signal comes, and warns of what was left out; the caller says so if there
-/// are no lights.
+/// are no lights. Fails for a folder.
 pub(crate) fn load(
     path: &Path,
     loader: Loader<'_>,
     warnings: Warnings,
     interrupt: &Interrupt,
 ) -> Result<Loaded> {
+    ensure!(!path.is_dir(), "{}: is a folder, not a scene file", path.display());
     let loaded = match loader.monitor(interrupt as &dyn LoadMonitor).load(path) {
         Err(IoError::Cancelled { .. }) => return Err(interrupt.error(NOTHING).into()),
         loaded => loaded?,

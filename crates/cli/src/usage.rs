@@ -31,7 +31,8 @@ pub(crate) fn message(error: &clap::Error) -> String {
             format!("unknown command {command}{similar}")
         }
         ErrorKind::MissingSubcommand => {
-            format!("a command is missing: {}", context(ContextKind::ValidSubcommand))
+            let commands = context(ContextKind::ValidSubcommand);
+            format!("a command is missing: {commands}; see `globillum --help`")
         }
         ErrorKind::MissingRequiredArgument => format!("{argument} is missing"),
         ErrorKind::ArgumentConflict if argument == context(ContextKind::PriorArg) => {

@@ -88,7 +88,15 @@ fn commands_that_are_not_there_are_named() {
     let refused = |arguments: &[&str], words: &[&str]| GLOBILLUM.assert_refused(|_| (), arguments, words);
     refused(
         &[],
-        &["a command is missing: render, cornell, irradiance, merge, plan, task, status, view-factors, diff"],
+        &[
+            "a command is missing: render, cornell, irradiance, merge, plan, task, status, view-factors, diff, help; \
+           see `globillum --help`",
+        ],
+    );
+    refused(&["render", "."], &["error: .: is a folder, not a scene file\n"]);
+    refused(
+        &["view-factors", ".", "--patches", "object", "--out", "a.csv"],
+        &["is a folder, not a scene file\n"],
     );
     refused(&["rendr"], &["unknown command rendr (a similar command exists: render)"]);
     refused(&["--sped"], &["unexpected argument --sped"]);

@@ -63,7 +63,8 @@ fn rows_1_to_82_and_97_to_98_bad_scenes_are_one_line_that_names_file_and_place()
 fn scenes_that_are_not_there_and_of_other_formats_are_named() {
     assert_refused(&[], &["SCENE"]);
     assert_refused(&["none.obj"], &["none.obj: can", "not be read"]);
-    assert_refused(&["folder.png"], &["folder.png: unknown scene format"]);
+    assert_refused(&["folder.png"], &["folder.png: is a folder, not a scene file"]);
+    assert_refused(&["none.png"], &["none.png: unknown scene format"]);
     assert_refused(&["room.obj", "--max-triangles", "3"], &["room.obj:13: too many triangles (limit: 3)"]);
 }
 
