@@ -8,7 +8,7 @@ use anyhow::Result;
 use globillum::geom::{Accel, SimdLevel};
 use globillum::glam::DVec3;
 use globillum::integrator::{
-    CheckpointHeader, CheckpointStrip, Ending, ImageError, Picture, Scene, Settings,
+    CheckpointHeader, CheckpointStrip, Ending, ImageError, Picture, Scene, Settings, Stop,
 };
 use serde::Serialize;
 use std::fmt::{self, Display};
@@ -165,7 +165,12 @@ impl Display for Summary<'_> {
         }
         let [r, g, b] = self.image_mean;
         writeln!(f, "image mean    ({r:.6}, {g:.6}, {b:.6})")?;
-        writeln!(f, "ended by      {}", self.ended_by)?;
+        writeln!(
+            f,
+            "ended by      {}{}",
+            self.ended_by,
+            missed(self.ended_by, &self.flags.stop(), &self.error)
+        )?;
         self.error.fmt(f)
     }
 }
@@ -286,7 +291,12 @@ impl Display for PointsSummary<'_> {
         }
         let [r, g, b] = self.irradiance_mean;
         writeln!(f, "mean          ({r:.6}, {g:.6}, {b:.6})")?;
-        writeln!(f, "ended by      {}", self.ended_by)?;
+        writeln!(
+            f,
+            "ended by      {}{}",
+            self.ended_by,
+            missed(self.ended_by, &self.flags.stop(), &self.error)
+        )?;
         self.error.fmt(f)
     }
 }
@@ -315,10 +325,20 @@ pub(crate) fn format_range(range: &Range<u32>) -> String {
     format!("{}..{}", range.start, range.end)
 }
 
+/// Why a render ended that took all samples.
+const ALL_SAMPLES: &str = "all samples taken";
+
+/// What is added in a table if all samples were taken before the error asked for was reached.
+fn missed(ended_by: &str, stop: &Stop, error: &PictureError) -> &'static str {
+    let reached = |goal| error.relative_rmse_95.is_some_and(|[_, high]| high <= goal);
+    let is_missed = ended_by == ALL_SAMPLES && stop.relative_rmse.is_some_and(|goal| !reached(goal));
+    if is_missed { "; the error asked for was not reached" } else { "" }
+}
+
 /// Why a render ended that `interrupt` can cancel.
 pub(crate) fn reason(ending: Ending, interrupt: &Interrupt) -> &'static str {
     match ending {
-        Ending::Samples => "all samples taken",
+        Ending::Samples => ALL_SAMPLES,
         Ending::Goals => "the error reached",
         Ending::Seconds => "the time given",
         Ending::Cancelled => interrupt.canceller(),

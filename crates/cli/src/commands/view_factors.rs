@@ -280,6 +280,7 @@ impl Options {
         let ended_by = match factors.ending() {
             Ending::Goals => "the error asked for",
             Ending::Cancelled => interrupt.canceller(),
+            _ if self.error.is_some() => "rays; the error asked for was not reached",
             _ => "rays",
         };
         format!(

@@ -5,7 +5,7 @@ use super::speed::SpeedFlags;
 use super::stop::StopFlags;
 use anyhow::Result;
 use globillum::geom::Accel;
-use globillum::integrator::{IrradiancePoints, Render, Scene, Settings};
+use globillum::integrator::{IrradiancePoints, Render, Scene, Settings, Stop};
 use serde::Serialize;
 
 /// How a list of points is measured.
@@ -51,6 +51,11 @@ impl MeasureFlags {
         settings
     }
 
+    /// What may end the measurement before all samples are taken.
+    pub(crate) fn stop(&self) -> Stop {
+        self.stop.conditions()
+    }
+
     /// The render that these flags ask for; a checkpoint to resume from is read.
     pub(crate) fn render<'a>(
         &self,
@@ -58,6 +63,6 @@ impl MeasureFlags {
         points: &'a IrradiancePoints,
         settings: &'a Settings,
     ) -> Result<Render<'a>> {
-        self.checkpoints.apply_to(Render::new(scene, points, settings).until(self.stop.conditions()))
+        self.checkpoints.apply_to(Render::new(scene, points, settings).until(self.stop()))
     }
 }

@@ -136,7 +136,14 @@ fn an_error_can_be_asked_for() {
     }
     let said =
         CORNELL.succeed(folder.path(), &[&SMALL[..], &["--seconds", "0.2", "--error", "1e-9"]].concat());
-    assert!(said.contains("ended by      the time given"), "{said}");
+    assert!(said.contains("ended by      the time given\n"), "{said}");
+    let missed = ["--spp", "4", "--error", "1e-9", "--stats", "a.json"];
+    let said = CORNELL.succeed(folder.path(), &[&SMALL[..], &missed].concat());
+    let expected = "ended by      all samples taken; the error asked for was not reached\n";
+    assert!(said.contains(expected), "{said}");
+    let figures: serde_json::Value =
+        serde_json::from_slice(&read(folder.path(), "a.json")).expect("it is JSON");
+    assert_eq!(figures["ended_by"], "all samples taken");
 }
 
 /// A run that finds nothing left to do traces nothing, however much its picture holds.

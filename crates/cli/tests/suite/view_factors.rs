@@ -102,7 +102,9 @@ fn a_checkpoint_is_continued_and_foreign_ones_are_refused() {
     run("131072", &["--out", "resumed.csv", "--checkpoint", "part", "--resume"]);
     assert_eq!(read(folder, "whole.csv"), read(folder, "resumed.csv"));
     let said = run("1000000", &["--out", "goal.csv", "--error", "0.02"]);
-    assert!(said.contains("ended by      the error asked for"), "{said}");
+    assert!(said.contains("ended by      the error asked for\n"), "{said}");
+    let said = run("4096", &["--out", "goal.csv", "--error", "1e-9"]);
+    assert!(said.contains("ended by      rays; the error asked for was not reached\n"), "{said}");
     assert_eq!(
         names(folder),
         ["a.obj", "flat.obj", "goal.csv", "part", "part.csv", "resumed.csv", "whole.csv"]
