@@ -127,6 +127,35 @@ fn one_light_over_a_floor() {
     }
 }
 
+/// A lamp of which a room is lit is found beside one of `1e12` or `1e24` times its power in another room, and a dim sun beside
+/// one that shines from below the floor.
+#[test]
+fn a_dim_light_is_found_beside_a_strong_one_that_is_hidden() {
+    let (near, below) = (Vec3::new(0.5, 1.0, -1.0), DVec3::new(0.0, -10.0, 0.0));
+    let from_point = INTENSITY.g / 1.5 / 2.25;
+    let sun = |irradiance: f64, y: f32| DeltaLight::directional(Vec3::Y * y, Rgb::splat(irradiance)).unwrap();
+    let strong = |intensity| DeltaLight::point(below.as_vec3(), Rgb::splat(intensity)).unwrap();
+    let cases = [
+        ("1e12", from_point, [point(near), strong(1e12)]),
+        ("1e24", from_point, [point(near), strong(1e24)]),
+        ("suns", 3.0, [sun(3.0, -1.0), sun(1e12, 1.0)]),
+    ];
+    for (what, irradiance, lights) in cases {
+        let mut model = with(floor(1e6), &lights);
+        model.add(lambert(0.5), cuboid(below, DVec3::ONE, 0.0));
+        let mut settings = independent_pixels(32, 32, 256);
+        settings.max_bounces = Some(1);
+        let film = film(&model, &stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO), &settings);
+        let estimate = Estimate::of_film(&film, |c| c.g);
+        let truth = irradiance * 0.5 / PI;
+        assert!(
+            (estimate.mean - truth).abs() < Z_LIMIT * estimate.std_err,
+            "{what}: {estimate:?}, not {truth}"
+        );
+        assert!(estimate.std_err < 0.05 * truth, "{what}: {estimate:?}");
+    }
+}
+
 /// A thousand lights with powers over twelve orders of magnitude.
 #[test]
 fn many_lights_of_unlike_power() {

@@ -57,6 +57,19 @@ impl AliasTable {
     }
 }
 
+/// The least weight that [`raised`] leaves, in units of the mean of all weights.
+const LEAST_SHARE: f64 = 1.0 / 64.0;
+
+/// The weights with those far below the mean raised to [`LEAST_SHARE`] of it, and all others unchanged.
+///
+/// A weight that says nothing of visibility may be as good as zero for the only light of a room. What is raised takes
+/// less than `LEAST_SHARE` of all samples. Probabilities are then far above the spacing of random numbers, so a table draws
+/// each index with its weight over the sum of all, to rounding.
+pub(super) fn raised(weights: Vec<f64>) -> Vec<f64> {
+    let least = LEAST_SHARE * weights.iter().sum::<f64>() / weights.len() as f64;
+    weights.into_iter().map(|weight| weight.max(least)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,6 +91,39 @@ mod tests {
             // An index may have several columns, each with evenly spaced numbers of its own.
             assert!(rests.iter().zip(0..).all(|(rest, i)| (rest - (f64::from(i) + 0.5) / n).abs() < 4.0 / n));
         }
+    }
+
+    /// The probability that a table draws each index, exactly: the lengths of its intervals.
+    fn drawn(table: &AliasTable) -> Vec<f64> {
+        let mut probs = vec![0.0; table.columns.len()];
+        for (index, column) in table.columns.iter().enumerate() {
+            let own = column.threshold.min(1.0);
+            probs[index] += own / table.columns.len() as f64;
+            probs[column.alias as usize] += (1.0 - own) / table.columns.len() as f64;
+        }
+        probs
+    }
+
+    /// Over thirty orders of magnitude. A weight of at least a 64th of the mean stays as it is.
+    #[test]
+    fn raised_weights_are_drawn_as_often_as_they_say() {
+        for n in [1, 2, 5, 7, 100] {
+            let weights: Vec<_> = (0..n).map(|i| 10.0_f64.powi(30 * i / n - 15)).collect();
+            let mean = weights.iter().sum::<f64>() / f64::from(n);
+            let raised = raised(weights.clone());
+            let total: f64 = raised.iter().sum();
+            assert!(total < mean * f64::from(n) * (1.0 + LEAST_SHARE), "{n}: {total}");
+            for (i, drawn) in drawn(&AliasTable::new(&raised)).into_iter().enumerate() {
+                assert_eq!(
+                    raised[i],
+                    if weights[i] < mean / 64.0 { mean / 64.0 } else { weights[i] },
+                    "{n}: {i}"
+                );
+                assert!((drawn / (raised[i] / total) - 1.0).abs() < 1e-11, "{n}: {i}, {drawn}");
+                assert!(drawn * f64::from(n) > 0.015, "{n}: {i}, {drawn}");
+            }
+        }
+        assert!(raised(Vec::new()).is_empty());
     }
 
     #[test]

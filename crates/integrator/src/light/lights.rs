@@ -1,4 +1,4 @@
-use super::alias_table::AliasTable;
+use super::alias_table::{AliasTable, raised};
 use super::delta::DeltaLight;
 use super::receiver::Receiver;
 use super::tree::{ChosenLight, Cluster, LightTree, Reach};
@@ -11,7 +11,8 @@ use std::f64::consts::FRAC_PI_4;
 ///
 /// A light is chosen at each shading point with a probability about proportional to the irradiance that it brings
 /// there if it is visible, in a light tree (Conty Estevez and Kulla 2018). Up to seven lights are chosen by power
-/// alone, which costs less, unless one of several is directional.
+/// alone, which costs less, unless one of several is directional. A light of less than a 64th of their mean power then counts
+/// as if it had that much.
 ///
 /// Each light has a positive probability, a normal number, for any size and radiance. A
 /// [`LightSampler`](crate::LightSampler) samples points on lights.
@@ -25,7 +26,7 @@ pub struct Lights {
 /// How a light is chosen, by its index in `areas`, then `deltas`.
 #[derive(Clone, Debug)]
 enum Choice {
-    /// By power, the same everywhere.
+    /// By power, [raised] for dim lights, the same everywhere.
     Power(AliasTable),
     /// By the shading point.
     Tree(LightTree),
@@ -67,18 +68,19 @@ struct Delta {
 }
 
 impl AreaLight {
-    /// Of triangle `index`; `total_power` is that of all lights.
-    fn new(index: u32, triangle: &Triangle, emission: Emission, total_power: f64) -> Self {
+    /// Of triangle `index`, chosen by `weight`, where `total` is that of all lights.
+    fn new(index: u32, triangle: &Triangle, emission: Emission, weight: f64, total: f64) -> Self {
         let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
-        let share = |power: f64| power / total_power;
+        // 1 unless the light is dim.
+        let raise = weight / power(triangle, &emission);
         Self {
             triangle: index,
             emission,
             normal: triangle.normal(),
             prob: AreaProb {
-                choice: share(power(triangle, &emission)),
+                choice: weight / total,
                 // The area cancels.
-                density: PdfArea(share(emission.exitance().luminance())),
+                density: PdfArea(emission.exitance().luminance() * raise / total),
             },
             area: triangle.area(),
             middle: (a + b + c) / 3.0,
@@ -127,19 +129,23 @@ impl Lights {
         let deltas = deltas.iter().map(|&light| (light, light.power(cross_section)));
         let deltas: Vec<_> = deltas.filter(|(_, power)| *power > 0.0).collect();
         powers.extend(deltas.iter().map(|(_, power)| power));
-        let total_power: f64 = powers.iter().sum();
-        let area = |index| AreaLight::new(index, triangles.get(index), emission(index), total_power);
-        let areas: Vec<_> = emitting.into_iter().map(area).collect();
+        let weights = raised(powers);
+        let total: f64 = weights.iter().sum();
+        let area = |(index, &weight): (u32, &f64)| {
+            AreaLight::new(index, triangles.get(index), emission(index), weight, total)
+        };
+        let areas: Vec<_> = emitting.into_iter().zip(&weights).map(area).collect();
         let reaches = areas.iter().map(|light| Reach::Near(light.cluster(triangles.get(light.triangle))));
         let reaches: Vec<_> = reaches.chain(deltas.iter().map(|(light, _)| light.reach())).collect();
         let is_far = |reach: &Reach| matches!(reach, Reach::Far(_));
-        let by_tree = powers.len() >= Self::FIRST_IN_TREE || powers.len() > 1 && reaches.iter().any(is_far);
+        let by_tree = weights.len() >= Self::FIRST_IN_TREE || weights.len() > 1 && reaches.iter().any(is_far);
         let choice = match by_tree {
             true => Choice::Tree(LightTree::new(&reaches)),
-            false => Choice::Power(AliasTable::new(&powers)),
+            false => Choice::Power(AliasTable::new(&weights)),
         };
-        let delta = |(light, power)| Delta { light, prob: power / total_power };
-        Self { areas, deltas: deltas.into_iter().map(delta).collect(), choice }
+        let delta = |((light, _), weight): ((DeltaLight, f64), &f64)| Delta { light, prob: weight / total };
+        let deltas = deltas.into_iter().zip(&weights[areas.len()..]).map(delta).collect();
+        Self { areas, deltas, choice }
     }
 
     /// The number of lights of both kinds, without degenerate triangles and black delta lights.

@@ -1,5 +1,5 @@
 use super::cluster::twice_positive_part;
-use crate::light::alias_table::AliasTable;
+use crate::light::alias_table::{AliasTable, raised};
 use glam::{DVec3, Vec3};
 
 /// A light infinitely far away.
@@ -11,12 +11,12 @@ pub(in crate::light) struct FarLight {
     pub(in crate::light) direction: DVec3,
 }
 
-/// The lights that are infinitely far away, chosen among themselves by irradiance.
+/// The lights that are infinitely far away, chosen among themselves by irradiance, [raised] for dim ones.
 #[derive(Clone, Debug)]
 pub(super) struct FarLights {
     table: AliasTable,
-    /// Their indices in the scene.
-    indices: Vec<u32>,
+    /// Their indices in the scene, each with its probability.
+    lights: Vec<(u32, f64)>,
     /// The sum of all.
     irradiance: f64,
     /// The mean of the directions toward them, by irradiance.
@@ -35,9 +35,12 @@ impl FarLights {
         let irradiance = irradiances.iter().sum();
         let direction: DVec3 =
             lights.iter().map(|(_, light)| light.irradiance / irradiance * light.direction).sum();
+        let weights = raised(irradiances);
+        let total: f64 = weights.iter().sum();
+        let with_prob = |((index, _), weight): (&(u32, FarLight), &f64)| (*index, weight / total);
         Some(Self {
-            table: AliasTable::new(&irradiances),
-            indices: lights.iter().map(|(index, _)| *index).collect(),
+            table: AliasTable::new(&weights),
+            lights: lights.iter().zip(&weights).map(with_prob).collect(),
             irradiance,
             direction: direction.as_vec3(),
             variance: (1.0 - direction.length_squared()).max(0.0) as f32,
@@ -54,7 +57,12 @@ impl FarLights {
     pub(super) fn choose(&self, u: f64) -> u32 {
         // `FarLights::new` returns `None` without a light.
         let place = self.table.sample(u).expect("there is a light");
-        self.indices[place]
+        self.lights[place].0
+    }
+
+    /// The index of each light, and its probability among all.
+    pub(super) fn probs(&self) -> impl Iterator<Item = (u32, f64)> {
+        self.lights.iter().copied()
     }
 }
 

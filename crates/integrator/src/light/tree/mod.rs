@@ -76,13 +76,13 @@ impl LightTree {
             }
         }
         let mut places = vec![Place::Path(0); lights.len()];
-        let total: f64 = far.iter().map(|(_, light)| light.irradiance).sum();
-        for (index, light) in &far {
-            places[*index as usize] = Place::Far(light.irradiance / total);
+        let far = FarLights::new(&far);
+        for (index, prob) in far.iter().flat_map(FarLights::probs) {
+            places[index as usize] = Place::Far(prob);
         }
         let frame = TreeFrame::around(near.iter().map(|&(_, cluster)| cluster));
         let nodes = build::nodes(&mut near, &frame, |index, path| places[index as usize] = Place::Path(path));
-        Self { nodes, frame, far: FarLights::new(&far), places, simd: SimdLevel::best() }
+        Self { nodes, frame, far, places, simd: SimdLevel::best() }
     }
 
     /// Chooses a light for the receiver by each of `us`, in `[0, 1)`.
