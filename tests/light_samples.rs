@@ -123,6 +123,23 @@ fn a_spot_light_is_chosen_by_its_power() {
     }
 }
 
+/// In a light tree, by what it brings along its axis, where seven point lights beside it bring as much.
+#[test]
+fn a_spot_light_among_many_is_chosen_by_its_irradiance() {
+    for (inner, outer) in CONES {
+        let intensity = VALUE * falloff(1.0, inner, outer);
+        let beside = |k: u8| Vec3::new(1.0 + 1e-3 * f32::from(k), 5.0, 2.0);
+        let points = (1..8).map(|k| DeltaLight::point(beside(k), intensity).unwrap());
+        let scene = alone(&[spot(inner, outer).unwrap()].into_iter().chain(points).collect::<Vec<_>>());
+        let lights = scene.light_sampler(LightSampling::Area, DVec3::new(1.0, 3.0, 2.0), DVec3::Y);
+        for i in 0..8 {
+            let light = lights.sample((f64::from(i) + 0.5) / 8.0, [0.25, 0.5]);
+            let Some(LightSample::Delta(light)) = light else { panic!("{light:?}") };
+            assert!((8.0 * light.choice_prob - 1.0).abs() < 1e-3, "{inner}, {outer}, {i}: {light:?}");
+        }
+    }
+}
+
 #[test]
 fn impossible_delta_lights_are_refused() {
     let limit = Triangles::MAX_COORDINATE;

@@ -164,7 +164,8 @@ impl DeltaLight {
                 Reach::Near(Cluster::of_point(position.as_dvec3(), intensity.luminance()))
             }
             Kind::Spot { position, axis, intensity, cone } => {
-                let intensity = intensity.luminance();
+                // Narrow cones are dimmer than their intensity on the axis too.
+                let intensity = intensity.luminance() * cone.falloff(1.0);
                 Reach::Near(Cluster::of_spot(position.as_dvec3(), axis, cone.cos_outer, intensity))
             }
             Kind::Directional { direction, irradiance } => {
