@@ -24,7 +24,7 @@ impl Facet {
     /// their coordinates.
     const COPLANAR: f64 = 1.0 / (1 << 18) as f64;
 
-    /// The largest angle between normals in radians, which is half the error of reflected directions.
+    /// The largest angle between normals of a facet in radians, which is half the error of reflected directions.
     /// [`COPLANAR`](Self::COPLANAR) does not bound it: strips of a slightly curved mirror are nearly coplanar.
     pub(super) const PARALLEL: f64 = 4.0 * Self::COPLANAR;
 
@@ -42,9 +42,9 @@ impl Facet {
         }
     }
 
-    /// Whether planes of these unit normals are parallel.
+    /// Whether planes of these unit normals are parallel, with their fronts on the same side.
     pub(super) fn is_parallel(a: DVec3, b: DVec3) -> bool {
-        a.cross(b).length_squared() <= Self::PARALLEL * Self::PARALLEL
+        a.dot(b) > 0.0 && a.cross(b).length_squared() <= Self::PARALLEL * Self::PARALLEL
     }
 
     /// Whether `triangle` lies in the plane.

@@ -176,6 +176,18 @@ mod tests {
         (0..n).flat_map(strip).collect()
     }
 
+    /// Both sides of the sheet reflect, as the fronts of a closed body.
+    #[test]
+    fn a_triangle_and_its_reversed_twin_are_two_facets() {
+        let front = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+        let triangles = Triangles::new([vec![front], inside_out([front])].concat()).unwrap();
+        let Facets { facets, bodies } = Facets::of(&triangles, triangles.live());
+        assert_eq!(bodies.len(), 1);
+        let mut normals: Vec<_> = facets.iter().map(|facet| (facet.normal.z, facet.triangles[0])).collect();
+        normals.sort_by_key(|&(_, index)| index);
+        assert_eq!(normals, [(1.0, 0), (-1.0, 1)]);
+    }
+
     #[test]
     fn coplanar_neighbours_share_a_facet_and_closed_bodies_are_found() {
         let block = || cuboid(DVec3::new(0.3, 0.1, -0.2), DVec3::new(0.3, 0.6, 0.4), 0.32).to_vec();
