@@ -64,23 +64,24 @@ pub(super) fn build(items: &mut [Item]) -> Built {
     Built { nodes, depth, paths: groups.iter().map(|group| group.path).collect() }
 }
 
-/// Splits `items` into `count` groups of about equal size.
+/// Splits `items` into `count` groups of about equal size, in each of which they keep their order.
 fn split(items: &mut [Item], count: usize) -> Vec<&mut [Item]> {
     if count == 1 {
         return vec![items];
     }
     let before = count / 2;
     let middle = (items.len() * before).div_ceil(count);
-    sort_around(items, middle);
+    divide(items, middle);
     let (a, b) = items.split_at_mut(middle);
     let (mut a, b) = rayon::join(|| split(a, before), || split(b, count - before));
     a.extend(b);
     a
 }
 
-/// Sorts `items` into those before and after `middle`, along the axis of positions or of normals on which they extend
-/// farthest.
-fn sort_around(items: &mut [Item], middle: usize) {
+/// Brings the first `middle` of `items` to the front, along the axis of positions or of normals on which they extend farthest.
+///
+/// Both parts keep the order of their items: what is summed up over one must not depend on how a library selects.
+fn divide(items: &mut [Item], middle: usize) {
     let places = |item: &Item| [POSITION_WEIGHT * item.center, item.normal];
     let extent = |kind: usize| {
         let places = || items.iter().map(|item| places(item)[kind]);
@@ -90,5 +91,34 @@ fn sort_around(items: &mut [Item], middle: usize) {
     let kind = usize::from(extents[1].max_element() > extents[0].max_element());
     let axis = extents[kind].max_position();
     let key = |item: &Item| places(item)[kind][axis];
-    items.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.facet.cmp(&b.facet)));
+    let compare = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+    let mut keys: Vec<_> = items.iter().map(|item| (key(item), item.facet)).collect();
+    let (_, &mut first_after, _) = keys.select_nth_unstable_by(middle, compare);
+    items.sort_by_key(|item| compare(&(key(item), item.facet), &first_after).is_ge());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Stream;
+
+    /// The groups of a split are about as large as each other, and within each items are in the order that they had.
+    #[test]
+    fn a_split_keeps_the_order_within_its_groups() {
+        let item = |facet: u32| {
+            let numbers = Stream::new(21, 0, facet);
+            let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| numbers.uniform(k + axis) - 0.5));
+            let (center, normal) = (vector(0), vector(3).normalize());
+            Item { facet, center, radius: 0.1, normal, area: 1.0, body: 1 }
+        };
+        for count in [2, 3, 16] {
+            let mut items: Vec<_> = (0..1000).map(item).collect();
+            let groups = split(&mut items, count);
+            assert_eq!(groups.len(), count);
+            for group in groups {
+                assert!(group.len().abs_diff(1000 / count) <= 1, "{count}: {}", group.len());
+                assert!(group.is_sorted_by_key(|item| item.facet), "{count}");
+            }
+        }
+    }
 }
