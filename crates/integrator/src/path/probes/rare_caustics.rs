@@ -4,7 +4,8 @@ use crate::path::caustics::{LEAST_WEIGHT, at_first_vertex, weight};
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::render_context::RenderContext;
 use crate::path::shading_point::MisContext;
-use crate::{PathStart, Stream};
+use crate::path::wavefront::irradiance_vertex;
+use crate::{Interaction, PathStart, Stream};
 use globillum_geom::{Frame, Ray};
 use globillum_material::Bsdf;
 
@@ -49,36 +50,123 @@ fn caustics_found(context: &RenderContext<'_>) -> usize {
     count
 }
 
-/// The rays that diffuse surfaces scatter where probes see them, with what weights depend on. A probe that sees a mirror
-/// has none.
+/// The rays that first diffuse vertices scatter, with what weights depend on: where probes begin, or what they see, directly
+/// and by way of as many mirrors as a prefix has.
 fn scattered(context: &RenderContext<'_>) -> Vec<(Ray, MisContext)> {
     let places = (0..PROBES).flat_map(|y| (0..PROBES).map(move |x| [x, y]));
-    let rays: Vec<Ray> = places.filter_map(|place| probe(context, place)).collect();
-    let mut hits = Vec::new();
-    context.scene.accel().intersect_batch(&rays, &mut hits);
-    let of_probe = |(i, (ray, hit)): (u32, (&Ray, &Option<_>))| {
-        let at = context.scene.interaction(ray, hit.as_ref()?);
-        if !(at.material.bsdf.is_diffuse() && at.point.position.is_finite()) {
-            return None;
+    let (mut probes, mut scattered) = (Vec::new(), Vec::new());
+    for (i, place) in (0..).zip(places) {
+        match start(context, place) {
+            PathStart::Ray(ray) if ray.is_traceable() => probes.push((i, ray)),
+            PathStart::Irradiance { position, normal } if position.is_finite() && normal.is_normalized() => {
+                let point = context.scene.triangles().given_point(position, normal);
+                scattered.extend(scatter(i, &irradiance_vertex(point)));
+            }
+            // The path of a sample tells of a start that is not valid.
+            _ => {}
         }
-        let frame = Frame::around(at.side());
-        let u = Stream::new(0, PIXEL, i).uniform_pair(0);
-        let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
-        let mis = at_first_vertex(sample.density, at.receiver());
-        Some((at.point.spawn(frame.to_world(sample.wi)), mis))
-    };
-    (0..).zip(rays.iter().zip(&hits)).filter_map(of_probe).collect()
+    }
+    let (mut bounce, mut rays, mut hits) = (0, Vec::new(), Vec::new());
+    while !probes.is_empty() && context.may_reuse_prefix(bounce) {
+        rays.clear();
+        rays.extend(probes.iter().map(|(_, ray)| *ray));
+        context.scene.accel().intersect_batch(&rays, &mut hits);
+        let seen = probes.iter().zip(&hits).filter_map(|((i, ray), hit)| Some((*i, ray, hit.as_ref()?)));
+        let seen = seen.map(|(i, ray, hit)| (i, context.scene.interaction(ray, hit)));
+        let mut reflected = Vec::new();
+        for (i, at) in seen.filter(|(_, at)| at.point.position.is_finite()) {
+            match at.material.bsdf {
+                Bsdf::Mirror(reflectance) if reflectance.rgb().is_black() => {}
+                Bsdf::Mirror(_) => reflected.push((i, reflected_ray(&at.point, -at.wo))),
+                _ => scattered.extend(scatter(i, &at)),
+            }
+        }
+        (probes, bounce) = (reflected, bounce + 1);
+    }
+    scattered
 }
 
-/// The ray at a place of the grid of probes.
-fn probe(context: &RenderContext<'_>, [column, row]: [u32; 2]) -> Option<Ray> {
+/// The ray that the diffuse vertex of probe `i` scatters, with what weights depend on; `None` if nothing is reflected.
+fn scatter(i: u32, at: &Interaction<'_>) -> Option<(Ray, MisContext)> {
+    let frame = Frame::around(at.side());
+    let u = Stream::new(0, PIXEL, i).uniform_pair(0);
+    let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
+    let mis = at_first_vertex(sample.density, at.receiver());
+    Some((at.point.spawn(frame.to_world(sample.wi)), mis))
+}
+
+/// Where the probe at a place of the grid begins.
+fn start(context: &RenderContext<'_>, [column, row]: [u32; 2]) -> PathStart {
     let place = |probe: u32, pixels: u32| {
         let at = (f64::from(probe) + 0.5) / f64::from(PROBES) * f64::from(pixels);
         (at as u32, at.fract())
     };
     let ((x, u), (y, v)) = (place(column, context.settings.width), place(row, context.settings.height));
-    match context.path_start((x, y), [u, v]) {
-        PathStart::Ray(ray) if ray.is_traceable() => Some(ray),
-        _ => None,
+    context.path_start((x, y), [u, v])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Camera, ElementSample, Model, Roulette, Scene, Sensor, Settings};
+    use glam::DVec3;
+    use globillum_geom::conformance::shapes::quad;
+    use globillum_geom::{KdOptions, KdTree};
+    use globillum_material::{Material, Rgb};
+    use std::hash::Hasher;
+
+    /// A floor between two mirrors, below a light that takes up all that the mirrors show, or a small part of it.
+    fn shaft(half_light: f64) -> Scene<KdTree> {
+        let p = DVec3::new;
+        let mut model = Model::default();
+        let level = |y: f64, x: f64, z: f64| [p(-x, y, z), p(x, y, z), p(x, y, -z), p(-x, y, -z)];
+        let [a, b, c, d] = level(0.0, 0.5, 9.0);
+        model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), quad(a, b, c, d));
+        let [a, b, c, d] = level(4.0, half_light, 18.0 * half_light);
+        model.add(Material::light(Rgb::splat(2.0)).unwrap(), quad(a, d, c, b));
+        for x in [-0.5, 0.5] {
+            let wall = quad(p(x, 0.0, 9.0), p(x, 0.0, -9.0), p(x, 4.0, -9.0), p(x, 4.0, 9.0));
+            model.add(Material::mirror(Rgb::splat(0.95)).unwrap(), wall);
+        }
+        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+    }
+
+    /// Points of the floor that measure irradiance.
+    #[derive(Debug)]
+    struct Floor;
+
+    impl Sensor for Floor {
+        fn start(&self, sample: &ElementSample) -> PathStart {
+            let position = DVec3::new(0.4 * sample.x, 0.0, 0.9 * sample.y);
+            PathStart::Irradiance { position, normal: DVec3::Y }
+        }
+
+        fn hash(&self, _: &mut dyn Hasher) {}
+    }
+
+    /// What is seen directly, by way of one mirror or of two, and what is measured, has the same caustics. Where roulette
+    /// begins so early that no pixel shares what it sees in mirrors, these do not count.
+    #[test]
+    fn first_diffuse_vertices_count_wherever_paths_meet_them() {
+        let all = (PROBES * PROBES) as usize;
+        let eye = DVec3::new(0.0, 2.0, 0.5);
+        let toward = |x: f64| Camera::look_at(eye, DVec3::new(x, 0.0, 0.0), DVec3::Y, 0.1).unwrap();
+        let [direct, by_one, by_two] = [0.0, 1.0, 2.0].map(toward);
+        let sensors: [(&dyn Sensor, u32); 4] = [(&direct, 1), (&by_one, 2), (&by_two, 3), (&Floor, 1)];
+        for (sensor, start) in sensors {
+            let settings =
+                |start| Settings { roulette: Roulette { start, threshold: 0.2 }, ..Settings::new(16, 16, 4) };
+            let (settings, earlier) = (settings(start), settings(start - 1));
+            for (half_light, are_common) in [(0.5, true), (0.005, false)] {
+                let scene = shaft(half_light);
+                let context = RenderContext::new(&scene, sensor, &settings);
+                let (count, found) = (scattered(&context).len(), caustics_found(&context));
+                assert_eq!(count, all, "{sensor:?}, {half_light}");
+                assert_eq!(found > MOST_FOUND, are_common, "{sensor:?}, {half_light}: {found}");
+                assert_eq!(are_shared(&context), !are_common, "{sensor:?}, {half_light}");
+                let context = RenderContext { settings: &earlier, ..context };
+                assert!(start == 1 || caustics_found(&context) == 0, "{sensor:?}, {half_light}");
+            }
+        }
     }
 }
