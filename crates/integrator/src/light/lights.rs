@@ -122,9 +122,9 @@ impl Lights {
             .map(|&index| (index, power(triangles.get(index), &emission(index))))
             .filter(|(_, power)| *power > 0.0)
             .unzip();
+        let scene = triangles.bounds();
         // Any scale serves directional lights where there is nothing that they could light.
-        let extent_sq =
-            if triangles.live().is_empty() { 1.0 } else { triangles.bounds().extent().length_squared() };
+        let extent_sq = if scene.is_empty() { 1.0 } else { scene.extent().length_squared() };
         let cross_section = FRAC_PI_4 * extent_sq;
         let deltas = deltas.iter().map(|&light| (light, light.power(cross_section)));
         let deltas: Vec<_> = deltas.filter(|(_, power)| *power > 0.0).collect();
@@ -140,7 +140,7 @@ impl Lights {
         let is_far = |reach: &Reach| matches!(reach, Reach::Far(_));
         let by_tree = weights.len() >= Self::FIRST_IN_TREE || weights.len() > 1 && reaches.iter().any(is_far);
         let choice = match by_tree {
-            true => Choice::Tree(LightTree::new(&reaches)),
+            true => Choice::Tree(LightTree::new(&reaches, &scene)),
             false => Choice::Power(AliasTable::new(&weights)),
         };
         let delta = |((light, _), weight): ((DeltaLight, f64), &f64)| Delta { light, prob: weight / total };

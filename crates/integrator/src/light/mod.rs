@@ -15,6 +15,7 @@ mod receiver;
 mod sampling;
 mod small_mirrors;
 mod tree;
+mod unit_of_length;
 mod viewpoints;
 
 pub(crate) use alias_table::AliasTable;

@@ -1,6 +1,8 @@
 use super::cluster::Cluster;
 use crate::light::receiver::Receiver;
+use crate::light::unit_of_length::units_per_length;
 use glam::DVec3;
+use globillum_geom::Aabb;
 
 /// The frame of a tree, in which the centers of the lights, each with the standard deviation of its points, lie within
 /// `[-1, 1]`. Single precision has enough range there, and no unit of length matters.
@@ -12,19 +14,19 @@ pub(super) struct TreeFrame {
 }
 
 impl TreeFrame {
-    /// The largest coordinate of a shading point. Points beyond count as if they were at this distance.
+    /// The largest distance of a shading point. Points beyond count as if they were at this distance, in the same direction.
     const FARTHEST: f64 = 1e15;
 
-    /// Around `lights`; the world frame without any.
-    pub(super) fn around(lights: impl Iterator<Item = Cluster>) -> Self {
+    /// Around `lights` in a scene with these bounds.
+    pub(super) fn around(lights: impl Iterator<Item = Cluster>, scene: &Aabb) -> Self {
         let corners = |light: Cluster| {
             let extent = light.variance.map(f64::sqrt);
             (light.center - extent, light.center + extent)
         };
         let all = lights.map(corners).reduce(|(min, max), (a, b)| (min.min(a), max.max(b)));
         let (min, max) = all.unwrap_or_default();
-        let (_, exponent) = libm::frexp(0.5 * (max - min).max_element());
-        Self { origin: 0.5 * (min + max), scale: libm::ldexp(1.0, -exponent) }
+        let (size, origin) = (0.5 * (max - min).max_element(), 0.5 * (min + max));
+        Self { origin, scale: units_per_length(size, origin, scene) }
     }
 
     /// A receiver in the world.
@@ -36,8 +38,13 @@ impl TreeFrame {
     /// The place of a position in the world.
     #[inline(always)]
     pub(super) fn position(&self, position: DVec3) -> DVec3 {
-        let farthest = DVec3::splat(Self::FARTHEST);
-        ((position - self.origin) * self.scale).max(-farthest).min(farthest)
+        let place = (position - self.origin) * self.scale;
+        let distance_sq = place.length_squared();
+        if distance_sq <= Self::FARTHEST * Self::FARTHEST {
+            place
+        } else {
+            place * (Self::FARTHEST / distance_sq.sqrt())
+        }
     }
 
     /// Variances of coordinates in the world.

@@ -17,7 +17,7 @@ use descent::Descent;
 use far_lights::FarLights;
 use frame::TreeFrame;
 use glam::Vec3;
-use globillum_geom::SimdLevel;
+use globillum_geom::{Aabb, SimdLevel};
 use node::{Child, Node};
 
 /// A tree over lights, each of which is chosen with a probability above zero at every point.
@@ -65,8 +65,8 @@ impl LightTree {
     /// The least probability of all lights at finite or at infinite distance, where there are both.
     const LEAST_PROB: f64 = 1.0 / 1024.0;
 
-    /// A tree over `lights`, of which each has an intensity or irradiance above zero.
-    pub(super) fn new(lights: &[Reach]) -> Self {
+    /// A tree over `lights`, of which each has an intensity or irradiance above zero, in a scene with these bounds.
+    pub(super) fn new(lights: &[Reach], scene: &Aabb) -> Self {
         let mut near = Vec::new();
         let mut far = Vec::new();
         for (index, light) in (0..).zip(lights) {
@@ -80,7 +80,7 @@ impl LightTree {
         for (index, prob) in far.iter().flat_map(FarLights::probs) {
             places[index as usize] = Place::Far(prob);
         }
-        let frame = TreeFrame::around(near.iter().map(|&(_, cluster)| cluster));
+        let frame = TreeFrame::around(near.iter().map(|&(_, cluster)| cluster), scene);
         let nodes = build::nodes(&mut near, &frame, |index, path| places[index as usize] = Place::Path(path));
         Self { nodes, frame, far, places, simd: SimdLevel::best() }
     }
@@ -266,7 +266,7 @@ mod tests {
     #[test]
     fn each_light_has_a_chance_and_all_together_certainty() {
         for n in [1, 2, 7, 9, 17, 18, 19, 20, 40, 1000] {
-            let tree = LightTree::new(&lights(n, 1.0));
+            let tree = LightTree::new(&lights(n, 1.0), &Aabb::EMPTY);
             for receiver in receivers() {
                 let probs = (0..n as usize).map(|index| tree.prob(receiver, index));
                 let (sum, least) =
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn lights_are_chosen_with_their_probability() {
         for n in [1, 5, 40, 300] {
-            let tree = LightTree::new(&lights(n, 1.0));
+            let tree = LightTree::new(&lights(n, 1.0), &Aabb::EMPTY);
             for receiver in receivers() {
                 let (draws, mut counts) = (10_000, vec![0.0; n as usize]);
                 for i in 0..draws {
@@ -311,7 +311,7 @@ mod tests {
     /// probability above `2^-50`.
     #[test]
     fn the_largest_number_chooses_the_last_light() {
-        let tree = LightTree::new(&lights(40, 1.0));
+        let tree = LightTree::new(&lights(40, 1.0), &Aabb::EMPTY);
         for i in 0..200 {
             let numbers = Stream::new(11, 0, i);
             let receiver =
@@ -323,7 +323,7 @@ mod tests {
 
     #[test]
     fn several_choices_at_once_are_those_one_by_one() {
-        let tree = LightTree::new(&lights(300, 1.0));
+        let tree = LightTree::new(&lights(300, 1.0), &Aabb::EMPTY);
         let receivers: Vec<_> = receivers().collect();
         for i in 0..1000 {
             let numbers = Stream::new(10, 0, i);
@@ -342,7 +342,7 @@ mod tests {
             // Irradiances from infinity have a unit of their own.
             let lights = |unit| {
                 let near = lights(100, unit).into_iter().filter(|light| matches!(light, Reach::Near(_)));
-                LightTree::new(&near.collect::<Vec<_>>())
+                LightTree::new(&near.collect::<Vec<_>>(), &Aabb::EMPTY)
             };
             let (tree, scaled) = (lights(1.0), lights(unit));
             for receiver in receivers() {
@@ -358,6 +358,30 @@ mod tests {
         }
     }
 
+    /// Eight spot lights in one place: each is chosen within its beam, whatever the size of the scene. From a point of the air
+    /// far outside of the scene, too.
+    #[test]
+    fn spot_lights_in_one_place_are_told_apart_at_any_scale() {
+        let axes = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| vector(Stream::new(22, 0, i), 0).normalize());
+        let mut usual = None;
+        for unit in [1.0, 2.0_f64.powi(-80), 2.0_f64.powi(54)] {
+            let at = unit * DVec3::new(0.25, 0.5, 0.0);
+            let spots = axes.map(|axis| {
+                let cos_outer = libm::cos(10.0_f64.to_radians());
+                Reach::Near(Cluster::of_spot(at, axis, cos_outer, unit * unit))
+            });
+            let half = Vec3::splat(2.0 * unit as f32);
+            let tree = LightTree::new(&spots, &Aabb { min: -half, max: half });
+            let prob = |index: usize, distance: f64| {
+                let position = at + distance * unit * axes[index];
+                tree.prob(Receiver { position, side: -axes[index].as_vec3() }, index)
+            };
+            let probs = [0, 1, 2, 3, 4, 5, 6, 7].map(|index| [1e-3, 1.5, 1e30].map(|to| prob(index, to)));
+            assert!(probs.as_flattened().iter().all(|&prob| prob > 0.9), "{unit}: {probs:?}");
+            assert_eq!(*usual.get_or_insert(probs), probs, "{unit}");
+        }
+    }
+
     /// Two equal lights at distances 1 and 10, one that turns its back, one behind the surface, and a spot light that shines
     /// past the receiver by less than a degree.
     #[test]
@@ -368,13 +392,8 @@ mod tests {
         };
         let [toward, away] = [DVec3::NEG_X, DVec3::X];
         let past = Reach::Near(Cluster::of_spot(DVec3::X, DVec3::new(-0.8, 0.6, 0.0), 0.81, 1.0));
-        let tree = LightTree::new(&[
-            light(1.0, toward),
-            light(10.0, toward),
-            light(0.5, away),
-            light(-0.5, away),
-            past,
-        ]);
+        let lights = [light(1.0, toward), light(10.0, toward), light(0.5, away), light(-0.5, away), past];
+        let tree = LightTree::new(&lights, &Aabb::EMPTY);
         let receiver = Receiver { position: DVec3::ZERO, side: Vec3::X };
         let [near, distant, averted, behind, past] = [0, 1, 2, 3, 4].map(|index| tree.prob(receiver, index));
         assert!((0.985..0.995).contains(&near) && (0.009..0.011).contains(&distant), "{near} {distant}");
@@ -416,7 +435,8 @@ mod tests {
         for (k, group) in (0..).zip(all.chunks_exact(size)) {
             let group: Vec<_> = group.iter().map(alike).collect();
             let union = group.iter().copied().reduce(|a, b| a.union(&b)).unwrap();
-            let node = Node::new(&[(Child::Light(0), union)], &TreeFrame::around(std::iter::empty()));
+            let node =
+                Node::new(&[(Child::Light(0), union)], &TreeFrame::around(std::iter::empty(), &Aabb::EMPTY));
             for i in 0..50 {
                 let numbers = Stream::new(9, k, i);
                 let (position, side) = (2.0 * vector(numbers, 0), vector(numbers, 3).normalize());
@@ -455,7 +475,8 @@ mod tests {
             let numbers = Stream::new(19, 0, i);
             let (position, axis) = (vector(numbers, 0), vector(numbers, 3).normalize());
             let spot = Cluster::of_spot(position, axis, libm::cos(2e-4), 1.0);
-            let node = Node::new(&[(Child::Light(0), spot)], &TreeFrame::around(std::iter::empty()));
+            let node =
+                Node::new(&[(Child::Light(0), spot)], &TreeFrame::around(std::iter::empty(), &Aabb::EMPTY));
             let along = axis + 1.4e-4 * axis.any_orthonormal_vector();
             let receiver = Receiver { position: position + 3.0 * along, side: -axis.as_vec3() };
             let importance = node.importance(&receiver)[0];
@@ -480,7 +501,8 @@ mod tests {
     /// The relative variance of an estimate of irradiance by one light that `tree` over `lights` chooses, exactly; the mean
     /// over points of the walls of a box.
     fn relative_variance(lights: &[Cluster]) -> f64 {
-        let tree = LightTree::new(&lights.iter().map(|&light| Reach::Near(light)).collect::<Vec<_>>());
+        let reaches: Vec<_> = lights.iter().map(|&light| Reach::Near(light)).collect();
+        let tree = LightTree::new(&reaches, &Aabb::EMPTY);
         let at_point = |i: u32| {
             let (mut position, axis) = (vector(Stream::new(15, 0, i), 0), i as usize % 3);
             position[axis] = 1.0;
