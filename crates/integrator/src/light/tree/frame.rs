@@ -5,7 +5,8 @@ use glam::DVec3;
 use globillum_geom::Aabb;
 
 /// The frame of a tree, in which the centers of the lights, each with the standard deviation of its points, lie within
-/// `[-1, 1]`. Single precision has enough range there, and no unit of length matters.
+/// `[-1, 1]`. Single precision has enough range for offsets there, though not the precision for positions: offsets are
+/// differences in double precision. No unit of length matters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeFrame {
     origin: DVec3,

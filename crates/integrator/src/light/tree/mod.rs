@@ -382,6 +382,22 @@ mod tests {
         }
     }
 
+    /// The sun as a mesh, and a lamp that brings as much to a point at this distance.
+    #[test]
+    fn a_lamp_is_told_from_a_distant_sun() {
+        for distance in [0.01, 1.0, 100.0] {
+            let lamp = Cluster::of_point(DVec3::new(3.0, 2.0, 1.0), distance * distance);
+            let to_sun = 1.5e11 * DVec3::new(0.6, 0.8, 0.0);
+            let corners = [DVec3::X, DVec3::Z, DVec3::NEG_ONE].map(|corner| to_sun + 7e8 * corner);
+            let sun = Cluster::of_triangle(corners, -to_sun.normalize(), false, 1.5e11_f64.powi(2));
+            let tree = LightTree::new(&[Reach::Near(lamp), Reach::Near(sun)], &Aabb::EMPTY);
+            let below = lamp.center - distance * to_sun.normalize();
+            let receiver = Receiver { position: below, side: to_sun.normalize().as_vec3() };
+            let prob = tree.prob(receiver, 0);
+            assert!((prob - 0.5).abs() < 0.01, "{distance}: {prob}");
+        }
+    }
+
     /// Two equal lights at distances 1 and 10, one that turns its back, one behind the surface, and a spot light that shines
     /// past the receiver by less than a degree.
     #[test]

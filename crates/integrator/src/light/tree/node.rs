@@ -4,7 +4,8 @@ use crate::light::child_weights::{ChildWeights, WIDTH, child_of};
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 
-/// A number for each child, by lane. Single precision is enough for what only guides sampling.
+/// A number for each child, by lane. Single precision is enough for what only guides sampling, but not for positions, of which
+/// small differences count.
 type Lanes = [f32; WIDTH];
 
 /// A child of a node.
@@ -19,7 +20,8 @@ pub(super) enum Child {
 /// A node of the light tree: the clusters of its children, by component, in the tree's frame.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    center: [Lanes; 3],
+    /// In double precision: single precision would move a lamp by kilometres in the frame of a lamp and a sun.
+    center: [[f64; WIDTH]; 3],
     variance: [Lanes; 3],
     normal: [Lanes; 3],
     /// Along one axis, taken for the same along all.
@@ -58,9 +60,10 @@ impl Node {
         let lanes = |value: &dyn Fn(&Cluster) -> f64| of_children(value).map(|x| x as f32);
         let vectors =
             |value: &dyn Fn(&Cluster) -> DVec3| [0, 1, 2].map(|k| lanes(&|cluster| value(cluster)[k]));
+        let center = |k: usize| of_children(&|cluster| frame.position(cluster.center)[k]);
         let first = children[0].0;
         Self {
-            center: vectors(&|cluster| frame.position(cluster.center)),
+            center: [0, 1, 2].map(center),
             variance: vectors(&|cluster| frame.variance(cluster.variance)),
             normal: vectors(&|cluster| cluster.normal),
             normal_variance: lanes(&|cluster| cluster.normal_variance / 3.0),
@@ -94,9 +97,9 @@ impl Node {
         let mut importances = [0.0; WIDTH];
         // A plain loop, which the compiler vectorizes.
         for (i, importance) in importances.iter_mut().enumerate() {
-            let x = (position.x - f64::from(self.center[0][i])) as f32;
-            let y = (position.y - f64::from(self.center[1][i])) as f32;
-            let z = (position.z - f64::from(self.center[2][i])) as f32;
+            let x = (position.x - self.center[0][i]) as f32;
+            let y = (position.y - self.center[1][i]) as f32;
+            let z = (position.z - self.center[2][i]) as f32;
             let [vx, vy, vz] = [self.variance[0][i], self.variance[1][i], self.variance[2][i]];
             let distance_sq = x * x + y * y + z * z;
             // The cosines, times twice the distance.
