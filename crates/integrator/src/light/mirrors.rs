@@ -71,18 +71,24 @@ mod tests {
 
     /// The mirrors above a floor and below two lights of this size, with lengths times `unit`.
     fn scene(mirrors: &[Triangle], size: f64, unit: f32) -> (Triangles, Mirrors) {
+        scene_beside(&[], mirrors, size, unit)
+    }
+
+    /// The same beside `others`, which come last and do not reflect.
+    fn scene_beside(others: &[Triangle], mirrors: &[Triangle], size: f64, unit: f32) -> (Triangles, Mirrors) {
         let p = DVec3::new;
         let floor = quad(p(-2.0, -1.0, 2.0), p(2.0, -1.0, 2.0), p(2.0, -1.0, -2.0), p(-2.0, -1.0, -2.0));
         let [light, other] = [-1.0, 3.8 * size - 1.0].map(|x| {
             let (near, far) = (0.1 + size, x + size);
             quad(p(x, 3.0, 0.1), p(far, 3.0, 0.1), p(far, 3.0, near), p(x, 3.0, near))
         });
-        let all = [&light, &other, &floor, mirrors].map(<[Triangle]>::to_vec).concat();
+        let all = [&light, &other, &floor, mirrors, others].map(<[Triangle]>::to_vec).concat();
         let scaled = |triangle: &Triangle| Triangle { vertices: triangle.vertices.map(|v| unit * v) };
         let triangles = Triangles::new(all.iter().map(scaled).collect()).unwrap();
         let glow = Emission::new(Rgb::WHITE, Sides::Both).unwrap();
         let lights = Lights::of(&triangles, |index| if index < 4 { glow } else { Emission::NONE }, &[]);
-        let mirrors = Mirrors::of(&triangles, |index| index >= 6, &lights);
+        let are_mirrors = 6..6 + mirrors.len() as u32;
+        let mirrors = Mirrors::of(&triangles, |index| are_mirrors.contains(&index), &lights);
         (triangles, mirrors)
     }
 
@@ -123,18 +129,26 @@ mod tests {
     }
 
     /// No bound is too small: a mirror that reflects a point of a light to the shading point has a probability above
-    /// zero there.
+    /// zero there, also where the scene is far larger than the mirrors.
     #[test]
     fn every_mirror_that_shows_a_light_is_sampled() {
         for (what, shape) in shapes() {
             // Bounds are tightest around small lights.
-            let stages = [(0.5, 1.0), (0.5, 2.0_f32.powi(40)), (0.5, 2.0_f32.powi(-40)), (1e-3, 1.0)];
-            for (size, unit) in stages {
-                let (triangles, mirrors) = scene(&shape, size, unit);
+            let stages = [
+                (0.5, 1.0, 0),
+                (0.5, 2.0_f32.powi(40), 0),
+                (0.5, 2.0_f32.powi(-40), 0),
+                (1e-3, 1.0, 0),
+                (1e-3, 1.0, 1),
+            ];
+            let mountain = [Triangle { vertices: [Vec3::X, Vec3::Y, Vec3::Z].map(|v| 1e7 * v) }];
+            for (size, unit, mountains) in stages {
+                let (triangles, mirrors) = scene_beside(&mountain[..mountains], &shape, size, unit);
                 let mut shown = 0;
                 for i in 0..400 {
                     let (from, light, to) = ends(&triangles, Stream::new(1, 0, i));
-                    for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
+                    let are_mirrors = 6..6 + shape.len() as u32;
+                    for index in are_mirrors.filter(|&i| reflects(&triangles, i, from, to)) {
                         shown += 1;
                         let by_large = mirrors
                             .large
@@ -146,7 +160,7 @@ mod tests {
                             .and_then(|small| small.choice_prob(upward(from), index, light, f64::INFINITY));
                         assert!(
                             by_large.is_some() || by_small.is_some(),
-                            "{what}, {size}, {unit}, {i}: {index}"
+                            "{what}, {size}, {unit}, {mountains}, {i}: {index}"
                         );
                     }
                 }

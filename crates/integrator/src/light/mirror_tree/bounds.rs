@@ -6,6 +6,8 @@ use std::f64::consts::PI;
 pub(super) struct Item {
     /// The place of the facet in the list that the tree is built of.
     pub(super) facet: u32,
+    /// The center in a frame in which all coordinates of the scene are within `[-1, 1]`.
+    pub(super) place: DVec3,
     pub(super) center: DVec3,
     pub(super) radius: f64,
     pub(super) normal: DVec3,

@@ -15,7 +15,7 @@ pub(super) struct Built {
 }
 
 /// In the choice of the axis of a split, a difference of normals of 1 counts as much as an eighth of the largest
-/// coordinate.
+/// coordinate of the scene.
 const POSITION_WEIGHT: f64 = 8.0;
 
 /// Items that share a node.
@@ -82,7 +82,7 @@ fn split(items: &mut [Item], count: usize) -> Vec<&mut [Item]> {
 ///
 /// Both parts keep the order of their items: what is summed up over one must not depend on how a library selects.
 fn divide(items: &mut [Item], middle: usize) {
-    let places = |item: &Item| [POSITION_WEIGHT * item.center, item.normal];
+    let places = |item: &Item| [POSITION_WEIGHT * item.place, item.normal];
     let extent = |kind: usize| {
         let places = || items.iter().map(|item| places(item)[kind]);
         places().fold(DVec3::NEG_INFINITY, DVec3::max) - places().fold(DVec3::INFINITY, DVec3::min)
@@ -108,8 +108,8 @@ mod tests {
         let item = |facet: u32| {
             let numbers = Stream::new(21, 0, facet);
             let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| numbers.uniform(k + axis) - 0.5));
-            let (center, normal) = (vector(0), vector(3).normalize());
-            Item { facet, center, radius: 0.1, normal, area: 1.0, body: 1 }
+            let (place, normal) = (vector(0), vector(3).normalize());
+            Item { facet, place, center: place, radius: 0.1, normal, area: 1.0, body: 1 }
         };
         for count in [2, 3, 16] {
             let mut items: Vec<_> = (0..1000).map(item).collect();

@@ -8,6 +8,7 @@ mod node;
 use super::child_weights::{CHILD_BITS, ChildWeights, WIDTH, child_of};
 use super::light_bounds::LightBounds;
 use super::receiver::Receiver;
+use super::unit_of_length::units_per_length;
 use bounds::Item;
 use build::Built;
 use glam::DVec3;
@@ -25,8 +26,9 @@ pub(super) struct MirrorTree {
     paths: Vec<u32>,
     /// The bounds of closed bodies.
     bodies: Vec<Aabb>,
-    /// Coordinates in the tree are distances from `origin` times `scale`, a power of two; in the scene they are
-    /// within `[-1, 1]`.
+    /// Coordinates in the tree are distances from `origin` times `scale`, a power of two; those of the facets are within
+    /// `[-1, 1]`. Single precision rounds them by up to `2^-24`, so of facets smaller than that, one that shows a light may
+    /// have a probability of zero.
     origin: DVec3,
     scale: f64,
     /// All instruction sets give the same bits.
@@ -56,12 +58,15 @@ const OPEN: u32 = 1 << 31;
 impl MirrorTree {
     /// A tree over one or more facets, and their order in the tree.
     pub(super) fn new(triangles: &Triangles, facets: &[FacetBounds], bodies: Vec<Aabb>) -> (Self, Vec<u32>) {
-        let bounds = triangles.bounds();
-        let origin = bounds.center();
-        let (_, exponent) = libm::frexp(0.5 * bounds.extent().max_element());
-        let scale = libm::ldexp(1.0, -exponent);
+        let scene = triangles.bounds();
+        let of_facets = facets.iter().fold(Aabb::EMPTY, |all, facet| all.union(&facet.bounds));
+        let [(origin, scale), (middle, scale_of_scene)] = [of_facets, scene].map(|bounds| {
+            let (size, center) = (0.5 * bounds.extent().max_element(), bounds.center());
+            (center, units_per_length(size, center, &scene))
+        });
         let item = |(facet, of): (u32, &FacetBounds)| Item {
             facet,
+            place: (of.bounds.center() - middle) * scale_of_scene,
             center: (of.bounds.center() - origin) * scale,
             radius: 0.5 * of.bounds.extent().length() * scale,
             normal: of.normal,
