@@ -9,8 +9,9 @@
 //! - [`Triangles::surface_point`] turns the hit into a [`SurfacePoint`], from which rays leave without hitting
 //!   the same triangle again.
 //!
-//! Vertices are `f32`; rays, decisions and points are `f64`. No constant of this crate is a length, so a
-//! scene may have any scale.
+//! Vertices are `f32`; rays, decisions and points are `f64`. No tolerance or offset of this crate is a length, so a
+//! scene may have any scale between limits far from any use: [`Triangle::MAX_COORDINATE`], [`Ray::MAX_ORIGIN`], and
+//! `2^-200`, below which an origin coordinate counts as zero in a decision.
 //!
 //! ```
 //! use globillum_geom::{Accel, KdOptions, KdTree, Ray, Triangle, Triangles};
