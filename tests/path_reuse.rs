@@ -21,7 +21,7 @@ const SIDE: u32 = 16;
 /// Largest deviation of a component of a pixel, in standard errors. With 256 passes of each of two pictures,
 /// any of all components of all pixels exceeds it with a probability of 5e-9 (Student's distribution, as many
 /// degrees of freedom).
-const PIXEL_LIMIT: f64 = 7.2;
+pub(crate) const PIXEL_LIMIT: f64 = 7.2;
 
 const PASSES: u32 = 256;
 
@@ -31,7 +31,7 @@ fn film(model: &Model, camera: &Camera, settings: &Settings) -> Film {
 }
 
 /// Largest difference of a component of a pixel, in standard errors.
-fn largest_z(a: &Film, b: &Film) -> f64 {
+pub(crate) fn largest_z(a: &Film, b: &Film) -> f64 {
     let pixels = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
     let z = |(x, y): (u32, u32)| {
         let difference = a.mean(x, y) + b.mean(x, y) * -1.0;

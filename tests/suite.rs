@@ -10,6 +10,7 @@ mod comparison;
 mod coverage;
 mod delta_lights;
 mod determinism;
+mod environment;
 mod equilibrium;
 mod error_bars;
 mod extremes;

@@ -231,7 +231,7 @@ mod tests {
     use super::*;
     use crate::guide::{Guide, Photon, PhotonGuide, guide_vertex};
     use crate::path::probes::photon_guide;
-    use crate::path::{LightEdges, Wavefront, guide, probed};
+    use crate::path::{TileProbes, Wavefront, guide, probed};
     use crate::{
         Camera, ElementSample, Estimator, Guiding, MirrorSampling, Model, PathStart, Roulette, Scene, Sensor,
         Settings,
@@ -303,7 +303,7 @@ mod tests {
                 let context = context.guided_by(self.trained.as_ref());
                 let context = RenderContext { shares_caustics, photons, ..context };
                 let mut wavefront = Wavefront::default();
-                wavefront.trace(&context, (TILE, &LightEdges::of(&context, TILE)), &(0..4), || false);
+                wavefront.trace(&context, (TILE, &TileProbes::of(&context, TILE)), &(0..4), || false);
                 let of_pixels = wavefront.radiance().chunks(4);
                 let sum = |of_pixel: &[Rgb]| of_pixel.iter().fold(Rgb::BLACK, |sum, &sample| sum + sample);
                 of_pixels.map(sum).collect()
@@ -443,7 +443,7 @@ mod tests {
     /// How many caustics are found again, and how many of these with a weight less than one.
     fn numbers_found_again(context: &RenderContext<'_>) -> [u32; 2] {
         let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
-        wavefront.start(context, (TILE, &LightEdges::default()), &(0..4));
+        wavefront.start(context, (TILE, &TileProbes::default()), &(0..4));
         for bounce in 0.. {
             wavefront.advance(context, bounce, &mut counters);
             if wavefront.paths.is_empty() {

@@ -1,12 +1,13 @@
 use super::counters::Counters;
-use super::light_edges::LightEdges;
+use super::first_vertex::irradiance_vertex;
 use super::path_state::{Contribution, Path, Target};
 use super::pixel_groups::square_around;
 use super::pixel_rect::PixelRect;
 use super::probes::probed;
 use super::render_context::RenderContext;
+use super::tile_probes::TileProbes;
 use super::training::guide;
-use super::wavefront::{IRRADIANCE_PER_RADIANCE, Wavefront, irradiance_vertex};
+use super::wavefront::{IRRADIANCE_PER_RADIANCE, Wavefront};
 use crate::caught::caught;
 use crate::worker_threads::worker_threads;
 use crate::{RenderError, Scene, Sensor, Settings};
@@ -98,13 +99,13 @@ fn replay_within(context: &RenderContext<'_>, tile: PixelRect, (x, y): (u32, u32
     let one = sample..sample + 1;
     let place = tile.index(x, y) as u32;
     let mut wavefront = Wavefront::default();
-    let edges = LightEdges::of(context, tile);
-    wavefront.trace(context, (tile, &edges), &one, || false);
+    let probes = TileProbes::of(context, tile);
+    wavefront.trace(context, (tile, &probes), &one, || false);
     let radiance = wavefront.radiance()[place as usize];
     let lights = wavefront.lights_seen_by(place);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
-    wavefront.start(context, (tile, &edges), &one);
+    wavefront.start(context, (tile, &probes), &one);
     for bounce in 0.. {
         if !wavefront.step(context, place, bounce, &mut replay) {
             break;
@@ -166,14 +167,12 @@ impl Wavefront {
     /// The emission that a path has found at this bounce, times `unit`.
     fn emission_found(&mut self, path: &Path, unit: f64) -> Rgb {
         let sample = path.target.sample();
-        let of_suffix = match path.target {
-            Target::Sample(_) => Rgb::BLACK,
-            Target::Suffix(_) => *self.radiance.at(path.target),
-        };
+        // In the sum of the suffix, too, if it is the environment.
+        let of_suffix = self.radiance.suffixes.get(sample as usize).copied().unwrap_or_default();
         // What a path finds of lights by way of mirrors after its prefix is in the sum of its sample.
         let of_sample = self.radiance.samples[sample as usize] * unit;
-        let throughput_before = self.prefixes.throughput_before(path.target) * unit;
-        throughput_before * (of_suffix + self.caustics.found_by(sample)) + of_sample
+        let throughput = self.prefixes.throughput_before(Target::Suffix(sample)) * unit;
+        throughput * (of_suffix + self.caustics.found_by(sample)) + of_sample
     }
 
     /// What the light samples of a path have found at this bounce, times `unit`: directly, which are the first

@@ -3,15 +3,21 @@
 //! A path's *prefix* ends at its first diffuse vertex `x`; its *suffix* begins at the next vertex `y`. If `y`
 //! is diffuse, the radiance of the suffix leaves `y` equally in all directions, so each prefix of a group
 //! of pixels could have found it. It is shared among these prefixes by the balance heuristic. If `y` is on a mirror, the
-//! suffix begins at the diffuse vertex that the mirror shows, and prefixes find it by way of the same triangle.
+//! suffix begins at the diffuse vertex that the mirror shows, and prefixes find it by way of the same triangle. A path that
+//! leaves the scene after its prefix has the environment for a suffix.
+//!
+//! In the open, most do. There the radiance of the environment is a control variate: it is taken to arrive at prefixes from
+//! all directions, and suffixes are what differs from it.
 
 use super::counters::Counters;
 use super::path_state::{Path, RadianceSums, Stage, Target};
 use super::pixel_groups::{Groups, PixelGroup};
-use super::pixel_rect::PixelRect;
+use super::pixel_rect::{PixelRect, SIDE};
 use super::render_context::RenderContext;
 use super::reuse_vertex::{ReuseVertex, Suffix};
 use super::shading_point::ShadingPoint;
+use super::tile_probes::TileProbes;
+use glam::DVec3;
 use globillum_geom::Ray;
 use globillum_material::Rgb;
 use std::ops::Range;
@@ -32,7 +38,15 @@ pub(super) struct Prefix {
     /// The next vertex of its own path, if that is on a mirror.
     pub(super) mirror: Option<ReuseVertex>,
     /// Where its own suffix begins: at the next vertex, or at the one that the mirror shows.
-    start: Option<ReuseVertex>,
+    start: Option<SuffixStart>,
+}
+
+/// Where a suffix begins.
+#[derive(Clone, Copy, Debug)]
+enum SuffixStart {
+    Surface(ReuseVertex),
+    /// Outside of the scene, in this unit direction from the prefix.
+    Environment(DVec3),
 }
 
 /// A suffix as the continuation of a prefix, both named by their samples.
@@ -40,8 +54,8 @@ pub(super) struct Prefix {
 struct Connection {
     prefix: u32,
     suffix: u32,
-    /// The density, per area at the beginning of the suffix and times pi, with which the prefix would have
-    /// been continued there by its BSDF alone.
+    /// The density, times pi, with which the prefix would have been continued to the suffix by its BSDF alone: per area where
+    /// that begins, or per solid angle to the environment.
     density: f64,
     /// The same by the guide, if there is one.
     guided_density: f64,
@@ -56,6 +70,11 @@ pub(super) struct Prefixes {
     all: Vec<Option<Prefix>>,
     /// The samples that share suffixes.
     groups: Vec<PixelGroup>,
+    /// The control variates of successive samples: the radiance that is taken to arrive at the ends of their prefixes from all
+    /// directions.
+    controls: Vec<Rgb>,
+    /// How many samples have one in common.
+    samples_of_control: usize,
     /// Whether prefixes have ended since [`Prefix::group_throughput`] was computed.
     have_ended: bool,
     /// Sorted by suffix; the connection to its own prefix is first.
@@ -70,9 +89,11 @@ impl Prefixes {
     pub(super) fn start(
         &mut self,
         context: &RenderContext<'_>,
-        tile: PixelRect,
+        (tile, probes): (PixelRect, &TileProbes),
         samples: &Range<u32>,
     ) -> usize {
+        self.controls.clone_from(&probes.controls);
+        self.samples_of_control = (SIDE * tile.width) as usize * samples.len();
         self.all.clear();
         self.groups.clear();
         if context.reuses_paths() {
@@ -99,7 +120,8 @@ impl Prefixes {
     }
 
     fn throughput(&self, sample: usize) -> Rgb {
-        self.all[sample].map_or(Rgb::WHITE, |prefix| prefix.throughput / prefix.guide_ratio)
+        let prefix = self.all.get(sample).copied().flatten();
+        prefix.map_or(Rgb::WHITE, |prefix| prefix.throughput / prefix.guide_ratio)
     }
 
     /// Ends the prefix of a path at the vertex that scattered it.
@@ -153,11 +175,22 @@ impl Prefixes {
     #[inline(always)]
     pub(super) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
-        prefix.start = Some(ReuseVertex::at(vertex));
+        prefix.start = Some(SuffixStart::Surface(ReuseVertex::at(vertex)));
         path.prefix_throughput = prefix.group_throughput;
         if prefix.mirror.is_none() {
             path.leave_prefix();
         }
+    }
+
+    /// Makes the environment the suffix of a path that leaves the scene right after its prefix, in `direction`.
+    #[inline(always)]
+    pub(super) fn leave_scene(&mut self, path: &mut Path, direction: DVec3) {
+        if path.stage != Stage::PrefixEnded {
+            return;
+        }
+        let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
+        prefix.start = Some(SuffixStart::Environment(direction.normalize()));
+        path.leave_prefix();
     }
 
     /// Adds the radiance of all suffixes to that of the samples whose prefixes can be continued by them.
@@ -184,11 +217,12 @@ impl Prefixes {
     /// Connects each suffix to the prefixes of its group.
     #[inline(always)]
     fn connect(&mut self, context: &RenderContext<'_>, suffixes: &[Rgb]) {
-        let Self { all, groups, connections, rays, .. } = self;
+        let Self { all, groups, connections, rays, controls, samples_of_control, .. } = self;
+        let control = |sample: u32| controls[sample as usize / *samples_of_control];
         for group in groups {
             for sample in group.iter().copied().flatten() {
                 let radiance = suffixes[sample as usize];
-                let Some(own) = all[sample as usize].as_ref().filter(|_| !radiance.is_black()) else {
+                let Some(own) = all[sample as usize].as_ref().filter(|_| radiance != control(sample)) else {
                     continue;
                 };
                 // A radiance that is not finite stays with its own sample, so that an error names that one.
@@ -210,7 +244,7 @@ impl Prefixes {
                         continue;
                     }
                     let Some((density, direction)) = other.end.density_at(&suffix) else { continue };
-                    let added = other.end.push_segments(context.scene.triangles(), &suffix, direction, rays);
+                    let added = other.end.push_rays(context.scene.triangles(), &suffix, direction, rays);
                     if added > 0 {
                         let guided_density = density * other.end.guide_ratio(context.guide, direction);
                         connections.push(Connection {
@@ -226,8 +260,8 @@ impl Prefixes {
         }
     }
 
-    /// Divides each suffix among the prefixes with an unoccluded connection, weighted by the balance
-    /// heuristic.
+    /// Divides what each suffix differs from the control variate among the prefixes with an unoccluded connection, weighted by
+    /// the balance heuristic.
     fn combine(&mut self, RadianceSums { samples, suffixes }: &mut RadianceSums) {
         let mut occluded = self.occluded.iter();
         for connection in &mut self.connections {
@@ -236,11 +270,28 @@ impl Prefixes {
             }
         }
         for connections in self.connections.chunk_by(|a, b| a.suffix == b.suffix) {
+            let suffix = connections[0].suffix as usize;
+            let difference = suffixes[suffix] - self.controls[suffix / self.samples_of_control];
             let sum: f64 = connections.iter().map(|connection| connection.guided_density).sum();
             for connection in connections {
-                let (prefix, suffix) = (connection.prefix as usize, connection.suffix as usize);
+                let prefix = connection.prefix as usize;
                 let throughput = self.all[prefix].map_or(Rgb::WHITE, |prefix| prefix.throughput);
-                samples[prefix] += throughput * suffixes[suffix] * (connection.density / sum);
+                samples[prefix] += throughput * difference * (connection.density / sum);
+            }
+        }
+        self.add_controls(samples);
+    }
+
+    /// Adds what is taken to arrive at the ends of prefixes from all directions.
+    fn add_controls(&self, samples: &mut [Rgb]) {
+        let squares =
+            samples.chunks_mut(self.samples_of_control).zip(self.all.chunks(self.samples_of_control));
+        for (&control, (samples, prefixes)) in self.controls.iter().zip(squares) {
+            if control.is_black() {
+                continue;
+            }
+            for (sample, prefix) in samples.iter_mut().zip(prefixes) {
+                *sample += prefix.map_or(Rgb::BLACK, |prefix| prefix.throughput * control);
             }
         }
     }
@@ -250,6 +301,9 @@ impl Prefix {
     /// The suffix, if it has begun.
     #[inline(always)]
     fn suffix(&self) -> Option<Suffix<'_>> {
-        Some(Suffix { start: self.start.as_ref()?, mirror: self.mirror.as_ref() })
+        Some(match self.start.as_ref()? {
+            SuffixStart::Surface(start) => Suffix::Surface { start, mirror: self.mirror.as_ref() },
+            &SuffixStart::Environment(direction) => Suffix::Environment(direction),
+        })
     }
 }

@@ -15,12 +15,17 @@ pub(super) struct ReuseVertex {
     guide_cell: Option<u32>,
 }
 
-/// Where a suffix begins, as prefixes find it.
+/// A suffix, as prefixes find it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Suffix<'a> {
-    pub(super) start: &'a ReuseVertex,
-    /// The vertex on the mirror triangle by way of which prefixes find the start; `None` if they find it directly.
-    pub(super) mirror: Option<&'a ReuseVertex>,
+pub(super) enum Suffix<'a> {
+    /// It begins at the diffuse vertex `start`.
+    Surface {
+        start: &'a ReuseVertex,
+        /// The vertex on the mirror triangle by way of which prefixes find the start; `None` if they find it directly.
+        mirror: Option<&'a ReuseVertex>,
+    },
+    /// It is the environment, in this unit direction.
+    Environment(DVec3),
 }
 
 impl ReuseVertex {
@@ -51,18 +56,25 @@ impl ReuseVertex {
     /// [`density_at`](Self::density_at) the vertex `other`, found directly, and the segment between both.
     #[inline(always)]
     pub(super) fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
-        let (density, _) = self.density_at(&Suffix { start: other, mirror: None })?;
+        let (density, _) = self.density_at(&Suffix::Surface { start: other, mirror: None })?;
         Some((density, self.point.segment_to(&other.point)?))
     }
 
-    /// The density per area, times pi, with which cosine sampling from here finds the start of a suffix, and the direction
-    /// in which it does, of any length. `None` if the start is not in front of this vertex or this vertex not in front of the
-    /// start, as seen in the mirror if there is one; if one of them is behind the mirror; and if the density is not a normal
-    /// number.
+    /// The density, times pi, with which cosine sampling from here finds a suffix, and the direction in which it does, of any
+    /// length: per area at its start, or per solid angle if it is the environment. `None` if the start is not in front of this
+    /// vertex or this vertex not in front of the start, as seen in the mirror if there is one; if one of them is behind the
+    /// mirror; and if the density is not a normal number.
     ///
     /// By way of a mirror, it is the density directly from the image of this vertex: reflection keeps lengths and angles.
     #[inline(always)]
-    pub(super) fn density_at(&self, &Suffix { start, mirror }: &Suffix<'_>) -> Option<(f64, DVec3)> {
+    pub(super) fn density_at(&self, suffix: &Suffix<'_>) -> Option<(f64, DVec3)> {
+        let (start, mirror) = match *suffix {
+            Suffix::Surface { start, mirror } => (start, mirror),
+            Suffix::Environment(direction) => {
+                let cosine = self.normal.dot(direction);
+                return (cosine > 0.0 && cosine.is_normal()).then_some((cosine, direction));
+            }
+        };
         let between = start.point.position - self.point.position;
         let (between, direction) = match mirror {
             None => (between, between),
@@ -81,20 +93,21 @@ impl ReuseVertex {
         (near > 0.0 && far > 0.0 && density.is_normal()).then_some((density, direction))
     }
 
-    /// Adds the segments by which this vertex finds the start of a suffix in `direction`, if they are unoccluded, and returns
-    /// their number. It is 0 if the direction leads past the mirror triangle, and if a cosine is zero up to rounding.
+    /// Adds the rays by which this vertex finds a suffix in `direction`, if they are unoccluded, and returns their number. It is
+    /// 0 if the direction leads past the mirror triangle, and if a cosine is zero up to rounding.
     #[inline(always)]
-    pub(super) fn push_segments(
+    pub(super) fn push_rays(
         &self,
         triangles: &Triangles,
-        &Suffix { start, mirror }: &Suffix<'_>,
+        suffix: &Suffix<'_>,
         direction: DVec3,
         rays: &mut Vec<Ray>,
     ) -> usize {
         let before = rays.len();
-        match mirror {
-            None => rays.extend(self.point.segment_to(&start.point)),
-            Some(mirror) => {
+        match *suffix {
+            Suffix::Environment(direction) => rays.push(self.point.spawn(direction)),
+            Suffix::Surface { start, mirror: None } => rays.extend(self.point.segment_to(&start.point)),
+            Suffix::Surface { start, mirror: Some(mirror) } => {
                 let reflecting = self.point_seen(triangles, mirror.point.triangle, direction);
                 let segments = reflecting.and_then(|point| {
                     Some([self.point.segment_to(&point)?, point.segment_to(&start.point)?])
@@ -202,11 +215,11 @@ mod tests {
             for (k, l) in (0..steps).flat_map(|k| (0..steps).map(move |l| (k, l))) {
                 let at = |cell, step| ((cell * steps + step) as f64 + 0.5) / (CELLS * steps) as f64;
                 let start = setup.start([at(i, k), at(j, l)]);
-                let suffix = Suffix { start: &start, mirror: Some(&setup.mirror) };
+                let suffix = Suffix::Surface { start: &start, mirror: Some(&setup.mirror) };
                 let (density, direction) = setup.from.density_at(&suffix).unwrap();
                 share += density / std::f64::consts::PI * area;
                 let mut rays = Vec::new();
-                assert_eq!(setup.from.push_segments(&setup.triangles, &suffix, direction, &mut rays), 2);
+                assert_eq!(setup.from.push_rays(&setup.triangles, &suffix, direction, &mut rays), 2);
                 let lengths = rays.iter().map(|ray| ray.direction.length()).sum::<f64>();
                 assert!((lengths / direction.length() - 1.0).abs() < 1e-6, "{lengths}");
                 let shown = setup.shown(direction);
@@ -228,9 +241,9 @@ mod tests {
         let setup = Setup::new();
         let start = setup.start([0.5, 0.5]);
         let by = |from: &ReuseVertex, mirror: &ReuseVertex, start: &ReuseVertex| {
-            let suffix = Suffix { start, mirror: Some(mirror) };
+            let suffix = Suffix::Surface { start, mirror: Some(mirror) };
             let (_, direction) = from.density_at(&suffix)?;
-            Some(from.push_segments(&setup.triangles, &suffix, direction, &mut Vec::new()))
+            Some(from.push_rays(&setup.triangles, &suffix, direction, &mut Vec::new()))
         };
         assert_eq!(by(&setup.from, &setup.mirror, &start), Some(2));
         let behind = at(setup.triangles.given_point(DVec3::Z * 5.0, -DVec3::Z), -DVec3::Z);

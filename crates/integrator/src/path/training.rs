@@ -1,9 +1,9 @@
 //! The training of a guide: paths by which it learns, before the picture is rendered.
 
 use super::counters::Counters;
-use super::light_edges::LightEdges;
 use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
+use super::tile_probes::TileProbes;
 use super::wavefront::Wavefront;
 use crate::caught::caught;
 use crate::guide::{Guide, GuideRecord, bin_of, guide_vertex};
@@ -108,7 +108,7 @@ impl Wavefront {
         samples: Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Vec<GuideRecord>> {
-        self.start(context, (tile, &LightEdges::default()), &samples);
+        self.start(context, (tile, &TileProbes::default()), &samples);
         let mut records: Vec<GuideRecord> = Vec::new();
         let mut last: Vec<Option<LastRecord>> = vec![None; self.radiance.samples.len()];
         for bounce in 0.. {

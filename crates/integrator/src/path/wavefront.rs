@@ -2,8 +2,8 @@ use super::caustics::Caustics;
 use super::choices::Choices;
 use super::counters::Counters;
 use super::emission_rays::MAX_REFLECTIONS;
+use super::first_vertex::irradiance_vertex;
 use super::large_mirror_rays::LargeMirrorRays;
-use super::light_edges::LightEdges;
 use super::numbers::{draw_bounce_numbers, draw_numbers};
 use super::path_state::{Contribution, Path, RadianceSums, Stage};
 use super::photon_rays::PhotonRays;
@@ -14,12 +14,13 @@ use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::small_mirror_rays::SmallMirrorRays;
 use super::supersampling_rays::SupersamplingRays;
+use super::tile_probes::TileProbes;
 use crate::guide::{GuideVertex, guide_vertex};
 use crate::light::{ChosenLight, ChosenMirror};
 use crate::sampler::{BounceNumbers, Member, MirrorSize, Numbers};
 use crate::{Interaction, PathStart};
 use globillum_geom::{Hit, Ray, SurfacePoint};
-use globillum_material::{Bsdf, Density, Emission, Material, Reflectance, Rgb};
+use globillum_material::{Density, Rgb};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -61,10 +62,6 @@ pub(crate) struct Wavefront {
     photon_rays: PhotonRays,
 }
 
-/// The surface at which a path begins to measure irradiance. A white Lambertian surface: it sends out `E / pi` in all
-/// directions, where `E` is the irradiance.
-const WHITE: Material = Material { bsdf: Bsdf::Lambert(Reflectance::ONE), emission: Emission::NONE };
-
 /// Irradiance over the radiance of a white diffuse surface.
 pub(super) const IRRADIANCE_PER_RADIANCE: f64 = PI;
 
@@ -76,11 +73,11 @@ impl Wavefront {
     pub(crate) fn trace(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, edges): (PixelRect, &LightEdges),
+        (tile, probes): (PixelRect, &TileProbes),
         samples: &Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Counters> {
-        self.start(context, (tile, edges), samples);
+        self.start(context, (tile, probes), samples);
         let mut counters = Counters { camera_rays: self.rays.len() as u64, ..Counters::default() };
         for bounce in 0.. {
             if cancelled() {
@@ -98,7 +95,7 @@ impl Wavefront {
         for path in &self.from_points {
             *self.radiance.at(path.target) *= IRRADIANCE_PER_RADIANCE;
         }
-        counters.camera_rays += self.supersample(context, (tile, edges), samples);
+        counters.camera_rays += self.supersample(context, (tile, probes), samples);
         Some(counters)
     }
 
@@ -107,14 +104,14 @@ impl Wavefront {
         &self.radiance.samples
     }
 
-    /// Adds what camera rays of their own find of the lights at `edges`. Returns their number.
+    /// Adds what camera rays of their own find of the lights at edges. Returns their number.
     fn supersample(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, edges): (PixelRect, &LightEdges),
+        (tile, probes): (PixelRect, &TileProbes),
         samples: &Range<u32>,
     ) -> u64 {
-        let rays = self.supersampling_rays.find(context, (tile, edges), samples);
+        let rays = self.supersampling_rays.find(context, (tile, &probes.edges), samples);
         for &(sample, emitted) in &self.supersampling_rays.found {
             self.radiance.samples[sample as usize] += emitted;
         }
@@ -162,7 +159,7 @@ impl Wavefront {
     pub(super) fn start(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, edges): (PixelRect, &LightEdges),
+        (tile, probes): (PixelRect, &TileProbes),
         samples: &Range<u32>,
     ) {
         let settings = context.settings;
@@ -174,7 +171,7 @@ impl Wavefront {
             let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
             let member = groups.map_or_else(alone, |groups| groups.member(x, y, settings.width));
             let pixel = tile.index(x, y) as u32;
-            let supersampled = edges.contain(pixel);
+            let supersampled = probes.edges.contain(pixel);
             for (i, sample) in (0..).zip(samples.clone()) {
                 let numbers = settings.sampler.numbers(settings.seed, member, sample, &pass);
                 let mut path = Path::new(pixel * samples.len() as u32 + i, numbers);
@@ -183,7 +180,7 @@ impl Wavefront {
             }
         }
         draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
-        let suffixes = self.prefixes.start(context, tile, samples);
+        let suffixes = self.prefixes.start(context, (tile, probes), samples);
         self.radiance.reset(self.paths.len(), suffixes);
         self.caustics.clear();
         self.place(context, tile, samples.len());
@@ -281,6 +278,7 @@ impl Wavefront {
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
             let Some(hit) = self.hits[i] else {
+                self.prefixes.leave_scene(&mut path, ray.direction);
                 *self.radiance.at(path.target) += path.throughput * context.scene.environment();
                 continue;
             };
@@ -433,11 +431,6 @@ impl Wavefront {
     }
 }
 
-/// The vertex at which a path begins to measure irradiance.
-pub(super) fn irradiance_vertex(point: SurfacePoint) -> Interaction<'static> {
-    Interaction { point, material: &WHITE, wo: point.normal }
-}
-
 impl Path {
     /// Samples the next ray; `None` if nothing is reflected.
     #[inline(always)]
@@ -501,7 +494,7 @@ mod tests {
                 let context = RenderContext { simd, ..RenderContext::new(&scene, &camera, &settings) };
                 let mut wavefront = Wavefront::default();
                 let counters =
-                    wavefront.trace(&context, (tile, &LightEdges::of(&context, tile)), &(0..16), || false);
+                    wavefront.trace(&context, (tile, &TileProbes::of(&context, tile)), &(0..16), || false);
                 (counters, wavefront.radiance.samples)
             });
             let lit = traced[0].1.iter().filter(|radiance| !radiance.is_black()).count();

@@ -2,7 +2,7 @@ use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
 use crate::film::{Blocks, Moments, PassNode, Tally};
-use crate::path::{LightEdges, PixelRect, RenderContext, Wavefront};
+use crate::path::{PixelRect, RenderContext, TileProbes, Wavefront};
 use crate::{Counters, RenderError, Sampler};
 use globillum_material::Rgb;
 use rayon::prelude::*;
@@ -22,8 +22,8 @@ pub(crate) struct PassRenderer<'a> {
     pub(crate) meter: &'a Meter,
     /// The pixels that are rendered: those of the film, in the sensor's grid.
     pub(crate) window: PixelRect,
-    /// The pixels at edges of lights, for each tile. The first pass that renders the tile finds them.
-    pub(crate) edges: Vec<OnceLock<LightEdges>>,
+    /// What probes find of each tile. The first pass that renders the tile traces them.
+    pub(crate) probes: Vec<OnceLock<TileProbes>>,
 }
 
 /// What the samples of a tile add up to.
@@ -51,15 +51,15 @@ impl PassRenderer<'_> {
         let results: Result<Vec<Option<TileResult>>, RenderError> = tiles
             .into_par_iter()
             .with_max_len(TILES_AT_ONCE)
-            .zip(&self.edges)
-            .map_init(Wavefront::default, |wavefront, (tile, edges)| {
+            .zip(&self.probes)
+            .map_init(Wavefront::default, |wavefront, (tile, probes)| {
                 // After a panic the pass has failed: what is left in the wavefront reaches no picture.
                 let result = caught(|| {
                     if cancelled() {
                         return Ok(None);
                     }
-                    let edges = edges.get_or_init(|| LightEdges::of(&self.context, tile));
-                    self.render_tile(wavefront, (tile, edges), pass, &cancelled)
+                    let probes = probes.get_or_init(|| TileProbes::of(&self.context, tile));
+                    self.render_tile(wavefront, (tile, probes), pass, &cancelled)
                 });
                 result.unwrap_or_else(|message| Err(RenderError::Worker { x: tile.x, y: tile.y, message }))
             })
@@ -73,7 +73,7 @@ impl PassRenderer<'_> {
     fn render_tile(
         &self,
         wavefront: &mut Wavefront,
-        (tile, edges): (PixelRect, &LightEdges),
+        (tile, probes): (PixelRect, &TileProbes),
         pass: u32,
         cancelled: &impl Fn() -> bool,
     ) -> Result<Option<TileResult>, RenderError> {
@@ -84,7 +84,7 @@ impl PassRenderer<'_> {
         let mut counters = Counters::default();
         for first in all.clone().step_by(WAVEFRONT_SAMPLES as usize) {
             let samples = first..all.end.min(first + WAVEFRONT_SAMPLES);
-            let Some(counted) = wavefront.trace(&self.context, (tile, edges), &samples, cancelled) else {
+            let Some(counted) = wavefront.trace(&self.context, (tile, probes), &samples, cancelled) else {
                 return Ok(None);
             };
             let radiance = wavefront.radiance().chunks_exact(samples.len());

@@ -169,9 +169,9 @@ impl<'a> Render<'a> {
                 y: window.y,
                 message,
             })?;
-            let edges = PixelRect::tiles(window).map(|_| OnceLock::new()).collect();
+            let probes = PixelRect::tiles(window).map(|_| OnceLock::new()).collect();
             let meter = Meter::new(start, self.stop.seconds);
-            let renderer = PassRenderer { context, monitor, meter: &meter, window, edges };
+            let renderer = PassRenderer { context, monitor, meter: &meter, window, probes };
             PassLoop { renderer, stop: self.stop }.add_passes(picture, passes)
         })
     }

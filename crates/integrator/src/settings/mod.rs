@@ -85,6 +85,10 @@ pub enum PathReuse {
     /// of one mirror. It takes up to fifteen more shadow rays per sample, or thirty by way of a mirror. The pixels of a group
     /// are apart: one in each block of 4 x 4 pixels of a tile of 16 x 16. The groups change with each pass.
     ///
+    /// A path that leaves the scene after its first diffuse vertex has the environment for a suffix. Where most do, as some
+    /// paths at fixed places of each tile find, the environment is a control variate instead: it is taken to arrive from all
+    /// directions, and suffixes are what differs from it. A sample may then be negative.
+    ///
     /// With [`Sampler::Sobol`] the samples of a tile in a pass are one set of points (Ahmed and Wonka 2020), of which
     /// those of a group, and those of a pixel, are well distributed by themselves.
     ///

@@ -2,10 +2,10 @@
 //! such samples and those without a mirror contribute to the paths of probes.
 
 use crate::path::counters::Counters;
-use crate::path::light_edges::LightEdges;
 use crate::path::path_state::Contribution;
 use crate::path::pixel_rect::PixelRect;
 use crate::path::render_context::RenderContext;
+use crate::path::tile_probes::TileProbes;
 use crate::path::wavefront::Wavefront;
 use crate::{PathReuse, Settings, Supersampling};
 use rayon::prelude::*;
@@ -108,7 +108,7 @@ impl Wavefront {
         tile: PixelRect,
         samples: Range<u32>,
     ) -> Squares {
-        self.start(context, (tile, &LightEdges::default()), &samples);
+        self.start(context, (tile, &TileProbes::default()), &samples);
         let mut is_later = vec![false; tile.pixel_count() * samples.len()];
         let mut squares = Squares::default();
         for bounce in 0.. {
@@ -194,7 +194,7 @@ mod tests {
         let (camera, settings) = (camera(), settings(seed));
         let context = RenderContext { large_mirror_prob, ..RenderContext::new(scene, &camera, &settings) };
         let mut wavefront = Wavefront::default();
-        wavefront.trace(&context, (TILE, &LightEdges::of(&context, TILE)), &(0..4), || false);
+        wavefront.trace(&context, (TILE, &TileProbes::of(&context, TILE)), &(0..4), || false);
         wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
     }
 

@@ -2,9 +2,9 @@
 
 use crate::path::caustics::{LEAST_WEIGHT, at_first_vertex, weight};
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
+use crate::path::first_vertex::first_diffuse_vertex;
 use crate::path::render_context::RenderContext;
 use crate::path::shading_point::MisContext;
-use crate::path::wavefront::irradiance_vertex;
 use crate::{Interaction, PathStart, Stream};
 use globillum_geom::{Frame, Ray};
 use globillum_material::Bsdf;
@@ -50,40 +50,14 @@ fn caustics_found(context: &RenderContext<'_>) -> usize {
     count
 }
 
-/// The rays that first diffuse vertices scatter, with what weights depend on: where probes begin, or what they see, directly
-/// and by way of as many mirrors as a prefix has.
+/// The rays that the first diffuse vertices of probes scatter, with what weights depend on.
 fn scattered(context: &RenderContext<'_>) -> Vec<(Ray, MisContext)> {
     let places = (0..PROBES).flat_map(|y| (0..PROBES).map(move |x| [x, y]));
-    let (mut probes, mut scattered) = (Vec::new(), Vec::new());
-    for (i, place) in (0..).zip(places) {
-        match start(context, place) {
-            PathStart::Ray(ray) if ray.is_traceable() => probes.push((i, ray)),
-            PathStart::Irradiance { position, normal } if position.is_finite() && normal.is_normalized() => {
-                let point = context.scene.triangles().given_point(position, normal);
-                scattered.extend(scatter(i, &irradiance_vertex(point)));
-            }
-            // The path of a sample tells of a start that is not valid.
-            _ => {}
-        }
-    }
-    let (mut bounce, mut rays, mut hits) = (0, Vec::new(), Vec::new());
-    while !probes.is_empty() && context.may_reuse_prefix(bounce) {
-        rays.clear();
-        rays.extend(probes.iter().map(|(_, ray)| *ray));
-        context.scene.accel().intersect_batch(&rays, &mut hits);
-        let seen = probes.iter().zip(&hits).filter_map(|((i, ray), hit)| Some((*i, ray, hit.as_ref()?)));
-        let seen = seen.map(|(i, ray, hit)| (i, context.scene.interaction(ray, hit)));
-        let mut reflected = Vec::new();
-        for (i, at) in seen.filter(|(_, at)| at.point.position.is_finite()) {
-            match at.material.bsdf {
-                Bsdf::Mirror(reflectance) if reflectance.rgb().is_black() => {}
-                Bsdf::Mirror(_) => reflected.push((i, reflected_ray(&at.point, -at.wo))),
-                _ => scattered.extend(scatter(i, &at)),
-            }
-        }
-        (probes, bounce) = (reflected, bounce + 1);
-    }
-    scattered
+    let of_probe = |(i, place): (u32, [u32; 2])| {
+        let at = first_diffuse_vertex(context, start(context, place))?;
+        scatter(i, &at)
+    };
+    (0..).zip(places).filter_map(of_probe).collect()
 }
 
 /// The ray that the diffuse vertex of probe `i` scatters, with what weights depend on; `None` if nothing is reflected.

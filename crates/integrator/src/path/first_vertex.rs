@@ -1,0 +1,42 @@
+//! The first diffuse vertex of a path.
+
+use super::emission_rays::{MAX_REFLECTIONS, reflected_ray};
+use super::render_context::RenderContext;
+use crate::{Interaction, PathStart};
+use globillum_geom::SurfacePoint;
+use globillum_material::{Bsdf, Emission, Material, Reflectance};
+
+/// The surface at which a path begins to measure irradiance. A white Lambertian surface: it sends out `E / pi` in all
+/// directions, where `E` is the irradiance.
+const WHITE: Material = Material { bsdf: Bsdf::Lambert(Reflectance::ONE), emission: Emission::NONE };
+
+/// The vertex at which a path begins to measure irradiance.
+pub(super) fn irradiance_vertex(point: SurfacePoint) -> Interaction<'static> {
+    Interaction { point, material: &WHITE, wo: point.normal }
+}
+
+/// The first diffuse vertex of the path that begins at `start`, there, or directly or by way of as many mirrors as a prefix
+/// that is shared may have, but at most [`MAX_REFLECTIONS`]. `None` if there is none; a start that is not valid has none.
+pub(super) fn first_diffuse_vertex<'a>(
+    context: &RenderContext<'a>,
+    start: PathStart,
+) -> Option<Interaction<'a>> {
+    let mut ray = match start {
+        PathStart::Ray(ray) if ray.is_traceable() => ray,
+        PathStart::Irradiance { position, normal } if position.is_finite() && normal.is_normalized() => {
+            return Some(irradiance_vertex(context.scene.triangles().given_point(position, normal)));
+        }
+        _ => return None,
+    };
+    for bounce in 0..=MAX_REFLECTIONS {
+        let hit = context.scene.accel().intersect(&ray).filter(|_| context.may_reuse_prefix(bounce))?;
+        let at = context.scene.interaction(&ray, &hit);
+        match at.material.bsdf {
+            _ if !at.point.position.is_finite() => return None,
+            Bsdf::Mirror(reflectance) if reflectance.rgb().is_black() => return None,
+            Bsdf::Mirror(_) => ray = reflected_ray(&at.point, -at.wo),
+            _ => return Some(at),
+        }
+    }
+    None
+}

@@ -1,0 +1,54 @@
+//! Probes that find whether what a tile sees lies in the open.
+
+use super::emission_rays::{MAX_REFLECTIONS, reflected_ray};
+use super::first_vertex::first_diffuse_vertex;
+use super::pixel_rect::PixelRect;
+use super::render_context::RenderContext;
+use crate::{Interaction, Stream};
+use globillum_geom::{Frame, Ray};
+
+/// Probes of a tile.
+const PROBES: usize = 64;
+
+/// The address of their random numbers, in place of a pixel; other probes have other ones.
+const PIXEL: u64 = u64::MAX - 2;
+
+/// Whether most of the directions that the surfaces seen by a tile scatter lead to the environment, directly or by way of
+/// mirrors. False where paths are not reused, and where no surface is seen.
+pub(super) fn is_open(context: &RenderContext<'_>, tile: PixelRect) -> bool {
+    if !context.reuses_paths() || context.scene.environment().is_black() {
+        return false;
+    }
+    let leads_out = |i: usize| {
+        let pixel = tile.pixel((i * tile.pixel_count() / PROBES) as u32);
+        let at = first_diffuse_vertex(context, context.path_start(pixel, [0.5, 0.5]))?;
+        let scattered = scattered_ray(&at, Stream::new(0, PIXEL, i as u32).uniform_pair(0))?;
+        Some(surface_along(context, scattered).is_none())
+    };
+    let [mut out, mut all] = [0, 0];
+    for leads_out in (0..PROBES).filter_map(leads_out) {
+        out += usize::from(leads_out);
+        all += 1;
+    }
+    2 * out > all
+}
+
+/// The diffuse surface that a ray finds, directly or by way of up to [`MAX_REFLECTIONS`] mirrors, or the mirror after these.
+fn surface_along<'a>(context: &RenderContext<'a>, mut ray: Ray) -> Option<Interaction<'a>> {
+    for reflections in 0.. {
+        let hit = context.scene.accel().intersect(&ray)?;
+        let at = context.scene.interaction(&ray, &hit);
+        if at.material.bsdf.is_diffuse() || reflections == MAX_REFLECTIONS || !at.point.position.is_finite() {
+            return Some(at);
+        }
+        ray = reflected_ray(&at.point, -at.wo);
+    }
+    None
+}
+
+/// The ray that a diffuse surface scatters by the uniform numbers `u`; `None` if it reflects nothing.
+fn scattered_ray(at: &Interaction<'_>, u: [f64; 2]) -> Option<Ray> {
+    let frame = Frame::around(at.side());
+    let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
+    Some(at.point.spawn(frame.to_world(sample.wi)))
+}
