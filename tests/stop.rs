@@ -3,12 +3,14 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray, Triangle};
 use globillum::integrator::{
-    Camera, ElementSample, Ending, Estimator, Guiding, Model, Monitor, PathStart, Picture, PixelGoal,
-    Progress, Render, RenderError, Scene, Sensor, Settings, Stop, Supersampling, render, replay,
+    Camera, ElementSample, Ending, Estimator, Guiding, IrradiancePoints, Model, Monitor, PathStart, Picture,
+    PixelGoal, Progress, Render, RenderError, Scene, Sensor, Settings, Stop, Supersampling, render, replay,
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
+use globillum_testkit::shapes::quad;
+use std::f64::consts::PI;
 use std::hash::Hasher;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -49,6 +51,48 @@ fn a_render_ends_when_its_goal_is_met() {
         let squares: f64 = picture.film.means().map(|mean| (mean.g / TRUTH - 1.0).powi(2)).sum();
         // The root mean square over 1024 pixels has a standard deviation of 2.2 %.
         assert!((squares / 1024.0).sqrt() < goal * 1.11, "{goal}");
+    }
+}
+
+/// A black picture has not varied. From 64 passes on it is taken for exact.
+#[test]
+fn a_goal_is_not_met_by_a_few_passes_that_are_equal() {
+    let black = scenes::scene(&scenes::cube(0.5), STRUCTURES[0].1);
+    let camera = stare(DVec3::ZERO, DVec3::X);
+    let settings = Settings::new(4, 4, 1 << 14);
+    let goal = stop(|s| s.relative_rmse = Some(0.01));
+    let render = |settings: &Settings| {
+        Render::new(&black, &camera, settings).until(goal).run(&()).expect("the scene is good")
+    };
+    let few = render(&with_samples(settings, 63 * 16));
+    assert_eq!(few.ending, Ending::Samples);
+    assert_eq!((few.film.error().relative_rmse, few.film.error().interval_95), (0.0, [0.0, f64::INFINITY]));
+    let many = render(&settings);
+    assert_eq!((many.ending, many.samples), (Ending::Goals, 64 * 16));
+    assert_eq!(many.film.error().interval_95, [0.0; 2]);
+    assert_eq!(goal.passes_after(&few.film), Some(f64::INFINITY));
+    assert_eq!(goal.passes_after(&many.film), Some(64.0));
+}
+
+/// A point below a sky that a floor hides but for a gap. Two passes often have the same number of paths through it.
+#[test]
+fn a_goal_waits_for_light_through_a_gap() {
+    let p = DVec3::new;
+    let mut model = Model::default();
+    let roof = quad(p(-999.0, 1.0, -999.0), p(3.0, 1.0, -999.0), p(3.0, 1.0, 999.0), p(-999.0, 1.0, 999.0));
+    model.add(Material::lambert(Rgb::WHITE).expect("an albedo"), roof);
+    let scene = scenes::scene(&model, STRUCTURES[0].1).with_environment(Rgb::WHITE).expect("a radiance");
+    let points = IrradiancePoints::new([(DVec3::ZERO, DVec3::Y)]).expect("a point");
+    // Half of a strip's form factor: pi (1 - 3 / sqrt(10)) / 2.
+    let truth = PI * (1.0 - 3.0 / 10.0_f64.sqrt()) / 2.0;
+    for seed in 0..20 {
+        let mut settings = points.settings(1 << 20);
+        (settings.max_bounces, settings.seed) = (Some(1), seed);
+        let goal = stop(|s| s.relative_rmse = Some(0.05));
+        let picture = Render::new(&scene, &points, &settings).until(goal).run(&()).expect("it is good");
+        assert_eq!(picture.ending, Ending::Goals);
+        let error = picture.film.mean(0, 0).g / truth - 1.0;
+        assert!(error.abs() < 0.2, "{seed}: {error} after {} samples", picture.samples);
     }
 }
 

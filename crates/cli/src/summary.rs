@@ -186,7 +186,9 @@ struct PictureError {
 
 impl From<ImageError> for PictureError {
     fn from(error: ImageError) -> Self {
-        let known = error.relative_rmse.is_finite();
+        // Equal observations tell nothing unless they are many.
+        let known =
+            error.relative_rmse.is_finite() && (error.relative_rmse > 0.0 || error.interval_95[1] == 0.0);
         Self {
             relative_rmse: known.then_some(error.relative_rmse),
             relative_rmse_95: known.then_some(error.interval_95).filter(|interval| interval[1].is_finite()),

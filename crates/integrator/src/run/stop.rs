@@ -31,7 +31,7 @@ pub struct Stop {
     /// [pilot](Stop::pilot), whose first pass is finished too, the second is the time of two passes.
     pub seconds: Option<f64>,
     /// Goal: the upper end of the 95 % interval of the picture's relative error
-    /// ([`ImageError`](crate::ImageError)) is at most this. It is relative to the mean over all pixels: a small bright object
+    /// ([`ImageError`](crate::ImageError)) is at most this. A picture that has not varied meets it from 64 observations on. It is relative to the mean over all pixels: a small bright object
     /// on a black background takes many more samples than one that fills the picture.
     pub relative_rmse: Option<f64>,
     /// Goal for single pixels.
@@ -103,14 +103,17 @@ impl Stop {
     }
 
     /// The number of passes that the goals need, estimated from those of a film that is then dropped, as
-    /// [`Stop::pilot`] does; at least 1, infinite if the film does not say. `None` without a goal.
+    /// [`Stop::pilot`] does; at least 2, infinite if the film does not say. `None` without a goal. If none of the film's
+    /// pixels varied, it is the number of its passes.
     ///
     /// For a picture whose passes are rendered elsewhere: these many, none of them the film's, are averaged
     /// without a stopping bias.
     pub fn passes_after(&self, pilot: &Film) -> Option<f64> {
         // Not zero: without passes, the excess is infinite.
         let rendered = pilot.passes().iter().map(|range| range.len() as f64).sum::<f64>().max(1.0);
-        self.excess(pilot).map(|excess| (excess * rendered).ceil().max(1.0))
+        // Fewer than two passes do not tell their error.
+        let needed = |excess: f64| if excess == 0.0 { rendered } else { (excess * rendered).ceil() };
+        self.excess(pilot).map(|excess| needed(excess).max(2.0))
     }
 
     /// The estimated number of samples that the goals need, as a multiple of those that `film` holds; at most
