@@ -31,8 +31,8 @@ pub struct Replay {
     /// The radiance that the sample finds by itself: the sum over its vertices, the environment and the lights.
     pub alone: Rgb,
     /// The radiance of the sample, to the bit as in the picture. Differs from [`Replay::alone`] where the
-    /// path shares its suffix or a caustic with those of other pixels, and where photons may guide to a caustic
-    /// ([`PathReuse`](crate::PathReuse)).
+    /// path shares its suffix or a caustic with those of other pixels, where the environment is a control variate, and where
+    /// photons may guide to a caustic ([`PathReuse`](crate::PathReuse)).
     pub radiance: Rgb,
 }
 
