@@ -12,6 +12,14 @@ fn start(folder: &Path, arguments: &[&str]) -> Child {
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
 }
 
+/// [`start`], but with SIGHUP as a terminal leaves it, also if these tests run below `nohup`.
+#[cfg(target_os = "linux")]
+fn start_in_terminal(folder: &Path, arguments: &[&str], stdout: Stdio) -> Child {
+    let mut env = Command::new("env");
+    env.args(["--default-signal=HUP", CORNELL.path, "cornell"]).args(arguments).current_dir(folder);
+    env.stdout(stdout).stderr(Stdio::piped()).spawn().expect("there is `env`")
+}
+
 /// Waits until a file whose name begins with `prefix` is in `folder`.
 fn wait_for(folder: &Path, prefix: &str, child: &mut Child) {
     let is_there = || names(folder).iter().any(|name| name.to_string_lossy().starts_with(prefix));
@@ -35,35 +43,40 @@ fn end(child: Child) -> (Output, String) {
 /// Nothing but a signal ends this render.
 const ENDLESS: [&str; 6] = ["--width", "48", "--height", "32", "--error", "1e-12"];
 
+/// The first of these signals, once a pass is complete, keeps what is complete.
+fn assert_signals_keep_passes(start: impl Fn(&Path, &[&str]) -> Child, signals: &[&str], code: i32) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let files = ["--out", "a.exr", "--checkpoint", "parts", "--save-every", "0", "--stats", "stats.json"];
+    let mut child = start(folder, &[&ENDLESS[..], &files, &["--pass-spp", "1"]].concat());
+    wait_for(folder, "parts", &mut child);
+    signals.iter().for_each(|signal| send(signal, &child));
+    let (output, said) = end(child);
+    assert_eq!(output.status.code(), Some(code), "{said}");
+    let stats = std::fs::read(folder.join("stats.json")).expect("it was written");
+    let stats: serde_json::Value = serde_json::from_slice(&stats).expect("it is JSON");
+    let samples = stats["samples_per_pixel"].as_u64().filter(|&samples| samples > 0).expect("one pass");
+    let kept = format!("interrupted: complete passes are kept, {samples} samples per pixel\n");
+    assert_eq!((said, &stats["ended_by"]), (kept, &"a signal".into()));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("ended by      a signal"));
+    MERGE.succeed(folder, &["parts", "--out", "b.exr"]);
+    let [a, b] = ["a.exr", "b.exr"].map(|name| PictureData::read(&folder.join(name)).expect("a picture"));
+    assert!(a.estimates == b.estimates, "picture and checkpoint hold the same passes");
+    assert_eq!(names(folder), ["a.exr", "b.exr", "parts", "stats.json"]);
+}
+
 #[test]
 fn the_first_signal_keeps_complete_passes() {
-    let signals = [("-INT", 130), ("-TERM", 143), ("-HUP", 129)];
-    // SIGHUP is caught only there.
-    let signals = if cfg!(target_os = "linux") { &signals[..] } else { &signals[..2] };
-    for &(signal, code) in signals {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let folder = folder.path();
-        let files = ["--out", "a.exr", "--checkpoint", "parts", "--save-every", "0", "--stats", "stats.json"];
-        let mut child = start(folder, &[&ENDLESS[..], &files, &["--pass-spp", "1"]].concat());
-        wait_for(folder, "parts", &mut child);
-        send(signal, &child);
-        if signal == "-HUP" {
-            // The terminal and its shell both send it.
-            send(signal, &child);
-        }
-        let (output, said) = end(child);
-        assert_eq!(output.status.code(), Some(code), "{said}");
-        let stats = std::fs::read(folder.join("stats.json")).expect("it was written");
-        let stats: serde_json::Value = serde_json::from_slice(&stats).expect("it is JSON");
-        let samples = stats["samples_per_pixel"].as_u64().filter(|&samples| samples > 0).expect("one pass");
-        let kept = format!("interrupted: complete passes are kept, {samples} samples per pixel\n");
-        assert_eq!((said, &stats["ended_by"]), (kept, &"a signal".into()));
-        assert!(String::from_utf8_lossy(&output.stdout).contains("ended by      a signal"));
-        MERGE.succeed(folder, &["parts", "--out", "b.exr"]);
-        let [a, b] = ["a.exr", "b.exr"].map(|name| PictureData::read(&folder.join(name)).expect("a picture"));
-        assert!(a.estimates == b.estimates, "picture and checkpoint hold the same passes");
-        assert_eq!(names(folder), ["a.exr", "b.exr", "parts", "stats.json"]);
-    }
+    assert_signals_keep_passes(start, &["-INT"], 130);
+    assert_signals_keep_passes(start, &["-TERM"], 143);
+}
+
+/// The terminal and its shell both send SIGHUP.
+#[cfg(target_os = "linux")]
+#[test]
+fn hangups_keep_complete_passes() {
+    let start = |folder: &Path, arguments: &[&str]| start_in_terminal(folder, arguments, Stdio::piped());
+    assert_signals_keep_passes(start, &["-HUP", "-HUP"], 129);
 }
 
 /// A terminal that has closed takes no table: that is no error.
@@ -73,9 +86,8 @@ fn a_hangup_needs_no_terminal() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let files = ["--out", "a.exr", "--checkpoint", "parts", "--save-every", "0", "--pass-spp", "1"];
-    let mut command = CORNELL.command(folder, &[&ENDLESS[..], &files].concat());
     let closed = std::fs::File::options().write(true).open("/dev/full").expect("it is there");
-    let mut child = command.stdout(closed).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let mut child = start_in_terminal(folder, &[&ENDLESS[..], &files].concat(), closed.into());
     wait_for(folder, "parts", &mut child);
     send("-HUP", &child);
     let (output, said) = end(child);
