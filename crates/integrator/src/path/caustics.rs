@@ -10,7 +10,7 @@ use super::counters::Counters;
 use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use super::path_state::{Path, Stage};
 use super::photon_rays::bsdf_weight;
-use super::pixel_groups::square_of;
+use super::pixel_groups::samples_of_square;
 use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
 use super::reuse::{Prefix, Prefixes};
@@ -113,7 +113,7 @@ impl Caustics {
                 continue;
             };
             let radiance = radiance_shared(context, own, &mirror, of_sample);
-            let of_square = square_of(tile, sample / count).map(|pixel| pixel * count + sample % count);
+            let of_square = samples_of_square(tile, count, sample);
             let own_view = View { sample, density: 1.0, guided_density: own.guide_ratio, radiance };
             self.collect_views(context, prefixes, (own_view, own, &mirror), of_square);
             self.look(context, (prefixes, own.bounce), &mirror.point, counters);

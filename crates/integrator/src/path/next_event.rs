@@ -11,17 +11,21 @@ use globillum_material::{Density, Rgb};
 const LIGHTS_AT_ONCE: usize = 4;
 
 impl RenderContext<'_> {
-    /// The radiance that the surface emits along the path, times its multiple importance sampling weight.
+    /// The radiance that the surface emits along the path, and its multiple importance sampling weight. `None` if that is
+    /// black, or if other camera rays find it.
     #[inline(always)]
-    pub(super) fn emitted(&self, path: &Path, bounce: u32, hit: &Hit, at: &Interaction<'_>) -> Rgb {
+    pub(super) fn emitted(
+        &self,
+        path: &Path,
+        bounce: u32,
+        hit: &Hit,
+        at: &Interaction<'_>,
+    ) -> Option<(Rgb, f64)> {
         let emitted = at.emitted();
-        if emitted.is_black() {
-            return emitted;
+        if emitted.is_black() || path.mis.supersampled && bounce <= MAX_REFLECTIONS {
+            return None;
         }
-        if path.mis.supersampled && bounce <= MAX_REFLECTIONS {
-            return Rgb::BLACK;
-        }
-        emitted * self.weight_of_emission(&path.mis, (hit, at))
+        Some((emitted, self.weight_of_emission(&path.mis, (hit, at))))
     }
 
     /// The multiple importance sampling weight of emission that a ray has hit.

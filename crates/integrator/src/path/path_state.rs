@@ -57,6 +57,9 @@ pub(super) struct RadianceSums {
     pub(super) samples: Vec<Rgb>,
     /// One for each sample, or none if paths are not reused.
     pub(super) suffixes: Vec<Rgb>,
+    /// What suffixes have found by way of mirrors, each with its sample, where such light is rare. It is not part of the
+    /// sums.
+    pub(super) suffix_caustics: Vec<(u32, Rgb)>,
 }
 
 impl Path {
@@ -113,12 +116,20 @@ impl Target {
 }
 
 impl RadianceSums {
-    /// Sets the numbers of samples and suffixes, and all sums to black.
+    /// Sets the numbers of samples and suffixes, and all sums to black. Forgets caustics.
     pub(super) fn reset(&mut self, samples: usize, suffixes: usize) {
+        self.suffix_caustics.clear();
         for (sums, count) in [(&mut self.samples, samples), (&mut self.suffixes, suffixes)] {
             sums.clear();
             sums.resize(count, Rgb::BLACK);
         }
+    }
+
+    /// All that the suffix of a sample has found.
+    pub(super) fn of_suffix(&self, sample: u32) -> Rgb {
+        let sum = self.suffixes.get(sample as usize).copied().unwrap_or_default();
+        let caustics = self.suffix_caustics.iter().filter(|&&(of, _)| of == sample);
+        caustics.fold(sum, |sum, &(_, radiance)| sum + radiance)
     }
 
     #[inline(always)]

@@ -76,11 +76,13 @@ impl Groups {
     }
 }
 
-/// The pixels of a tile that are in one square with `pixel`, as indices into [`PixelRect::pixels`], row by row.
-pub(super) fn square_of(tile: PixelRect, pixel: u32) -> impl Iterator<Item = u32> {
+/// The samples of a tile, `count` of each pixel, that are in one square with `sample` and have the same number in their
+/// pixels. Pixels are in the order of [`PixelRect::pixels`].
+pub(super) fn samples_of_square(tile: PixelRect, count: u32, sample: u32) -> impl Iterator<Item = u32> {
+    let (pixel, number) = (sample / count, sample % count);
     let (x, y) = (pixel % tile.width, pixel / tile.width);
     let square = square_around(x, y, tile.width, tile.height);
-    square.pixels().map(move |(x, y)| y * tile.width + x)
+    square.pixels().map(move |(x, y)| (y * tile.width + x) * count + number)
 }
 
 /// The part of a picture of `width` x `height` pixels that holds all groups of pixel (`x`, `y`).

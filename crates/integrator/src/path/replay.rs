@@ -168,7 +168,7 @@ impl Wavefront {
     fn emission_found(&mut self, path: &Path, unit: f64) -> Rgb {
         let sample = path.target.sample();
         // In the sum of the suffix, too, if it is the environment.
-        let of_suffix = self.radiance.suffixes.get(sample as usize).copied().unwrap_or_default();
+        let of_suffix = self.radiance.of_suffix(sample);
         // What a path finds of lights by way of mirrors after its prefix is in the sum of its sample.
         let of_sample = self.radiance.samples[sample as usize] * unit;
         let throughput = self.prefixes.throughput_before(Target::Suffix(sample)) * unit;

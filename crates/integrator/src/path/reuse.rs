@@ -6,12 +6,15 @@
 //! suffix begins at the diffuse vertex that the mirror shows, and prefixes find it by way of the same triangle. A path that
 //! leaves the scene after its prefix has the environment for a suffix.
 //!
-//! In the open, most do. There the radiance of the environment is a control variate: it is taken to arrive at prefixes from
+//! Light that a suffix finds by way of mirrors, where light samples hardly ever find it, is shared by all prefixes of the
+//! square: it is rare, and brings much.
+//!
+//! In the open, most paths leave the scene after their prefix. There the radiance of the environment is a control variate: it is taken to arrive at prefixes from
 //! all directions, and suffixes are what differs from it.
 
 use super::counters::Counters;
 use super::path_state::{Path, RadianceSums, Stage, Target};
-use super::pixel_groups::{Groups, PixelGroup};
+use super::pixel_groups::{Groups, PixelGroup, samples_of_square};
 use super::pixel_rect::{PixelRect, SIDE};
 use super::render_context::RenderContext;
 use super::reuse_vertex::{ReuseVertex, Suffix};
@@ -49,11 +52,18 @@ enum SuffixStart {
     Environment(DVec3),
 }
 
-/// A suffix as the continuation of a prefix, both named by their samples.
+/// Radiance that arrives along a suffix, and is divided among prefixes.
+#[derive(Clone, Copy, Debug)]
+struct SharedRadiance {
+    radiance: Rgb,
+    /// How many connections divide it.
+    connections: usize,
+}
+
+/// A suffix as the continuation of a prefix, which is named by its sample.
 #[derive(Clone, Copy, Debug)]
 struct Connection {
     prefix: u32,
-    suffix: u32,
     /// The density, times pi, with which the prefix would have been continued to the suffix by its BSDF alone: per area where
     /// that begins, or per solid angle to the environment.
     density: f64,
@@ -77,7 +87,8 @@ pub(super) struct Prefixes {
     samples_of_control: usize,
     /// Whether prefixes have ended since [`Prefix::group_throughput`] was computed.
     have_ended: bool,
-    /// Sorted by suffix; the connection to its own prefix is first.
+    shared: Vec<SharedRadiance>,
+    /// Those of all shared radiance, in order; the connection of a suffix to its own prefix is first.
     connections: Vec<Connection>,
     /// The segments of all connections, in order.
     rays: Vec<Ray>,
@@ -193,90 +204,104 @@ impl Prefixes {
         path.leave_prefix();
     }
 
-    /// Adds the radiance of all suffixes to that of the samples whose prefixes can be continued by them.
+    /// Adds the radiance of all suffixes to that of the samples of a tile whose prefixes can be continued by them.
     pub(super) fn share_suffixes(
         &mut self,
         context: &RenderContext<'_>,
+        tile: PixelRect,
         radiance: &mut RadianceSums,
         counters: &mut Counters,
     ) {
         if !context.reuses_paths() {
             return;
         }
+        self.shared.clear();
         self.connections.clear();
         self.rays.clear();
         context.simd.run(
             #[inline(always)]
-            || self.connect(context, &radiance.suffixes),
+            || self.connect_groups(context, &radiance.suffixes),
         );
+        self.connect_squares(context, tile, &radiance.suffix_caustics);
         context.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
-        self.combine(radiance);
+        self.combine(&mut radiance.samples);
     }
 
-    /// Connects each suffix to the prefixes of its group.
+    /// Connects each suffix to the prefixes of its group, which share what it differs from the control variate.
     #[inline(always)]
-    fn connect(&mut self, context: &RenderContext<'_>, suffixes: &[Rgb]) {
-        let Self { all, groups, connections, rays, controls, samples_of_control, .. } = self;
-        let control = |sample: u32| controls[sample as usize / *samples_of_control];
-        for group in groups {
-            for sample in group.iter().copied().flatten() {
-                let radiance = suffixes[sample as usize];
-                let Some(own) = all[sample as usize].as_ref().filter(|_| radiance != control(sample)) else {
-                    continue;
-                };
-                // A radiance that is not finite stays with its own sample, so that an error names that one.
-                let suffix = own.suffix().filter(|_| radiance.is_finite());
-                let found = suffix.and_then(|suffix| own.end.density_at(&suffix));
-                let density = found.map_or(1.0, |(density, _)| density);
-                let guided_density = density * own.guide_ratio;
-                connections.push(Connection {
-                    prefix: sample,
-                    suffix: sample,
-                    density,
-                    guided_density,
-                    rays: 0,
-                });
-                let Some(suffix) = suffix.filter(|_| found.is_some()) else { continue };
-                for prefix in group.iter().copied().flatten().filter(|&prefix| prefix != sample) {
-                    let Some(other) = &all[prefix as usize] else { continue };
-                    if other.bounce != own.bounce {
-                        continue;
-                    }
-                    let Some((density, direction)) = other.end.density_at(&suffix) else { continue };
-                    let added = other.end.push_rays(context.scene.triangles(), &suffix, direction, rays);
-                    if added > 0 {
-                        let guided_density = density * other.end.guide_ratio(context.guide, direction);
-                        connections.push(Connection {
-                            prefix,
-                            suffix: sample,
-                            density,
-                            guided_density,
-                            rays: added,
-                        });
-                    }
+    fn connect_groups(&mut self, context: &RenderContext<'_>, suffixes: &[Rgb]) {
+        for group in 0..self.groups.len() {
+            let group = self.groups[group];
+            for sample in group.into_iter().flatten() {
+                let control = self.controls[sample as usize / self.samples_of_control];
+                let difference = suffixes[sample as usize] - control;
+                if !difference.is_black() {
+                    self.connect(context, (sample, difference), group.into_iter().flatten());
                 }
             }
         }
     }
 
-    /// Divides what each suffix differs from the control variate among the prefixes with an unoccluded connection, weighted by
-    /// the balance heuristic.
-    fn combine(&mut self, RadianceSums { samples, suffixes }: &mut RadianceSums) {
+    /// Connects the suffixes of these caustics, each the sample and its radiance, to the prefixes of their squares.
+    fn connect_squares(&mut self, context: &RenderContext<'_>, tile: PixelRect, caustics: &[(u32, Rgb)]) {
+        let count = (self.all.len() / tile.pixel_count()) as u32;
+        for &(sample, radiance) in caustics {
+            self.connect(context, (sample, radiance), samples_of_square(tile, count, sample));
+        }
+    }
+
+    /// Connects the suffix of a sample to its own prefix and to those of `samples`, which share this radiance.
+    #[inline(always)]
+    fn connect(
+        &mut self,
+        context: &RenderContext<'_>,
+        (sample, radiance): (u32, Rgb),
+        samples: impl Iterator<Item = u32>,
+    ) {
+        let Self { all, shared, connections, rays, .. } = self;
+        let Some(own) = &all[sample as usize] else { return };
+        let before = connections.len();
+        // A radiance that is not finite stays with its own sample, so that an error names that one.
+        let suffix = own.suffix().filter(|_| radiance.is_finite());
+        let found = suffix.and_then(|suffix| own.end.density_at(&suffix));
+        let density = found.map_or(1.0, |(density, _)| density);
+        let guided_density = density * own.guide_ratio;
+        connections.push(Connection { prefix: sample, density, guided_density, rays: 0 });
+        if let Some(suffix) = suffix.filter(|_| found.is_some()) {
+            for prefix in samples.filter(|&prefix| prefix != sample) {
+                let Some(other) = &all[prefix as usize] else { continue };
+                if other.bounce != own.bounce {
+                    continue;
+                }
+                let Some((density, direction)) = other.end.density_at(&suffix) else { continue };
+                let added = other.end.push_rays(context.scene.triangles(), &suffix, direction, rays);
+                if added > 0 {
+                    let guided_density = density * other.end.guide_ratio(context.guide, direction);
+                    connections.push(Connection { prefix, density, guided_density, rays: added });
+                }
+            }
+        }
+        shared.push(SharedRadiance { radiance, connections: connections.len() - before });
+    }
+
+    /// Divides all shared radiance among the prefixes with an unoccluded connection, weighted by the balance heuristic.
+    fn combine(&mut self, samples: &mut [Rgb]) {
         let mut occluded = self.occluded.iter();
         for connection in &mut self.connections {
             if occluded.by_ref().take(connection.rays).fold(false, |any, &is_occluded| any | is_occluded) {
                 (connection.density, connection.guided_density) = (0.0, 0.0);
             }
         }
-        for connections in self.connections.chunk_by(|a, b| a.suffix == b.suffix) {
-            let suffix = connections[0].suffix as usize;
-            let difference = suffixes[suffix] - self.controls[suffix / self.samples_of_control];
+        let mut rest = &*self.connections;
+        for &SharedRadiance { radiance, connections } in &self.shared {
+            let (connections, others) = rest.split_at(connections);
+            rest = others;
             let sum: f64 = connections.iter().map(|connection| connection.guided_density).sum();
             for connection in connections {
                 let prefix = connection.prefix as usize;
                 let throughput = self.all[prefix].map_or(Rgb::WHITE, |prefix| prefix.throughput);
-                samples[prefix] += throughput * difference * (connection.density / sum);
+                samples[prefix] += throughput * radiance * (connection.density / sum);
             }
         }
         self.add_controls(samples);

@@ -119,4 +119,9 @@ impl MisContext {
     pub(super) fn new(density: Density, receiver: Receiver) -> Self {
         Self { density, receiver, mirror: None, supersampled: false, is_first: false }
     }
+
+    /// Whether the path has hit a mirror since, or begun at the camera.
+    pub(super) fn is_specular(&self) -> bool {
+        self.mirror.is_some() || self.density == Density::Delta
+    }
 }

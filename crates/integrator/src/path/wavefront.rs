@@ -1,11 +1,11 @@
-use super::caustics::Caustics;
+use super::caustics::{Caustics, LEAST_WEIGHT};
 use super::choices::Choices;
 use super::counters::Counters;
 use super::emission_rays::MAX_REFLECTIONS;
 use super::first_vertex::irradiance_vertex;
 use super::large_mirror_rays::LargeMirrorRays;
 use super::numbers::{draw_bounce_numbers, draw_numbers};
-use super::path_state::{Contribution, Path, RadianceSums, Stage};
+use super::path_state::{Contribution, Path, RadianceSums, Stage, Target};
 use super::photon_rays::PhotonRays;
 use super::pixel_groups::Groups;
 use super::pixel_rect::PixelRect;
@@ -88,7 +88,7 @@ impl Wavefront {
                 break;
             }
         }
-        self.prefixes.share_suffixes(context, &mut self.radiance, &mut counters);
+        self.prefixes.share_suffixes(context, tile, &mut self.radiance, &mut counters);
         let (prefixes, radiance) = ((tile, &self.prefixes), &mut self.radiance.samples);
         self.photon_rays.trace(context, prefixes, samples, radiance, &mut counters);
         self.caustics.share(context, prefixes, radiance, &mut counters);
@@ -291,8 +291,7 @@ impl Wavefront {
             if let Stage::Reflected(_) = path.stage {
                 self.add_reflected_emission(context, &path, (&hit, &at));
             } else {
-                let emitted = context.emitted(&path, bounce, &hit, &at);
-                *self.radiance.at(path.target) += path.throughput * emitted;
+                self.add_emission(context, &path, bounce, (&hit, &at));
             }
             if context.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
@@ -313,6 +312,24 @@ impl Wavefront {
         }
         self.paths.truncate(kept);
         self.rays.truncate(kept);
+    }
+
+    /// Adds the emission that a path has met. What a suffix finds by way of mirrors is kept by itself, where it is rare.
+    #[inline(always)]
+    fn add_emission(
+        &mut self,
+        context: &RenderContext<'_>,
+        path: &Path,
+        bounce: u32,
+        (hit, at): (&Hit, &Interaction<'_>),
+    ) {
+        let Some((emitted, weight)) = context.emitted(path, bounce, hit, at) else { return };
+        let radiance = path.throughput * (emitted * weight);
+        let is_shared = context.shares_caustics && path.mis.is_specular() && weight >= LEAST_WEIGHT;
+        match path.target {
+            Target::Suffix(sample) if is_shared => self.radiance.suffix_caustics.push((sample, radiance)),
+            target => *self.radiance.at(target) += radiance,
+        }
     }
 
     /// Adds the emission that a path has met after its prefix by way of mirrors. What caustics leave depends on the

@@ -1,11 +1,11 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
-use crate::path::caustics::{LEAST_WEIGHT, at_first_vertex, weight};
+use crate::path::caustics::{LEAST_WEIGHT, weight};
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::first_vertex::first_diffuse_vertex;
 use crate::path::render_context::RenderContext;
 use crate::path::shading_point::MisContext;
-use crate::{Interaction, PathStart, Stream};
+use crate::{PathStart, Stream};
 use globillum_geom::{Frame, Ray};
 use globillum_material::Bsdf;
 
@@ -25,10 +25,17 @@ pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
     may_share && caustics_found(context) <= MOST_FOUND
 }
 
-/// How many caustics that would be shared [`PROBES`] x [`PROBES`] paths find, each by way of up to [`MAX_REFLECTIONS`]
-/// mirrors whatever the limit on bounces. They follow from the scene, the sensor and the settings, never from samples.
+/// How many caustics that would be shared [`PROBES`] x [`PROBES`] paths find from their first two diffuse vertices, each by
+/// way of up to [`MAX_REFLECTIONS`] mirrors whatever the limit on bounces. They follow from the scene, the sensor and the
+/// settings, never from samples.
 fn caustics_found(context: &RenderContext<'_>) -> usize {
-    let scattered = scattered(context);
+    let first = scattered(context, 0, starts(context));
+    let second = scattered(context, 1, first.iter().map(|&(ray, _)| PathStart::Ray(ray)));
+    found_from(context, &first) + found_from(context, &second)
+}
+
+/// How many of these rays, each with what weights depend on, find a caustic that would be shared.
+fn found_from(context: &RenderContext<'_>, scattered: &[(Ray, MisContext)]) -> usize {
     let rays: Vec<Ray> = scattered.iter().map(|(ray, _)| *ray).collect();
     let mut hits = Vec::new();
     context.scene.accel().intersect_batch(&rays, &mut hits);
@@ -50,33 +57,34 @@ fn caustics_found(context: &RenderContext<'_>) -> usize {
     count
 }
 
-/// The rays that the first diffuse vertices of probes scatter, with what weights depend on.
-fn scattered(context: &RenderContext<'_>) -> Vec<(Ray, MisContext)> {
-    let places = (0..PROBES).flat_map(|y| (0..PROBES).map(move |x| [x, y]));
-    let of_probe = |(i, place): (u32, [u32; 2])| {
-        let at = first_diffuse_vertex(context, start(context, place))?;
-        scatter(i, &at)
+/// The rays that the next diffuse vertices of paths scatter, with what weights depend on. So many vertices were before.
+fn scattered(
+    context: &RenderContext<'_>,
+    before: u32,
+    paths: impl Iterator<Item = PathStart>,
+) -> Vec<(Ray, MisContext)> {
+    let scatter = |(i, path)| {
+        let at = first_diffuse_vertex(context, path)?;
+        let frame = Frame::around(at.side());
+        let u = Stream::new(0, PIXEL, i).uniform_pair(2 * before);
+        let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
+        let mis = MisContext { is_first: before == 0, ..MisContext::new(sample.density, at.receiver()) };
+        Some((at.point.spawn(frame.to_world(sample.wi)), mis))
     };
-    (0..).zip(places).filter_map(of_probe).collect()
+    (0..).zip(paths).filter_map(scatter).collect()
 }
 
-/// The ray that the diffuse vertex of probe `i` scatters, with what weights depend on; `None` if nothing is reflected.
-fn scatter(i: u32, at: &Interaction<'_>) -> Option<(Ray, MisContext)> {
-    let frame = Frame::around(at.side());
-    let u = Stream::new(0, PIXEL, i).uniform_pair(0);
-    let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
-    let mis = at_first_vertex(sample.density, at.receiver());
-    Some((at.point.spawn(frame.to_world(sample.wi)), mis))
-}
-
-/// Where the probe at a place of the grid begins.
-fn start(context: &RenderContext<'_>, [column, row]: [u32; 2]) -> PathStart {
+/// Where the probes begin, row by row.
+fn starts(context: &RenderContext<'_>) -> impl Iterator<Item = PathStart> {
     let place = |probe: u32, pixels: u32| {
         let at = (f64::from(probe) + 0.5) / f64::from(PROBES) * f64::from(pixels);
         (at as u32, at.fract())
     };
-    let ((x, u), (y, v)) = (place(column, context.settings.width), place(row, context.settings.height));
-    context.path_start((x, y), [u, v])
+    let places = (0..PROBES).flat_map(|row| (0..PROBES).map(move |column| (column, row)));
+    places.map(move |(column, row)| {
+        let ((x, u), (y, v)) = (place(column, context.settings.width), place(row, context.settings.height));
+        context.path_start((x, y), [u, v])
+    })
 }
 
 #[cfg(test)]
@@ -90,7 +98,7 @@ mod tests {
     use std::hash::Hasher;
 
     /// A floor between two mirrors, below a light that takes up all that the mirrors show, or a small part of it.
-    fn shaft(half_light: f64) -> Scene<KdTree> {
+    fn shaft_model(half_light: f64) -> Model {
         let p = DVec3::new;
         let mut model = Model::default();
         let level = |y: f64, x: f64, z: f64| [p(-x, y, z), p(x, y, z), p(x, y, -z), p(-x, y, -z)];
@@ -102,6 +110,11 @@ mod tests {
             let wall = quad(p(x, 0.0, 9.0), p(x, 0.0, -9.0), p(x, 4.0, -9.0), p(x, 4.0, 9.0));
             model.add(Material::mirror(Rgb::splat(0.95)).unwrap(), wall);
         }
+        model
+    }
+
+    fn shaft(half_light: f64) -> Scene<KdTree> {
+        let model = shaft_model(half_light);
         Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
     }
 
@@ -134,7 +147,8 @@ mod tests {
             for (half_light, are_common) in [(0.5, true), (0.005, false)] {
                 let scene = shaft(half_light);
                 let context = RenderContext::new(&scene, sensor, &settings);
-                let (count, found) = (scattered(&context).len(), caustics_found(&context));
+                let (count, found) =
+                    (scattered(&context, 0, starts(&context)).len(), caustics_found(&context));
                 assert_eq!(count, all, "{sensor:?}, {half_light}");
                 assert_eq!(found > MOST_FOUND, are_common, "{sensor:?}, {half_light}: {found}");
                 assert_eq!(are_shared(&context), !are_common, "{sensor:?}, {half_light}");
@@ -142,5 +156,21 @@ mod tests {
                 assert!(start == 1 || caustics_found(&context) == 0, "{sensor:?}, {half_light}");
             }
         }
+    }
+
+    /// A ceiling that sees no light, above a floor that sees much by way of mirrors.
+    #[test]
+    fn second_diffuse_vertices_count_too() {
+        let p = |x, z| DVec3::new(x, 3.9, z);
+        let mut model = shaft_model(0.5);
+        let ceiling = quad(p(-0.5, 2.0), p(-0.5, -2.0), p(0.5, -2.0), p(0.5, 2.0));
+        model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), ceiling);
+        let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
+        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::Y * 3.9, DVec3::X, 0.1).unwrap();
+        let settings = Settings::new(16, 16, 4);
+        let context = RenderContext::new(&scene, &camera, &settings);
+        let first = scattered(&context, 0, starts(&context));
+        assert_eq!(found_from(&context, &first), 0);
+        assert!(caustics_found(&context) > 10 * MOST_FOUND);
     }
 }
