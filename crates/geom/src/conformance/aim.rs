@@ -50,7 +50,8 @@ fn with_signed_zeros(direction: DVec3, source: &mut impl Source) -> DVec3 {
     direction.map(|x| if x == 0.0 && source.one_in(2) { -0.0 } else { x })
 }
 
-/// Mostly the same ray; otherwise one that excludes one or two triangles, mostly such that it would hit.
+/// Mostly the same ray; otherwise one that excludes one or two triangles, mostly such that it would hit, now and then
+/// an index that no triangle has.
 pub(super) fn with_some_excluded(ray: Ray, triangles: &[Triangle], source: &mut impl Source) -> Ray {
     if triangles.is_empty() || !source.one_in(4) {
         return ray;
@@ -63,6 +64,12 @@ fn excluding_one_more(ray: Ray, triangles: &[Triangle], source: &mut impl Source
     let at_random = source.below(triangles.len()) as u32;
     let closest = if source.one_in(4) { None } else { oracle::closest(triangles, &ray) };
     let index = closest.map_or(at_random, |hit| hit.triangle);
+    // A bit away from an index, or any.
+    let index = match source.below(8) {
+        6 => index ^ 1 << source.below(32),
+        7 => source.bits() as u32,
+        _ => index,
+    };
     ray.excluding(if source.one_in(2) { [ray.excluded[1], index] } else { [index, ray.excluded[0]] })
 }
 

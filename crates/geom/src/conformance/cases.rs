@@ -345,7 +345,6 @@ pub fn duplicate_triangles() -> Case {
     Case::new("duplicate triangles", vec![triangle; 2], rays)
 }
 
-/// A scene within one plane perpendicular to `axis`, 0 to 2.
 /// Rays that exclude triangles of the cube, of two copies of it, and none that there is.
 pub fn excluded_triangles() -> Case {
     let triangles = [cube(), cube()].concat();
@@ -363,10 +362,22 @@ pub fn excluded_triangles() -> Case {
         ([triangles.len() as u32, none], vec![1.0, 1.0, 2.0, 2.0]),
     ];
     let rays = rays.map(|(excluded, all)| (ray.excluding(excluded), Known::All(all)));
+    // Indices that no triangle has, each a bit away from one that is hit.
+    let none_there_is = (0..32).flat_map(|bit| [front, front_copy].map(|index| index ^ 1 << bit));
+    let none_there_is = none_there_is.filter(|&index| index as usize >= triangles.len());
+    let none_there_is: Vec<_> = none_there_is
+        .flat_map(|index| [[index, none], [none, index]])
+        .map(|excluded| (ray.excluding(excluded), Known::All(vec![1.0, 1.0, 2.0, 2.0])))
+        .collect();
     let segment = Ray::segment(p(0.7, 0.2, -1.0), p(0.7, 0.2, 0.5)).excluding([front, front_copy]);
-    Case::new("excluded triangles", triangles, rays.into_iter().chain([(segment, Known::Miss)]))
+    Case::new(
+        "excluded triangles",
+        triangles,
+        rays.into_iter().chain(none_there_is).chain([(segment, Known::Miss)]),
+    )
 }
 
+/// A scene within one plane perpendicular to `axis`, 0 to 2.
 fn flat_scene(name: &'static str, axis: usize) -> Case {
     let mut source = Seeded::new(23);
     let mut flat = || {

@@ -94,10 +94,13 @@ impl<'a> Rows<'a> {
     }
 
     /// The lanes that hold one of two triangles. Lanes beyond the block may be among them.
+    ///
+    /// Any index may be asked for: `index ^ NORMAL` is [`Rows::word_of`] for the indices of triangles, and the word of no
+    /// triangle for all others.
     #[inline(always)]
     pub(super) fn lanes_of<S: Simd>(self, simd: S, [a, b]: [u32; 2]) -> u8 {
         let words = simd.load(self.row((Self::COUNT - 1) * self.count)).to_bits();
-        (words.simd_eq(a | Self::NORMAL) | words.simd_eq(b | Self::NORMAL)).to_bitmask() as u8
+        (words.simd_eq(a ^ Self::NORMAL) | words.simd_eq(b ^ Self::NORMAL)).to_bitmask() as u8
     }
 
     #[inline(always)]
