@@ -5,7 +5,7 @@ use glam::DVec3;
 const U: f64 = f64::EPSILON / 2.0;
 
 /// The error bound of a hit along each axis, in units of `U` times the largest coordinate distance between
-/// the ray's origin and the triangle: 24 for the decision, 2 for the rounding of a direction between two
+/// the ray's origin and the scene's bounds: 24 for the decision, 2 for the rounding of a direction between two
 /// points.
 const HIT_ERR: f64 = 26.0;
 
@@ -40,7 +40,9 @@ pub struct SurfacePoint {
     /// The unit geometric normal `n_g`, which points to the triangle's front.
     pub normal: DVec3,
     /// A distance from the triangle's plane, in units of length: a ray that starts this far off the plane and
-    /// leads away from it hits no triangle in the plane.
+    /// leads away from it hits no triangle in the plane. The same holds for a segment that ends this far off the plane,
+    /// on the side where it begins, if it begins within the scene's bounds. 0 for a
+    /// [given point](crate::Triangles::given_point).
     pub plane_err: f64,
     /// The index of the triangle; [`Ray::NO_TRIANGLE`] for a [given point](crate::Triangles::given_point).
     pub triangle: u32,
@@ -94,15 +96,31 @@ impl SurfacePoint {
 
     /// The open segment to `other`, each end offset toward the other one. It excludes both triangles.
     ///
-    /// `None` if one of the points lies in the plane of the other within `plane_err`, where the cosine is
+    /// The ends are offset by `plane_err`, which suffices if both points are in the scene. A
+    /// [given point](crate::Triangles::given_point) may be far outside it: from there the far end is offset by
+    /// `26 eps (|n_x| + |n_y| + |n_z|)` times the largest coordinate distance of the points more, with `eps = 2^-53`
+    /// and `n` the normal at that end. So what lies in the plane of `other` does not occlude `other`, from anywhere.
+    ///
+    /// `None` if one of the points lies in the plane of the other within its offset, where the cosine is
     /// zero up to rounding.
     #[inline(always)]
     pub fn segment_to(&self, other: &Self) -> Option<Ray> {
         let between = other.position - self.position;
-        (self.stands_off(between) && other.stands_off(between)).then(|| {
-            Ray::segment(self.leave_toward(between), other.leave_toward(-between))
+        let end = if self.triangle == Ray::NO_TRIANGLE { other.seen_from_outside(between) } else { *other };
+        (self.stands_off(between) && end.stands_off(between)).then(|| {
+            Ray::segment(self.leave_toward(between), end.leave_toward(-between))
                 .excluding([self.triangle, other.triangle])
         })
+    }
+
+    /// The same point with a `plane_err` for rays from anywhere that are `offset` long where they end here.
+    ///
+    /// `plane_err` holds for rays from within the scene. For others the error of a decision grows with the distance of
+    /// the ray's origin from whatever shares the plane: at most the scene's extent more than that from this point.
+    #[inline(always)]
+    fn seen_from_outside(&self, offset: DVec3) -> Self {
+        let farther = U * HIT_ERR * offset.abs().max_element();
+        Self { plane_err: self.plane_err + farther * self.normal.abs().element_sum(), ..*self }
     }
 
     /// The open segment to `position`, a point on no surface, offset toward it at this end. It excludes this point's

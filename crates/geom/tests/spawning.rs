@@ -4,7 +4,7 @@
 //! `GLOBILLUM_EFFORT` multiplies the number of rays; 10 makes it a million of each kind.
 
 use glam::{DQuat, DVec3, Vec3};
-use globillum_geom::conformance::shapes::{cuboid, icosphere};
+use globillum_geom::conformance::shapes::{cuboid, icosphere, quad};
 use globillum_geom::conformance::{Seeded, Source};
 use globillum_geom::{Frame, Hit, Ray, Triangle, Triangles};
 
@@ -316,6 +316,61 @@ fn a_small_triangle_far_away_does_not_shade_itself() {
                 {
                     assert!(!accel.occluded(&segment), "{name}, {small:?}, {large:?}, {segment:?}");
                 }
+            }
+        }
+    }
+}
+
+/// A lamp `2 a` by `2 b` in the middle of a ceiling three times as large, in one plane to the bit, and with
+/// `in_front` a plate half as large again as the lamp at that part of the ceiling's extent along `a x b`.
+fn lamp_in_ceiling([a, b]: [DVec3; 2], in_front: Option<f64>) -> Triangles {
+    let around =
+        |by: f64, at: DVec3| quad(at - by * (a + b), at + by * (a - b), at + by * (a + b), at - by * (a - b));
+    let ceiling = around(3.0, DVec3::ZERO);
+    let extent = ceiling[0].bounds().union(&ceiling[1].bounds()).extent().max_element();
+    let off = |part: f64| around(1.5, part * extent * a.cross(b).normalize());
+    let all = around(1.0, DVec3::ZERO).into_iter().chain(ceiling).chain(in_front.into_iter().flat_map(off));
+    Triangles::new(all.collect()).expect("the triangles are good")
+}
+
+/// The segments from points `times` the scene's extent away to the lamp's triangles, the first two, for `count` points
+/// at least `height` times their distance in front of its plane.
+fn segments_from_afar(triangles: &Triangles, times: f64, height: f64, count: usize) -> Vec<Ray> {
+    let mut source = Seeded::new(504);
+    let normal = triangles.get(0).normal();
+    let distance = times * triangles.bounds().extent().max_element();
+    let segments = (0..count).filter_map(|i| {
+        let [u, v] = on_triangle(&mut source);
+        let lamp = triangles.surface_point(i as u32 % 2, u, v);
+        let away = loop {
+            let away = leaving(&mut source, normal);
+            if away.dot(normal) >= height {
+                break away;
+            }
+        };
+        triangles.given_point(distance * away, -away).segment_to(&lamp).map(excluding_none)
+    });
+    segments.collect()
+}
+
+/// A given point may lie far outside the scene, where a decision is off by more than in the scene.
+#[test]
+fn what_shares_a_lamps_plane_does_not_shade_it_from_far_away() {
+    let (axes, oblique) = ([DVec3::Z, DVec3::X], [DVec3::new(1.0, 2.0, 2.0), DVec3::new(2.0, 1.0, -2.0)]);
+    for sides in [axes, oblique] {
+        let [open, covered] = [None, Some(1e-4)].map(|in_front| lamp_in_ceiling(sides, in_front));
+        for times in [1.0, 30.0, 100.0, 1000.0, 1e6, 1e9] {
+            let count = 3000 * effort();
+            let free = segments_from_afar(&open, times, 0.0, count);
+            let blocked = segments_from_afar(&covered, times, 0.01, count);
+            assert!(free.len() > count / 2 && blocked.len() == count, "{} and {}", free.len(), blocked.len());
+            for (name, build) in ACCELERATORS {
+                let [open, covered] =
+                    [&open, &covered].map(|t| build(t).expect("the accelerator can be built"));
+                let shaded = free.iter().filter(|segment| open.occluded(segment)).count();
+                assert_eq!(shaded, 0, "{name}, {sides:?}, {times} times the extent, of {count}");
+                let lit = blocked.iter().filter(|segment| !covered.occluded(segment)).count();
+                assert_eq!(lit, 0, "{name}, {sides:?}, {times} times the extent, of {count}");
             }
         }
     }
