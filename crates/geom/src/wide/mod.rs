@@ -21,8 +21,13 @@ mod tree;
 use crate::cpu::{SimdLevel, Token, vectorized};
 use crate::query::{AnyHit, ClosestHit, Query};
 use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, Traverse, Triangles};
+use simd::PACKET;
 use trace::{Scratch, query_one, query_others, query_packets};
 use tree::Tree;
+
+/// The most rays of a batch that are traversed together: traversal numbers them in 32 bits.
+const MOST_RAYS: usize = 1 << 31;
+const _: () = assert!(MOST_RAYS.is_multiple_of(PACKET), "packets are counted from the start of the batch");
 
 /// A wide bounding volume hierarchy, the fastest structure of this crate. Every node stores the bounds of up to eight
 /// children.
@@ -112,16 +117,37 @@ impl WideBvh {
 }
 
 impl WideBvh {
-    /// Answers the query of every ray. Packets and stream are compiled apart: together they are slower.
+    /// Answers the query of every ray, [`MOST_RAYS`] at a time.
     fn query_batch<Q: Query, T: Clone + Default>(
         &self,
         rays: &[Ray],
         answers: &mut Vec<T>,
         answer: impl Fn(Q) -> T + Copy,
     ) {
+        answers.clear();
+        answers.reserve(rays.len());
+        self.query_parts(rays.chunks(MOST_RAYS), answers, answer);
+    }
+
+    /// Adds the answers to the queries of all rays in `parts`. Packets and stream are compiled apart: together they are
+    /// slower.
+    fn query_parts<'a, Q: Query, T: Clone + Default>(
+        &self,
+        parts: impl Iterator<Item = &'a [Ray]>,
+        answers: &mut Vec<T>,
+        answer: impl Fn(Q) -> T + Copy,
+    ) {
         Scratch::lend(|scratch| {
-            vectorized!(self.token, |simd| query_packets(simd, &self.tree, rays, scratch, answers, answer));
-            vectorized!(self.token, |simd| query_others(simd, &self.tree, rays, scratch, answers, answer));
+            for rays in parts {
+                let first = answers.len();
+                vectorized!(self.token, |simd| query_packets(
+                    simd, &self.tree, rays, scratch, answers, answer
+                ));
+                let answers = &mut answers[first..];
+                vectorized!(self.token, |simd| query_others(
+                    simd, &self.tree, rays, scratch, answers, answer
+                ));
+            }
         });
     }
 }
@@ -159,5 +185,37 @@ impl Accel for WideBvh {
 
     fn bytes(&self) -> usize {
         self.tree.bytes()
+    }
+}
+
+#[cfg(all(test, feature = "conformance"))]
+mod tests {
+    use super::*;
+    use crate::conformance::shapes::icosphere;
+    use crate::conformance::{Seeded, Source};
+    use glam::DVec3;
+
+    #[test]
+    fn a_batch_in_parts_has_the_answers_of_the_whole() {
+        let triangles = Triangles::new(icosphere(3).triangles()).expect("a valid mesh");
+        let tree = WideBvh::build(&triangles).expect("the tree can be built");
+        let mut source = Seeded::new(0);
+        let mut signed = || DVec3::new(source.signed(), source.signed(), source.signed());
+        // Packets and single rays.
+        let mut ray = |i: usize| {
+            let is_coherent = i % (4 * PACKET) < 2 * PACKET;
+            let [origin, target] = if is_coherent {
+                [3.0 * DVec3::Z, DVec3::X + 0.1 * signed()]
+            } else {
+                [2.0 * signed(), signed()]
+            };
+            Ray::new(origin, target - origin)
+        };
+        let rays: Vec<Ray> = (0..1000).map(&mut ray).collect();
+        let (mut whole, mut in_parts) = (Vec::new(), Vec::new());
+        tree.intersect_batch(&rays, &mut whole);
+        tree.query_parts(rays.chunks(3 * PACKET), &mut in_parts, |query: ClosestHit| query.hit());
+        assert!(whole.iter().any(Option::is_some) && whole.iter().any(Option::is_none));
+        assert_eq!(in_parts, whole);
     }
 }

@@ -47,7 +47,9 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
 }
 
 /// Answers the queries of coherent rays, a packet at a time, and leaves the other rays to [`query_others`]; `answer`
-/// makes of each query what goes to `answers`, in the rays' order.
+/// makes of each query what is added to `answers`, in the rays' order.
+///
+/// There are at most `2^32` rays.
 #[inline(always)]
 pub(super) fn query_packets<S: Simd, Q: Query, T: Clone + Default>(
     simd: S,
@@ -57,14 +59,13 @@ pub(super) fn query_packets<S: Simd, Q: Query, T: Clone + Default>(
     answers: &mut Vec<T>,
     answer: impl Fn(Q) -> T,
 ) {
-    answers.clear();
-    answers.reserve(rays.len());
+    let first = answers.len();
     starts.clear();
     for start in (0..rays.len()).step_by(PACKET) {
         // Packet by packet, so that answers are in the cache when they are overwritten.
-        answers.resize(rays.len().min(start + PACKET), T::default());
+        answers.resize(first + rays.len().min(start + PACKET), T::default());
         let mut report = |i, query| {
-            answers[start + i] = answer(query);
+            answers[first + start + i] = answer(query);
             // The rays of the next packet, which are needed soon.
             prefetch_index(rays, start + PACKET + i);
         };
@@ -81,7 +82,7 @@ pub(super) fn query_packets<S: Simd, Q: Query, T: Clone + Default>(
     }
 }
 
-/// Answers the queries that [`query_packets`] has left.
+/// Answers the queries that [`query_packets`] has left; `answers` are those of these rays.
 #[inline(always)]
 pub(super) fn query_others<S: Simd, Q: Query, T>(
     simd: S,
