@@ -1,7 +1,9 @@
-//! Triangle meshes of simple shapes, computed in `f64` and rounded once.
+//! Triangle meshes of simple shapes, computed in `f64` and rounded once, with the same bits on every platform: sines and
+//! cosines are those of `libm`.
 
 use crate::Triangle;
 use glam::{DQuat, DVec3};
+use libm::{cos, sin};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
@@ -45,7 +47,6 @@ pub fn quad(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> [Triangle; 2] {
 /// A box around `center` with half sides `half`, rotated by `yaw` radians about the y axis; its front is
 /// outside.
 pub fn cuboid(center: DVec3, half: DVec3, yaw: f64) -> Vec<Triangle> {
-    // `libm` gives the same bits on every platform.
     let (sin, cos) = libm::sincos(0.5 * yaw);
     let turn = DQuat::from_xyzw(0.0, sin, 0.0, cos);
     let corner = |x, y, z| center + turn * (half * DVec3::new(x, y, z));
@@ -141,8 +142,8 @@ fn tube(
 
 /// A torus about the y axis with radii 1 and 0.4: a closed mesh of `2 * around * across` triangles.
 pub fn torus(around: usize, across: usize) -> Mesh {
-    let core = |u: f64| DVec3::new(u.sin(), 0.0, u.cos());
-    tube([around, across], 0.2, core, |u, v| 0.4 * (v.cos() * core(u) + v.sin() * DVec3::Y))
+    let core = |u: f64| DVec3::new(sin(u), 0.0, cos(u));
+    tube([around, across], 0.2, core, |u, v| 0.4 * (cos(v) * core(u) + sin(v) * DVec3::Y))
 }
 
 /// A tube around a trefoil knot with a rippled surface, as a stand-in for a scanned statue: a closed mesh of
@@ -151,14 +152,34 @@ pub fn statue(triangles: usize) -> Mesh {
     // The tube is eight times as long as its circumference.
     let across = ((triangles as f64 / 16.0).sqrt() as usize).max(3);
     let around = (triangles / (2 * across)).max(3);
-    let knot = |u: f64| {
-        DVec3::new(u.sin() + 2.0 * (2.0 * u).sin(), u.cos() - 2.0 * (2.0 * u).cos(), -(3.0 * u).sin()) / 3.5
-    };
+    let knot =
+        |u: f64| DVec3::new(sin(u) + 2.0 * sin(2.0 * u), cos(u) - 2.0 * cos(2.0 * u), -sin(3.0 * u)) / 3.5;
     tube([around, across], 0.05, knot, |u, v| {
         let tangent = (knot(u + 1e-4) - knot(u - 1e-4)).normalize();
         let side = tangent.cross(DVec3::Z).normalize();
         let normal = side.cross(tangent);
-        let ripple = 1.0 + 0.08 * (24.0 * u).sin() + 0.06 * (5.0 * v + 9.0 * u).sin();
-        0.17 * ripple * (v.cos() * side + v.sin() * normal)
+        let ripple = 1.0 + 0.08 * sin(24.0 * u) + 0.06 * sin(5.0 * v + 9.0 * u);
+        0.17 * ripple * (cos(v) * side + sin(v) * normal)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The hash FNV-1a of all coordinates.
+    fn hash(mesh: &Mesh) -> u64 {
+        let coordinates = mesh.vertices.iter().chain(&mesh.core).flat_map(|p| p.to_array());
+        let bytes = coordinates.flat_map(|x| x.to_bits().to_le_bytes());
+        bytes
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    }
+
+    #[test]
+    fn round_shapes_have_the_same_bits_on_every_platform() {
+        assert_eq!(
+            [hash(&torus(48, 24)), hash(&statue(4000))],
+            [0x0b7b_b530_0540_e28a, 0xf40d_8933_dbd9_5345]
+        );
+    }
 }

@@ -121,7 +121,7 @@ impl Regime {
         match self {
             Self::Uniform | Self::Copies => source.signed(),
             Self::Lattice => source.below(5) as f64,
-            Self::LogUniform => 10.0_f64.powf(15.0 * source.signed()).copysign(source.signed()),
+            Self::LogUniform => libm::pow(10.0, 15.0 * source.signed()).copysign(source.signed()),
             Self::Offset => 1e4 + 0.01 * source.signed(),
             Self::RawBits => f64::from(in_domain(source.bits() as u32)),
         }
@@ -133,7 +133,7 @@ impl Regime {
 fn pencil(triangles: &[Triangle], ray: Ray, source: &mut impl Source) -> Vec<Ray> {
     let vertices = triangles.iter().flat_map(|triangle| triangle.vertices);
     let reach = f64::from(vertices.map(|v| v.abs().max_element()).fold(1e-6, f32::max));
-    let spread = 10.0_f64.powf(-9.0 * source.unit());
+    let spread = libm::pow(10.0, -9.0 * source.unit());
     let speed = ray.direction.abs().max_element();
     let target = if triangles.is_empty() { DVec3::ZERO } else { point_of(&source.pick(triangles), source) };
     let away = ray.direction / speed * reach * 2.0_f64.powi(source.below(46) as i32);

@@ -117,7 +117,7 @@ pub(super) fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> [u32;
         }
         // Extents relative to the longest axis prevent overflow at any scale.
         let volume: f64 = remaining.iter().map(|&a| extent[a] / longest).product();
-        let cells_per_extent = (left / volume).powf(1.0 / remaining.len() as f64);
+        let cells_per_extent = libm::pow(left / volume, 1.0 / remaining.len() as f64);
         let cells = (extent[axis] / longest * cells_per_extent).clamp(1.0, left.max(1.0));
         resolution[axis] = if cells.is_finite() { cells as u32 } else { 1 };
         left /= f64::from(resolution[axis]);
