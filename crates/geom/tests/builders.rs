@@ -43,10 +43,24 @@ impl Scene {
         }
     }
 
-    /// Checks the answers to `count` aimed rays and returns how many hit.
+    /// Checks the answers to `count` aimed rays and returns how many hit; those of the wide BVHs also in batches with
+    /// packets.
     fn check(&self, count: usize) -> usize {
         let rays = aimed_rays(&self.triangles, count);
+        self.check_batches(&[&coherent_rays(&self.triangles), &rays[..count.min(64)]].concat());
         rays.iter().filter(|ray| self.hit(ray).is_some()).count()
+    }
+
+    /// Checks the answers of the wide BVHs to a batch of `rays`.
+    fn check_batches(&self, rays: &[Ray]) {
+        let expected: Vec<_> = rays.iter().map(|ray| bits(self.brute.intersect(ray))).collect();
+        for (name, accel) in [("wide BVH", &self.wide), ("wide BVH, built quickly", &self.quick)] {
+            let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+            accel.intersect_batch(rays, &mut hits);
+            accel.occluded_batch(rays, &mut occluded);
+            assert!(hits.into_iter().map(bits).eq(expected.iter().copied()), "{name}, {rays:?}");
+            assert!(occluded.into_iter().eq(expected.iter().map(Option::is_some)), "{name}, {rays:?}");
+        }
     }
 
     /// What all structures answer.
@@ -155,6 +169,19 @@ fn aimed_rays(triangles: &Triangles, count: usize) -> Vec<Ray> {
         return vec![Ray::new(DVec3::ZERO, DVec3::X); count];
     }
     (0..count).map(|_| aimed_ray(triangles, &mut source)).collect()
+}
+
+/// Two packets of 64 rays: from one point close to an aimed ray, and segments back to it from near the ray's target.
+fn coherent_rays(triangles: &Triangles) -> Vec<Ray> {
+    if triangles.is_empty() {
+        return Vec::new();
+    }
+    let mut source = Seeded::new(64);
+    let ray = aimed_ray(triangles, &mut source);
+    let spread = 0.01 * ray.direction.abs().max_element();
+    let directions = [0; 64].map(|_| ray.direction + spread * in_cube(&mut source).as_dvec3());
+    let from_origin = directions.map(|direction| Ray { direction, ..ray });
+    [from_origin, directions.map(|direction| Ray::segment(ray.origin + direction, ray.origin))].concat()
 }
 
 fn aimed_ray(triangles: &Triangles, source: &mut Seeded) -> Ray {

@@ -53,6 +53,10 @@ pub const SMALL_CELLS: [(&str, Builder); 2] = [
     ("wide BVH, small cells, midpoint", |t| small_cells(t, SplitRule::Midpoint, 8.0)),
 ];
 
+/// The wide BVH built by a grid.
+pub const QUICK: [(&str, Builder); 1] =
+    [("wide BVH, built quickly", |t| Ok(Box::new(WideBvh::build_quickly(t)?)))];
+
 fn wide(triangles: &Triangles, level: SimdLevel) -> Built {
     Ok(Box::new(WideBvh::build(triangles)?.with_level(level)))
 }
@@ -70,7 +74,7 @@ pub const RULES: [(&str, Builder); 7] = [
 
 /// All accelerators and variants.
 pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
-    ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(SMALL_CELLS).chain(RULES)
+    ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(SMALL_CELLS).chain(QUICK).chain(RULES)
 }
 
 /// [`all`] of them in one: comparing its answers with an oracle's compares those of each, and asks the oracle
