@@ -71,8 +71,6 @@ pub use surface::SurfacePoint;
 pub use triangle::Triangle;
 pub use triangles::Triangles;
 pub use wide::WideBvh;
-#[allow(deprecated, reason = "programs that use the former name still compile")]
-pub use wide::WideKdTree;
 
 /// A hash of this crate's sources, in hexadecimal digits. What may change a bit of a picture changes it; so does a
 /// comment. It is part of the [key](https://docs.rs/globillum-integrator) of a picture.

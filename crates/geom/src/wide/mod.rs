@@ -50,10 +50,6 @@ pub struct WideBvh {
     token: Token,
 }
 
-/// The former name of [`WideBvh`].
-#[deprecated(since = "0.1.0", note = "renamed to `WideBvh`")]
-pub type WideKdTree = WideBvh;
-
 impl WideBvh {
     /// Builds the tree by the surface area heuristic, with options that suit it.
     ///
