@@ -83,9 +83,9 @@ impl Shear {
     /// rounded, a triangle whose plane contains the line may be hit. The line intersects the triangle if the
     /// exact edge functions of the projected vertices do not differ in sign, and are not all zero.
     ///
-    /// Let `u = 2^-53` and `P` be the largest coordinate distance from the ray's origin to a vertex. The
-    /// answer is that of a parallel ray, displaced by at most `6 u P` along each of the two other axes, up to
-    /// an error of `12 u` times the largest depth in `t` and `7 u` in the barycentrics. For a triangle seen
+    /// Let `eps = 2^-53` and `P` be the largest coordinate distance from the ray's origin to a vertex. The
+    /// answer is that of a parallel ray, displaced by at most `6 eps P` along each of the two other axes, up to
+    /// an error of `12 eps` times the largest depth in `t` and `7 eps` in the barycentrics. For a triangle seen
     /// edge-on, a small displacement can change `t` much (docs/numerics.md).
     #[inline(always)]
     pub fn decide(&self, triangle: &Triangle) -> Option<Intersection> {

@@ -46,6 +46,7 @@ mod probe;
 mod prune;
 mod query;
 mod ray;
+mod rounding;
 #[cfg(feature = "shapes")]
 pub mod shapes;
 mod spherical;

@@ -1,11 +1,12 @@
 //! Conservative pruning of nodes and cells.
 //!
-//! At the computed `t` of a hit, the ray's point is within `24 u * reach` of a point of the triangle along
-//! each axis, where `u = 2^-53` and `reach` is the largest coordinate distance between the ray's origin and
+//! At the computed `t` of a hit, the ray's point is within `24 eps * reach` of a point of the triangle along
+//! each axis, where `eps = 2^-53` and `reach` is the largest coordinate distance between the ray's origin and
 //! the scene's bounds (docs/numerics.md has the proof). Accelerators therefore widen every plane by
 //! [`Ray::pruning_slack`], which also covers the rounding of the parameter at which the ray crosses the
 //! plane.
 
+use crate::rounding::EPS;
 use crate::{Aabb, Ray};
 use glam::DVec3;
 
@@ -26,7 +27,7 @@ pub(crate) struct Pruner {
     pub(crate) slack: f64,
 }
 
-/// The slack in units of `u * reach`: 24 for the hit point, the rest for the rounding of accelerators.
+/// The slack in units of `eps * reach`: 24 for the hit point, the rest for the rounding of accelerators.
 const SLACK_ULPS: f64 = 64.0;
 
 /// Direction components below this fraction of the largest are replaced by it, so that no quotient is NaN.
@@ -37,14 +38,14 @@ impl Ray {
     /// The length, in units of the scene, by which an accelerator over triangles within `bounds` widens its
     /// boxes along each axis.
     ///
-    /// It is `64 u reach`, with `u = 2^-53` and `reach` the largest coordinate distance between the origin
+    /// It is `64 eps reach`, with `eps = 2^-53` and `reach` the largest coordinate distance between the origin
     /// and `bounds`. It is infinite for the empty box, and may be NaN for a ray that is not
     /// [traceable](Ray::is_traceable).
     ///
     /// Let a box contain a triangle, or the part of it that is referenced there, and move all six faces
     /// outward by this length. A query may skip the box if the exact line misses it, or intersects it only at
     /// `t` outside the ray's range or beyond the closest hit so far. A computed hit takes 24 of the 64 units:
-    /// the point at its `t` is within `24 u reach` of a point of the triangle along each axis, for triangles
+    /// the point at its `t` is within `24 eps reach` of a point of the triangle along each axis, for triangles
     /// of any shape seen from any side (docs/numerics.md has the proof). The other 40 are for the rounding of
     /// the accelerator, which takes 4 for the offset of a face from the origin and for the parameter at which
     /// the ray crosses it.
@@ -62,7 +63,7 @@ impl Ray {
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let (below, above) = (largest(min - self.origin), largest(max - self.origin));
         let reach = if below > above { below } else { above };
-        SLACK_ULPS * (f64::EPSILON / 2.0) * reach
+        SLACK_ULPS * EPS * reach
     }
 }
 
@@ -80,7 +81,7 @@ impl Pruner {
     /// The parameter at which the ray crosses the plane at the signed `distance` from its origin along
     /// `axis`. The slack increases it if `later`, and decreases it otherwise.
     ///
-    /// `distance` may have a relative error of a few `u`, or an absolute one of a few `u * reach`.
+    /// `distance` may have a relative error of a few `eps`, or an absolute one of a few `eps * reach`.
     #[inline(always)]
     pub(crate) fn crossing(&self, axis: usize, distance: f64, later: bool) -> f64 {
         let slack = self.slack.copysign(self.inverse[axis]);

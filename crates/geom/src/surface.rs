@@ -1,10 +1,8 @@
+use crate::rounding::EPS;
 use crate::{Ray, Triangle};
 use glam::DVec3;
 
-/// The unit roundoff of `f64`.
-const U: f64 = f64::EPSILON / 2.0;
-
-/// The error bound of a hit along each axis, in units of `U` times the largest coordinate distance between
+/// The error bound of a hit along each axis, in units of [`EPS`] times the largest coordinate distance between
 /// the ray's origin and the scene's bounds: 24 for the decision, 2 for the rounding of a direction between two
 /// points.
 const HIT_ERR: f64 = 26.0;
@@ -69,14 +67,14 @@ impl SurfacePoint {
         let position = v0 + (u * e1 + v * e2);
         let extent = (e1.abs() + e2.abs() + (e1 - e2).abs()).max_element();
         let evenly = DVec3::splat(3.0 * extent + HIT_ERR * scene_extent);
-        let err = U * (v0.abs() + evenly + 2.0 * position.abs());
+        let err = EPS * (v0.abs() + evenly + 2.0 * position.abs());
         Self { position, normal, plane_err: normal.abs().dot(err), triangle: index }
     }
 
     /// The point that stands for `position`, in a scene whose bounds have the longest side `scene_extent`; `reach` has
     /// the largest magnitudes of coordinates along each axis, of the scene and of `position`.
     pub(crate) fn given(position: DVec3, normal: DVec3, reach: DVec3, scene_extent: f64) -> Self {
-        let lift = normal.abs().dot(GIVEN_ERR * reach + DVec3::splat(U * HIT_ERR * scene_extent));
+        let lift = normal.abs().dot(GIVEN_ERR * reach + DVec3::splat(EPS * HIT_ERR * scene_extent));
         Self { position: position + lift * normal, normal, plane_err: 0.0, triangle: Ray::NO_TRIANGLE }
     }
 
@@ -119,7 +117,7 @@ impl SurfacePoint {
     /// the ray's origin from whatever shares the plane: at most the scene's extent more than that from this point.
     #[inline(always)]
     fn seen_from_outside(&self, offset: DVec3) -> Self {
-        let farther = U * HIT_ERR * offset.abs().max_element();
+        let farther = EPS * HIT_ERR * offset.abs().max_element();
         Self { plane_err: self.plane_err + farther * self.normal.abs().element_sum(), ..*self }
     }
 

@@ -1,17 +1,17 @@
 //! The decision against exact arithmetic.
 //!
-//! Let `u = 2^-53` and `P` be the largest coordinate distance from the ray's origin to a vertex.
-//! To first order in `u`, `Shear::decide` makes two kinds of errors:
+//! Let `eps = 2^-53` and `P` be the largest coordinate distance from the ray's origin to a vertex.
+//! To first order in `eps`, `Shear::decide` makes two kinds of errors:
 //!
-//! - Projecting a vertex, `x - slope * z`, moves it by up to `6 u P` along each of the two axes
-//!   across the ray: `u P` from `x`, `3 u P` from the product (slope, `z` and multiplication),
-//!   `2 u P` from the difference.
+//! - Projecting a vertex, `x - slope * z`, moves it by up to `6 eps P` along each of the two axes
+//!   across the ray: `eps P` from `x`, `3 eps P` from the product (slope, `z` and multiplication),
+//!   `2 eps P` from the difference.
 //! - Everything after that is a mean of the vertices with weights of one sign, whose errors stay
-//!   relative: `2 u` for each edge function; in all `7 u` for `u` and `v`, and for `t`, in units
-//!   of the largest depth, `12 u`.
+//!   relative: `2 eps` for each edge function; in all `7 eps` for `u` and `v`, and for `t`, in units
+//!   of the largest depth, `12 eps`.
 //!
 //! Moving the vertices, and with them any mean of them, is moving the ray the other way. The
-//! outcome is therefore that of a parallel ray displaced by up to `6 u P` along the two axes. What
+//! outcome is therefore that of a parallel ray displaced by up to `6 eps P` along the two axes. What
 //! that does to `t`, `u` and `v` depends on the triangle, and exact arithmetic knows it.
 
 use glam::{DVec3, Vec3};
@@ -22,9 +22,9 @@ use globillum_testkit::aimed::{Aimed, edge_on, interpolate, ordinary, sliver};
 use proptest::prelude::*;
 
 /// Unit roundoff of `f64`.
-const U: f64 = f64::EPSILON / 2.0;
+const EPS: f64 = f64::EPSILON / 2.0;
 
-/// Covers what is of second order in `u`, and the rounding of the bounds themselves.
+/// Covers what is of second order in `eps`, and the rounding of the bounds themselves.
 const SECOND_ORDER: f64 = 1.0 + 1e-9;
 
 /// A decision and the truth about it.
@@ -58,7 +58,7 @@ impl Case {
     fn displacement(&self, gradient: &Vector) -> f64 {
         let mut across = DVec3::from(gradient.each_ref().map(rounded)).abs();
         across[self.main_axis()] = 0.0;
-        SECOND_ORDER * 6.0 * U * self.largest(DVec3::max_element) * across.element_sum()
+        SECOND_ORDER * 6.0 * EPS * self.largest(DVec3::max_element) * across.element_sum()
     }
 
     /// The errors of `t`, `u` and `v`, each as a fraction of its bound.
@@ -68,9 +68,9 @@ impl Case {
         let depth = self.largest(|offset| offset[z]) / self.ray.direction[z].abs();
         let [dt, du, dv] = gradients.each_ref().map(|gradient| self.displacement(gradient));
         [
-            error(decided.t, t) / (12.0 * U * depth * SECOND_ORDER + dt),
-            error(decided.u, u) / (7.0 * U * SECOND_ORDER + du),
-            error(decided.v, v) / (7.0 * U * SECOND_ORDER + dv),
+            error(decided.t, t) / (12.0 * EPS * depth * SECOND_ORDER + dt),
+            error(decided.u, u) / (7.0 * EPS * SECOND_ORDER + du),
+            error(decided.v, v) / (7.0 * EPS * SECOND_ORDER + dv),
         ]
     }
 
@@ -158,7 +158,7 @@ proptest! {
         let out = DVec3::new(slant.sin() * turn.cos(), slant.sin() * turn.sin(), slant.cos());
         let case = Case::new(Ray::new(interpolate(&triangle, u, v) + 2.0 * out, -out), triangle).unwrap();
         if let Some(decided) = case.decided {
-            let limit = (7.0 + 6.0 * 3.74 * 1.9) * U;
+            let limit = (7.0 + 6.0 * 3.74 * 1.9) * EPS;
             prop_assert!(error(decided.u, &case.exact.u) <= limit);
             prop_assert!(error(decided.v, &case.exact.v) <= limit);
         }

@@ -17,7 +17,7 @@
 //!   `t_min < t < t_max`. The hit of smallest `t` wins; the smallest index breaks ties. A node that begins
 //!   exactly at the closest `t` so far is therefore visited; a node that begins beyond it is not.
 //! - **Pruning**: widen boxes, slabs and cells by [`Ray::pruning_slack`](crate::Ray::pruning_slack), given the
-//!   bounds of all triangles. The computed `t` of a hit describes a point within `24 u reach` of the triangle,
+//!   bounds of all triangles. The computed `t` of a hit describes a point within `24 eps reach` (`eps = 2^-53`) of the triangle,
 //!   not on it. Without slack an accelerator loses hits that brute force finds. The bound relies on the edge
 //!   functions of `Shear`, whose signs are exact (Kahan's difference of products; Jeannerod, Louvet and Muller,
 //!   "Further analysis of Kahan's algorithm", 2013) after the projection of Woop, Benthin and Wald, "Watertight

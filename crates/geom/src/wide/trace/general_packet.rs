@@ -8,17 +8,16 @@ use super::child_test::{LeafHits, record, test_leaf, visit_all};
 use super::ray_setup::RaySetups;
 use super::traversal_state::Traversal;
 use crate::query::Query;
+use crate::rounding::W;
 use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase, SimdFloat};
 use crate::wide::tree::Tree;
 use crate::wide::tree::node::{Child, Node};
 use crate::{Aabb, Ray};
 
-/// Unit roundoff of `f32`.
-const U: f32 = f32::EPSILON / 2.0;
-/// By how much bounds of origins are widened, in units of `U` (docs/numerics.md).
+/// By how much bounds of origins are widened, in units of `W` (docs/numerics.md).
 const ORIGIN_ERR: f32 = 20.0;
 /// Rays whose parameters are less certain than this are no packet.
-const UNCERTAIN: f32 = 20.5 * U;
+const UNCERTAIN: f32 = 20.5 * W;
 
 /// Rays that start further apart than this part of the scene's extent are no packet.
 const NEAR: f64 = 0.125;
@@ -304,7 +303,7 @@ impl RayBounds {
         let (mut origin, mut inverse) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
         for axis in 0..3 {
             let [low, high] = simd.range(rays, |g| &setups[g].origin[axis]);
-            let (low, high) = (low - ORIGIN_ERR * U, high + ORIGIN_ERR * U);
+            let (low, high) = (low - ORIGIN_ERR * W, high + ORIGIN_ERR * W);
             let descends = octant >> axis & 1 != 0;
             origin[axis] = if descends { [low, high] } else { [high, low] };
             inverse[axis] = simd.range(rays, |g| &setups[g].inverse[axis]);

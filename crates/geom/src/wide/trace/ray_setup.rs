@@ -2,18 +2,17 @@
 
 use crate::decide::{main_axis, permute};
 use crate::prune::Pruner;
+use crate::rounding::W_F64;
 use crate::wide::simd::RayColumns;
 use crate::wide::tree::normalize::{NormalizedSpace, power_of_two_below, power_of_two_inverse};
 use crate::{Aabb, Ray};
 use glam::DVec3;
 
-/// Unit roundoff of `f32`.
-const U: f64 = f32::EPSILON as f64 / 2.0;
-/// Half the thickness of a box's faces, in units of `U`.
+/// Half the thickness of a box's faces, in units of `W_F64`.
 const PLANE_ERR: f64 = 8.0;
-/// Error of a projected vertex, in units of `U`.
+/// Error of a projected vertex, in units of `W_F64`.
 const VERTEX_ERR: f64 = 7.0;
-/// Error of a depth beyond that of the weights, in units of `U`.
+/// Error of a depth beyond that of the weights, in units of `W_F64`.
 const DEPTH_ERR: f64 = 20.0;
 /// A ray is lost if it comes from so far away that rounding moves it by this: nothing is known of its hits.
 const LOST: f64 = 0.25;
@@ -120,7 +119,7 @@ impl<const N: usize> RaySetups<N> {
         let inside = |x: f64| if lost && x.abs() > 1.0 { 1.0_f64.copysign(x) } else { x };
         let origin = DVec3::new(inside(origin.x), inside(origin.y), inside(origin.z));
 
-        let thick = (PLANE_ERR * U + slack) * inverse.abs();
+        let thick = (PLANE_ERR * W_F64 + slack) * inverse.abs();
         let at = -origin * inverse;
         let (near, far) = (at - thick, at + thick);
         for axis in 0..3 {
@@ -140,19 +139,19 @@ impl<const N: usize> RaySetups<N> {
         }
         self.depth_scale[i] = inverse_z as f32;
         self.depth_offset[i] = (-origin.z * inverse_z) as f32;
-        let vertex_err = VERTEX_ERR * U + slack;
-        self.edge_err[0][i] = (4.0 * vertex_err + 12.0 * U) as f32;
+        let vertex_err = VERTEX_ERR * W_F64 + slack;
+        self.edge_err[0][i] = (4.0 * vertex_err + 12.0 * W_F64) as f32;
         self.edge_err[1][i] = (2.1 * vertex_err * vertex_err) as f32;
 
         // The parameters of a lost ray are unknown.
         let unless_lost = |x: f64, otherwise: f32| if lost { otherwise } else { x as f32 };
         let after = |t: f64| (t - entry.start) * gain;
-        self.t_err[i] = unless_lost(DEPTH_ERR * U + slack, f32::INFINITY);
+        self.t_err[i] = unless_lost(DEPTH_ERR * W_F64 + slack, f32::INFINITY);
         let missed = entry.start > entry.end;
-        let (start, end) = (unless_lost(0.0, f32::NEG_INFINITY), after(entry.end) * (1.0 + 4.0 * U));
+        let (start, end) = (unless_lost(0.0, f32::NEG_INFINITY), after(entry.end) * (1.0 + 4.0 * W_F64));
         self.start[i] = if missed { f32::INFINITY } else { start };
         self.end[i] = if missed { f32::NEG_INFINITY } else { unless_lost(end, f32::INFINITY) };
-        self.certain_end[i] = unless_lost(after(ray.t_max) * (1.0 - 4.0 * U), f32::NEG_INFINITY);
+        self.certain_end[i] = unless_lost(after(ray.t_max) * (1.0 - 4.0 * W_F64), f32::NEG_INFINITY);
     }
 
     pub(super) const fn idle() -> Self {

@@ -1,14 +1,13 @@
 //! Slope bounds: a box as rays from one origin see it, bounds of the slopes of those that may meet it.
 
 use super::setup::CommonOrigin;
+use crate::rounding::W;
 use crate::wide::simd::{LANES, Simd, SimdBase};
 use crate::wide::tree::node::Node;
 
-/// Unit roundoff of `f32`.
-const U: f32 = f32::EPSILON / 2.0;
-/// Half the thickness of faces, in units of `U` times 1 plus the distance of the origin from the scene's middle.
+/// Half the thickness of faces, in units of `W` times 1 plus the distance of the origin from the scene's middle.
 const FACE_ERR: f32 = 8.0;
-/// By how much the bounds are widened, in units of `U`.
+/// By how much the bounds are widened, in units of `W`.
 const SIDE_ERR: f32 = 16.0;
 /// The depth from the origin at which boxes begin that begin nearer, or behind it.
 const NEAREST: f32 = 1.0 / (1_u64 << 60) as f32;
@@ -34,10 +33,10 @@ impl ChildBounds {
     #[inline(always)]
     pub(super) fn of<S: Simd>(simd: S, node: &Node, common: &CommonOrigin, end: f32) -> (Self, u8) {
         let origin = common.origin.as_vec3();
-        let thick = FACE_ERR * U * (1.0 + origin.abs().max_element());
+        let thick = FACE_ERR * W * (1.0 + origin.abs().max_element());
         let [low, high] = faces(simd, node, common, 2);
         let (near, far) = if common.sense < 0.0 { (-high, -low) } else { (low, high) };
-        let (near, far) = (near - FACE_ERR * U, far + FACE_ERR * U);
+        let (near, far) = (near - FACE_ERR * W, far + FACE_ERR * W);
         let mut met = simd.le(near, simd.splat(end)) & simd.le(simd.splat(common.begin), far);
         let (near_inverse, far_inverse) =
             (inverse(simd, near, origin.z + thick), inverse(simd, far, origin.z - thick));
@@ -47,8 +46,8 @@ impl ChildBounds {
             let [low, high] = faces(simd, node, common, axis);
             let (low, high) = (low - (origin[axis] + thick), high - (origin[axis] - thick));
             // Each side at the depth where its slope is further out.
-            let low = (low * near_inverse).min(low * far_inverse) - (common.middle[axis] + SIDE_ERR * U);
-            let high = (high * near_inverse).max(high * far_inverse) - (common.middle[axis] - SIDE_ERR * U);
+            let low = (low * near_inverse).min(low * far_inverse) - (common.middle[axis] + SIDE_ERR * W);
+            let high = (high * near_inverse).max(high * far_inverse) - (common.middle[axis] - SIDE_ERR * W);
             let (low, high) = (low.max(common.low[axis]), high.min(common.high[axis]));
             met &= simd.le(low, high);
             low.store_array(&mut bounds.low[axis]);

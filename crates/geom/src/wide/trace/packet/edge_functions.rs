@@ -7,17 +7,16 @@
 
 use super::child_slope_bounds::SlopeBounds;
 use super::setup::CommonOrigin;
+use crate::rounding::W;
 use crate::wide::simd::{Simd, SimdBase, SimdFloat};
 use crate::wide::trace::prefilter::{Filtered, Vertices};
 
-/// Unit roundoff of `f32`.
-const U: f32 = f32::EPSILON / 2.0;
-/// Error of a hit's depth beyond that of the weights, in units of `U`.
+/// Error of a hit's depth beyond that of the weights, in units of `W`.
 const HIT_ERR: f32 = 26.0;
-/// Error of a vertex projected along the central ray, beyond that of the offset, in units of `U`.
+/// Error of a vertex projected along the central ray, beyond that of the offset, in units of `W`.
 const VERTEX_ERR: f32 = 8.0;
 /// Error of an edge function of vertices up to `m` across from the central ray and up to a depth of `b - 1` from the
-/// origin, for rays whose slopes deviate by up to `d` from those of the central ray, in units of `U`: the factors of
+/// origin, for rays whose slopes deviate by up to `d` from those of the central ray, in units of `W`: the factors of
 /// `m * m`, of `m * b` and of `m * b * d`.
 const ACROSS_ERR: f32 = 13.0;
 const DEPTH_ERR: f32 = 0.5;
@@ -53,11 +52,11 @@ impl CentralRay {
             furthest = larger(furthest, offset[axis].abs());
         }
         let furthest_slope = larger(reach[0], reach[1]);
-        let vertex_err = (VERTEX_ERR + furthest) * U;
+        let vertex_err = (VERTEX_ERR + furthest) * W;
         let err = [
             4.0 * vertex_err,
-            (DEPTH_ERR + DEVIATION_ERR * furthest_slope) * U,
-            ACROSS_ERR * U,
+            (DEPTH_ERR + DEVIATION_ERR * furthest_slope) * W,
+            ACROSS_ERR * W,
             4.1 * furthest_slope * vertex_err,
             2.2 * vertex_err * vertex_err,
         ];
@@ -163,7 +162,7 @@ impl<S: Simd> EdgeFunctions<S> {
         let inverse = simd.splat(1.0) / (e0 + e1 + e2);
         let weighted = e1.mul_add(self.depth[1], e2 * self.depth[2]);
         let depth = weighted.mul_add(inverse, self.depth[0]);
-        let depth_err = self.depth_err.mul_add(inverse.abs(), HIT_ERR * U);
+        let depth_err = self.depth_err.mul_add(inverse.abs(), HIT_ERR * W);
         let (start, end) = (depth - depth_err, depth + depth_err);
         // Comparisons with NaN are false: where an error is unbounded, a hit is possible.
         let beyond = simd.lt(rays.end, start) | simd.lt(end, rays.begin);
