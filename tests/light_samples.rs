@@ -1,7 +1,7 @@
 //! Samples of lights, one at a time: which light is chosen, with which density, and what it brings.
 
 use glam::{DVec3, Vec3};
-use globillum::geom::{Accel, BruteForce, Ray, SphericalTriangle, Triangle, Triangles};
+use globillum::geom::{Accel, BruteForce, Ray, SphericalTriangle, Triangle};
 use globillum::integrator::{
     AreaLightSample, Camera, DeltaLight, DeltaLightError, DeltaLightSample, LightSample, LightSampling,
     Model, Scene, Settings, Stream, render,
@@ -142,7 +142,7 @@ fn a_spot_light_among_many_is_chosen_by_its_irradiance() {
 
 #[test]
 fn impossible_delta_lights_are_refused() {
-    let limit = Triangles::MAX_COORDINATE;
+    let limit = Triangle::MAX_COORDINATE;
     for x in [f32::NAN, f32::INFINITY, -limit * 1.01] {
         let error = DeltaLight::point(Vec3::new(0.0, x, 0.0), VALUE).unwrap_err();
         assert!(matches!(error, DeltaLightError::Position(_)), "{error}");
@@ -205,7 +205,7 @@ fn the_weakest_light_has_a_chance_beside_the_strongest() {
     let mut model = Model::default();
     for (size, material) in [
         (f32::from_bits(1), emitting(Rgb::new(0.0, 0.0, Emission::MIN_RADIANCE), Sides::Front)),
-        (Triangles::MAX_COORDINATE, emitting(Rgb::splat(Emission::MAX_RADIANCE), Sides::Both)),
+        (Triangle::MAX_COORDINATE, emitting(Rgb::splat(Emission::MAX_RADIANCE), Sides::Both)),
     ] {
         let corners = [Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::ONE];
         model.add(material, [Triangle { vertices: corners.map(|v| v * size) }]);

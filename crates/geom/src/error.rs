@@ -12,8 +12,7 @@ pub enum GeomError {
         /// The vertex, 0 to 2.
         vertex: usize,
     },
-    /// A vertex coordinate is larger in magnitude than
-    /// [`Triangles::MAX_COORDINATE`](crate::Triangles::MAX_COORDINATE).
+    /// A vertex coordinate is larger in magnitude than [`Triangle::MAX_COORDINATE`](crate::Triangle::MAX_COORDINATE).
     #[error("triangle {triangle}, vertex {vertex}: coordinate {value:e} is beyond the domain of +-2^60")]
     Domain {
         /// The index of the triangle.

@@ -17,9 +17,6 @@ pub struct Triangles {
 }
 
 impl Triangles {
-    /// [`Triangle::MAX_COORDINATE`].
-    pub const MAX_COORDINATE: f32 = Triangle::MAX_COORDINATE;
-
     /// The largest number of triangles: `2^30 - 1`, so that an index, an `f32` coordinate and two bits fit
     /// into 64 bits.
     pub const MAX_COUNT: usize = (1 << 30) - 1;

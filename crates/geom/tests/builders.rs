@@ -329,7 +329,7 @@ fn bad_coordinates_are_named() {
         triangles[1].vertices[vertex][axis] = value;
         Triangles::new(triangles)
     };
-    let limit = Triangles::MAX_COORDINATE;
+    let limit = Triangle::MAX_COORDINATE;
     for (vertex, axis) in (0..9).map(|i| (i / 3, i % 3)) {
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             let error = with(vertex, axis, value).unwrap_err();
@@ -689,7 +689,7 @@ fn check_garbage(seed: u64) -> bool {
     let tame = source.one_in(2);
     let mut number = || {
         let x = f32::from_bits(source.bits() as u32);
-        if tame && (x.is_nan() || x.abs() > Triangles::MAX_COORDINATE) { 1.0 } else { x }
+        if tame && (x.is_nan() || x.abs() > Triangle::MAX_COORDINATE) { 1.0 } else { x }
     };
     let mut triangle = || Triangle { vertices: [0; 3].map(|_| Vec3::new(number(), number(), number())) };
     let triangles: Vec<Triangle> = (0..count).map(|_| triangle()).collect();

@@ -92,7 +92,7 @@ pub enum PointError {
     #[error("there are no points")]
     Empty,
     /// A coordinate is not finite or larger in magnitude than
-    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE).
+    /// [`Triangle::MAX_COORDINATE`](globillum_geom::Triangle::MAX_COORDINATE).
     #[error("position {position} of point {index} is not finite or beyond the domain of +-2^60")]
     Position {
         /// Which point, from 0.
@@ -115,7 +115,7 @@ pub enum PointError {
 #[non_exhaustive]
 pub enum DeltaLightError {
     /// A coordinate is not finite or larger in magnitude than
-    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE).
+    /// [`Triangle::MAX_COORDINATE`](globillum_geom::Triangle::MAX_COORDINATE).
     #[error("position {0} of a delta light is not finite or beyond the domain of +-2^60")]
     Position(DVec3),
     /// The direction is zero or not finite.

@@ -151,7 +151,7 @@ impl fmt::Debug for Loader<'_> {
 /// # Errors
 /// An [`IoError`] that names file and line: for a file that cannot be read or has no faces, a malformed
 /// statement, an index out of range, a coordinate that is not finite or exceeds
-/// [`MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE), a library outside the folder, and a material
+/// [`MAX_COORDINATE`](globillum_geom::Triangle::MAX_COORDINATE), a library outside the folder, and a material
 /// outside the bounds of [`Material`](globillum_material::Material). A missing library or material is a
 /// [`Warning`](crate::Warning).
 ///
@@ -190,7 +190,7 @@ pub fn load_obj(path: &Path) -> Result<Loaded, IoError> {
 /// An [`IoError`] that names the file and the element: for malformed JSON, inconsistent structures or data,
 /// node graphs that are not trees, an unknown required extension, a file outside the scene's folder, a delta
 /// light with an invalid cone or intensity, a coordinate that is not finite or exceeds
-/// [`MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE), and a material outside the bounds of
+/// [`MAX_COORDINATE`](globillum_geom::Triangle::MAX_COORDINATE), and a material outside the bounds of
 /// [`Material`](globillum_material::Material).
 ///
 /// ```no_run

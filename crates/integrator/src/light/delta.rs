@@ -1,7 +1,7 @@
 use super::tree::{Cluster, FarLight, Reach};
 use crate::DeltaLightError;
 use glam::{DAffine3, DVec3, Vec3};
-use globillum_geom::Triangles;
+use globillum_geom::Triangle;
 use globillum_material::{Emission, Rgb};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// diffuse surfaces, but not by way of mirrors.
 ///
 /// Each component of an intensity or irradiance is 0 or within [`Emission::MIN_RADIANCE`] and
-/// [`Emission::MAX_RADIANCE`]. Coordinates of a position are at most [`Triangles::MAX_COORDINATE`] in
+/// [`Emission::MAX_RADIANCE`]. Coordinates of a position are at most [`Triangle::MAX_COORDINATE`] in
 /// magnitude.
 ///
 /// ```
@@ -224,7 +224,7 @@ impl Cone {
 fn valid_position(position: DVec3) -> Result<Vec3, DeltaLightError> {
     let rounded = position.as_vec3();
     // Comparisons with NaN are false.
-    let is_valid = rounded.abs().cmple(Vec3::splat(Triangles::MAX_COORDINATE)).all();
+    let is_valid = rounded.abs().cmple(Vec3::splat(Triangle::MAX_COORDINATE)).all();
     // A negative zero equals a positive one and must have the same bits.
     if is_valid { Ok(rounded + Vec3::ZERO) } else { Err(DeltaLightError::Position(position)) }
 }

@@ -173,7 +173,7 @@ impl Model {
     ///
     /// # Errors
     /// [`RenderError::Geometry`] for the first triangle whose transformed coordinates are not finite or exceed
-    /// [`Triangles::MAX_COORDINATE`](globillum_geom::Triangles::MAX_COORDINATE), [`RenderError::DeltaLight`] for
+    /// [`Triangle::MAX_COORDINATE`](globillum_geom::Triangle::MAX_COORDINATE), [`RenderError::DeltaLight`] for
     /// a delta light that leaves this domain or whose direction becomes zero. The model is then unchanged.
     pub fn transform(&mut self, transform: &DAffine3) -> Result<(), RenderError> {
         let moved = |(index, triangle): (usize, &Triangle)| {

@@ -2,7 +2,7 @@ use super::sample::{ElementSample, PathStart, Sensor};
 use crate::error::PointError;
 use crate::{Film, Settings};
 use glam::{DVec3, U64Vec3};
-use globillum_geom::Triangles;
+use globillum_geom::Triangle;
 use globillum_material::Rgb;
 use std::hash::Hasher;
 use std::ops::Range;
@@ -76,14 +76,14 @@ impl IrradiancePoints {
     pub const NORMAL_TOLERANCE: f64 = 1e-3;
 
     /// Points, each with its unit normal, which is normalised. Coordinates of a position are at most
-    /// [`Triangles::MAX_COORDINATE`] in magnitude.
+    /// [`Triangle::MAX_COORDINATE`] in magnitude.
     ///
     /// # Errors
     /// [`PointError`] if there is no point, and for the first position that is out of range or not finite, or normal
     /// whose length differs from 1 by more than [`IrradiancePoints::NORMAL_TOLERANCE`].
     pub fn new(points: impl IntoIterator<Item = (DVec3, DVec3)>) -> Result<Self, PointError> {
         let valid = |(index, (position, normal)): (usize, (DVec3, DVec3))| {
-            if !position.abs().cmple(DVec3::splat(Triangles::MAX_COORDINATE.into())).all() {
+            if !position.abs().cmple(DVec3::splat(Triangle::MAX_COORDINATE.into())).all() {
                 return Err(PointError::Position { index, position });
             }
             let length = normal.length();
