@@ -12,7 +12,8 @@ pub trait Probe {
     /// Called for each leaf or grid cell that is visited and has at least one triangle.
     #[inline]
     fn open(&mut self) {}
-    /// Called for each test of a triangle, given its index: an exact decision, or a rejection by a prefilter.
+    /// Called for each test of a triangle, given its index: an exact decision, or a rejection by a prefilter. Triangles
+    /// that the ray excludes count as tested.
     #[inline]
     fn test(&mut self, _triangle: u32) {}
 }

@@ -2,7 +2,8 @@ use glam::DVec3;
 
 /// The ray `origin + t * direction` over the open range `t_min < t < t_max`.
 ///
-/// The direction may have any length: scaling it by `2^k` scales every `t` by exactly `2^-k`.
+/// The direction may have any length within [`Ray::DIRECTION_DOMAIN`]: scaling it by `2^k` scales every `t` by exactly
+/// `2^-k`, within the limits that [`Accel`](crate::Accel) states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// The point at `t = 0`.

@@ -100,7 +100,7 @@ impl Triangle {
     }
 
     /// A point sampled uniformly by area from random numbers `u` in `[0, 1)^2`, as barycentrics `(u, v)`,
-    /// both in `[0, 1]` with `u + v <= 1`: the square-root warp (Turk, Graphics Gems, 1990).
+    /// both in `[0, 1]`, with `u + v <= 1` up to rounding: the square-root warp (Turk, Graphics Gems, 1990).
     pub fn sample_uniform(u: [f64; 2]) -> (f64, f64) {
         let root = (1.0 - u[0]).sqrt();
         (1.0 - root, u[1] * root)

@@ -57,7 +57,8 @@ impl Triangles {
         prefetch_index(&*self.all, index as usize);
     }
 
-    /// The point `(1 - u - v) * v0 + u * v1 + v * v2` of triangle `index`, with its normal and error bound.
+    /// The point `(1 - u - v) * v0 + u * v1 + v * v2` of triangle `index`, with its normal and error bound. Both are NaN
+    /// for a [degenerate](Triangle::is_degenerate) triangle whose [normal](Triangle::normal) is NaN.
     ///
     /// # Panics
     /// If `index` is not below [`Triangles::len`].

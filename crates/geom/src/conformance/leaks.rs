@@ -14,6 +14,9 @@ pub enum Target {
 
 /// Casts `rays` rays from the core of a closed `mesh` at its edges or vertices, and returns the number of rays
 /// that hit nothing: each is a leak. `accel` must be built from the mesh's triangles.
+///
+/// # Panics
+/// If the mesh has no faces or no core and `rays` is not 0.
 pub fn leaks(accel: &dyn Accel, mesh: &Mesh, target: Target, rays: u64, source: &mut impl Source) -> u64 {
     // The accelerator holds the vertices rounded to `f32`.
     let corner = |i: usize| mesh.vertices[i].as_vec3().as_dvec3();

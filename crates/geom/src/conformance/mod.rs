@@ -13,12 +13,12 @@
 //! - **Decision**: test each candidate triangle with [`Shear::decide`](crate::decide::Shear::decide) only. Its
 //!   `t`, `u` and `v` are the answer, to the bit. [`Shear::new`](crate::decide::Shear::new) returns `None` for
 //!   a ray that cannot hit anything.
-//! - **Candidates**: consider only [`live`](crate::Triangles::live) triangles. A hit counts if
-//!   `t_min < t < t_max`. The hit of smallest `t` wins; the smallest index breaks ties. A node that begins
+//! - **Candidates**: consider only [`live`](crate::Triangles::live) triangles that the ray does not
+//!   [exclude](crate::Ray::excludes). A hit counts if `t_min < t < t_max`. The hit of smallest `t` wins; the smallest index breaks ties. A node that begins
 //!   exactly at the closest `t` so far is therefore visited; a node that begins beyond it is not.
 //! - **Pruning**: widen boxes, slabs and cells by [`Ray::pruning_slack`](crate::Ray::pruning_slack), given the
-//!   bounds of all triangles. The computed `t` of a hit describes a point within `24 eps reach` (`eps = 2^-53`) of the triangle,
-//!   not on it. Without slack an accelerator loses hits that brute force finds. The bound relies on the edge
+//!   bounds of all triangles. The computed `t` of a hit describes a point within `24 eps reach` of the triangle
+//!   (`eps = 2^-53`), not on it. Without slack an accelerator loses hits that brute force finds. The bound relies on the edge
 //!   functions of `Shear`, whose signs are exact (Kahan's difference of products; Jeannerod, Louvet and Muller,
 //!   "Further analysis of Kahan's algorithm", 2013) after the projection of Woop, Benthin and Wald, "Watertight
 //!   Ray/Triangle Intersection" (JCGT 2(1), 2013). docs/numerics.md of the repository contains the proof.

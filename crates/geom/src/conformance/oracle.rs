@@ -1,6 +1,7 @@
 //! Brute force, implemented independently: the answers that every accelerator must return.
 //!
-//! It shares no code with the accelerators or with [`decide`](crate::decide). It evaluates the same formulas in
+//! It shares no code with the accelerators or with [`decide`](crate::decide), but for
+//! [`Triangle::is_degenerate`], which defines the triangles that are never hit. It evaluates the same formulas in
 //! the same order, since the answers must be equal to the bit.
 
 use crate::{Hit, Ray, Triangle};

@@ -1,4 +1,5 @@
-//! The six split rules that use only the cell and points, after the ANN library (Arya and Mount, 1998).
+//! The six split rules that use only the cell and points: the median of the longest side, as in textbooks, and the five
+//! of the ANN library (Arya and Mount, 1998).
 
 use super::member::Member;
 use super::options::{KdOptions, SplitRule};
