@@ -51,7 +51,7 @@ pub struct WideBvh {
 }
 
 impl WideBvh {
-    /// Builds the tree by the surface area heuristic, with options that suit it.
+    /// Builds the tree by the surface area heuristic, with [`WideBvh::default_options`].
     ///
     /// Over `n` live triangles a closed mesh takes about `200 n` bytes on one thread, beside the triangles; long
     /// triangles at random, or many that overlap, up to `1000 n` (measured). The bound that
@@ -60,7 +60,7 @@ impl WideBvh {
     /// # Errors
     /// As [`WideBvh::build_with`].
     pub fn build(triangles: &Triangles) -> Result<Self, GeomError> {
-        Self::build_with(triangles, &Self::options())
+        Self::build_with(triangles, &Self::default_options())
     }
 
     /// Builds a tree in a quarter of the time, without k-d planes: triangles are sorted into the cells of a uniform grid,
@@ -75,13 +75,27 @@ impl WideBvh {
         Ok(Self { tree: build::build_by_grid(triangles)?, token: Token::new(SimdLevel::Avx512) })
     }
 
-    /// Options for leaves that are split further: planes only where they save a ray that meets the cell more
-    /// than 400 triangles, so none in cells with fewer than 360 (measured, docs/performance.md).
-    fn options() -> KdOptions {
+    /// The options of [`WideBvh::build`], for leaves that are split further: those of [`KdOptions::default`], with a
+    /// [`traversal_cost`](KdOptions::traversal_cost) of 400. A cell is divided only where a plane saves a ray that meets
+    /// it more than 400 triangles, so never if it has fewer than 360 (measured, docs/performance.md).
+    pub fn default_options() -> KdOptions {
         KdOptions { traversal_cost: 400.0, ..KdOptions::default() }
     }
 
     /// Builds a tree over the leaves of the [`KdTree`](crate::KdTree) with these options.
+    ///
+    /// [`WideBvh::default_options`] suit it. Those of a k-d tree, [`KdOptions::default`], divide cells down to a few
+    /// triangles, which takes more time and memory.
+    ///
+    /// ```
+    /// use globillum_geom::{SplitRule, Triangles, WideBvh};
+    ///
+    /// # let triangles = Triangles::new(Vec::new())?;
+    /// let mut options = WideBvh::default_options();
+    /// options.rule = SplitRule::SlidingMidpoint;
+    /// let tree = WideBvh::build_with(&triangles, &options)?;
+    /// # Ok::<(), globillum_geom::GeomError>(())
+    /// ```
     ///
     /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n`
     /// references (see [`KdTree::build`](crate::KdTree::build)), and this tree takes at most `296 b + 608` bytes: for
