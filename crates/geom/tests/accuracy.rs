@@ -157,6 +157,8 @@ proptest! {
         let triangle = Triangle::new(corner(1.0, 0.0), corner(-0.5, 0.866), corner(-0.5, -0.866));
         let out = DVec3::new(slant.sin() * turn.cos(), slant.sin() * turn.sin(), slant.cos());
         let case = Case::new(Ray::new(interpolate(&triangle, u, v) + 2.0 * out, -out), triangle).unwrap();
+        let inside = u.min(v).min(1.0 - u - v);
+        prop_assert!(case.decided.is_some() || inside <= 1e-9, "missed at {u}, {v}");
         if let Some(decided) = case.decided {
             let limit = (7.0 + 6.0 * 3.74 * 1.9) * EPS;
             prop_assert!(error(decided.u, &case.exact.u) <= limit);
