@@ -73,6 +73,6 @@ pub use triangle::Triangle;
 pub use triangles::Triangles;
 pub use wide::WideBvh;
 
-/// A hash of this crate's sources, in hexadecimal digits. What may change a bit of a picture changes it; so does a
-/// comment. It is part of the [key](https://docs.rs/globillum-integrator) of a picture.
+/// A hash of this crate's sources, in hexadecimal digits. Every change of them changes it, that of a comment too. It is
+/// part of the [key](https://docs.rs/globillum-integrator) of a picture.
 pub const SOURCE_HASH: &str = env!("GLOBILLUM_SOURCE_HASH");

@@ -1,5 +1,5 @@
-//! Rays and segments that leave surfaces: they meet what is there, and never what they leave. But for the last test, the
-//! offset of their ends alone must see to it, without the triangles that they exclude.
+//! Rays and segments that leave surfaces: they meet other triangles, and never the surface that they leave. The rays of
+//! all tests but the last exclude no triangle, so the offset of their ends alone keeps them off the surface.
 //!
 //! `GLOBILLUM_EFFORT` multiplies the number of rays; 10 makes it a million of each kind.
 

@@ -25,7 +25,7 @@ pub struct Case {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Known {
     /// Nothing else.
-    Whatever,
+    Unspecified,
     /// The ray hits nothing.
     Miss,
     /// The closest hit has exactly this `t`.
@@ -58,7 +58,7 @@ impl Case {
             let mut found: Vec<f64> = oracle::hits(&self.triangles, ray).iter().map(|h| h.t).collect();
             found.sort_by(f64::total_cmp);
             let as_known = match known {
-                Known::Whatever => true,
+                Known::Unspecified => true,
                 Known::Miss => found.is_empty(),
                 Known::At(t) => found.first() == Some(t),
                 Known::All(ts) => found == *ts,
@@ -199,7 +199,7 @@ pub fn origins_on_every_plane_through_a_vertex() -> Case {
         origin[axis] = f64::from(source.pick(&triangles).vertices[source.below(3)][axis]);
         let mut direction = p(source.signed(), source.signed(), source.signed());
         direction[axis] = source.pick(&[1.0, -1.0, 0.0, -0.0]);
-        (Ray::new(origin, direction), Known::Whatever)
+        (Ray::new(origin, direction), Known::Unspecified)
     });
     Case::new("origins on splitting planes", triangles.clone(), rays.collect::<Vec<_>>())
 }
@@ -219,7 +219,7 @@ pub fn rays_within_planes_that_hold_triangles() -> Case {
             direction[other] = source.pick(&[0.0, -0.0]);
             origin[other] = source.below(9) as f64 / 2.0;
         }
-        (Ray::new(origin, direction), Known::Whatever)
+        (Ray::new(origin, direction), Known::Unspecified)
     });
     Case::new("rays within planes that hold triangles", triangles, rays.collect::<Vec<_>>())
 }
@@ -314,7 +314,7 @@ pub fn grazing_a_long_plane() -> Case {
     let rays = (1..=16).flat_map(|k| {
         let slope = 10.0_f64.powi(-k);
         [p(1.0, -slope, 0.3), p(1.0, -slope, 0.0), p(1.0, slope, 1.0), p(0.7, -slope, 1.0)]
-            .map(|d| (Ray::new(p(-1.0, 0.5 * slope.sqrt(), 0.0), d), Known::Whatever))
+            .map(|d| (Ray::new(p(-1.0, 0.5 * slope.sqrt(), 0.0), d), Known::Unspecified))
     });
     Case::new("grazing a long plane", triangles.collect(), rays)
 }
@@ -326,7 +326,7 @@ pub fn origins_far_away() -> Case {
     let rays = (0..500).map(|_| {
         let from = p(source.signed(), source.signed(), source.signed()) * 1e12;
         let target = super::aim::point_of(&source.pick(&triangles), &mut source);
-        (Ray::new(from, target - from), Known::Whatever)
+        (Ray::new(from, target - from), Known::Unspecified)
     });
     let rays = rays.collect::<Vec<_>>();
     Case::new("origins far away", triangles, rays)
@@ -390,7 +390,7 @@ fn flat_scene(name: &'static str, axis: usize) -> Case {
         .map(|_| {
             let mut elsewhere = p(source.signed(), source.signed(), source.signed());
             elsewhere[axis] = source.pick(&[0.0, 1.0, -1.0]);
-            (ray_at(&triangles, elsewhere, &mut source), Known::Whatever)
+            (ray_at(&triangles, elsewhere, &mut source), Known::Unspecified)
         })
         .collect();
     Case::new(name, triangles, rays)
@@ -440,7 +440,7 @@ pub fn aimed_rays_at_aligned_offset_thin_and_round_scenes() -> Case {
         .map(|_| {
             let around = if source.one_in(2) { 0.0 } else { 1000.0 };
             let elsewhere = around + 8.0 * p(source.signed(), source.signed(), source.signed());
-            (ray_at(&triangles, elsewhere, &mut source), Known::Whatever)
+            (ray_at(&triangles, elsewhere, &mut source), Known::Unspecified)
         })
         .collect();
     Case::new("aligned, offset, thin and round", triangles, rays)

@@ -8,7 +8,7 @@ use crate::grid::Lattice;
 use crate::kdtree::Member;
 use crate::wide::tree::MAX_LEVELS;
 
-/// Cells for each member. Of a surface, which meets few of them, a cell then holds about ten triangles.
+/// Cells for each member. A surface meets few of them; each of those holds about ten of its triangles.
 const DENSITY: f64 = 0.5;
 
 /// Fewer members than this are not sorted into a grid.

@@ -20,12 +20,12 @@ pub(super) const PACKET: usize = 64;
 /// How many vectors the rays of a packet fill.
 pub(super) const GROUPS: usize = PACKET / LANES;
 
-/// A set of rays, a bit each. It is kept in a register: were it a list in memory, the place of an
-/// entry would depend on the outcome of a node test, and later loads would wait for it.
+/// A set of rays, a bit each. A register holds it. In a list in memory, the place of an entry would depend on the
+/// outcome of a node test, and later loads would wait for it.
 pub(super) type RayMask = u64;
 
-/// The set bits of a mask of rays or lanes, ascending. An iterator and not a closure: what is not
-/// inlined is not compiled for the instruction set.
+/// The set bits of a mask of rays or lanes, ascending. It is an iterator and not a closure, since
+/// functions that are not inlined are not compiled for the instruction set.
 pub(super) struct Bits(pub(super) RayMask);
 
 impl Iterator for Bits {

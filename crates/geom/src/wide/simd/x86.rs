@@ -1,7 +1,7 @@
 //! Vectors of 256 bits on x86: AVX2 with FMA, and AVX-512.
 //!
-//! What `fearless_simd` has no portable methods for, or slower ones, is written here with intrinsics in its
-//! kernels, which are safe.
+//! Operations for which `fearless_simd` has no portable method, or a slower one, are written here with intrinsics in
+//! its kernels, which are safe.
 
 use super::{Aligned, LANES, RayColumns, Simd, numbers};
 use crate::Ray;

@@ -2,7 +2,7 @@
 //!
 //! The rays go down the tree together, each child with a mask of the rays that may meet it. A node is tested with
 //! bounds of all rays first (interval arithmetic; Boulos, Wald and Shirley, 2006), then its children with the rays that
-//! have come there. What few rays meet, and leaf blocks, are tested as for single rays.
+//! have come there. Nodes that few rays meet, and leaf blocks, are tested as for single rays.
 
 use super::child_test::{LeafHits, record, test_leaf, visit_all};
 use super::ray_setup::RaySetups;
@@ -21,24 +21,25 @@ const UNCERTAIN: f32 = 20.5 * W;
 
 /// Rays that start further apart than this part of the scene's extent are no packet.
 const NEAR: f64 = 0.125;
-/// This few rays visit a node and all below it each by itself (measured).
+/// The most rays that visit a node and all below it each by itself (measured).
 const FEW: u32 = 4;
-/// A packet does not pay if its rays make more such visits (measured).
+/// The most such visits by the rays of a packet that pays (measured).
 const MOST_ALONE: u32 = 32;
-/// The most sets of coherent rays that are left to the stream after a packet that does not pay. It is one at first,
-/// twice as many after each packet that does not pay, and half as many after each that does.
+/// The most sets of coherent rays that are left to the stream after a packet that does not pay. The number is
+/// one at first. Each packet that does not pay doubles it, and each that does halves it.
 const LONGEST_PAUSE: u32 = 128;
 
-/// The memory of packets, and how they have paid.
+/// The memory of packets, and a record of how they have paid.
 #[derive(Debug)]
 pub(super) struct GeneralPacket {
     setups: [RaySetups<LANES>; GROUPS],
     /// The children still to be visited, the next one last, with the rays that may meet each.
     stack: Vec<(u32, RayMask)>,
-    /// What the rays may hit in the current leaf block.
+    /// The possible hits of the rays in the current leaf block.
     hits: [LeafHits; PACKET],
-    /// How many sets of rays are left to the stream after the next packet that does not pay, and now.
+    /// The number of sets of rays that are left to the stream after the next packet that does not pay.
     next_pause: u32,
+    /// The number of sets of rays that are left to the stream from now on.
     pause: u32,
 }
 
@@ -74,7 +75,7 @@ impl GeneralPacket {
             |slot| Q::new(&rays[slot]),
         );
         let (begun, alone) = (0, 0);
-        let mut packet = Packet { simd, tree, rays, setups, traversals, queries, left, begun, alone };
+        let mut packet = LivePacket { simd, tree, rays, setups, traversals, queries, left, begun, alone };
         while left != 0 {
             let (octant, of_octant) = first_octant(left, &negative);
             left ^= of_octant;
@@ -147,7 +148,7 @@ fn first_octant(mut rays: RayMask, negative: &[RayMask; 3]) -> (u8, RayMask) {
 }
 
 /// The rays of a packet, whose queries `Q` are any-hit queries.
-struct Packet<'a, S, Q> {
+struct LivePacket<'a, S, Q> {
     simd: S,
     tree: &'a Tree,
     rays: &'a [Ray; PACKET],
@@ -162,7 +163,7 @@ struct Packet<'a, S, Q> {
     alone: u32,
 }
 
-impl<S: Simd, Q: Query> Packet<'_, S, Q> {
+impl<S: Simd, Q: Query> LivePacket<'_, S, Q> {
     /// Visits all that rays toward one octant may meet.
     #[inline(always)]
     fn run(
