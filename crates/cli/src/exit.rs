@@ -17,7 +17,7 @@ Exit codes:
   129, 130, 143  ended by SIGHUP (the terminal closed), SIGINT (Ctrl-C) or SIGTERM, except `task`";
 
 /// Run again: what stands in the way may be gone then (`EX_TEMPFAIL` of sysexits.h).
-pub(crate) const AGAIN: u8 = 75;
+pub(crate) const TEMPORARY_FAILURE: u8 = 75;
 
 /// Something is missing, and nothing is written.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
     if error.is::<Differs>() {
         return ExitCode::from(4);
     }
-    if may_pass(error) { ExitCode::from(AGAIN) } else { ExitCode::FAILURE }
+    if may_pass(error) { ExitCode::from(TEMPORARY_FAILURE) } else { ExitCode::FAILURE }
 }
 
 /// Whether an error may not come again; of several errors, whether none may.
@@ -101,7 +101,9 @@ mod tests {
     #[test]
     fn several_errors_may_pass_if_all_of_them_may() {
         use ErrorKind::{PermissionDenied, QuotaExceeded, StorageFull};
-        for (kinds, code) in [([StorageFull, QuotaExceeded], AGAIN), ([StorageFull, PermissionDenied], 1)] {
+        for (kinds, code) in
+            [([StorageFull, QuotaExceeded], TEMPORARY_FAILURE), ([StorageFull, PermissionDenied], 1)]
+        {
             let mut failures = Failures::default();
             for kind in kinds {
                 failures.keep::<(), _>(Err(io::Error::from(kind)));

@@ -1,6 +1,6 @@
 //! Signals that ask the program to end.
 
-use crate::exit::AGAIN;
+use crate::exit::TEMPORARY_FAILURE;
 use globillum::io::LoadMonitor;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -28,9 +28,9 @@ impl Interrupt {
         Self::catch_with(|signal| 128 + signal)
     }
 
-    /// Catches signals, after which the process is run [again](AGAIN).
+    /// Catches signals, after which the process is run [again](TEMPORARY_FAILURE).
     pub(crate) fn catch_to_run_again() -> std::io::Result<Self> {
-        Self::catch_with(|_| AGAIN.into())
+        Self::catch_with(|_| TEMPORARY_FAILURE.into())
     }
 
     fn catch_with(code: fn(i32) -> i32) -> std::io::Result<Self> {

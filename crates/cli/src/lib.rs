@@ -7,28 +7,28 @@
 
 mod accel;
 mod checkpoint;
+mod checkpoint_coverage;
 mod commands;
 mod console;
 mod exit;
 mod failures;
 mod farm;
+mod file_conflicts;
 mod flags;
-mod held;
 mod interrupt;
 mod job;
 mod load;
 mod merging;
 mod monitor;
 mod output;
+mod overwrite_check;
 mod parse;
 mod points;
 mod preview;
 mod progress;
-mod replaced;
 mod report;
 mod summary;
 mod usage;
-mod uses;
 pub mod view;
 
 pub use accel::AccelKind;

@@ -1,6 +1,6 @@
 //! Checkpoints as files, merged with little memory.
 
-use crate::held;
+use crate::checkpoint_coverage;
 use anyhow::{Context, Error, Result, anyhow};
 use globillum::integrator::{
     CheckpointHeader, CheckpointReader, CheckpointWriter, Estimates, Film, ImageError, Merge, MergeError,
@@ -96,10 +96,10 @@ fn open(path: &Path) -> Result<CheckpointReader<File>> {
 /// Two parts hold the same pass of a row, and not all the same: which of them to leave out.
 fn overlap(parts: [(&Path, &CheckpointHeader); 2]) -> Error {
     let [(a, has_a), (b, has_b)] = parts.map(|(path, header)| (path.display(), header));
-    let [holds_a, holds_b] = [has_a, has_b].map(held::describe);
-    let leave_out = if held::is_all_of(has_a, has_b) {
+    let [holds_a, holds_b] = [has_a, has_b].map(checkpoint_coverage::describe);
+    let leave_out = if checkpoint_coverage::is_all_of(has_a, has_b) {
         format!("the first holds all of the second: leave {b} out")
-    } else if held::is_all_of(has_b, has_a) {
+    } else if checkpoint_coverage::is_all_of(has_b, has_a) {
         format!("the second holds all of the first: leave {a} out")
     } else {
         "these overlap: leave one of the two out".into()

@@ -1,8 +1,8 @@
 use crate::exit::CODES;
+use crate::file_conflicts::Uses;
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
-use crate::uses::Uses;
 use crate::view::{CameraType, Up, View};
 use crate::{load, parse};
 use anyhow::{Result, ensure};

@@ -1,7 +1,7 @@
 use crate::console;
 use crate::exit::{CODES, Differs};
+use crate::file_conflicts::Uses;
 use crate::parse;
-use crate::uses::Uses;
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{ChiSquare, Comparison, Estimates};
 use globillum::io::{PictureData, PictureFile, PictureFormat};

@@ -1,12 +1,12 @@
 use crate::exit::CODES;
 use crate::failures::Failures;
+use crate::file_conflicts::{SCENE_FILE, Uses};
 use crate::flags::{LoadedScene, MeasureFlags, SceneFlags};
 use crate::interrupt::Interrupt;
 use crate::job::{build, report_interrupt};
 use crate::monitor::RenderMonitor;
 use crate::output::TextOutput;
 use crate::summary::{Timing, of_points, reason};
-use crate::uses::{SCENE_FILE, Uses};
 use crate::{console, points};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};

@@ -3,12 +3,12 @@ use crate::exit::CODES;
 use crate::exit::Incomplete;
 use crate::failures::Failures;
 use crate::farm::{Part, Plan, Task, part_file};
+use crate::file_conflicts::Uses;
 use crate::flags::PictureOutput;
 use crate::interrupt::{Interrupt, NOTHING};
 use crate::merging::{self, Merged};
 use crate::output::{Outputs, STDOUT};
-use crate::uses::Uses;
-use crate::{console, parse, replaced, summary};
+use crate::{console, overwrite_check, parse, summary};
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{CheckpointError, CheckpointHeader};
 use globillum::io::PictureData;
@@ -87,7 +87,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     }
     let check = |header: &CheckpointHeader| {
         expected.as_ref().map_or(Ok(()), |expected| expected.check(header))?;
-        options.checkpoint.as_deref().map_or(Ok(()), |path| replaced::check(path, &parts, header))
+        options.checkpoint.as_deref().map_or(Ok(()), |path| overwrite_check::check(path, &parts, header))
     };
     let cancelled = || interrupt.is_asked();
     let merged =

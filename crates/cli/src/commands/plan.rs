@@ -1,9 +1,9 @@
 use super::picture::{Picture, Staged};
 use crate::exit::CODES;
 use crate::farm::{Arrays, Division, Plan, parts_folder};
+use crate::file_conflicts::Uses;
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
-use crate::uses::Uses;
 use crate::{checkpoint, console, parse};
 use anyhow::{Context, Result, ensure};
 use globillum::integrator::{Picture as Rendered, Render, Settings, Stop};

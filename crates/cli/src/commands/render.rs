@@ -1,8 +1,8 @@
 use crate::exit::CODES;
+use crate::file_conflicts::Uses;
 use crate::flags::{LoadedScene, RenderFlags, SceneFlags};
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
-use crate::uses::Uses;
 use crate::view::{self, CameraType, Up, View};
 use anyhow::{Result, anyhow};
 

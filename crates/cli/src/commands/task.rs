@@ -3,10 +3,10 @@ use crate::checkpoint::{self, Checkpoint, SaveEvery};
 use crate::exit::CODES;
 use crate::failures::Failures;
 use crate::farm::{Part, Plan, Task, part_file, parts_folder};
+use crate::file_conflicts::Uses;
 use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
-use crate::uses::Uses;
-use crate::{console, held, parse};
+use crate::{checkpoint_coverage, console, parse};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use globillum::integrator::{CheckpointError, Ending, Picture as Rendered, Render, Settings};
 use std::iter;
@@ -134,7 +134,7 @@ fn read_or_set_aside(path: &Path, key: u64, task: &Task) -> Result<Option<Render
         Part::Foreign(error) => return Err(*error).with_context(|| path.display().to_string()),
         Part::Damaged(error) => *error,
         Part::Good(header, _) if !part.is_of(task) => {
-            let held = format!("holds {}, which is not {task}", held::describe(header));
+            let held = format!("holds {}, which is not {task}", checkpoint_coverage::describe(header));
             return set_aside(path, "misplaced", &held).map(|()| None);
         }
         Part::Good(..) => match checkpoint::read(path) {

@@ -1,10 +1,10 @@
 use crate::exit::CODES;
 use crate::failures::Failures;
+use crate::file_conflicts::{SCENE_FILE, Uses};
 use crate::flags::{SaveFlags, SpeedFlags};
 use crate::interrupt::Interrupt;
 use crate::load::{self, Warnings};
 use crate::monitor::RenderMonitor;
-use crate::uses::{SCENE_FILE, Uses};
 use crate::{console, parse};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;

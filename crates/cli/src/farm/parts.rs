@@ -1,5 +1,5 @@
 use super::plan::{Plan, Task, part_file, parts_folder};
-use crate::held;
+use crate::checkpoint_coverage;
 use anyhow::{Context, Result};
 use globillum::integrator::{CheckpointError, CheckpointHeader, CheckpointReader, PixelSums};
 use std::fs::File;
@@ -55,7 +55,7 @@ impl Part {
     /// How much of a task the file holds, from 0 to 1.
     pub(crate) fn share_of(&self, task: &Task) -> f64 {
         let Self::Good(header, _) = self else { return 0.0 };
-        held::share(header, &task.passes, &task.rows)
+        checkpoint_coverage::share(header, &task.passes, &task.rows)
     }
 }
 

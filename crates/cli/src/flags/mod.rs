@@ -19,8 +19,8 @@ pub(crate) use output::PictureOutput;
 pub(crate) use scene::{LoadedScene, SceneFlags};
 pub(crate) use speed::SpeedFlags;
 
+use crate::file_conflicts::Uses;
 use crate::load::Warnings;
-use crate::uses::Uses;
 use anyhow::{Result, ensure};
 use globillum::geom::Accel;
 use globillum::integrator::{Render, Scene, Sensor, Settings, Stop};

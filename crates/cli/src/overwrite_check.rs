@@ -1,7 +1,7 @@
 //! A checkpoint that a merge replaces.
 
+use crate::checkpoint_coverage;
 use crate::farm::Part;
-use crate::held;
 use anyhow::{Result, bail, ensure};
 use globillum::integrator::CheckpointHeader;
 use std::fs;
@@ -22,10 +22,10 @@ pub(crate) fn check(path: &Path, parts: &[PathBuf], merged: &CheckpointHeader) -
         }
     };
     ensure!(
-        held::is_all_of(merged, &header),
+        checkpoint_coverage::is_all_of(merged, &header),
         "{name}: exists already and holds {}, not all of which the parts hold; \
          join it with them, move it away, or give --checkpoint another name",
-        held::describe(&header)
+        checkpoint_coverage::describe(&header)
     );
     Ok(())
 }
