@@ -10,13 +10,13 @@ use std::process::ExitCode;
 pub(crate) const CODES: &str = "\
 Exit codes:
   0   done
-  1   an error that comes again if the program is run again: bad input, another picture
+  1   permanent error: bad input, another picture
   3   incomplete: a part is missing or damaged
   4   different: `diff` found a difference
-  75  an error that may not come again: the disk is full, a server does not answer; `task` after a signal
+  75  temporary error (EX_TEMPFAIL): the disk is full, a server does not answer; `task` after a signal
   129, 130, 143  ended by SIGHUP (the terminal closed), SIGINT (Ctrl-C) or SIGTERM, except `task`";
 
-/// Run again: what stands in the way may be gone then (`EX_TEMPFAIL` of sysexits.h).
+/// A temporary error: the program may succeed if it is run again (`EX_TEMPFAIL` of sysexits.h).
 pub(crate) const TEMPORARY_FAILURE: u8 = 75;
 
 /// Something is missing, and nothing is written.
@@ -51,20 +51,20 @@ pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
     if error.is::<Differs>() {
         return ExitCode::from(4);
     }
-    if may_pass(error) { ExitCode::from(TEMPORARY_FAILURE) } else { ExitCode::FAILURE }
+    if is_temporary(error) { ExitCode::from(TEMPORARY_FAILURE) } else { ExitCode::FAILURE }
 }
 
-/// Whether an error may not come again; of several errors, whether none may.
-fn may_pass(error: &anyhow::Error) -> bool {
+/// Whether an error is temporary; of several errors, whether all are.
+fn is_temporary(error: &anyhow::Error) -> bool {
     if let Some(failures) = error.downcast_ref::<Failures>() {
-        return failures.errors().iter().all(may_pass);
+        return failures.errors().iter().all(is_temporary);
     }
     let mut causes = error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>());
-    causes.any(|error| is_temporary(error.kind()))
+    causes.any(|error| is_temporary_kind(error.kind()))
 }
 
-/// Whether an error of the operating system may not come again.
-fn is_temporary(kind: ErrorKind) -> bool {
+/// Whether an error of the operating system is temporary.
+fn is_temporary_kind(kind: ErrorKind) -> bool {
     matches!(
         kind,
         ErrorKind::StorageFull
@@ -88,7 +88,7 @@ mod tests {
     use globillum::io::IoError;
 
     #[test]
-    fn errors_that_may_pass_are_found_below_others() {
+    fn temporary_errors_are_found_below_others() {
         let write = |kind: ErrorKind| IoError::Write { path: "a".into(), source: kind.into() };
         let code =
             |kind| format!("{:?}", code_of(&Err::<(), _>(write(kind)).context("b").expect_err("it is one")));
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn several_errors_may_pass_if_all_of_them_may() {
+    fn several_errors_are_temporary_if_all_are() {
         use ErrorKind::{PermissionDenied, QuotaExceeded, StorageFull};
         for (kinds, code) in
             [([StorageFull, QuotaExceeded], TEMPORARY_FAILURE), ([StorageFull, PermissionDenied], 1)]

@@ -57,7 +57,7 @@ impl<'a> Uses<'a> {
             let Some(file) = regular_file(one.path) else { continue };
             match seen.insert(file, one) {
                 Some(other) if one.is_written || other.is_written => {
-                    bail!("{other} and {one}: are the same file")
+                    bail!("{other} and {one} are the same file")
                 }
                 _ => {}
             }

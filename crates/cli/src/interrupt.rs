@@ -28,7 +28,7 @@ impl Interrupt {
         Self::catch_with(|signal| 128 + signal)
     }
 
-    /// Catches signals, after which the process is run [again](TEMPORARY_FAILURE).
+    /// Catches signals, after which the process ends with [`TEMPORARY_FAILURE`].
     pub(crate) fn catch_to_run_again() -> std::io::Result<Self> {
         Self::catch_with(|_| TEMPORARY_FAILURE.into())
     }

@@ -23,7 +23,7 @@ pub(crate) fn check(path: &Path, parts: &[PathBuf], merged: &CheckpointHeader) -
     };
     ensure!(
         checkpoint_coverage::is_all_of(merged, &header),
-        "{name}: exists already and holds {}, not all of which the parts hold; \
+        "{name}: exists already and holds {}, some of which the parts lack; \
          join it with them, move it away, or give --checkpoint another name",
         checkpoint_coverage::describe(&header)
     );

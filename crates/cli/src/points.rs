@@ -20,7 +20,7 @@ pub(crate) fn read(path: &Path) -> Result<IrradiancePoints> {
     }
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| anyhow!("{name}: cannot be read: {error}"))?;
-    parse(&String::from_utf8(bytes).map_err(|_| anyhow!("{name}: is no text in UTF-8"))?, &name)
+    parse(&String::from_utf8(bytes).map_err(|_| anyhow!("{name}: is not UTF-8 text"))?, &name)
 }
 
 /// Parses a list of points: a line each, but for a heading, comments (`#`) and empty lines.
@@ -41,7 +41,7 @@ fn parse(text: &str, name: &str) -> Result<IrradiancePoints> {
         }
         PointError::Normal { index, normal } => {
             let length = normal.length();
-            anyhow!("{name}:{}: normal {normal} has the length {length} and not 1", lines[index])
+            anyhow!("{name}:{}: normal {normal} has length {length}, must be 1", lines[index])
         }
         other => anyhow!("{name}: {other}"),
     })
@@ -97,11 +97,11 @@ mod tests {
             ("0,0,0,0,0,1,2", "a.csv:1: has 7 columns"),
             ("0,0,zero,0,0,1", "a.csv:1: `zero` is not a number"),
             ("x,y,z,u,v,w", "a.csv:1: `x` is not a number"),
-            ("0,0,0,0,0,1\n0,0,0,0,0,0", "a.csv:2: normal [0, 0, 0] has the length 0 and not 1"),
-            ("#\n0,0,0,0,3,0", "a.csv:2: normal [0, 3, 0] has the length 3 and not 1"),
+            ("0,0,0,0,0,1\n0,0,0,0,0,0", "a.csv:2: normal [0, 0, 0] has length 0, must be 1"),
+            ("#\n0,0,0,0,3,0", "a.csv:2: normal [0, 3, 0] has length 3, must be 1"),
             ("0,nan,0,0,0,1", "a.csv:1: position [0, NaN, 0] is not finite"),
             ("0,0,1e19,0,0,1", "a.csv:1: position [0, 0, 10000000000000000000] is not finite or beyond"),
-            ("0,0,0,0,0,inf", "a.csv:1: normal [0, 0, inf] has the length inf"),
+            ("0,0,0,0,0,inf", "a.csv:1: normal [0, 0, inf] has length inf"),
         ] {
             let said = format!("{:#}", parse(list, "a.csv").expect_err("it is bad"));
             assert!(said.contains(words), "{said}");

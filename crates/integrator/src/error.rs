@@ -44,7 +44,7 @@ pub enum RenderError {
     /// What a sample measures is NaN or infinite, or the sensor started it with a ray that cannot be traced, or at a point
     /// that is not finite or has no unit normal. Such samples are never dropped.
     #[error(
-        "pixel ({x}, {y}), sample {sample}: what it measures is not finite, or it starts with an invalid ray or point"
+        "pixel ({x}, {y}), sample {sample}: the sample is not finite, or the sensor returned an invalid ray or point"
     )]
     NonFinite {
         /// Column of the pixel.
@@ -143,19 +143,19 @@ pub enum CheckpointError {
     #[error("cannot be read: {0}")]
     Read(ErrorKind),
     /// The first bytes are not those of a checkpoint.
-    #[error("is no checkpoint")]
+    #[error("is not a checkpoint")]
     NoCheckpoint,
     /// The checkpoint has another version of the format.
     #[error("is a checkpoint of version {0}; this program reads version {CHECKPOINT_VERSION}")]
     Version(u32),
     /// The length differs from what the header says: bytes are missing or were added.
-    #[error("has another length than its header says")]
+    #[error("has a length that does not match its header")]
     Length,
     /// The checksum is wrong: some bytes were changed.
     #[error("is damaged: its checksum is wrong")]
     Checksum,
     /// A value is one that no render writes.
-    #[error("holds an impossible {0}")]
+    #[error("has an invalid {0}")]
     Malformed(&'static str),
     /// The checkpoint belongs to a picture that differs in what is named here.
     #[error("belongs to another picture: the {0} differs")]
@@ -192,7 +192,7 @@ pub(crate) const CHECKPOINT_VERSION: u32 = 4;
 #[non_exhaustive]
 pub enum MergeError {
     /// There is nothing to merge.
-    #[error("there is no checkpoint to merge")]
+    #[error("there is not a checkpoint to merge")]
     Empty,
     /// A checkpoint cannot be used, or belongs to another picture than the first.
     #[error("checkpoint {index} {error}")]

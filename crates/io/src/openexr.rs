@@ -308,7 +308,8 @@ impl Channels {
         let is_error = |error: &Rgb| error.to_array().into_iter().all(|x| x >= 0.0);
         match errors.iter().position(|error| !is_error(error)) {
             Some(at) => {
-                Err(format!("standard error of pixel ({}, {}) is no error", at % width, at / width).into())
+                Err(format!("standard error of pixel ({}, {}) is negative or NaN", at % width, at / width)
+                    .into())
             }
             None => Ok(Some(errors)),
         }

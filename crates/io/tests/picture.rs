@@ -182,7 +182,7 @@ fn files_that_are_no_such_picture_are_named() {
     };
     assert_eq!(with(|data| data.estimates.means[4].g = f64::NAN), "pixel (1, 1) is not finite");
     let message = with(|data| data.estimates.standard_errors[2].b = -1.0);
-    assert_eq!(message, "standard error of pixel (2, 0) is no error");
+    assert_eq!(message, "standard error of pixel (2, 0) is negative or NaN");
     // A header of 2^27 pixels with the content of 6.
     let mut huge = good;
     let window = |x: i32, y: i32| [0, 0, x, y].into_iter().flat_map(i32::to_le_bytes).collect::<Vec<u8>>();

@@ -109,7 +109,7 @@ impl RenderFlags {
         self.sampling.spp
     }
 
-    /// Refuses flags that have no meaning for a part of a picture that a farm renders.
+    /// Refuses flags that `plan` does not allow, since they have no meaning for a part of a picture that a farm renders.
     pub(crate) fn check_for_farm(&self) -> Result<()> {
         let Self { picture, stop, checkpoints, output, report, .. } = self;
         let given = [
@@ -122,7 +122,7 @@ impl RenderFlags {
             ("--buffers", picture.buffers),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
-            Some((flags, _)) => anyhow::bail!("{flags}: not for a picture that is planned as a whole"),
+            Some((flags, _)) => anyhow::bail!("{flags}: not allowed in `plan`"),
             None => self.check(),
         }
     }

@@ -46,7 +46,7 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
         (["whole", "3"], second),
         (["1", "12"], first),
         (["12", "23"], neither),
-        (["1", "a.exr"], "a.exr: is no checkpoint"),
+        (["1", "a.exr"], "a.exr: is not a checkpoint"),
     ] {
         let output = MERGE.run(folder, &[&parts[..], &["--out", "c.png"]].concat());
         let said = String::from_utf8_lossy(&output.stderr);
@@ -82,13 +82,13 @@ fn a_merge_replaces_only_what_it_holds() {
     merge(&["1", "2", "--checkpoint", "all"]);
     refused(
         &["3", "--checkpoint", "all"],
-        "holds passes 0..4, not all of which the parts hold; join it with them, move it away",
+        "holds passes 0..4, some of which the parts lack; join it with them, move it away",
     );
     refused(
         &["2", "3", "--checkpoint", "all"],
-        "holds passes 0..4, not all of which the parts hold; join it with them, move it away",
+        "holds passes 0..4, some of which the parts lack; join it with them, move it away",
     );
-    refused(&["1", "--checkpoint", "text"], "is no checkpoint; move it away");
+    refused(&["1", "--checkpoint", "text"], "is not a checkpoint; move it away");
     refused(
         &["1", "--checkpoint", "other"],
         "belongs to another picture: the scene, camera, settings or build differs; move it away",
@@ -98,7 +98,7 @@ fn a_merge_replaces_only_what_it_holds() {
     render(&["--spp", "12", "--checkpoint", "whole"]);
     refused(
         &["cut", "--checkpoint", "whole"],
-        "holds passes 0..6, not all of which the parts hold; join it with them, move it away",
+        "holds passes 0..6, some of which the parts lack; join it with them, move it away",
     );
     merge(&["3", "all", "--checkpoint", "all"]);
     merge(&["1", "2", "3", "--checkpoint", "again"]);

@@ -60,7 +60,7 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["--resume"], &["--checkpoint <FILE> is missing"]);
     assert_refused(&["--checkpoint", "a", "--save-every", "-1"], &["--save-every -1: must be 0 or a number"]);
     assert_refused(&["--checkpoint", "bad.obj"], &["bad.obj", "--resume"]);
-    assert_refused(&["--checkpoint", "bad.obj", "--resume"], &["bad.obj", "is no checkpoint"]);
+    assert_refused(&["--checkpoint", "bad.obj", "--resume"], &["bad.obj", "is not a checkpoint"]);
     assert_refused(&["--checkpoint", "nowhere/a"], &["nowhere/a"]);
 }
 

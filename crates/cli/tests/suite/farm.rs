@@ -93,7 +93,7 @@ fn a_merge_does_not_replace_a_part_of_its_job() {
     let folder = rendered();
     let before = read(folder.path(), "job.parts/task-000003.part");
     let arguments = ["--expect", "job.json", "--checkpoint", "job.parts/task-000003.part", "--out", "a.png"];
-    let expected = "error: a task's part job.parts/task-000003.part and --checkpoint job.parts/task-000003.part: \
+    let expected = "error: a task's part job.parts/task-000003.part and --checkpoint job.parts/task-000003.part \
                     are the same file\n";
     for tasks in [&[][..], &["--tasks", "4..8"]] {
         let said = merge(folder.path(), &[&arguments[..], tasks].concat());
@@ -164,7 +164,7 @@ fn missing_and_damaged_parts_are_named() {
     let expected = "tasks         10 of 12 complete, 85.0 % of the work\n\
         missing       task 2: passes 0..1 of rows 32..40\n\
         missing       task 7: passes 2..3 of rows 16..32\n\
-        damaged       job.parts/task-000007.part: has another length than its header says \
+        damaged       job.parts/task-000007.part: has a length that does not match its header \
         (task 7: passes 2..3 of rows 16..32)\n\
         duplicate     task 5: passes 1..2 of rows 32..40: job.parts/copy.part, job.parts/task-000005.part\n\
         submit        2,7, offset 0\n";
@@ -185,7 +185,7 @@ fn missing_and_damaged_parts_are_named() {
 
     assert!(!run_task(folder, 2).contains("set aside"));
     let said = run_task(folder, 7);
-    assert!(said.contains("has another length than its header says; set aside as"), "{said}");
+    assert!(said.contains("has a length that does not match its header; set aside as"), "{said}");
     assert!(part(folder, 7).with_extension("part.damaged").exists());
     MERGE.succeed(folder, &["--expect", "job.json", "--checkpoint", "after.film"]);
     assert!(read(folder, "before.film") == read(folder, "after.film"));
@@ -297,7 +297,7 @@ fn jobs_that_cannot_be_are_refused() {
     let refused = |arguments: &[&str], words: &[&str]| GLOBILLUM.assert_refused(|_| (), arguments, words);
     let with = |flag: &[&'static str]| [&["plan", "job.json", "--", "cornell"][..], flag].concat();
     for flag in [&["--checkpoint", "a"][..], &["--passes", "0..1"], &["--error", "1"], &["--out", "a.png"]] {
-        refused(&with(flag), &[flag[0], "not for a picture that is planned as a whole"]);
+        refused(&with(flag), &[flag[0], "not allowed in `plan`"]);
     }
     refused(&with(&["--sped"]), &["unexpected argument --sped"]);
     refused(&["plan", "job.json", "--", "merge", "a"], &["unknown command merge"]);

@@ -26,9 +26,7 @@ fn help_is_headed_by_what_the_program_does_and_ends_with_examples() {
         let (_, examples) = said.split_once("\nExamples:\n").expect("there are examples");
         assert!(examples.lines().all(|line| line.starts_with("  ")), "{examples}");
         assert!(examples.contains("globillum "), "{examples}");
-        for code in
-            ["0   done", "1   an error that comes again", "3   incomplete", "75  an error that may not"]
-        {
+        for code in ["0   done", "1   permanent error", "3   incomplete", "75  temporary error"] {
             assert!(said.contains(code), "{code}");
         }
         let short = help(&[&arguments[..arguments.len() - 1], &["-h"]].concat());

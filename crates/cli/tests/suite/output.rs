@@ -124,7 +124,7 @@ fn fill(folder: &Path) {
 #[test]
 fn a_file_has_one_use() {
     let refused = |arguments: &[&str], uses: &str| {
-        let said = format!("error: {uses}: are the same file");
+        let said = format!("error: {uses} are the same file");
         GLOBILLUM.assert_refused(fill, arguments, &[&said]);
     };
     let out = ["--out", "z.exr"];
@@ -170,7 +170,7 @@ fn no_file_of_a_scene_is_written() {
         files.into_iter().chain(libraries).for_each(write);
     };
     let refused = |arguments: &[&str], uses: &str| {
-        let said = format!("error: the scene's file {uses}: are the same file");
+        let said = format!("error: the scene's file {uses} are the same file");
         GLOBILLUM.assert_refused(fill, arguments, &[&said]);
     };
     refused(&["render", "a.obj", "--stats", "a.mtl"], "a.mtl and --stats a.mtl");
@@ -229,7 +229,7 @@ fn links_are_the_file_that_they_lead_to() {
             links.iter().for_each(|(to, link)| symlink(to, folder.join(link)).expect("nothing is there"));
             symlink("sub", folder.join("link")).expect("likewise");
         };
-        GLOBILLUM.assert_refused(fill, arguments, &[&format!("error: {uses}: are the same file")]);
+        GLOBILLUM.assert_refused(fill, arguments, &[&format!("error: {uses} are the same file")]);
     };
     refused(&["cornell", "--out", "new.exr", "--out", "z.exr"], "--out new.exr and --out z.exr");
     refused(
@@ -244,7 +244,7 @@ fn links_are_the_file_that_they_lead_to() {
         std::fs::write(folder.join("b.json"), job.to_string()).expect("likewise");
         symlink("../b.json", folder.join("b.parts/task-000000.part")).expect("likewise");
     };
-    let uses = "the job b.json and the part b.parts/task-000000.part: are the same file";
+    let uses = "the job b.json and the part b.parts/task-000000.part are the same file";
     GLOBILLUM.assert_refused(fill, &["task", "b.json", "--index", "0"], &[uses]);
 }
 
