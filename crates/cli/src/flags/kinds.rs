@@ -86,7 +86,8 @@ impl From<LightSamplingKind> for LightSampling {
 pub(crate) enum MirrorSamplingKind {
     /// Only by scattering
     Off,
-    /// In all ideal mirrors, plane or curved, but not in the mirror of a mirror
+    /// In all ideal mirrors, plane or curved. Light by way of two mirrors or more is left to scattering and, where pixels
+    /// share caustics, to rays guided by photons
     Images,
 }
 
@@ -104,7 +105,8 @@ impl From<MirrorSamplingKind> for MirrorSampling {
 pub(crate) enum SupersamplingKind {
     /// One camera ray per sample
     Off,
-    /// Sixteen more where neighbouring pixels see different emission, also in mirrors
+    /// Sixteen more where neighbouring pixels see different emission, also in mirrors; 32 more if the pixel sees a curved
+    /// mirror
     Lights,
 }
 
@@ -122,8 +124,8 @@ impl From<SupersamplingKind> for Supersampling {
 pub(crate) enum PathReuseKind {
     /// Each pixel rests on its own paths; errors of pixels are independent
     Off,
-    /// Groups of sixteen pixels, one of each block of 4 x 4, share path suffixes from their second diffuse vertex, and
-    /// points of the Sobol' sampler
+    /// Groups of sixteen pixels, one of each block of 4 x 4, share path suffixes from their second diffuse vertex, the
+    /// environment, and points of the Sobol' sampler; a tile shares caustics where they are rare
     Sixteens,
 }
 

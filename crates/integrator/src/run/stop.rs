@@ -31,8 +31,9 @@ pub struct Stop {
     /// [pilot](Stop::pilot), whose first pass is finished too, the second is the time of two passes.
     pub seconds: Option<f64>,
     /// Goal: the upper end of the 95 % interval of the picture's relative error
-    /// ([`ImageError`](crate::ImageError)) is at most this. A picture that has not varied meets it from 64 observations on. It is relative to the mean over all pixels: a small bright object
-    /// on a black background takes many more samples than one that fills the picture.
+    /// ([`ImageError`](crate::ImageError)) is at most this. A picture in which no pixel has varied meets it only from 64
+    /// observations on. The error is relative to the mean over all pixels: a small bright object on a black background takes
+    /// many more samples than one that fills the picture.
     pub relative_rmse: Option<f64>,
     /// Goal for single pixels.
     pub pixels: Option<PixelGoal>,
@@ -49,7 +50,7 @@ pub struct Stop {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGoal {
     /// The largest standard error of a component, relative to the mean radiance of the picture. A pixel whose
-    /// samples have all missed its light has one of 0, and counts as good.
+    /// samples have all missed its light has standard error 0 and meets the goal.
     pub error: f64,
     /// The share of all pixels that must meet it, in `(0, 1]`.
     pub share: f64,
