@@ -6,19 +6,19 @@ use rayon::prelude::*;
 /// The least mean number of records in a cell. The mean is less than twice this, as the number of cells is a power of two.
 const CELL_RECORDS: usize = 512;
 
-/// One of so many records decides where cells are divided.
+/// One record in this many is used to choose where cells are divided.
 const DIVIDING: usize = 7;
 
-/// How often cells learn from each other what lies beyond the next vertex.
+/// The number of rounds in which cells estimate the radiance beyond the next vertex from each other.
 const ROUNDS: u32 = 8;
 
-/// The weight of what a node says of a bin of its children, in records.
+/// The weight of a parent's probability of a bin in those of its children, as a number of records.
 const PRIOR: f64 = 4.0;
 
-/// The part of the directions that is sampled by the cosine. The weight of no direction is more than one over this.
+/// The fraction of directions that are sampled by the cosine. No weight of a direction exceeds its inverse.
 const COSINE_PART: f64 = 0.5;
 
-/// What the records of a node say.
+/// Sums over the records of a node.
 #[derive(Clone, Copy)]
 struct Sums {
     /// For each bin, the sum of the squares of radiance, and the number of records.
@@ -27,7 +27,7 @@ struct Sums {
 }
 
 impl Guide {
-    /// The guide that these records teach: in each cell, half of the directions follow the root of the mean square of
+    /// Learns a guide from these records. In each cell, half of the directions follow the root of the mean square of
     /// radiance, which gives the least variance (Rath and others 2020).
     pub(crate) fn learn(records: &[GuideRecord]) -> Self {
         let depth = (records.len() / CELL_RECORDS).max(1).ilog2();

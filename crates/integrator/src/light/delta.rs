@@ -157,14 +157,14 @@ impl DeltaLight {
         }
     }
 
-    /// What a light tree knows of the light.
+    /// The description of the light in a light tree.
     pub(super) fn reach(&self) -> Reach {
         match self.0 {
             Kind::Point { position, intensity } => {
                 Reach::Near(Cluster::of_point(position.as_dvec3(), intensity.luminance()))
             }
             Kind::Spot { position, axis, intensity, cone } => {
-                // Narrow cones are dimmer than their intensity on the axis too.
+                // The falloff of a narrow cone is below 1 on the axis, too.
                 let intensity = intensity.luminance() * cone.falloff(1.0);
                 Reach::Near(Cluster::of_spot(position.as_dvec3(), axis, cone.cos_outer, intensity))
             }

@@ -41,11 +41,11 @@ pub(crate) struct MirrorPoint {
 }
 
 impl SmallMirrors {
-    /// The expected number of samples of a vertex for each unit of the tree's importance, which is about the solid angle in
-    /// steradians of the triangles that show lights. A vertex takes at most as many samples as are asked for.
+    /// The expected number of samples of a vertex per unit of the tree's importance. The importance approximates the solid
+    /// angle, in steradians, of the triangles that show lights. The settings limit the number of samples.
     const ATTEMPTS: f64 = 480.0;
 
-    /// Of one or more triangles, each with what the tree is told of it.
+    /// Builds the tree of one or more mirror triangles with their bounds.
     pub(super) fn new(
         triangles: &Triangles,
         mirrors: &[(u32, FacetBounds)],

@@ -126,9 +126,8 @@ impl PassLoop<'_> {
         told.map_err(|message| RenderError::Monitor { samples: picture.samples, message })
     }
 
-    /// Renders one pass, which the picture lacks, and adds it; the reason if there was no time for it, or the monitor did
-    /// not want it. The picture had `before` samples a pixel when
-    /// passes began to be added.
+    /// Renders one pass that the picture lacks, and adds it. If the pass is not added, returns why: it would end after the
+    /// time limit, or the monitor cancelled it. The picture had `before` samples per pixel before this run.
     fn add_pass(&self, picture: &mut Picture, pass: u32, before: u32) -> Result<Option<Ending>, RenderError> {
         let PassRenderer { monitor, meter, .. } = self.renderer;
         // The first pass is always finished, since its time is not known before.

@@ -47,14 +47,14 @@ impl Sampler {
     /// The most parts of a sample.
     pub(crate) const MAX_PARTS: u32 = 16;
 
-    /// How many rays supersample the lights that one sample sees, where its pixel sees no curved mirror.
+    /// The number of camera rays that supersample lights for one sample, in a pixel that sees no curved mirror.
     pub(crate) const RAYS: usize = 16;
 
     /// The same where it sees one, in which lights are often much smaller than the pixel.
     pub(crate) const RAYS_IN_CURVED_MIRRORS: usize = 32;
 
-    /// The numbers of sample `sample` of a member, one of the samples `pass` that are stratified together. Independent
-    /// numbers know no nets: members are alone.
+    /// The numbers of sample `sample` of a member. The samples `pass` are stratified together. Independent numbers have no
+    /// nets: each member must be [alone](Member::alone).
     pub(crate) fn numbers(self, seed: u64, member: Member, sample: u32, pass: &Range<u32>) -> Numbers {
         debug_assert!(pass.contains(&sample));
         match self {

@@ -24,7 +24,8 @@ struct Pending<'a> {
     path: u64,
 }
 
-/// The nodes of a tree over `lights`, in this frame, the root first; none without lights. `place` is told the path to each.
+/// Builds the nodes of a tree over `lights` in this frame, the root first; none without lights. Calls `place` with each light
+/// and the path to it.
 pub(super) fn nodes(lights: &mut [Light], frame: &TreeFrame, mut place: impl FnMut(u32, u64)) -> Vec<Node> {
     let mut nodes = Vec::new();
     if lights.is_empty() {
