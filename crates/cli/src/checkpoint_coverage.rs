@@ -1,6 +1,5 @@
 //! Which passes of which rows a checkpoint holds.
 
-use crate::summary::format_range;
 use globillum::integrator::{CheckpointHeader, CheckpointStrip};
 use std::ops::Range;
 
@@ -25,19 +24,27 @@ pub(crate) fn is_all_of(header: &CheckpointHeader, other: &CheckpointHeader) -> 
 
 /// What a checkpoint holds, as messages say it.
 pub(crate) fn describe(header: &CheckpointHeader) -> String {
-    let strip = |strip: &CheckpointStrip| {
-        let passes: Vec<String> = strip.passes().iter().map(format_range).collect();
-        let of = match strip.rows() {
-            rows if rows == (0..header.height) => String::new(),
-            rows => format!(" of rows {}", format_range(&rows)),
-        };
-        format!("passes {}{of}", passes.join(", "))
-    };
+    let strip = |strip: &CheckpointStrip| describe_strip(strip, header.height);
     match header.strips.as_slice() {
         [] => "no pass".into(),
         [one] => strip(one),
         [first, .., last] => format!("{} to {}", strip(first), strip(last)),
     }
+}
+
+/// The passes of a strip, and its rows unless they are all of a picture of this height.
+pub(crate) fn describe_strip(strip: &CheckpointStrip, height: u32) -> String {
+    let passes: Vec<String> = strip.passes().iter().map(format_range).collect();
+    let of = match strip.rows() {
+        rows if rows == (0..height) => String::new(),
+        rows => format!(" of rows {}", format_range(&rows)),
+    };
+    format!("passes {}{of}", passes.join(", "))
+}
+
+/// `A..B`.
+pub(crate) fn format_range(range: &Range<u32>) -> String {
+    format!("{}..{}", range.start, range.end)
 }
 
 /// How many numbers both ranges hold.

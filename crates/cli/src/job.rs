@@ -8,7 +8,7 @@ use crate::interrupt::Interrupt;
 use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::preview::Preview;
-use crate::summary::{self, Summary, Timing};
+use crate::summary::{self, PictureSummary, Timing};
 use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
@@ -102,7 +102,8 @@ impl Job {
             monitor.run(render, &mut failures).map_err(|error| flags.checkpoints.save.explain(error))?;
         let ended_by = summary::reason(picture.ending, &interrupt);
         let timing = Timing { build_seconds, render_seconds, traced, ended_by };
-        let summary = Summary::new(&name, &flags, &settings, &scene, (camera, camera_by), &picture, timing);
+        let by = (camera, camera_by);
+        let summary = PictureSummary::new(&name, &flags, &settings, &scene, by, &picture, timing);
         let data_on_stdout = outputs.fill_stdout();
         let mut data = picture_data(&picture, &settings, &camera, shown);
         if flags.picture.buffers {

@@ -1,9 +1,9 @@
-//! The program `globillum`: [`run`] is all of it. What else is public is what programs beside it share:
+//! The program `globillum`, whose entry point is [`run`]. The programs of `globillum-lab` use the other public items:
 //! accelerators by name, flags for cameras and colours, loading with warnings, errors on one line.
 //!
-//! The modules from the top: `commands` holds what each subcommand does; `job` renders a picture by `flags`,
-//! watched by `monitor`; `farm` holds what its parts are on a farm, `merging` puts them together; `output` and
-//! `summary` say what came of it; `console` alone writes to the terminal, `exit` has the exit codes.
+//! The modules from the top: `commands` has the subcommands; `job` renders a picture as its `flags` say, watched by
+//! `monitor`; `farm` divides a picture into tasks, and `merging` merges checkpoints; `output` writes pictures and
+//! `summary` reports figures; `console` alone writes to the terminal; `exit` has the exit codes.
 
 mod accel;
 mod checkpoint;

@@ -6,7 +6,7 @@ use crate::interrupt::Interrupt;
 use crate::job::{build, report_interrupt};
 use crate::monitor::RenderMonitor;
 use crate::output::TextOutput;
-use crate::summary::{Timing, of_points, reason};
+use crate::summary::{PointsSummary, Timing, reason};
 use crate::{console, points};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
@@ -96,7 +96,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         monitor.run(render, &mut failures).map_err(|error| flags.checkpoints.save.explain(error))?;
     let ended_by = reason(picture.ending, &interrupt);
     let timing = Timing { build_seconds, render_seconds, traced, ended_by };
-    let summary = of_points(&name, &flags, &scene, &picture, timing);
+    let summary = PointsSummary::new(&name, &flags, &scene, &picture, timing);
     let data_on_stdout = out.is_stdout() || stats_output.as_ref().is_some_and(TextOutput::is_stdout);
     let name = (!out.is_stdout()).then(|| format!("readings      {}\n", options.out.display()));
     let written = failures.keep(out.write(&points::format(points.readings(&picture.film)))).and(name);

@@ -1,5 +1,5 @@
 use super::Division;
-use crate::summary::format_range;
+use crate::checkpoint_coverage::format_range;
 use anyhow::{Context, Result, anyhow, ensure};
 use globillum::integrator::Camera;
 use globillum::io::PictureData;
