@@ -230,11 +230,13 @@ pub(super) fn weight(
 mod tests {
     use super::*;
     use crate::guide::{Guide, Photon, PhotonGuide, guide_vertex};
+    use crate::path::light_edges::LightEdges;
+    use crate::path::path_state::Target;
     use crate::path::probes::photon_guide;
     use crate::path::{TileProbes, Wavefront, guide, probed};
     use crate::{
-        Camera, ElementSample, Estimator, Guiding, MirrorSampling, Model, PathStart, Roulette, Scene, Sensor,
-        Settings,
+        Camera, ElementSample, Estimator, Guiding, MirrorSampling, Model, PathStart, Roulette, Sampler,
+        Scene, Sensor, Settings,
     };
     use glam::{DVec3, Vec3};
     use globillum_geom::conformance::shapes::{icosphere, quad};
@@ -249,6 +251,22 @@ mod tests {
     /// A floor of colours without blue or red between mirrors, flat, curved and emitting, and a light of this size. The
     /// camera sees parts of the floor in a mirror.
     fn room(size: f64) -> Scene<KdTree> {
+        built(room_model(size))
+    }
+
+    fn built(model: Model) -> Scene<KdTree> {
+        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+    }
+
+    /// The room with a wall that the floor sees, and that sees the light in mirrors.
+    fn room_with_wall() -> Scene<KdTree> {
+        let (p, mut model) = (DVec3::new, room_model(0.6));
+        let wall = quad(p(0.9, 0.0, 1.0), p(0.9, 1.2, 1.0), p(0.9, 1.2, -0.9), p(0.9, 0.0, -0.9));
+        model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), wall);
+        built(model)
+    }
+
+    fn room_model(size: f64) -> Model {
         let p = DVec3::new;
         let mut model = Model::default();
         let mut add = |material, triangles: &[Triangle]| model.add(material, triangles.iter().copied());
@@ -270,7 +288,7 @@ mod tests {
         let light =
             quad(p(-0.4, 1.5, -0.3), p(far[0], 1.5, -0.3), p(far[0], 1.5, far[1]), p(-0.4, 1.5, far[1]));
         add(Material::light(Rgb::new(5.0, 4.0, 3.0)).unwrap(), &light);
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+        model
     }
 
     fn camera(fov: f64) -> Camera {
@@ -346,11 +364,11 @@ mod tests {
     /// (Student's distribution with 199 degrees of freedom).
     #[test]
     fn pixels_keep_their_mean() {
-        let (room, shaft) = (room(0.6), shaft());
+        let (room, shaft, walled) = (room(0.6), shaft(), room_with_wall());
         let [wide, near] = [0.9, 0.2].map(camera);
         let settings = Settings::new(13, 16, 4);
         let with = |estimator, max_bounces| Settings { estimator, max_bounces, ..settings };
-        let all: [(&Scene<KdTree>, &dyn Sensor, Settings); 11] = [
+        let all: [(&Scene<KdTree>, &dyn Sensor, Settings); 12] = [
             (&room, &wide, settings),
             (
                 &room,
@@ -366,6 +384,7 @@ mod tests {
             (&room, &Floor, settings),
             (&shaft, &near, settings),
             (&shaft, &wide, with(Estimator::Mis, Some(4))),
+            (&walled, &near, Settings { mirror_sampling: MirrorSampling::Off, ..settings }),
         ];
         for (i, (scene, sensor, settings)) in all.into_iter().enumerate() {
             let setup = Setup::new(scene, sensor, settings.guiding);
@@ -440,17 +459,79 @@ mod tests {
         assert!(weighted[0] == lit[0] && weighted[1] > 100, "{weighted:?}");
     }
 
-    /// How many caustics are found again, and how many of these with a weight less than one.
-    fn numbers_found_again(context: &RenderContext<'_>) -> [u32; 2] {
+    /// What a suffix finds by way of mirrors reaches many samples of its number in the square, and no other samples.
+    #[test]
+    fn caustics_of_suffixes_are_shared_by_the_square() {
+        let (scene, camera) = (room_with_wall(), camera(0.9));
+        let (mut more_than_a_group, mut all) = (0, 0);
+        for seed in 0..4 {
+            let settings =
+                Settings { seed, mirror_sampling: MirrorSampling::Off, ..Settings::new(13, 16, 4) };
+            let context = RenderContext::new(&scene, &camera, &settings);
+            let context = RenderContext { shares_caustics: true, ..context };
+            let Wavefront { mut prefixes, mut radiance, .. } = advanced(&context);
+            for (sample, found) in std::mem::take(&mut radiance.suffix_caustics) {
+                radiance.suffixes.fill(Rgb::BLACK);
+                radiance.samples.fill(Rgb::BLACK);
+                radiance.suffix_caustics = vec![(sample, found)];
+                prefixes.share_suffixes(&context, TILE, &mut radiance, &mut Counters::default());
+                let lit = |number| {
+                    let of_number = radiance.samples.iter().skip(number).step_by(4);
+                    of_number.filter(|radiance| !radiance.is_black()).count()
+                };
+                let (own, others) = (lit(sample as usize % 4), (0..4).map(lit).sum::<usize>());
+                assert_eq!(own, others, "{sample}");
+                more_than_a_group += usize::from(own > 16);
+                all += 1;
+            }
+        }
+        assert!(all > 20 && 2 * more_than_a_group > all, "{more_than_a_group} of {all}");
+    }
+
+    /// What a path finds by itself is what it finds if none are shared, also if its suffix finds a caustic.
+    #[test]
+    fn sharing_keeps_what_a_path_finds_alone() {
+        let (scene, camera) = (room_with_wall(), camera(0.9));
+        let roulette = Roulette { start: 8, threshold: 0.2 };
+        let settings = Settings { roulette, max_bounces: Some(8), ..Settings::new(13, 16, 4) };
+        let settings = Settings { sampler: Sampler::Independent, ..settings };
+        let settings = Settings { mirror_sampling: MirrorSampling::Off, ..settings };
+        let mut caustics = 0;
+        for seed in 0..8 {
+            let settings = Settings { seed, ..settings };
+            let context = RenderContext::new(&scene, &camera, &settings);
+            let shared = advanced(&RenderContext { shares_caustics: true, ..context });
+            let settings = Settings { path_reuse: crate::PathReuse::Off, ..settings };
+            let alone = advanced(&RenderContext::new(&scene, &camera, &settings));
+            caustics += shared.radiance.suffix_caustics.len();
+            for (sample, alone) in (0..).zip(alone.radiance()) {
+                let of_suffix = shared.radiance.of_suffix(sample) + shared.caustics.found_by(sample);
+                let throughput = shared.prefixes.throughput_before(Target::Suffix(sample));
+                let found = throughput * of_suffix + shared.radiance()[sample as usize];
+                assert!((found.g - alone.g).abs() <= 1e-12 * alone.g, "{sample}: {found}, {alone}");
+            }
+        }
+        assert!(caustics > 10, "{caustics}");
+    }
+
+    /// The paths of the tile, advanced to their ends.
+    fn advanced(context: &RenderContext<'_>) -> Wavefront {
         let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
-        wavefront.start(context, (TILE, &TileProbes::default()), &(0..4));
+        let probes = TileProbes { edges: LightEdges::default(), ..TileProbes::of(context, TILE) };
+        wavefront.start(context, (TILE, &probes), &(0..4));
         for bounce in 0.. {
             wavefront.advance(context, bounce, &mut counters);
             if wavefront.paths.is_empty() {
                 break;
             }
         }
-        let Wavefront { prefixes, mut caustics, .. } = wavefront;
+        wavefront
+    }
+
+    /// How many caustics are found again, and how many of these with a weight less than one.
+    fn numbers_found_again(context: &RenderContext<'_>) -> [u32; 2] {
+        let Wavefront { prefixes, mut caustics, .. } = advanced(context);
+        let mut counters = Counters::default();
         let mut numbers = [0; 2];
         for sample in 0..4 * TILE.pixel_count() as u32 {
             let met = prefixes.of(sample).and_then(|own| Some((own, own.mirror?)));
