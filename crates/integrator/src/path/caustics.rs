@@ -1,10 +1,11 @@
 //! Caustics that pixels share.
 //!
 //! A path may leave its first diffuse vertex `x` toward a mirror, and find a light by way of mirrors alone. Where light
-//! samples do not find such light, or hardly ever, these paths are rare and bring much. So all pixels of a square share
-//! each of them: they look from their own `x` at its point `y` on the first mirror, and follow mirrors from there. Those
-//! that find a light could have found it by way of `y`, and divide it by the balance heuristic, each with the radiance
-//! that it sees in `y`. [Rays guided by photons](super::photon_rays) take a part of what comes by way of several mirrors.
+//! samples do not find such light, or hardly ever, these paths are rare and bring much. So each of them is shared by all
+//! pixels of a square. Every pixel connects its own `x` to the point `y` on the first mirror, and follows mirrors from
+//! there. The pixels that find a light could have sampled `y` themselves; they are combined by the balance heuristic, each
+//! with the radiance that arrives by way of `y`. [Rays guided by photons](super::photon_rays) find a part of what comes by
+//! way of several mirrors. What suffixes find by way of mirrors is shared [with the suffix](super::reuse).
 
 use super::counters::Counters;
 use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
@@ -28,10 +29,10 @@ pub(super) const LEAST_WEIGHT: f64 = 0.5;
 /// The caustics that the paths of a wavefront have found.
 #[derive(Debug, Default)]
 pub(super) struct Caustics {
-    found: Vec<Found>,
-    /// One for each prefix that may share a caustic; its own is first.
-    views: Vec<View>,
-    /// The segment to the mirror of each view but the first.
+    found: Vec<PathCaustic>,
+    /// The prefixes that may share a caustic; its own is first.
+    candidates: Vec<Candidate>,
+    /// The segment from each candidate but the first to the mirror.
     rays: Vec<Ray>,
     occluded: Vec<bool>,
     emission_rays: EmissionRays,
@@ -39,17 +40,17 @@ pub(super) struct Caustics {
 
 /// A caustic that the path of a sample has found.
 #[derive(Clone, Copy, Debug)]
-struct Found {
+struct PathCaustic {
     sample: u32,
     /// What leaves the first mirror toward the end of the prefix.
     radiance: Rgb,
     /// Whether it came by way of several mirrors.
-    by_several: bool,
+    by_several_mirrors: bool,
 }
 
-/// The first mirror of a caustic as the end of a prefix sees it.
+/// A prefix that may share a caustic.
 #[derive(Clone, Copy, Debug)]
-struct View {
+struct Candidate {
     sample: u32,
     /// The density, per area of the mirror and times pi, with which the prefix would have been continued there by its
     /// BSDF alone.
@@ -68,7 +69,7 @@ impl Caustics {
     /// Handles the emission that a path has met by way of mirrors after its prefix. If pixels share it, stores its radiance
     /// and returns black. Otherwise returns the radiance, which belongs to the sample of the path alone.
     #[inline(never)]
-    pub(super) fn take_emission(
+    pub(super) fn keep_emission(
         &mut self,
         context: &RenderContext<'_>,
         path: &Path,
@@ -84,8 +85,8 @@ impl Caustics {
         if !context.shares_caustics || weight < LEAST_WEIGHT || radiance.is_black() || !radiance.is_finite() {
             return radiance;
         }
-        let by_several = matches!(path.stage, Stage::Reflected(mirrors) if mirrors > 1);
-        self.found.push(Found { sample: path.target.sample(), radiance, by_several });
+        let by_several_mirrors = matches!(path.stage, Stage::Reflected(mirrors) if mirrors > 1);
+        self.found.push(PathCaustic { sample: path.target.sample(), radiance, by_several_mirrors });
         Rgb::BLACK
     }
 
@@ -112,51 +113,52 @@ impl Caustics {
             let Some((own, mirror)) = prefixes.of(sample).and_then(|own| Some((own, own.mirror?))) else {
                 continue;
             };
-            let radiance = radiance_shared(context, own, &mirror, of_sample);
+            let radiance = shared_radiance(context, own, &mirror, of_sample);
             let of_square = samples_of_square(tile, count, sample);
-            let own_view = View { sample, density: 1.0, guided_density: own.guide_ratio, radiance };
-            self.collect_views(context, prefixes, (own_view, own, &mirror), of_square);
-            self.look(context, (prefixes, own.bounce), &mirror.point, counters);
-            self.divide(prefixes, samples);
+            let own_candidate = Candidate { sample, density: 1.0, guided_density: own.guide_ratio, radiance };
+            self.collect_candidates(context, prefixes, (own_candidate, own, &mirror), of_square);
+            self.trace_candidates(context, (prefixes, own.bounce), &mirror.point, counters);
+            self.combine(prefixes, samples);
         }
         self.found = found;
     }
 
-    /// Collects the views of a caustic, that of the prefix that has found it and those of `others`, and the rays to its
-    /// mirror.
-    fn collect_views(
+    /// Collects the candidates for a caustic, the prefix that has found it and those of the samples `others`, and the rays to
+    /// its mirror.
+    fn collect_candidates(
         &mut self,
         context: &RenderContext<'_>,
         prefixes: &Prefixes,
-        (own_view, own, mirror): (View, &Prefix, &ReuseVertex),
+        (own_candidate, own, mirror): (Candidate, &Prefix, &ReuseVertex),
         others: impl Iterator<Item = u32>,
     ) {
-        self.views.clear();
+        self.candidates.clear();
         self.rays.clear();
-        self.views.push(own_view);
+        self.candidates.push(own_candidate);
         let Some((density, _)) = own.end.connection_to(mirror) else { return };
-        self.views[0] = View { density, guided_density: density * own.guide_ratio, ..own_view };
-        for sample in others.filter(|&other| other != own_view.sample) {
+        self.candidates[0] =
+            Candidate { density, guided_density: density * own.guide_ratio, ..own_candidate };
+        for sample in others.filter(|&other| other != own_candidate.sample) {
             let Some(prefix) = prefixes.of(sample).filter(|other| other.bounce == own.bounce) else {
                 continue;
             };
             let Some((density, ray)) = prefix.end.connection_to(mirror) else { continue };
             let guided_density = density * prefix.end.guide_ratio(context.guide, ray.direction);
             self.rays.push(ray);
-            self.views.push(View { sample, density, guided_density, radiance: Rgb::BLACK });
+            self.candidates.push(Candidate { sample, density, guided_density, radiance: Rgb::BLACK });
         }
     }
 
-    /// Finds what each view shows, but for the first: by way of `mirror`, the first one after the end of prefixes at this
-    /// bounce.
-    fn look(
+    /// Finds the light that arrives at each candidate but the first by way of `mirror`, the first one after the end of
+    /// prefixes at this bounce.
+    fn trace_candidates(
         &mut self,
         context: &RenderContext<'_>,
         (prefixes, bounce): (&Prefixes, u32),
         mirror: &SurfacePoint,
         counters: &mut Counters,
     ) {
-        let Self { views, rays, occluded, emission_rays, .. } = self;
+        let Self { candidates, rays, occluded, emission_rays, .. } = self;
         context.scene.accel().occluded_batch(rays, occluded);
         let Bsdf::Mirror(reflectance) = context.scene.material(mirror.triangle).bsdf else { return };
         for (i, (ray, _)) in
@@ -167,54 +169,54 @@ impl Caustics {
         // Two bounces: at the prefix's end, and at this mirror.
         let left = context.settings.max_bounces.map_or(u32::MAX, |max| max - bounce - 2);
         let show = |found: FoundEmission<'_>| {
-            let view = &mut views[found.target as usize];
-            let Some(Prefix { end, .. }) = prefixes.of(view.sample) else { return };
+            let candidate = &mut candidates[found.target as usize];
+            let Some(Prefix { end, .. }) = prefixes.of(candidate.sample) else { return };
             let direction = end.direction_to(mirror);
             let pdf =
                 PdfSolidAngle(end.normal.dot(direction) / PI * end.guide_ratio(context.guide, direction));
-            let mis = at_first_vertex(Density::SolidAngle(pdf), end.receiver());
-            let weight = weight(context, mis, mirror.triangle, &found);
+            let mis = at_first_diffuse(Density::SolidAngle(pdf), end.receiver());
+            let weight = mis_weight_by_mirror(context, mis, mirror.triangle, &found);
             if weight >= LEAST_WEIGHT {
                 let bsdf_weight =
                     if found.reflections > 0 { bsdf_weight(context, end, direction) } else { 1.0 };
-                view.radiance += found.radiance * (weight * bsdf_weight);
+                candidate.radiance += found.radiance * (weight * bsdf_weight);
             }
         };
         let traced = emission_rays.trace(context, left.min(MAX_REFLECTIONS - 1), show, |_, _| {});
         counters.shadow_rays += rays.len() as u64 + traced;
     }
 
-    /// Divides the caustic among the views that show a light.
-    fn divide(&self, prefixes: &Prefixes, samples: &mut [Rgb]) {
-        let lit = || self.views.iter().filter(|view| !view.radiance.is_black());
-        let sum: f64 = lit().map(|view| view.guided_density).sum();
-        for view in lit() {
-            let throughput = prefixes.of(view.sample).map_or(Rgb::WHITE, |prefix| prefix.throughput);
-            samples[view.sample as usize] += throughput * view.radiance * (view.density / sum);
+    /// Divides the caustic among the candidates that have found a light, by the balance heuristic.
+    fn combine(&self, prefixes: &Prefixes, samples: &mut [Rgb]) {
+        let lit = || self.candidates.iter().filter(|candidate| !candidate.radiance.is_black());
+        let sum: f64 = lit().map(|candidate| candidate.guided_density).sum();
+        for candidate in lit() {
+            let throughput = prefixes.of(candidate.sample).map_or(Rgb::WHITE, |prefix| prefix.throughput);
+            samples[candidate.sample as usize] += throughput * candidate.radiance * (candidate.density / sum);
         }
     }
 }
 
 /// The part of what a path has found that is left for pixels to share.
-fn radiance_shared(
+fn shared_radiance(
     context: &RenderContext<'_>,
     own: &Prefix,
     mirror: &ReuseVertex,
-    of_sample: &[Found],
+    of_sample: &[PathCaustic],
 ) -> Rgb {
     let direction = own.end.direction_to(&mirror.point);
-    of_sample.iter().fold(Rgb::BLACK, |sum, &Found { radiance, by_several, .. }| {
-        sum + radiance * if by_several { bsdf_weight(context, &own.end, direction) } else { 1.0 }
+    of_sample.iter().fold(Rgb::BLACK, |sum, &PathCaustic { radiance, by_several_mirrors, .. }| {
+        sum + radiance * if by_several_mirrors { bsdf_weight(context, &own.end, direction) } else { 1.0 }
     })
 }
 
 /// What weights depend on after a first diffuse vertex has scattered a path with this density.
-pub(super) fn at_first_vertex(density: Density, receiver: Receiver) -> MisContext {
+pub(super) fn at_first_diffuse(density: Density, receiver: Receiver) -> MisContext {
     MisContext { is_first: true, ..MisContext::new(density, receiver) }
 }
 
 /// The weight of what a ray has found that triangle `mirror` reflected first. A second mirror is not sampled.
-pub(super) fn weight(
+pub(super) fn mis_weight_by_mirror(
     context: &RenderContext<'_>,
     mis: MisContext,
     mirror: u32,
@@ -537,13 +539,14 @@ mod tests {
             let met = prefixes.of(sample).and_then(|own| Some((own, own.mirror?)));
             let Some((own, mirror)) = met else { continue };
             let (density, ray) = own.end.connection_to(&mirror).unwrap();
-            caustics.views = vec![View { sample, density, guided_density: density, radiance: Rgb::BLACK }; 2];
+            caustics.candidates =
+                vec![Candidate { sample, density, guided_density: density, radiance: Rgb::BLACK }; 2];
             caustics.rays = vec![ray];
-            caustics.look(context, (&prefixes, own.bounce), &mirror.point, &mut counters);
-            let of_sample: Vec<Found> =
+            caustics.trace_candidates(context, (&prefixes, own.bounce), &mirror.point, &mut counters);
+            let of_sample: Vec<PathCaustic> =
                 caustics.found.iter().copied().filter(|found| found.sample == sample).collect();
-            let shared = radiance_shared(context, own, &mirror, &of_sample).g;
-            let again = caustics.views[1].radiance.g;
+            let shared = shared_radiance(context, own, &mirror, &of_sample).g;
+            let again = caustics.candidates[1].radiance.g;
             assert!((again - shared).abs() <= 1e-9 * shared, "{sample}: {again}, {shared}");
             numbers[0] += u32::from(shared > 0.0);
             numbers[1] += u32::from(shared < 0.999 * caustics.found_by(sample).g);

@@ -341,7 +341,7 @@ impl Wavefront {
         path: &Path,
         (hit, at): (&Hit, &Interaction<'_>),
     ) {
-        let left = self.caustics.take_emission(context, path, (hit, at));
+        let left = self.caustics.keep_emission(context, path, (hit, at));
         let throughput = self.prefixes.throughput_before(path.target);
         self.radiance.samples[path.target.sample() as usize] += throughput * left;
     }

@@ -1,6 +1,6 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
-use crate::path::caustics::{LEAST_WEIGHT, weight};
+use crate::path::caustics::{LEAST_WEIGHT, mis_weight_by_mirror};
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::first_vertex::first_diffuse_vertex;
 use crate::path::render_context::RenderContext;
@@ -51,7 +51,7 @@ fn found_from(context: &RenderContext<'_>, scattered: &[(Ray, MisContext)]) -> u
     let add = |found: FoundEmission<'_>| {
         let i = found.target as usize;
         let mirror = hits[i].as_ref().map_or(Ray::NO_TRIANGLE, |hit| hit.triangle);
-        count += usize::from(weight(context, scattered[i].1, mirror, &found) >= LEAST_WEIGHT);
+        count += usize::from(mis_weight_by_mirror(context, scattered[i].1, mirror, &found) >= LEAST_WEIGHT);
     };
     reflected.trace(context, MAX_REFLECTIONS - 1, add, |_, _| {});
     count
