@@ -9,7 +9,7 @@
 
 use super::counters::Counters;
 use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
-use super::path_state::{Path, Stage};
+use super::path_state::Path;
 use super::photon_rays::bsdf_weight;
 use super::pixel_groups::samples_of_square;
 use super::pixel_rect::PixelRect;
@@ -17,6 +17,7 @@ use super::render_context::RenderContext;
 use super::reuse::{Prefix, Prefixes};
 use super::reuse_vertex::ReuseVertex;
 use super::shading_point::MisContext;
+use super::stage::Stage;
 use crate::Interaction;
 use crate::light::Receiver;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};

@@ -108,7 +108,7 @@ impl Choices<ChosenMirror> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::path_state::Stage;
+    use crate::path::stage::Stage;
     use crate::sampler::Member;
     use crate::sampler::MirrorSize;
     use crate::{Camera, Model, Scene, Settings};

@@ -21,6 +21,7 @@ mod reuse;
 mod reuse_vertex;
 mod shading_point;
 mod small_mirror_rays;
+mod stage;
 mod supersampling_rays;
 mod tile_probes;
 mod training;

@@ -1,4 +1,5 @@
 use super::shading_point::MisContext;
+use super::stage::Stage;
 use crate::Roulette;
 use crate::sampler::Numbers;
 use globillum_material::Rgb;
@@ -34,21 +35,6 @@ pub(super) enum Target {
 pub(super) struct Contribution {
     pub(super) target: Target,
     pub(super) radiance: Rgb,
-}
-
-/// How far a path has been divided into prefix and suffix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
-    /// The prefix has not ended.
-    Prefix,
-    /// The prefix has ended at the last vertex, and others may reuse what follows.
-    PrefixEnded,
-    /// Of the vertices since the end of the prefix, all were mirrors, of this number. Others may share what the path finds
-    /// of lights ([`Caustics`](super::caustics::Caustics)), or the suffix that begins beyond the first mirror.
-    Reflected(u8),
-    /// The suffix has begun, or the prefix has ended and none begins: paths are not reused, or a diffuse vertex followed two
-    /// mirrors or more, or there were more mirrors than are shared.
-    Suffix,
 }
 
 /// The radiance that the samples of a wavefront have gathered.

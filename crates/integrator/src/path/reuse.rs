@@ -13,7 +13,7 @@
 //! all directions, and suffixes are what differs from it.
 
 use super::counters::Counters;
-use super::path_state::{Path, RadianceSums, Stage, Target};
+use super::path_state::{Path, RadianceSums, Target};
 use super::pixel_groups::{Groups, PixelGroup, samples_of_square};
 use super::pixel_rect::{PixelRect, SIDE};
 use super::render_context::RenderContext;
@@ -137,7 +137,7 @@ impl Prefixes {
 
     /// Ends the prefix of a path at the vertex that scattered it.
     #[inline(always)]
-    pub(super) fn end(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+    pub(super) fn end(&mut self, path: &Path, vertex: &ShadingPoint<'_>) {
         let (end, bounce, throughput) =
             (ReuseVertex::at(vertex), vertex.bounce, path.throughput * path.guide_ratio);
         self.all[path.target.sample() as usize] = Some(Prefix {
@@ -149,7 +149,6 @@ impl Prefixes {
             mirror: None,
             start: None,
         });
-        path.stage = Stage::PrefixEnded;
         self.have_ended = true;
     }
 
@@ -196,9 +195,6 @@ impl Prefixes {
     /// Makes the environment the suffix of a path that leaves the scene right after its prefix, in `direction`.
     #[inline(always)]
     pub(super) fn leave_scene(&mut self, path: &mut Path, direction: DVec3) {
-        if path.stage != Stage::PrefixEnded {
-            return;
-        }
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
         prefix.start = Some(SuffixStart::Environment(direction.normalize()));
         path.leave_prefix();

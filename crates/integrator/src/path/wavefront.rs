@@ -1,11 +1,10 @@
 use super::caustics::{Caustics, LEAST_WEIGHT};
 use super::choices::Choices;
 use super::counters::Counters;
-use super::emission_rays::MAX_REFLECTIONS;
 use super::first_vertex::irradiance_vertex;
 use super::large_mirror_rays::LargeMirrorRays;
 use super::numbers::{draw_bounce_numbers, draw_numbers};
-use super::path_state::{Contribution, Path, RadianceSums, Stage, Target};
+use super::path_state::{Contribution, Path, RadianceSums, Target};
 use super::photon_rays::PhotonRays;
 use super::pixel_groups::Groups;
 use super::pixel_rect::PixelRect;
@@ -13,6 +12,7 @@ use super::render_context::RenderContext;
 use super::reuse::Prefixes;
 use super::shading_point::{MisContext, ShadingPoint};
 use super::small_mirror_rays::SmallMirrorRays;
+use super::stage::{Event, Met, Stage};
 use super::supersampling_rays::SupersamplingRays;
 use super::tile_probes::TileProbes;
 use crate::guide::{GuideVertex, guide_vertex};
@@ -278,7 +278,9 @@ impl Wavefront {
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
             let Some(hit) = self.hits[i] else {
-                self.prefixes.leave_scene(&mut path, ray.direction);
+                if path.stage.meet(Met::Environment).1 == Event::SuffixIsEnvironment {
+                    self.prefixes.leave_scene(&mut path, ray.direction);
+                }
                 *self.radiance.at(path.target) += path.throughput * context.scene.environment();
                 continue;
             };
@@ -302,7 +304,7 @@ impl Wavefront {
             vertex.light = self.light_choices.of_path(i);
             vertex.mirror = self.mirror_choices.of_path(i);
             vertex.large_mirror_numbers = self.large_mirror_numbers.get(i).copied();
-            self.update_stage(&mut path, &vertex);
+            self.meet_vertex(&mut path, &vertex);
             let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, Some(&hit), counters)
             else {
                 continue;
@@ -348,23 +350,15 @@ impl Wavefront {
 
     /// Updates the stage of a path that has met a vertex. Its suffix may begin there.
     #[inline(always)]
-    fn update_stage(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
-        let is_mirror = vertex.at.material.bsdf.is_delta();
-        path.stage = match (path.stage, is_mirror) {
-            (Stage::Prefix, _) => Stage::Prefix,
-            (Stage::PrefixEnded, true) => {
-                self.prefixes.meet_mirror(path, vertex);
-                Stage::Reflected(1)
-            }
-            (Stage::Reflected(count), true) if u32::from(count) < MAX_REFLECTIONS => {
-                Stage::Reflected(count + 1)
-            }
-            (Stage::PrefixEnded | Stage::Reflected(1), false) => {
-                self.prefixes.begin_suffix(path, vertex);
-                Stage::Suffix
-            }
-            (Stage::Reflected(_) | Stage::Suffix, _) => Stage::Suffix,
-        };
+    fn meet_vertex(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+        let met = if vertex.at.material.bsdf.is_delta() { Met::Mirror } else { Met::Diffuse };
+        let event;
+        (path.stage, event) = path.stage.meet(met);
+        match event {
+            Event::FirstMirror => self.prefixes.meet_mirror(path, vertex),
+            Event::SuffixBegins => self.prefixes.begin_suffix(path, vertex),
+            _ => {}
+        }
     }
 
     /// Finds the cells of all hits, if there is a guide.
@@ -433,9 +427,10 @@ impl Wavefront {
             self.small_mirror_rays.sample(context, path, vertex);
         }
         let next = path.scatter(context, hit, vertex)?;
-        if path.is_prefix() && vertex.at.material.bsdf.is_diffuse() {
-            path.stage = Stage::Suffix;
-            if context.may_reuse_prefix(vertex.bounce) {
+        if vertex.at.material.bsdf.is_diffuse() {
+            let event;
+            (path.stage, event) = path.stage.scatter(context.may_reuse_prefix(vertex.bounce));
+            if event == Event::PrefixEnds {
                 self.prefixes.end(path, vertex);
             }
         }
