@@ -1,13 +1,15 @@
 //! Whether two pictures show the same, told by their errors.
 
+mod deviates;
 mod normal;
 mod side;
 
 use crate::Estimates;
 use crate::film::student::NORMAL_QUANTILE_975;
 use crate::path::{BLOCK_SIDE, PixelRect};
+use deviates::deviates;
 use globillum_material::Rgb;
-use side::{Cell, Side, places};
+use side::{Side, places};
 
 /// Two estimates of a picture beside each other: what tells chance from a difference.
 ///
@@ -39,8 +41,9 @@ pub struct Comparison {
     /// Height in pixels.
     pub height: u32,
     /// The first side's mean less the second's over the standard error of the difference, for every pixel and
-    /// component, row by row from the top, as a standard normal deviate: Student's distribution is accounted for.
-    /// NaN if an error is unknown.
+    /// component, row by row from the top, as a standard normal deviate: Student's distribution is accounted for. Where
+    /// sides know their errors differently well, the degrees of freedom are those that the errors of the pixels around
+    /// suggest if these are fewer, so that deviates are rather too small. NaN if an error is unknown.
     pub pixels: Vec<Rgb>,
     /// The same for the blocks of 4 x 4 pixels. The error of a block of a side of several seeds is their spread.
     /// That of a single picture is computed from the errors of its pixels, times how much less or more the blocks around
@@ -93,7 +96,7 @@ impl Comparison {
         let pair = Pair { width, height, tile_side, offset, a: Side::of(a)?, b: Side::of(b)? };
         let variances = pair.tile_variances();
         let differences = pair.differences(&variances);
-        let blocks = deviates(&pair.a.blocks, &pair.b.blocks);
+        let blocks = deviates([&pair.a.blocks, &pair.b.blocks], width.div_ceil(BLOCK_SIDE));
         let components = blocks.iter().flat_map(|z| z.to_array()).filter(|z| !z.is_nan());
         let largest_block = components.map(f64::abs).reduce(f64::max);
         let (ratio, ratio_95) = pair.ratio(Rgb::mean);
@@ -101,7 +104,7 @@ impl Comparison {
         Some(Self {
             width,
             height,
-            pixels: deviates(&pair.a.pixels, &pair.b.pixels),
+            pixels: deviates([&pair.a.pixels, &pair.b.pixels], width),
             blocks,
             ratio,
             ratio_95,
@@ -257,28 +260,4 @@ fn floor(variances: &[f64]) -> f64 {
 /// 0 for none.
 fn mean_of(values: &[f64]) -> f64 {
     if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
-}
-
-fn deviates(a: &[Cell], b: &[Cell]) -> Vec<Rgb> {
-    let deviate = |(a, b): (&Cell, &Cell)| {
-        let [x, y, v, w] = [a.mean, b.mean, a.variance, b.variance].map(Rgb::to_array);
-        let [r, g, b] = std::array::from_fn(|c| deviate(x[c] - y[c], [(v[c], a.dof), (w[c], b.dof)]));
-        Rgb::new(r, g, b)
-    };
-    a.iter().zip(b).map(deviate).collect()
-}
-
-/// The deviate of a difference `apart` of two means, given their variances and the degrees of freedom of these,
-/// which are joined as Welch (1947) does.
-fn deviate(apart: f64, variances: [(f64, f64); 2]) -> f64 {
-    let variance: f64 = variances.iter().map(|(variance, _)| variance).sum();
-    if !variance.is_finite() {
-        return f64::NAN;
-    }
-    if apart == 0.0 {
-        return 0.0;
-    }
-    // Shares, since squares of variances may underflow.
-    let inverse: f64 = variances.iter().map(|(v, dof)| (v / variance).powi(2) / dof).sum();
-    normal::of_student(apart / variance.sqrt(), 1.0 / inverse)
 }
