@@ -213,6 +213,27 @@ fn four_seeds_find_a_block_that_differs() {
     assert!(comparison.p_value() < 1e-3, "{:?}", comparison.largest_block);
 }
 
+/// Of 2000 pairs of pictures of few tiles, the interval of the ratio holds it in 95 %, within 4.5 standard errors (a
+/// false alarm in 150,000).
+#[test]
+fn intervals_of_the_ratio_hold_it_where_tiles_are_few() {
+    const PAIRS: u64 = 2000;
+    for (tiles, columns, rows) in [(2, 8, 4), (4, 8, 8), (16, 16, 16)] {
+        let held = (0..PAIRS).filter(|pair| {
+            let [a, b] =
+                [2 * pair, 2 * pair + 1].map(|seed| normal_noise(seed, 0.05).crop(0..columns, 0..rows));
+            let [low, high] = Comparison::between(&[a], &[b]).unwrap().ratio_95;
+            (low..=high).contains(&1.0)
+        });
+        let share = held.count() as f64 / PAIRS as f64;
+        let tolerance = 4.5 * (0.95 * 0.05 / PAIRS as f64).sqrt();
+        assert!((share - 0.95).abs() < tolerance, "{tiles} tiles: {share}");
+    }
+    let one = normal_noise(0, 0.05).crop(0..4, 0..4);
+    let comparison = Comparison::between(&[one], &[normal_noise(1, 0.05).crop(0..4, 0..4)]).unwrap();
+    assert_eq!(comparison.ratio_95, [f64::NEG_INFINITY, f64::INFINITY]);
+}
+
 #[test]
 #[should_panic(expected = "a crop lies within the picture")]
 #[expect(clippy::reversed_empty_ranges, reason = "the range is wrong on purpose")]

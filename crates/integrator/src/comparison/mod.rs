@@ -5,7 +5,7 @@ mod normal;
 mod side;
 
 use crate::Estimates;
-use crate::film::student::NORMAL_QUANTILE_975;
+use crate::film::student::quantile_975;
 use crate::path::{BLOCK_SIDE, PixelRect};
 use deviates::deviates;
 use globillum_material::Rgb;
@@ -52,7 +52,8 @@ pub struct Comparison {
     pub blocks: Vec<Rgb>,
     /// The first side's mean radiance over the second's, all components together; NaN if the second is black.
     pub ratio: f64,
-    /// The 95 % confidence interval of `ratio`, by the differences of tiles: too wide where tiles truly differ.
+    /// The 95 % confidence interval of `ratio`, by the differences of tiles: too wide where tiles truly differ. It is
+    /// Student's, with a degree of freedom less than there are tiles; `[-inf, inf]` of a single tile.
     pub ratio_95: [f64; 2],
     /// The ratio of each component.
     pub component_ratios: Rgb,
@@ -191,7 +192,10 @@ impl Pair {
         let (a, b) = sums.iter().fold((0.0, 0.0), |(a, b), sums| (a + sums[0], b + sums[1]));
         let ratio = a / b;
         let squares: f64 = sums.iter().map(|sums| (sums[0] - ratio * sums[1]).powi(2)).sum();
-        let margin = NORMAL_QUANTILE_975 * squares.sqrt() / b;
+        let [tiles, others] = [sums.len(), sums.len() - 1].map(|count| count as f64);
+        // Cochran 1977, 6.4.
+        let std_err = if others > 0.0 { (squares * tiles / others).sqrt() / b } else { f64::INFINITY };
+        let margin = quantile_975(others as u64) * std_err;
         (ratio, [ratio - margin, ratio + margin])
     }
 
