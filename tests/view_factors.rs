@@ -396,6 +396,38 @@ fn a_goal_ends_the_run() {
     assert_eq!(scene.factors(&settings).ending(), Ending::Samples);
 }
 
+#[test]
+fn a_run_with_a_goal_has_the_same_bytes_for_any_break() {
+    let cells = Cell::of_cube([1, 1]);
+    let scene = Scene::new(&cells.iter().map(Cell::triangles).collect::<Vec<_>>());
+    let mut settings = FactorSettings::new(1 << 24);
+    (settings.pass_rays, settings.error) = (64, Some(0.02));
+    let whole = scene.factors(&settings);
+    assert!(whole.passes() > 16 && whole.ending() == Ending::Goals, "{}", whole.passes());
+    for done in 2..whole.passes() {
+        let mut shorter = settings;
+        (shorter.passes, shorter.error) = (done, None);
+        let part = scene.factors(&shorter);
+        let rest = scene.run(&settings).resume(part).run(&()).expect("the same run");
+        assert!(rest.to_bytes() == whole.to_bytes(), "broken off after {done}: {}", rest.passes());
+    }
+}
+
+#[test]
+fn fewer_passes_than_can_be_judged_meet_no_goal() {
+    let cells = Cell::of_cube([1, 1]);
+    let scene = Scene::new(&cells.iter().map(Cell::triangles).collect::<Vec<_>>());
+    let mut settings = FactorSettings::new(1 << 12);
+    settings.error = Some(0.9);
+    for passes in [2, 7] {
+        settings.passes = passes;
+        let factors = scene.factors(&settings);
+        assert_eq!((factors.passes(), factors.ending()), (passes, Ending::Samples));
+    }
+    settings.passes = FactorSettings::MIN_PASSES;
+    assert_eq!(scene.factors(&settings).ending(), Ending::Goals);
+}
+
 /// A run ends when the intervals of all factors are below those that its goal is about, and not before.
 #[test]
 fn a_goal_of_factors_that_are_not_there_is_an_error() {

@@ -36,7 +36,7 @@ impl<'a, A: Accel> FactorRun<'a, A> {
     }
 
     /// Continues from `before`: the passes that it holds are not traced again. The result has the bits of a run
-    /// without a break.
+    /// without a break, unless `before` already holds more passes than the goal needs: none is taken away.
     #[must_use]
     pub fn resume(self, before: ViewFactors) -> Self {
         Self { before: Some(before), ..self }
@@ -88,25 +88,19 @@ impl<'a, A: Accel> FactorRun<'a, A> {
         mut factors: ViewFactors,
         monitor: &impl Monitor<ViewFactors>,
     ) -> Result<ViewFactors, FactorError> {
-        let FactorSettings { passes, error, least_factor, .. } = *self.settings;
+        let passes = self.settings.passes;
         let tracer = Tracer::new(self.triangles, self.accel, self.patches, self.settings);
         let meter = Meter::new(Instant::now(), None);
-        let mut planned = if error.is_some() { FactorSettings::MIN_PASSES.min(passes) } else { passes };
+        let mut planned = passes;
         factors.ending = Ending::Open;
         loop {
-            // The error is judged where it is expected to meet the goal, or at half of the passes until then.
-            if let Some(goal) = error.filter(|_| factors.passes >= planned) {
-                let FactorAccuracy { count, relative_rmse: reached, .. } = factors.accuracy(least_factor);
-                if count == 0 {
-                    check_can_reach(&factors, least_factor)?;
-                }
-                meter.set_error(reached);
-                if reached <= goal {
+            if let Some(goal) = self.settings.error.filter(|_| self.settings.judges(factors.passes)) {
+                let excess = self.judge(&factors, goal, &meter)?;
+                if excess <= 1.0 {
                     factors.ending = Ending::Goals;
                     return Ok(factors);
                 }
-                let needed = f64::from(factors.passes) * (reached / goal).powi(2).min(2.0);
-                planned = (needed.ceil() as u32).max(factors.passes + 1).min(passes);
+                planned = passes.min((f64::from(factors.passes) * excess).ceil() as u32);
             }
             if factors.passes >= passes {
                 factors.ending = Ending::Samples;
@@ -122,6 +116,17 @@ impl<'a, A: Accel> FactorRun<'a, A> {
             caught(|| monitor.pass_done(&factors))
                 .map_err(|message| FactorError::Monitor { passes: factors.passes, message })?;
         }
+    }
+
+    /// The estimated number of rays that `goal` needs, as a multiple of those of `factors`; at most 1 if it is met.
+    fn judge(&self, factors: &ViewFactors, goal: f64, meter: &Meter) -> Result<f64, FactorError> {
+        let least = self.settings.least_factor;
+        let FactorAccuracy { count, relative_rmse: reached, .. } = factors.accuracy(least);
+        if count == 0 {
+            check_can_reach(factors, least)?;
+        }
+        meter.set_error(reached);
+        Ok((reached / goal).powi(2))
     }
 
     fn rays_of_pass(&self) -> u64 {

@@ -13,8 +13,11 @@ pub struct FactorSettings {
     /// Rays of each patch in one pass, a power of two in `[1, 2^16]`. They are stratified together: longer passes
     /// give smaller errors, which rest on the number of passes.
     pub pass_rays: u32,
-    /// Goal: the run ends after the first pass, of at least [`FactorSettings::MIN_PASSES`], at which
-    /// [`FactorAccuracy::relative_rmse`](super::FactorAccuracy::relative_rmse) is at most this.
+    /// Goal: the run ends when [`FactorAccuracy::relative_rmse`](super::FactorAccuracy::relative_rmse) is at most this.
+    ///
+    /// It is judged after [`FactorSettings::MIN_PASSES`] passes, each time that an eighth more (rounded down, at least
+    /// one) is traced, and after the last pass: at numbers of passes that do not depend on the factors, nor on where a
+    /// run was broken off. So up to an eighth more passes are traced than the goal needs.
     pub error: Option<f64>,
     /// The goal is that of factors of at least this value, in `[0, 1]`; 0.001 by default. A run that finds that no
     /// factor is as large fails with [`FactorError::NoneAsLarge`].
@@ -28,7 +31,7 @@ pub struct FactorSettings {
 }
 
 impl FactorSettings {
-    /// The goal is not judged by fewer passes.
+    /// The goal is not judged by fewer passes: a run of fewer never ends by its goal.
     pub const MIN_PASSES: u32 = 8;
     /// The most passes: `2^20`.
     pub const MAX_PASSES: u32 = 1 << 20;
@@ -54,6 +57,15 @@ impl FactorSettings {
         }
     }
 
+    /// Whether the goal is judged after `done` passes.
+    pub(super) fn judges(&self, done: u32) -> bool {
+        let mut judged = Self::MIN_PASSES;
+        while judged < done {
+            judged += judged / 8;
+        }
+        judged == done || (done >= Self::MIN_PASSES && done == self.passes)
+    }
+
     /// Checks every setting against its range; [`FactorRun::run`](super::FactorRun::run) does so too.
     ///
     /// # Errors
@@ -73,5 +85,20 @@ impl FactorSettings {
             Some((_, name, value, range)) => Err(FactorError::Param { name, value, range }),
             None => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn goals_are_judged_each_time_an_eighth_is_added_and_at_the_end() {
+        let mut settings = FactorSettings::new(1 << 20);
+        settings.passes = 26;
+        let judged: Vec<u32> = (0..30).filter(|&done| settings.judges(done)).collect();
+        assert_eq!(judged, [8, 9, 10, 11, 12, 13, 14, 15, 16, 18, 20, 22, 24, 26, 27]);
+        settings.passes = 7;
+        assert!(!settings.judges(7));
     }
 }
