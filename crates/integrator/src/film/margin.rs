@@ -13,12 +13,16 @@ const AROUND: f64 = 1.4;
 
 /// Half the interval of 95 % of a pixel's mean, component by component, from the variances of means: its `own`,
 /// those of the pixels `around` it, itself among them, and, where none of these varied, the mean over the `picture`.
+/// Infinite of fewer than two observations.
 pub(super) fn margin_95(
     observations: u64,
     own: Rgb,
     around: impl Iterator<Item = Rgb>,
     picture: impl FnOnce() -> Rgb,
 ) -> Rgb {
+    if observations < 2 {
+        return Rgb::splat(f64::INFINITY);
+    }
     let (mut sum, mut count) = (Rgb::BLACK, 0.0);
     for variance in around {
         sum += variance;
@@ -30,7 +34,7 @@ pub(super) fn margin_95(
             *around = if *around == 0.0 { picture } else { *around };
         }
     }
-    let quantile = student::quantile_975(observations.saturating_sub(1));
+    let quantile = student::quantile_975(observations - 1);
     let own = own.to_array();
     let [r, g, b] = std::array::from_fn(|c| f64::max(quantile * own[c].sqrt(), AROUND * around[c].sqrt()));
     Rgb::new(r, g, b)
@@ -52,6 +56,15 @@ mod tests {
         let margins = margin(Rgb::new(4.0, 0.0, 0.0), Rgb::new(0.0, 8.0, 0.0), Rgb::splat(9.0));
         for (margin, expected) in margins.into_iter().zip([2.0 * STUDENTS, 2.0 * AROUND, 3.0 * AROUND]) {
             assert_relative_eq!(margin, expected, max_relative = 1e-4);
+        }
+    }
+
+    /// Whatever a file says of its standard error.
+    #[test]
+    fn fewer_than_two_observations_have_an_infinite_margin() {
+        for (observations, own) in [(0, Rgb::BLACK), (1, Rgb::BLACK), (1, Rgb::WHITE)] {
+            let margin = margin_95(observations, own, [own, Rgb::WHITE].into_iter(), || Rgb::WHITE);
+            assert_eq!(margin, Rgb::splat(f64::INFINITY), "{observations}");
         }
     }
 
