@@ -22,8 +22,8 @@ pub(crate) struct Blocks {
 pub(crate) struct Dispersion {
     /// Relative variance of an estimate of one degree of freedom.
     pub(crate) variance: f64,
-    /// Degrees of freedom of `variance` (Satterthwaite 1946): by halves of the passes, 2 if one block
-    /// decides, and up to twice their number; among blocks, their number less one. 0 if nothing is known.
+    /// Degrees of freedom of `variance` (Satterthwaite 1946): by halves of the passes, 1 if one block decides, and about
+    /// their number if all differ alike; among blocks, their number less one. 0 if nothing is known.
     pub(crate) dof: f64,
 }
 
@@ -77,9 +77,10 @@ impl Dispersion {
             squared += row.squared * share.powi(2);
             fourths += row.fourths * share.powi(4);
         }
-        // Satterthwaite's, where the variance of a squared difference is at most its square.
-        let dof = 2.0 * squared * squared / fourths;
-        if dof.is_finite() { Self { variance: squared, dof } } else { Self::default() }
+        // Satterthwaite's `s^2 / q`, of the sums `s` of variances and `q` of their squares. Of normal differences, the
+        // expected sum of fourth powers is `3 q`, and that of the squared sum of squares `s^2 + 2 q`.
+        let dof = 3.0 * squared * squared / fourths - 2.0;
+        if dof.is_finite() { Self { variance: squared, dof: dof.max(1.0) } } else { Self::default() }
     }
 
     /// Of one set of passes, by the spreads of the blocks themselves: too large, since some blocks are truly
@@ -165,6 +166,14 @@ mod tests {
         let unit = 1.0 / (16.0 * (0.5 + 0.25));
         assert_relative_eq!(variance, (1.0 + 1.0) * unit, max_relative = 1e-14);
         assert_relative_eq!(dof, 4.0, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn one_block_has_one_degree_of_freedom() {
+        for spreads in [[4.0, 8.0, 1.0, 1.0], [4.0, 8.0, 1.1, 1.2]] {
+            let Dispersion { dof, .. } = between(&half(3, [1.0, 3.0, 1.0, 1.0]), &half(3, spreads));
+            assert!((1.0..1.2).contains(&dof), "{dof}");
+        }
     }
 
     #[test]
