@@ -43,6 +43,11 @@ pub struct Stop {
     ///
     /// Few passes tell little about their error. A pilot is therefore doubled as long as it asks for more than sixteen
     /// times its own passes, and more than that number of passes, and the time for them, is left.
+    ///
+    /// A [resumed](crate::Render::resume) picture keeps all of its passes. The pilot has the same passes as without a
+    /// break, so that a run that was broken off ends with the same bits. If the picture holds some of them, as one that
+    /// was rendered without a pilot does, they are rendered again and stay in the mean, on which the number of passes
+    /// then depends: it has a stopping bias.
     pub pilot: Option<u32>,
 }
 
