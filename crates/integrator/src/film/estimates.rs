@@ -27,7 +27,7 @@ pub struct Estimates {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Column and row of the upper left pixel in the whole picture; not 0 in a crop of it.
+    /// Column and row of the upper left pixel in the whole picture; not 0 in a crop or a strip of it.
     pub origin: [u32; 2],
     /// Mean radiance, component by component.
     pub means: Vec<Rgb>,
@@ -61,9 +61,10 @@ impl Estimates {
         }
     }
 
-    /// The estimates that `film` holds.
+    /// The estimates that `film` holds. A strip begins at its first row ([`Film::rows`]).
     pub fn of(film: &Film) -> Self {
         let mut estimates = Self::unknown(film.width(), film.height());
+        estimates.origin[1] = film.rows().start;
         estimates.set_from(0, film);
         estimates
     }
@@ -197,6 +198,13 @@ mod tests {
         for (margin, expected) in margins.iter().zip(film.margins_95()) {
             assert_relative_eq!(margin.g, expected.g, max_relative = 1e-14);
         }
+    }
+
+    #[test]
+    fn a_strip_knows_its_place() {
+        let estimates = Estimates::of(&strip(16..48));
+        assert_eq!((estimates.origin, estimates.height), ([0, 16], 32));
+        assert_eq!(estimates.crop(1..2, 4..8).origin, [1, 20]);
     }
 
     #[test]
