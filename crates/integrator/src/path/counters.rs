@@ -32,9 +32,10 @@ impl Counters {
     }
 
     /// The sum of camera, bounce and shadow rays. Not counted are rays of supersampling after their first mirror,
-    /// probes, paths of photons, and the rays that train a guide.
+    /// probes, paths of photons, and the rays that train a guide. At most [`u64::MAX`], which counters read from a
+    /// file may exceed.
     pub fn rays(&self) -> u64 {
-        self.camera_rays + self.bounce_rays + self.shadow_rays
+        self.camera_rays.saturating_add(self.bounce_rays).saturating_add(self.shadow_rays)
     }
 }
 
@@ -44,5 +45,16 @@ impl AddAssign for Counters {
         let other = other.to_array();
         // Counters read from a file may have any value.
         *self = Self::from_array(std::array::from_fn(|i| own[i].saturating_add(other[i])));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_do_not_overflow() {
+        assert_eq!(Counters::from_array([1, 2, 3, 4, 5]).rays(), 6);
+        assert_eq!(Counters::from_array([u64::MAX, 1, u64::MAX, 0, 0]).rays(), u64::MAX);
     }
 }
