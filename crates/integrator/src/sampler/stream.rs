@@ -27,12 +27,32 @@ impl Stream {
     /// A number uniform in `[0, 1)`, a multiple of `2^-53`.
     #[inline]
     pub fn uniform(&self, dimension: u32) -> f64 {
-        unit(nth(self.key, u64::from(dimension)))
+        self.number(dimension.into())
     }
 
     /// The numbers of `dimension` and the one after it.
     #[inline]
     pub fn uniform_pair(&self, dimension: u32) -> [f64; 2] {
-        [self.uniform(dimension), self.uniform(dimension + 1)]
+        // The last dimension has one after it, too.
+        [u64::from(dimension), u64::from(dimension) + 1].map(|dimension| self.number(dimension))
+    }
+
+    #[inline]
+    fn number(&self, dimension: u64) -> f64 {
+        unit(nth(self.key, dimension))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_are_the_numbers_of_two_dimensions() {
+        let stream = Stream::new(1, 2, 3);
+        assert_eq!(stream.uniform_pair(7), [stream.uniform(7), stream.uniform(8)]);
+        let [last, after] = stream.uniform_pair(u32::MAX);
+        assert_eq!(last, stream.uniform(u32::MAX));
+        assert!(after != stream.uniform(0), "{after}");
     }
 }
