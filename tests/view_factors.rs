@@ -414,6 +414,16 @@ fn a_run_with_a_goal_has_the_same_bytes_for_any_break() {
 }
 
 #[test]
+fn before_the_first_pass_factors_are_unknown() {
+    let scene = back_to_front();
+    let nothing = Patience { most: 0, ..Patience::default() };
+    let factors = scene.run(&FactorSettings::new(64)).run(&nothing).expect("the scene is good");
+    let factor = factors.factor(0, Patch(1));
+    assert_eq!((factors.passes(), factor.hits, factor.value, factor.std_err), (0, 0, 0.0, f64::INFINITY));
+    assert_eq!(factors.interval_95(0, Patch(1)), [0.0, 1.0]);
+}
+
+#[test]
 fn fewer_passes_than_can_be_judged_meet_no_goal() {
     let cells = Cell::of_cube([1, 1]);
     let scene = Scene::new(&cells.iter().map(Cell::triangles).collect::<Vec<_>>());

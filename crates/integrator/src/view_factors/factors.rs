@@ -16,10 +16,12 @@ pub enum Target {
 
 /// A view factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Factor {
     /// The rays that were counted for it.
     pub hits: u64,
-    /// The view factor, in `[0, 1]`.
+    /// The view factor, in `[0, 1]`; 0 before the first pass. Of both directions together
+    /// ([`Reciprocity`](super::Reciprocity)) it may be above 1 by chance.
     pub value: f64,
     /// Its standard error; infinite before there are two passes.
     pub std_err: f64,
@@ -196,7 +198,8 @@ impl ViewFactors {
     }
 
     pub(super) fn value(&self, hits: u64) -> f64 {
-        hits as f64 / self.rays() as f64
+        // No ray was counted before the first pass.
+        hits as f64 / self.rays().max(1) as f64
     }
 
     /// Whether passes have too few hits, or misses, for their spread to say much.

@@ -30,7 +30,7 @@ impl<'a> Reciprocity<'a> {
     }
 
     /// The combined view factors of a patch to all targets between which a ray was counted in either direction, in
-    /// ascending order; `hits` are those of both.
+    /// ascending order; `hits` are those of both. Values may be above 1 by chance.
     ///
     /// # Panics
     /// If `patch` is not below [`ViewFactors::patches`].
