@@ -41,10 +41,13 @@ impl FactorSettings {
     const FEW_PASSES: u64 = 16;
 
     /// At least `rays` rays of each patch: in passes of 4096, or if these are fewer than 16, in 16 passes or more of a
-    /// smaller power of two. No goal, front sides, seed 0, all threads.
+    /// smaller power of two; below 16 rays, in passes of one ray, and at least two of them. More than 2^32 rays take longer
+    /// passes, of up to 2^16 rays, and more than 2^36 are not taken. No goal, front sides, seed 0, all threads.
     pub fn new(rays: u64) -> Self {
-        let pass_rays = (rays / Self::FEW_PASSES).clamp(1, Self::PASS_RAYS);
-        let pass_rays = 1 << pass_rays.ilog2();
+        let few = (rays / Self::FEW_PASSES).clamp(1, Self::PASS_RAYS);
+        // As many as the most passes need.
+        let many = rays.div_ceil(Self::MAX_PASSES.into()).clamp(1, Sampler::MAX_PASS.into());
+        let pass_rays = u64::max(1 << few.ilog2(), many.next_power_of_two());
         let passes = rays.div_ceil(pass_rays).clamp(2, Self::MAX_PASSES.into());
         Self {
             passes: passes as u32,
@@ -100,5 +103,25 @@ mod tests {
         assert_eq!(judged, [8, 9, 10, 11, 12, 13, 14, 15, 16, 18, 20, 22, 24, 26, 27]);
         settings.passes = 7;
         assert!(!settings.judges(7));
+    }
+
+    #[test]
+    fn at_least_as_many_rays_are_taken() {
+        for (rays, passes, pass_rays) in [
+            (0, 2, 1),
+            (1, 2, 1),
+            (15, 15, 1),
+            (16, 16, 1),
+            (1 << 16, 16, 4096),
+            (1 << 32, 1 << 20, 4096),
+            ((1 << 32) + 1, (1 << 19) + 1, 8192),
+            (1 << 34, 1 << 20, 1 << 14),
+            (1 << 36, 1 << 20, 1 << 16),
+            (u64::MAX, 1 << 20, 1 << 16),
+        ] {
+            let settings = FactorSettings::new(rays);
+            assert_eq!((settings.passes, settings.pass_rays), (passes, pass_rays), "{rays} rays");
+            settings.validate().expect("they are in range");
+        }
     }
 }
