@@ -242,6 +242,15 @@ fn a_crop_does_not_end_before_it_begins() {
 }
 
 #[test]
+#[should_panic(expected = "every list has one entry for each pixel or block")]
+fn a_picture_without_some_pixels_is_not_compared() {
+    let whole = Estimates::unknown(8, 8);
+    let mut short = whole.clone();
+    short.observations.pop();
+    let _ = Comparison::between(&[whole], &[short]);
+}
+
+#[test]
 fn what_is_equal_or_has_no_pictures_is_told() {
     let one = &[noise(1, |_, _| 1.0)];
     let comparison = Comparison::between(one, one).unwrap();

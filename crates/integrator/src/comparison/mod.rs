@@ -83,8 +83,13 @@ pub struct ChiSquare {
 
 impl Comparison {
     /// Compares two sides of one or several pictures each; `None` if a side has none, sizes differ, or there are no pixels.
+    ///
+    /// # Panics
+    /// If a list of a picture has another length than [`Estimates`] says.
     pub fn between(a: &[Estimates], b: &[Estimates]) -> Option<Self> {
         let (width, height) = a.first().map(|first| (first.width, first.height))?;
+        let are_whole = a.iter().chain(b).all(Estimates::are_whole);
+        assert!(are_whole, "every list has one entry for each pixel or block");
         let differs = |picture: &Estimates| (picture.width, picture.height) != (width, height);
         if width == 0 || height == 0 || a.iter().chain(b).any(differs) {
             return None;

@@ -134,6 +134,14 @@ impl Estimates {
         self
     }
 
+    /// Whether every list has the length that it says it has.
+    pub(crate) fn are_whole(&self) -> bool {
+        let pixels = self.width as usize * self.height as usize;
+        let lengths =
+            [self.means.len(), self.standard_errors.len(), self.samples.len(), self.observations.len()];
+        lengths == [pixels; 4] && self.block_errors.len() == Blocks::of_means(self.width).count(pixels)
+    }
+
     /// Whether any pixel's standard error is known.
     pub fn has_errors(&self) -> bool {
         self.standard_errors.iter().any(|error| error.is_finite())
@@ -141,7 +149,11 @@ impl Estimates {
 
     /// Half the width of the 95 % confidence interval of every pixel, as [`Film::margin_95`] has it; infinite if
     /// unknown.
+    ///
+    /// # Panics
+    /// If a list has another length than [`Estimates`] says.
     pub fn margins_95(&self) -> Vec<Rgb> {
+        assert!(self.are_whole(), "every list has one entry for each pixel or block");
         let variances: Vec<Rgb> = self.standard_errors.iter().map(|&error| error * error).collect();
         let mut sum = Rgb::BLACK;
         variances.iter().for_each(|&variance| sum += variance);
