@@ -47,7 +47,8 @@ pub struct FirstHits {
 #[non_exhaustive]
 pub struct FirstHit {
     /// Mean distance in units of the scene of the rays that hit anything, along the view direction of a pinhole or an
-    /// orthographic camera, and from the eye of a spherical one; infinite if none does.
+    /// orthographic camera, and from the eye of a spherical one; infinite if none does. Of another sensor, in units of the
+    /// lengths of the directions that it gives.
     pub depth: f64,
     /// Mean of the unit geometric normals in the world frame, on the side of the camera, where rays that hit nothing
     /// count as 0: shorter than 1 where normals differ.
@@ -80,7 +81,8 @@ impl FirstHits {
 
     /// The first hits of `scene` as seen by `camera`, in a picture of the size that `settings` say and on as many
     /// threads; the other settings do not matter. The bits are the same for any number of threads and accelerator.
-    /// Elements of a sensor whose paths begin at points show nothing.
+    /// Elements of a sensor whose paths begin at points show nothing, nor do rays that cannot be traced
+    /// ([`Ray::is_traceable`]), of which a render makes an error.
     ///
     /// # Errors
     /// [`RenderError::Param`] for settings out of range, [`RenderError::SensorSize`] for settings of another size than

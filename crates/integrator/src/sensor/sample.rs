@@ -71,8 +71,9 @@ pub trait Sensor: fmt::Debug + Sync {
         true
     }
 
-    /// Where the path of a sample begins. Called from several threads, once or more for each sample; equal samples
-    /// must get equal answers.
+    /// Where the path of a sample begins. Called from several threads, once or more for each sample, and for other
+    /// positions in the grid too, such as those of probes, of [supersampling](crate::Supersampling) and of
+    /// [`FirstHits`](crate::FirstHits); equal samples must get equal answers.
     fn start(&self, sample: &ElementSample) -> PathStart;
 
     /// Hands to `key` all that [`Sensor::start`] depends on, and the name of the kind of sensor: renders with
