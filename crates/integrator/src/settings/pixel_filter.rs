@@ -42,9 +42,4 @@ mod tests {
         assert_eq!((tent(0.0), tent(0.5)), (-1.0, 0.0));
         assert!(tent(1.0_f64.next_down()) < 1.0);
     }
-
-    #[test]
-    fn the_box_is_the_pixel() {
-        assert_eq!(PixelFilter::Box.place([0.25, 0.75]), [0.25, 0.75]);
-    }
 }
