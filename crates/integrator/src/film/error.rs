@@ -13,7 +13,8 @@ use std::cmp::Reverse;
 pub struct ImageError {
     /// Root of the mean squared error: the standard errors of the pixels, averaged as squares, over
     /// the picture's mean radiance. Infinite before there are two observations, 0 if no pixel varied: that is certain only
-    /// where [`interval_95`](Self::interval_95) ends at 0.
+    /// where [`interval_95`](Self::interval_95) ends at 0, and where radiance is not so small that variances underflow,
+    /// below 1e-154.
     pub relative_rmse: f64,
     /// The interval that holds with a probability of 95 % what `relative_rmse` is on average over all seeds.
     ///

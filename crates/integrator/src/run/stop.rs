@@ -32,8 +32,9 @@ pub struct Stop {
     pub seconds: Option<f64>,
     /// Goal: the upper end of the 95 % interval of the picture's relative error
     /// ([`ImageError`](crate::ImageError)) is at most this. A picture in which no pixel has varied meets it only from 64
-    /// observations on. The error is relative to the mean over all pixels: a small bright object on a black background takes
-    /// many more samples than one that fills the picture.
+    /// observations on, as does one whose variances are so small that they underflow, at a radiance below 1e-154. The error
+    /// is relative to the mean over all pixels: a small bright object on a black background takes many more samples than one
+    /// that fills the picture.
     pub relative_rmse: Option<f64>,
     /// Goal for single pixels.
     pub pixels: Option<PixelGoal>,
