@@ -462,7 +462,8 @@ mod tests {
         assert!(weighted[0] == lit[0] && weighted[1] > 100, "{weighted:?}");
     }
 
-    /// What a suffix finds by way of mirrors reaches many samples of its number in the square, and no other samples.
+    /// What a suffix finds by way of mirrors reaches many samples of its number in the square, and no other samples. Its
+    /// weights add up to one.
     #[test]
     fn caustics_of_suffixes_are_shared_by_the_square() {
         let (scene, camera) = (room_with_wall(), camera(0.9));
@@ -484,6 +485,10 @@ mod tests {
                 };
                 let (own, others) = (lit(sample as usize % 4), (0..4).map(lit).sum::<usize>());
                 assert_eq!(own, others, "{sample}");
+                let arriving = (0..).zip(&radiance.samples).filter(|(_, radiance)| !radiance.is_black());
+                let arriving =
+                    arriving.map(|(i, radiance)| radiance.g / prefixes.of(i).map_or(1.0, |p| p.throughput.g));
+                assert!((arriving.sum::<f64>() - found.g).abs() <= 1e-12 * found.g, "{sample}");
                 more_than_a_group += usize::from(own > 16);
                 all += 1;
             }
