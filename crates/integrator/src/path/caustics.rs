@@ -522,6 +522,22 @@ mod tests {
         assert!(caustics > 10, "{caustics}");
     }
 
+    /// The buffers of a wavefront keep nothing of what it traced before.
+    #[test]
+    fn a_wavefront_forgets_caustics() {
+        let (scene, camera) = (room_with_wall(), camera(0.9));
+        let settings = Settings { mirror_sampling: MirrorSampling::Off, ..Settings::new(13, 16, 4) };
+        let context = RenderContext::new(&scene, &camera, &settings);
+        let context = RenderContext { shares_caustics: true, ..context };
+        let mut wavefront = Wavefront::default();
+        let mut trace = || {
+            wavefront.trace(&context, (TILE, &TileProbes::of(&context, TILE)), &(0..4), || false);
+            assert!(!wavefront.radiance.suffix_caustics.is_empty());
+            wavefront.radiance().to_vec()
+        };
+        assert_eq!(trace(), trace());
+    }
+
     /// The paths of the tile, advanced to their ends.
     fn advanced(context: &RenderContext<'_>) -> Wavefront {
         let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
