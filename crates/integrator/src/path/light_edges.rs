@@ -17,7 +17,7 @@ const PROBES: u32 = 4;
 /// Probes along each side of a pixel that sees a curved mirror, in which lights look small.
 const PROBES_OF_MIRRORS: u32 = 8;
 
-/// The same if mirrors spread the probes over an angle of which the chord exceeds [`WIDE`].
+/// The same if the unit direction of a probe is more than [`WIDE`] from that of the first one after the last mirror.
 const PROBES_OF_WIDE_MIRRORS: u32 = 16;
 const WIDE: f64 = 0.6;
 

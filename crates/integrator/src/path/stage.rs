@@ -71,7 +71,8 @@ impl Stage {
 mod tests {
     use super::*;
 
-    /// The events of a path that first meets a diffuse surface after so many mirrors, and then what follows.
+    /// The events of a path from its first diffuse vertex on. It meets `mirrors` mirrors before that vertex, and `then` the
+    /// rest.
     fn events(mirrors: usize, then: &[Met]) -> Vec<Event> {
         let mut stage = Stage::Prefix;
         let before = std::iter::repeat_n(Met::Mirror, mirrors).chain([Met::Diffuse]);

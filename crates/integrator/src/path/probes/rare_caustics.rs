@@ -57,7 +57,8 @@ fn found_from(context: &RenderContext<'_>, scattered: &[(Ray, MisContext)]) -> u
     count
 }
 
-/// The rays that the next diffuse vertices of paths scatter, with what weights depend on. So many vertices were before.
+/// The rays that the next diffuse vertices of paths scatter, with what weights depend on. `before` is the number of diffuse
+/// vertices that precede them.
 fn scattered(
     context: &RenderContext<'_>,
     before: u32,
