@@ -34,6 +34,7 @@ mod guide;
 mod hash;
 mod light;
 mod path;
+mod pixel_rect;
 mod run;
 mod sampler;
 mod scene;

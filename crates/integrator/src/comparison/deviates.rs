@@ -2,7 +2,7 @@
 
 use super::normal;
 use super::side::Cell;
-use crate::path::PixelRect;
+use crate::pixel_rect::PixelRect;
 use globillum_material::Rgb;
 
 /// The deviates of the differences of two sides, of `width` cells in each row.

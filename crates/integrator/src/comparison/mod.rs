@@ -6,7 +6,7 @@ mod side;
 
 use crate::Estimates;
 use crate::film::student::quantile_975;
-use crate::path::{BLOCK_SIDE, PixelRect};
+use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
 use deviates::deviates;
 use globillum_material::Rgb;
 use side::{Side, places};

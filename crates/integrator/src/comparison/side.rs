@@ -1,5 +1,5 @@
 use crate::Estimates;
-use crate::path::{BLOCK_SIDE, PixelRect};
+use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
 use globillum_material::Rgb;
 
 /// A mean with its variance: of a pixel, or of a block.

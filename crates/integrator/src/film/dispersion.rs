@@ -1,7 +1,7 @@
 //! How certain a picture's variance is.
 
 use super::moments::{Moments, Tally};
-use crate::path::{BLOCK_SIDE, PixelRect, TILE_SIDE};
+use crate::pixel_rect::{BLOCK_SIDE, PixelRect, TILE_SIDE};
 use globillum_material::Rgb;
 use std::slice::Chunks;
 

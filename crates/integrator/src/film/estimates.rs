@@ -1,7 +1,7 @@
 use super::dispersion::Blocks;
 use super::{Film, margin};
 use crate::PathReuse;
-use crate::path::{BLOCK_SIDE, PixelRect};
+use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
 use globillum_material::Rgb;
 use std::ops::Range;
 

@@ -24,7 +24,7 @@ pub(crate) use moments::{Moments, Tally};
 pub(crate) use pass_node::PassNode;
 pub use picture::{Ending, Picture};
 
-use crate::path::{PixelRect, TILE_SIDE};
+use crate::pixel_rect::{PixelRect, TILE_SIDE};
 use crate::{CheckpointError, PathReuse};
 use globillum_material::Rgb;
 use pass_node::insert;

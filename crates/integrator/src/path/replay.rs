@@ -1,14 +1,14 @@
 use super::counters::Counters;
 use super::first_vertex::irradiance_vertex;
 use super::path_state::{Contribution, Path, Target};
-use super::pixel_groups::square_around;
-use super::pixel_rect::PixelRect;
-use super::probes::probed;
+use super::preliminary::guide;
+use super::preliminary::probed;
 use super::render_context::RenderContext;
+use super::reuse::square_around;
 use super::tile_probes::TileProbes;
-use super::training::guide;
 use super::wavefront::{IRRADIANCE_PER_RADIANCE, Wavefront};
 use crate::caught::caught;
+use crate::pixel_rect::PixelRect;
 use crate::worker_threads::worker_threads;
 use crate::{RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SurfacePoint};
@@ -100,12 +100,12 @@ fn replay_within(context: &RenderContext<'_>, tile: PixelRect, (x, y): (u32, u32
     let place = tile.index(x, y) as u32;
     let mut wavefront = Wavefront::default();
     let probes = TileProbes::of(context, tile);
-    wavefront.trace(context, (tile, &probes), &one, || false);
+    wavefront.trace(context, &probes, &one, || false);
     let radiance = wavefront.radiance()[place as usize];
     let lights = wavefront.lights_seen_by(place);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
-    wavefront.start(context, (tile, &probes), &one);
+    wavefront.start(context, &probes, &one);
     for bounce in 0.. {
         if !wavefront.step(context, place, bounce, &mut replay) {
             break;

@@ -10,7 +10,7 @@ pub(super) enum Stage {
     /// The prefix has ended at the last vertex, and others may reuse what follows.
     PrefixEnded,
     /// Of the vertices since the end of the prefix, all were mirrors, of this number. Others may share what the path finds
-    /// of lights ([`Caustics`](super::caustics::Caustics)), or the suffix that begins beyond the first mirror.
+    /// of lights ([`Caustics`](super::reuse::Caustics)), or the suffix that begins beyond the first mirror.
     Reflected(u8),
     /// The suffix has begun, or the prefix has ended and none begins: paths are not reused, or a diffuse vertex followed two
     /// mirrors or more, or there were more mirrors than are shared.

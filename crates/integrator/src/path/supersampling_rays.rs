@@ -1,8 +1,8 @@
 use super::emission_rays::{EmissionRays, FoundEmission, max_reflections};
-use super::light_edges::LightEdges;
-use super::pixel_rect::PixelRect;
 use super::render_context::RenderContext;
+use super::tile_probes::TileProbes;
 use crate::Sampler;
+use crate::pixel_rect::PixelRect;
 use globillum_material::Rgb;
 use std::ops::Range;
 
@@ -23,12 +23,16 @@ impl SupersamplingRays {
     pub(super) fn find(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, LightEdges { plain, in_curved_mirrors }): (PixelRect, &LightEdges),
+        TileProbes { tile, edges, .. }: &TileProbes,
         samples: &Range<u32>,
     ) -> u64 {
         self.found.clear();
-        self.find_by::<{ Sampler::RAYS }>(context, (tile, plain), samples)
-            + self.find_by::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(context, (tile, in_curved_mirrors), samples)
+        self.find_by::<{ Sampler::RAYS }>(context, (*tile, &edges.plain), samples)
+            + self.find_by::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(
+                context,
+                (*tile, &edges.in_curved_mirrors),
+                samples,
+            )
     }
 
     /// The same for some pixels, by `N` rays for each sample.
@@ -104,11 +108,12 @@ mod tests {
         let settings = Settings::new(16, 16, 3);
         let context = RenderContext::new(&scene, &camera, &settings);
         let tile = PixelRect { x: 0, y: 0, width: 16, height: 16 };
-        let edges = LightEdges::of(&context, tile);
-        let [plain, in_curved_mirrors] = [&edges.plain, &edges.in_curved_mirrors].map(|pixels| pixels.len());
+        let probes = TileProbes::of(&context, tile);
+        let [plain, in_curved_mirrors] =
+            [&probes.edges.plain, &probes.edges.in_curved_mirrors].map(|pixels| pixels.len());
         assert!(plain > 5 && in_curved_mirrors > 5, "{plain} and {in_curved_mirrors} pixels");
         let mut rays = SupersamplingRays::default();
-        let traced = rays.find(&context, (tile, &edges), &(0..3));
+        let traced = rays.find(&context, &probes, &(0..3));
         assert_eq!(traced, 3 * (16 * plain + 32 * in_curved_mirrors) as u64);
         assert_eq!(rays.found.len(), 3 * (plain + in_curved_mirrors));
     }

@@ -2,7 +2,8 @@ use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
 use crate::film::{Blocks, Moments, PassNode, Tally};
-use crate::path::{PixelRect, RenderContext, TileProbes, Wavefront};
+use crate::path::{RenderContext, TileProbes, Wavefront};
+use crate::pixel_rect::PixelRect;
 use crate::{Counters, RenderError, Sampler};
 use globillum_material::Rgb;
 use rayon::prelude::*;
@@ -59,7 +60,7 @@ impl PassRenderer<'_> {
                         return Ok(None);
                     }
                     let probes = probes.get_or_init(|| TileProbes::of(&self.context, tile));
-                    self.render_tile(wavefront, (tile, probes), pass, &cancelled)
+                    self.render_tile(wavefront, probes, pass, &cancelled)
                 });
                 result.unwrap_or_else(|message| Err(RenderError::Worker { x: tile.x, y: tile.y, message }))
             })
@@ -73,10 +74,11 @@ impl PassRenderer<'_> {
     fn render_tile(
         &self,
         wavefront: &mut Wavefront,
-        (tile, probes): (PixelRect, &TileProbes),
+        probes: &TileProbes,
         pass: u32,
         cancelled: &impl Fn() -> bool,
     ) -> Result<Option<TileResult>, RenderError> {
+        let tile = probes.tile;
         let all = self.context.settings.samples_of(pass..pass + 1);
         let mut pixels = vec![Moments::default(); tile.pixel_count()];
         let of_blocks = Blocks::of_means(tile.width);
@@ -84,7 +86,7 @@ impl PassRenderer<'_> {
         let mut counters = Counters::default();
         for first in all.clone().step_by(WAVEFRONT_SAMPLES as usize) {
             let samples = first..all.end.min(first + WAVEFRONT_SAMPLES);
-            let Some(counted) = wavefront.trace(&self.context, (tile, probes), &samples, cancelled) else {
+            let Some(counted) = wavefront.trace(&self.context, probes, &samples, cancelled) else {
                 return Ok(None);
             };
             let radiance = wavefront.radiance().chunks_exact(samples.len());

@@ -6,7 +6,7 @@ mod pixel_filter;
 pub use estimator::Estimator;
 pub use pixel_filter::PixelFilter;
 
-use crate::path::TILE_SIDE;
+use crate::pixel_rect::TILE_SIDE;
 use crate::{LightSampling, RenderError, Sampler, Sensor};
 use std::ops::Range;
 

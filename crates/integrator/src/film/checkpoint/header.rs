@@ -3,7 +3,7 @@ use crate::error::CHECKPOINT_VERSION;
 use crate::film::moments::Tally;
 use crate::film::pass_node::PassNodeHeader;
 use crate::film::{Film, Picture};
-use crate::path::TILE_SIDE;
+use crate::pixel_rect::TILE_SIDE;
 use crate::{CheckpointError, Counters, PathReuse, Settings};
 use std::io::Read;
 use std::ops::Range;

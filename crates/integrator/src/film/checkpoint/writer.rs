@@ -2,7 +2,7 @@ use super::header::CheckpointHeader;
 use super::reader::row_seed;
 use super::{rows, sums};
 use crate::film::{Film, PixelSums};
-use crate::path::TILE_SIDE;
+use crate::pixel_rect::TILE_SIDE;
 use std::io::{self, Write};
 
 /// Writes a checkpoint from the top: first what it holds, then its rows, and at the [end](CheckpointWriter::finish)

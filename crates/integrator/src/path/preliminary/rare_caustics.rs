@@ -1,9 +1,9 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
-use crate::path::caustics::{LEAST_WEIGHT, mis_weight_by_mirror};
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::first_vertex::first_diffuse_vertex;
 use crate::path::render_context::RenderContext;
+use crate::path::reuse::{LEAST_WEIGHT, mis_weight_by_mirror};
 use crate::path::shading_point::MisContext;
 use crate::{PathStart, Stream};
 use globillum_geom::{Frame, Ray};

@@ -12,14 +12,14 @@
 //! In the open, most paths leave the scene after their prefix. There the radiance of the environment is a control variate: it is taken to arrive at prefixes from
 //! all directions, and suffixes are what differs from it.
 
-use super::counters::Counters;
-use super::path_state::{Path, RadianceSums, Target};
 use super::pixel_groups::{Groups, PixelGroup, samples_of_square};
-use super::pixel_rect::{PixelRect, SIDE};
-use super::render_context::RenderContext;
 use super::reuse_vertex::{ReuseVertex, Suffix};
-use super::shading_point::ShadingPoint;
-use super::tile_probes::TileProbes;
+use crate::path::counters::Counters;
+use crate::path::path_state::{Path, RadianceSums, Target};
+use crate::path::render_context::RenderContext;
+use crate::path::shading_point::ShadingPoint;
+use crate::path::tile_probes::TileProbes;
+use crate::pixel_rect::{PixelRect, TILE_SIDE};
 use glam::DVec3;
 use globillum_geom::Ray;
 use globillum_material::Rgb;
@@ -75,7 +75,8 @@ struct Connection {
 
 /// The prefixes of a wavefront, and the buffers by which their suffixes are shared.
 #[derive(Debug, Default)]
-pub(super) struct Prefixes {
+pub(in crate::path) struct Prefixes {
+    tile: PixelRect,
     /// One for each sample, `None` until it ends.
     all: Vec<Option<Prefix>>,
     /// The samples that share suffixes.
@@ -97,24 +98,36 @@ pub(super) struct Prefixes {
 
 impl Prefixes {
     /// Prepares for these samples; returns how many suffixes there may be.
-    pub(super) fn start(
+    pub(in crate::path) fn start(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, probes): (PixelRect, &TileProbes),
+        TileProbes { tile, controls, .. }: &TileProbes,
         samples: &Range<u32>,
     ) -> usize {
-        self.controls.clone_from(&probes.controls);
-        self.samples_of_control = (SIDE * tile.width) as usize * samples.len();
+        self.tile = *tile;
+        self.controls.clone_from(controls);
+        self.samples_of_control = (TILE_SIDE * tile.width) as usize * samples.len();
         self.all.clear();
         self.groups.clear();
         if context.reuses_paths() {
             let count = samples.len() as u32;
             self.all.resize(tile.pixel_count() * samples.len(), None);
             let of_sample = |group: PixelGroup, sample| group.map(|pixel| Some(pixel? * count + sample));
-            let groups = Groups::of_pass(samples.start / context.settings.pass_samples).of_tile(tile);
+            let groups = Groups::of_pass(samples.start / context.settings.pass_samples).of_tile(*tile);
             self.groups.extend(groups.flat_map(|group| (0..count).map(move |i| of_sample(group, i))));
         }
         self.all.len()
+    }
+
+    /// The tile of the samples.
+    pub(super) fn tile(&self) -> PixelRect {
+        self.tile
+    }
+
+    /// The samples of one number in the pixels of the square that holds `sample`, which is one of them.
+    pub(super) fn samples_of_square(&self, sample: u32) -> impl Iterator<Item = u32> + use<> {
+        let count = (self.all.len() / self.tile.pixel_count()) as u32;
+        samples_of_square(self.tile, count, sample)
     }
 
     /// The prefix of a sample, if it has ended.
@@ -123,7 +136,7 @@ impl Prefixes {
     }
 
     /// The throughput of the prefix before what is added to `target`.
-    pub(super) fn throughput_before(&self, target: Target) -> Rgb {
+    pub(in crate::path) fn throughput_before(&self, target: Target) -> Rgb {
         match target {
             Target::Sample(_) => Rgb::WHITE,
             Target::Suffix(sample) => self.throughput(sample as usize),
@@ -137,7 +150,7 @@ impl Prefixes {
 
     /// Ends the prefix of a path at the vertex that scattered it.
     #[inline(always)]
-    pub(super) fn end(&mut self, path: &Path, vertex: &ShadingPoint<'_>) {
+    pub(in crate::path) fn end(&mut self, path: &Path, vertex: &ShadingPoint<'_>) {
         let (end, bounce, throughput) =
             (ReuseVertex::at(vertex), vertex.bounce, path.throughput * path.guide_ratio);
         self.all[path.target.sample() as usize] = Some(Prefix {
@@ -153,7 +166,7 @@ impl Prefixes {
     }
 
     /// Finds the largest throughput in each group, of the prefixes that ended at `bounce`.
-    pub(super) fn update_group_throughputs(&mut self, bounce: u32) {
+    pub(in crate::path) fn update_group_throughputs(&mut self, bounce: u32) {
         if !std::mem::take(&mut self.have_ended) {
             return;
         }
@@ -173,7 +186,7 @@ impl Prefixes {
     /// Notes the mirror that a path meets after its prefix. What the path finds from here on is added to the sum of its
     /// suffix, but no other prefix has a part in it unless the suffix begins at the next vertex.
     #[inline(always)]
-    pub(super) fn meet_mirror(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+    pub(in crate::path) fn meet_mirror(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
         prefix.mirror = Some(ReuseVertex::at(vertex));
         path.prefix_throughput = prefix.throughput;
@@ -183,7 +196,7 @@ impl Prefixes {
     /// Begins the suffix of a path at this diffuse vertex, the next one after its prefix or after the mirror there. The
     /// throughput of the suffix includes that of the mirror.
     #[inline(always)]
-    pub(super) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+    pub(in crate::path) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
         prefix.start = Some(SuffixStart::Surface(ReuseVertex::at(vertex)));
         path.prefix_throughput = prefix.group_throughput;
@@ -194,17 +207,16 @@ impl Prefixes {
 
     /// Makes the environment the suffix of a path that leaves the scene right after its prefix, in `direction`.
     #[inline(always)]
-    pub(super) fn leave_scene(&mut self, path: &mut Path, direction: DVec3) {
+    pub(in crate::path) fn leave_scene(&mut self, path: &mut Path, direction: DVec3) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
         prefix.start = Some(SuffixStart::Environment(direction.normalize()));
         path.leave_prefix();
     }
 
     /// Adds the radiance of all suffixes to that of the samples of a tile whose prefixes can be continued by them.
-    pub(super) fn share_suffixes(
+    pub(in crate::path) fn share_suffixes(
         &mut self,
         context: &RenderContext<'_>,
-        tile: PixelRect,
         radiance: &mut RadianceSums,
         counters: &mut Counters,
     ) {
@@ -218,7 +230,7 @@ impl Prefixes {
             #[inline(always)]
             || self.connect_groups(context, &radiance.suffixes),
         );
-        self.connect_squares(context, tile, &radiance.suffix_caustics);
+        self.connect_squares(context, &radiance.suffix_caustics);
         context.scene.accel().occluded_batch(&self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
         self.combine(&mut radiance.samples);
@@ -240,10 +252,9 @@ impl Prefixes {
     }
 
     /// Connects the suffixes of these caustics, each the sample and its radiance, to the prefixes of their squares.
-    fn connect_squares(&mut self, context: &RenderContext<'_>, tile: PixelRect, caustics: &[(u32, Rgb)]) {
-        let count = (self.all.len() / tile.pixel_count()) as u32;
+    fn connect_squares(&mut self, context: &RenderContext<'_>, caustics: &[(u32, Rgb)]) {
         for &(sample, radiance) in caustics {
-            self.connect(context, (sample, radiance), samples_of_square(tile, count, sample));
+            self.connect(context, (sample, radiance), self.samples_of_square(sample));
         }
     }
 

@@ -1,6 +1,6 @@
 //! The groups of pixels that reuse each other's paths, and how their samples are stratified.
 
-use super::pixel_rect::{BLOCK_SIDE, PixelRect, SIDE};
+use crate::pixel_rect::{BLOCK_SIDE, PixelRect, TILE_SIDE};
 use crate::sampler::Member;
 
 /// Blocks of a square of 16 x 16 pixels, and pixels of a block and of a group.
@@ -10,7 +10,7 @@ const COUNT: usize = 16;
 pub(super) type PixelGroup = [Option<u32>; COUNT];
 
 /// A square is 4 x 4 blocks, and holds whole groups. A tile is one, or several above each other.
-const _: () = assert!(SIDE == BLOCK_SIDE * BLOCK_SIDE && (BLOCK_SIDE * BLOCK_SIDE) as usize == COUNT);
+const _: () = assert!(TILE_SIDE == BLOCK_SIDE * BLOCK_SIDE && (BLOCK_SIDE * BLOCK_SIDE) as usize == COUNT);
 
 /// The power of `a` in pass 0. With it the pixels of a group are a (0, 4, 2)-net: no two are in one row or column.
 const FIRST_POWER: u32 = 6;
@@ -40,22 +40,23 @@ fn index(x: u32, y: u32) -> u32 {
 /// therefore has one pixel of each block. Two pixels of different blocks, and of different places in their blocks, belong
 /// to one group in exactly one of the fifteen passes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Groups {
+pub(in crate::path) struct Groups {
     power: u32,
 }
 
 impl Groups {
-    pub(super) fn of_pass(pass: u32) -> Self {
+    pub(in crate::path) fn of_pass(pass: u32) -> Self {
         Self { power: power(pass) }
     }
 
     /// Pixel (`x`, `y`) of a picture of this width, as a member of the net of its square. The first half of its digits is
     /// the number of its group, the sum of both halves that of its block.
-    pub(super) fn member(self, x: u32, y: u32, width: u32) -> Member {
+    pub(in crate::path) fn member(self, x: u32, y: u32, width: u32) -> Member {
         let block = index(x / BLOCK_SIDE, y / BLOCK_SIDE);
         let place = times_power(index(x, y), self.power);
         let group = place ^ block;
-        let square = u64::from(y / SIDE) * u64::from(width.div_ceil(SIDE)) + u64::from(x / SIDE);
+        let square =
+            u64::from(y / TILE_SIDE) * u64::from(width.div_ceil(TILE_SIDE)) + u64::from(x / TILE_SIDE);
         Member { net: square, number: group * COUNT as u32 + place, digits: 8 }
     }
 
@@ -63,7 +64,7 @@ impl Groups {
     pub(super) fn of_tile(self, tile: PixelRect) -> impl Iterator<Item = PixelGroup> {
         let pixels: [u32; COUNT] =
             std::array::from_fn(|place| times_power(place as u32, POWERS - self.power));
-        PixelRect::grid([tile.width, tile.height], [SIDE; 2]).flat_map(move |square| {
+        PixelRect::grid([tile.width, tile.height], [TILE_SIDE; 2]).flat_map(move |square| {
             (0..COUNT).map(move |group| {
                 std::array::from_fn(|block| {
                     let (pixel, block) = (pixels[group ^ block], block as u32);
@@ -86,9 +87,9 @@ pub(super) fn samples_of_square(tile: PixelRect, count: u32, sample: u32) -> imp
 }
 
 /// The part of a picture of `width` x `height` pixels that holds all groups of pixel (`x`, `y`).
-pub(super) fn square_around(x: u32, y: u32, width: u32, height: u32) -> PixelRect {
-    let start = |x: u32| x - x % SIDE;
-    let length = |x: u32, end: u32| SIDE.min(end - start(x));
+pub(in crate::path) fn square_around(x: u32, y: u32, width: u32, height: u32) -> PixelRect {
+    let start = |x: u32| x - x % TILE_SIDE;
+    let length = |x: u32, end: u32| TILE_SIDE.min(end - start(x));
     PixelRect { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
 }
 

@@ -1,6 +1,6 @@
 //! The random numbers of many paths, drawn side by side.
 
-use super::path_state::Path;
+use crate::path::path_state::Path;
 use crate::sampler::{BounceNumbers, Numbers};
 use globillum_geom::SimdLevel;
 

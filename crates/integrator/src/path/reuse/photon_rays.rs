@@ -4,13 +4,12 @@
 //! scatters, which pixels [share](super::caustics), and by rays toward the places where photons of the vicinity left their
 //! last mirror.
 
-use super::counters::Counters;
-use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
-use super::pixel_rect::PixelRect;
-use super::render_context::RenderContext;
-use super::reuse::{Prefix, Prefixes};
+use super::prefixes::{Prefix, Prefixes};
 use super::reuse_vertex::ReuseVertex;
 use crate::guide::PhotonGuide;
+use crate::path::counters::Counters;
+use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
+use crate::path::render_context::RenderContext;
 use crate::{Sampler, Settings, Stream};
 use glam::DVec3;
 use globillum_geom::{Hit, Ray};
@@ -22,14 +21,14 @@ use std::ops::Range;
 const BSDF_FACTOR: f64 = 4.0;
 
 /// The least number of mirrors by way of which these rays find light. Samples of mirrors find light by way of one.
-pub(super) const LEAST_MIRRORS: u32 = 2;
+pub(in crate::path) const LEAST_MIRRORS: u32 = 2;
 
 /// The probability with which a first diffuse vertex sends out a ray.
 const RAY_PROB: f64 = 0.5;
 
 /// Rays toward places where photons left mirrors. Its buffers are reused.
 #[derive(Debug, Default)]
-pub(super) struct PhotonRays {
+pub(in crate::path) struct PhotonRays {
     rays: Vec<Ray>,
     /// The sample of each ray.
     samples: Vec<u32>,
@@ -38,7 +37,7 @@ pub(super) struct PhotonRays {
 }
 
 /// The most mirrors by way of which they find light, whatever the bounce at which the prefix ends.
-pub(super) fn most_mirrors(context: &RenderContext<'_>) -> u32 {
+pub(in crate::path) fn most_mirrors(context: &RenderContext<'_>) -> u32 {
     // One bounce more, at the first diffuse vertex.
     context.settings.max_bounces.map_or(MAX_REFLECTIONS, |max| MAX_REFLECTIONS.min(max.saturating_sub(1)))
 }
@@ -69,18 +68,19 @@ fn may_reach(context: &RenderContext<'_>, bounce: u32, mirrors: u32) -> bool {
 }
 
 impl PhotonRays {
-    /// Begins rays at the ends of the prefixes of these samples of the tile, each with a probability of [`RAY_PROB`].
+    /// Begins rays at the ends of the prefixes of these samples, each with a probability of [`RAY_PROB`].
     fn begin(
         &mut self,
         context: &RenderContext<'_>,
         photons: &PhotonGuide,
-        (tile, prefixes): (PixelRect, &Prefixes),
+        prefixes: &Prefixes,
         samples: &Range<u32>,
     ) {
         let Settings { seed, width, .. } = *context.settings;
         self.rays.clear();
         self.samples.clear();
-        let all = tile.pixels().flat_map(|pixel| samples.clone().map(move |sample| (pixel, sample)));
+        let all =
+            prefixes.tile().pixels().flat_map(|pixel| samples.clone().map(move |sample| (pixel, sample)));
         for (i, ((x, y), sample)) in (0..).zip(all) {
             let Some(Prefix { end, bounce, .. }) = prefixes.of(i) else { continue };
             // Independent numbers: what is so rarely found gains nothing from a net.
@@ -100,16 +100,16 @@ impl PhotonRays {
     }
 
     /// Adds the caustics that rays find by way of two mirrors or more, each to its own sample.
-    pub(super) fn trace(
+    pub(in crate::path) fn trace(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, prefixes): (PixelRect, &Prefixes),
+        prefixes: &Prefixes,
         samples_traced: &Range<u32>,
         radiance: &mut [Rgb],
         counters: &mut Counters,
     ) {
         let Some(photons) = &context.photons else { return };
-        self.begin(context, photons, (tile, prefixes), samples_traced);
+        self.begin(context, photons, prefixes, samples_traced);
         let Self { rays, samples, hits, emission_rays } = self;
         context.scene.accel().intersect_batch(rays, hits);
         for (i, (ray, hit)) in (0..).zip(rays.iter().zip(hits)) {

@@ -5,31 +5,29 @@
 //! pixels of a square. Every pixel connects its own `x` to the point `y` on the first mirror, and follows mirrors from
 //! there. The pixels that find a light could have sampled `y` themselves; they are combined by the balance heuristic, each
 //! with the radiance that arrives by way of `y`. [Rays guided by photons](super::photon_rays) find a part of what comes by
-//! way of several mirrors. What suffixes find by way of mirrors is shared [with the suffix](super::reuse).
+//! way of several mirrors. What suffixes find by way of mirrors is shared [with the suffix](super::prefixes).
 
-use super::counters::Counters;
-use super::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
-use super::path_state::Path;
 use super::photon_rays::bsdf_weight;
-use super::pixel_groups::samples_of_square;
-use super::pixel_rect::PixelRect;
-use super::render_context::RenderContext;
-use super::reuse::{Prefix, Prefixes};
+use super::prefixes::{Prefix, Prefixes};
 use super::reuse_vertex::ReuseVertex;
-use super::shading_point::MisContext;
-use super::stage::Stage;
 use crate::Interaction;
 use crate::light::Receiver;
+use crate::path::counters::Counters;
+use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
+use crate::path::path_state::Path;
+use crate::path::render_context::RenderContext;
+use crate::path::shading_point::MisContext;
+use crate::path::stage::Stage;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 use std::f64::consts::PI;
 
 /// The least weight of multiple importance sampling with which a light is shared. Below it, light samples find most.
-pub(super) const LEAST_WEIGHT: f64 = 0.5;
+pub(in crate::path) const LEAST_WEIGHT: f64 = 0.5;
 
 /// The caustics that the paths of a wavefront have found.
 #[derive(Debug, Default)]
-pub(super) struct Caustics {
+pub(in crate::path) struct Caustics {
     found: Vec<PathCaustic>,
     /// The prefixes that may share a caustic; its own is first.
     candidates: Vec<Candidate>,
@@ -63,14 +61,14 @@ struct Candidate {
 
 impl Caustics {
     /// Forgets what was found.
-    pub(super) fn clear(&mut self) {
+    pub(in crate::path) fn clear(&mut self) {
         self.found.clear();
     }
 
     /// Handles the emission that a path has met by way of mirrors after its prefix. If pixels share it, stores its radiance
     /// and returns black. Otherwise returns the radiance, which belongs to the sample of the path alone.
     #[inline(never)]
-    pub(super) fn keep_emission(
+    pub(in crate::path) fn keep_emission(
         &mut self,
         context: &RenderContext<'_>,
         path: &Path,
@@ -92,20 +90,19 @@ impl Caustics {
     }
 
     /// What the path of a sample has found.
-    pub(super) fn found_by(&self, sample: u32) -> Rgb {
+    pub(in crate::path) fn found_by(&self, sample: u32) -> Rgb {
         let own = self.found.iter().filter(|found| found.sample == sample);
         own.fold(Rgb::BLACK, |sum, found| sum + found.radiance)
     }
 
-    /// Adds each caustic to the samples of equal index of its square, of the wavefront of a tile.
-    pub(super) fn share(
+    /// Adds each caustic to the samples of equal number in the pixels of its square.
+    pub(in crate::path) fn share(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, prefixes): (PixelRect, &Prefixes),
+        prefixes: &Prefixes,
         samples: &mut [Rgb],
         counters: &mut Counters,
     ) {
-        let count = (samples.len() / tile.pixel_count()) as u32;
         let mut found = std::mem::take(&mut self.found);
         // A mirror that emits brings several to one sample.
         found.sort_by_key(|found| found.sample);
@@ -115,7 +112,7 @@ impl Caustics {
                 continue;
             };
             let radiance = shared_radiance(context, own, &mirror, of_sample);
-            let of_square = samples_of_square(tile, count, sample);
+            let of_square = prefixes.samples_of_square(sample);
             let own_candidate = Candidate { sample, density: 1.0, guided_density: own.guide_ratio, radiance };
             self.collect_candidates(context, prefixes, (own_candidate, own, &mirror), of_square);
             self.trace_candidates(context, (prefixes, own.bounce), &mirror.point, counters);
@@ -217,7 +214,7 @@ pub(super) fn at_first_diffuse(density: Density, receiver: Receiver) -> MisConte
 }
 
 /// The weight of what a ray has found that triangle `mirror` reflected first. A second mirror is not sampled.
-pub(super) fn mis_weight_by_mirror(
+pub(in crate::path) fn mis_weight_by_mirror(
     context: &RenderContext<'_>,
     mis: MisContext,
     mirror: u32,
@@ -233,10 +230,11 @@ pub(super) fn mis_weight_by_mirror(
 mod tests {
     use super::*;
     use crate::guide::{Guide, Photon, PhotonGuide, guide_vertex};
-    use crate::path::light_edges::LightEdges;
     use crate::path::path_state::Target;
-    use crate::path::probes::photon_guide;
+    use crate::path::preliminary::photon_guide;
+    use crate::path::tile_probes::LightEdges;
     use crate::path::{TileProbes, Wavefront, guide, probed};
+    use crate::pixel_rect::PixelRect;
     use crate::{
         Camera, ElementSample, Estimator, Guiding, MirrorSampling, Model, PathStart, Roulette, Sampler,
         Scene, Sensor, Settings,
@@ -324,7 +322,7 @@ mod tests {
                 let context = context.guided_by(self.trained.as_ref());
                 let context = RenderContext { shares_caustics, photons, ..context };
                 let mut wavefront = Wavefront::default();
-                wavefront.trace(&context, (TILE, &TileProbes::of(&context, TILE)), &(0..4), || false);
+                wavefront.trace(&context, &TileProbes::of(&context, TILE), &(0..4), || false);
                 let of_pixels = wavefront.radiance().chunks(4);
                 let sum = |of_pixel: &[Rgb]| of_pixel.iter().fold(Rgb::BLACK, |sum, &sample| sum + sample);
                 of_pixels.map(sum).collect()
@@ -478,7 +476,7 @@ mod tests {
                 radiance.suffixes.fill(Rgb::BLACK);
                 radiance.samples.fill(Rgb::BLACK);
                 radiance.suffix_caustics = vec![(sample, found)];
-                prefixes.share_suffixes(&context, TILE, &mut radiance, &mut Counters::default());
+                prefixes.share_suffixes(&context, &mut radiance, &mut Counters::default());
                 let lit = |number| {
                     let of_number = radiance.samples.iter().skip(number).step_by(4);
                     of_number.filter(|radiance| !radiance.is_black()).count()
@@ -531,7 +529,7 @@ mod tests {
         let context = RenderContext { shares_caustics: true, ..context };
         let mut wavefront = Wavefront::default();
         let mut trace = || {
-            wavefront.trace(&context, (TILE, &TileProbes::of(&context, TILE)), &(0..4), || false);
+            wavefront.trace(&context, &TileProbes::of(&context, TILE), &(0..4), || false);
             assert!(!wavefront.radiance.suffix_caustics.is_empty());
             wavefront.radiance().to_vec()
         };
@@ -542,7 +540,7 @@ mod tests {
     fn advanced(context: &RenderContext<'_>) -> Wavefront {
         let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
         let probes = TileProbes { edges: LightEdges::default(), ..TileProbes::of(context, TILE) };
-        wavefront.start(context, (TILE, &probes), &(0..4));
+        wavefront.start(context, &probes, &(0..4));
         for bounce in 0.. {
             wavefront.advance(context, bounce, &mut counters);
             if wavefront.paths.is_empty() {

@@ -1,6 +1,6 @@
-use super::shading_point::ShadingPoint;
 use crate::guide::Guide;
 use crate::light::Receiver;
+use crate::path::shading_point::ShadingPoint;
 use glam::DVec3;
 use globillum_geom::decide::Shear;
 use globillum_geom::{Frame, Ray, SurfacePoint, Triangles};

@@ -1,7 +1,7 @@
-use super::path_state::Path;
-use super::render_context::RenderContext;
-use super::shading_point::PriorChoice;
 use crate::light::{ChosenLight, ChosenMirror, Receiver};
+use crate::path::path_state::Path;
+use crate::path::render_context::RenderContext;
+use crate::path::shading_point::PriorChoice;
 use crate::sampler::BounceNumbers;
 use globillum_geom::{Hit, Ray};
 
@@ -11,7 +11,7 @@ const AT_ONCE: usize = 4;
 /// Choices of lights or mirrors in a tree, made for several vertices at once: they do not depend on each other, so a processor
 /// works on all of them. Only vertices that take one sample have one. Its buffers are reused.
 #[derive(Debug)]
-pub(super) struct Choices<T> {
+pub(in crate::path) struct Choices<T> {
     vertices: Vec<Vertex>,
     /// For each path, what was chosen for its vertex; empty if nothing was.
     of_paths: Vec<PriorChoice<T>>,
@@ -36,7 +36,7 @@ impl<T> Default for Choices<T> {
 impl<T: Copy> Choices<T> {
     /// What was chosen for the path of this index.
     #[inline(always)]
-    pub(super) fn of_path(&self, index: usize) -> PriorChoice<T> {
+    pub(in crate::path) fn of_path(&self, index: usize) -> PriorChoice<T> {
         self.of_paths.get(index).copied().unwrap_or(PriorChoice::Open)
     }
 
@@ -78,7 +78,7 @@ type Wave<'a> = (&'a [Path], &'a [Ray], &'a [Option<Hit>]);
 impl Choices<ChosenLight> {
     /// Chooses lights, unless they are chosen by power. `numbers` are those of each path.
     #[inline(always)]
-    pub(super) fn choose_lights(
+    pub(in crate::path) fn choose_lights(
         &mut self,
         context: &RenderContext<'_>,
         wave: Wave<'_>,
@@ -96,7 +96,12 @@ impl Choices<ChosenLight> {
 impl Choices<ChosenMirror> {
     /// Chooses small mirrors. `numbers` are those of each path; none if there are no mirrors to choose.
     #[inline(always)]
-    pub(super) fn choose_mirrors(&mut self, context: &RenderContext<'_>, wave: Wave<'_>, numbers: &[f64]) {
+    pub(in crate::path) fn choose_mirrors(
+        &mut self,
+        context: &RenderContext<'_>,
+        wave: Wave<'_>,
+        numbers: &[f64],
+    ) {
         self.of_paths.clear();
         let Some(mirrors) = context.small_mirrors().filter(|_| !numbers.is_empty()) else { return };
         let takes_one = |path: &Path| context.small_mirror_samples(path.is_prefix()) == 1;

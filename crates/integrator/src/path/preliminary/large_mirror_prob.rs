@@ -3,10 +3,10 @@
 
 use crate::path::counters::Counters;
 use crate::path::path_state::Contribution;
-use crate::path::pixel_rect::PixelRect;
 use crate::path::render_context::RenderContext;
 use crate::path::tile_probes::TileProbes;
 use crate::path::wavefront::Wavefront;
+use crate::pixel_rect::PixelRect;
 use crate::{PathReuse, Settings, Supersampling};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
@@ -108,7 +108,7 @@ impl Wavefront {
         tile: PixelRect,
         samples: Range<u32>,
     ) -> Squares {
-        self.start(context, (tile, &TileProbes::default()), &samples);
+        self.start(context, &TileProbes::none(tile), &samples);
         let mut is_later = vec![false; tile.pixel_count() * samples.len()];
         let mut squares = Squares::default();
         for bounce in 0.. {
@@ -146,7 +146,7 @@ impl Wavefront {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::probes::probed;
+    use crate::path::preliminary::probed;
     use crate::{Camera, Model, Scene};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
@@ -194,7 +194,7 @@ mod tests {
         let (camera, settings) = (camera(), settings(seed));
         let context = RenderContext { large_mirror_prob, ..RenderContext::new(scene, &camera, &settings) };
         let mut wavefront = Wavefront::default();
-        wavefront.trace(&context, (TILE, &TileProbes::of(&context, TILE)), &(0..4), || false);
+        wavefront.trace(&context, &TileProbes::of(&context, TILE), &(0..4), || false);
         wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
     }
 

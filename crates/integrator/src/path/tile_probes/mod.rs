@@ -1,12 +1,19 @@
-use super::light_edges::LightEdges;
-use super::open_sky::is_open;
-use super::pixel_rect::{PixelRect, SIDE};
-use super::render_context::RenderContext;
-use globillum_material::Rgb;
+//! What probes at fixed places find of a tile before its first sample. They never depend on samples.
 
-/// What probes at fixed places find of a tile before its first sample. They never depend on samples.
-#[derive(Debug, Default)]
+mod light_edges;
+mod open_sky;
+
+pub(super) use light_edges::LightEdges;
+
+use super::render_context::RenderContext;
+use crate::pixel_rect::{PixelRect, TILE_SIDE};
+use globillum_material::Rgb;
+use open_sky::is_open;
+
+/// A tile, and what probes find of it.
+#[derive(Debug)]
 pub(crate) struct TileProbes {
+    pub(crate) tile: PixelRect,
     /// The pixels that may see the edge of a light.
     pub(super) edges: LightEdges,
     /// For each square of 16 x 16 pixels of the tile, the control variate of path reuse: the radiance that is taken to arrive
@@ -16,11 +23,16 @@ pub(crate) struct TileProbes {
 
 impl TileProbes {
     pub(crate) fn of(context: &RenderContext<'_>, tile: PixelRect) -> Self {
-        let squares = PixelRect::grid([tile.width, tile.height], [SIDE; 2]);
+        let squares = PixelRect::grid([tile.width, tile.height], [TILE_SIDE; 2]);
         let control = |square: PixelRect| {
             let square = PixelRect { x: tile.x + square.x, y: tile.y + square.y, ..square };
             if is_open(context, square) { context.scene.environment() } else { Rgb::BLACK }
         };
-        Self { edges: LightEdges::of(context, tile), controls: squares.map(control).collect() }
+        Self { tile, edges: LightEdges::of(context, tile), controls: squares.map(control).collect() }
+    }
+
+    /// A tile of which nothing is probed: lights are not supersampled, and paths are not reused.
+    pub(super) fn none(tile: PixelRect) -> Self {
+        Self { tile, edges: LightEdges::default(), controls: Vec::new() }
     }
 }

@@ -1,9 +1,9 @@
 //! Probes that find whether what a tile sees lies in the open.
 
-use super::emission_rays::{MAX_REFLECTIONS, reflected_ray};
-use super::first_vertex::first_diffuse_vertex;
-use super::pixel_rect::PixelRect;
-use super::render_context::RenderContext;
+use crate::path::emission_rays::{MAX_REFLECTIONS, reflected_ray};
+use crate::path::first_vertex::first_diffuse_vertex;
+use crate::path::render_context::RenderContext;
+use crate::pixel_rect::PixelRect;
 use crate::{Interaction, Stream};
 use globillum_geom::{Frame, Ray};
 

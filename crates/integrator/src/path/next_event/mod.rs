@@ -1,3 +1,13 @@
+//! Next event estimation: light samples of a vertex, directly and by way of mirrors, and their weights.
+
+mod choices;
+mod large_mirror_rays;
+mod small_mirror_rays;
+
+pub(super) use choices::Choices;
+pub(super) use large_mirror_rays::LargeMirrorRays;
+pub(super) use small_mirror_rays::SmallMirrorRays;
+
 use super::emission_rays::MAX_REFLECTIONS;
 use super::path_state::Path;
 use super::render_context::RenderContext;

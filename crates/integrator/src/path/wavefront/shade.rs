@@ -1,224 +1,31 @@
-use super::caustics::{Caustics, LEAST_WEIGHT};
-use super::choices::Choices;
-use super::counters::Counters;
-use super::first_vertex::irradiance_vertex;
-use super::large_mirror_rays::LargeMirrorRays;
+//! Shading: what a path does at a vertex.
+
+use super::Wavefront;
 use super::numbers::{draw_bounce_numbers, draw_numbers};
-use super::path_state::{Contribution, Path, RadianceSums, Target};
-use super::photon_rays::PhotonRays;
-use super::pixel_groups::Groups;
-use super::pixel_rect::PixelRect;
-use super::render_context::RenderContext;
-use super::reuse::Prefixes;
-use super::shading_point::{MisContext, ShadingPoint};
-use super::small_mirror_rays::SmallMirrorRays;
-use super::stage::{Event, Met, Stage};
-use super::supersampling_rays::SupersamplingRays;
-use super::tile_probes::TileProbes;
+use crate::Interaction;
 use crate::guide::{GuideVertex, guide_vertex};
-use crate::light::{ChosenLight, ChosenMirror};
-use crate::sampler::{BounceNumbers, Member, MirrorSize, Numbers};
-use crate::{Interaction, PathStart};
-use globillum_geom::{Hit, Ray, SurfacePoint};
+use crate::path::counters::Counters;
+use crate::path::first_vertex::irradiance_vertex;
+use crate::path::path_state::{Contribution, Path, Target};
+use crate::path::render_context::RenderContext;
+use crate::path::reuse::LEAST_WEIGHT;
+use crate::path::shading_point::{MisContext, ShadingPoint};
+use crate::path::stage::{Event, Met, Stage};
+use crate::sampler::{MirrorSize, Numbers};
+use globillum_geom::{Hit, Ray};
 use globillum_material::{Density, Rgb};
-use std::f64::consts::PI;
-use std::ops::Range;
-
-/// All paths of some samples of a tile, advanced together one bounce at a time, so that the accelerator
-/// gets many rays at once (Laine, Karras and Aila 2013). Its buffers are reused from tile to tile.
-#[derive(Debug, Default)]
-pub(crate) struct Wavefront {
-    /// The paths that have not ended.
-    pub(super) paths: Vec<Path>,
-    /// The next ray of each path.
-    pub(super) rays: Vec<Ray>,
-    /// The paths that begin at a point of irradiance, and these points. They join the others after the first bounce.
-    pub(super) from_points: Vec<Path>,
-    pub(super) points: Vec<SurfacePoint>,
-    pub(super) hits: Vec<Option<Hit>>,
-    /// Uniform numbers for the positions of the samples in their pixels.
-    film_numbers: Vec<[f64; 2]>,
-    /// The cells of the hits in the guide, with some more at the end; none if there is no guide.
-    guide_cells: Vec<u32>,
-    /// The random numbers of each path's next bounce.
-    bounce_numbers: Vec<BounceNumbers>,
-    light_choices: Choices<ChosenLight>,
-    /// The random numbers by which paths choose small mirrors; none unless most do so.
-    mirror_numbers: Vec<f64>,
-    mirror_choices: Choices<ChosenMirror>,
-    /// The random numbers of each path for a light in a large mirror; empty unless most paths take such a sample.
-    large_mirror_numbers: Vec<(f64, [f64; 2])>,
-    /// Light samples.
-    pub(super) contributions: Vec<Contribution>,
-    /// The shadow ray of each contribution.
-    pub(super) shadow_rays: Vec<Ray>,
-    pub(super) occluded: Vec<bool>,
-    large_mirror_rays: LargeMirrorRays,
-    pub(super) small_mirror_rays: SmallMirrorRays,
-    supersampling_rays: SupersamplingRays,
-    pub(super) radiance: RadianceSums,
-    pub(super) prefixes: Prefixes,
-    pub(super) caustics: Caustics,
-    photon_rays: PhotonRays,
-}
-
-/// Irradiance over the radiance of a white diffuse surface.
-pub(super) const IRRADIANCE_PER_RADIANCE: f64 = PI;
 
 /// How many vertices are looked up in a guide at once.
 const CELLS_AT_ONCE: usize = 16;
 
 impl Wavefront {
-    /// Traces `samples` of each pixel of the tile; `None` if `cancelled` before the last bounce.
-    pub(crate) fn trace(
-        &mut self,
-        context: &RenderContext<'_>,
-        (tile, probes): (PixelRect, &TileProbes),
-        samples: &Range<u32>,
-        cancelled: impl Fn() -> bool,
-    ) -> Option<Counters> {
-        self.start(context, (tile, probes), samples);
-        let mut counters = Counters { camera_rays: self.rays.len() as u64, ..Counters::default() };
-        for bounce in 0.. {
-            if cancelled() {
-                return None;
-            }
-            self.advance(context, bounce, &mut counters);
-            if self.paths.is_empty() {
-                break;
-            }
-        }
-        self.prefixes.share_suffixes(context, tile, &mut self.radiance, &mut counters);
-        let (prefixes, radiance) = ((tile, &self.prefixes), &mut self.radiance.samples);
-        self.photon_rays.trace(context, prefixes, samples, radiance, &mut counters);
-        self.caustics.share(context, prefixes, radiance, &mut counters);
-        for path in &self.from_points {
-            *self.radiance.at(path.target) *= IRRADIANCE_PER_RADIANCE;
-        }
-        counters.camera_rays += self.supersample(context, (tile, probes), samples);
-        Some(counters)
-    }
-
-    /// The radiance of the samples traced last, pixel by pixel.
-    pub(crate) fn radiance(&self) -> &[Rgb] {
-        &self.radiance.samples
-    }
-
-    /// Adds what camera rays of their own find of the lights at edges. Returns their number.
-    fn supersample(
-        &mut self,
-        context: &RenderContext<'_>,
-        (tile, probes): (PixelRect, &TileProbes),
-        samples: &Range<u32>,
-    ) -> u64 {
-        let rays = self.supersampling_rays.find(context, (tile, &probes.edges), samples);
-        for &(sample, emitted) in &self.supersampling_rays.found {
-            self.radiance.samples[sample as usize] += emitted;
-        }
-        rays
-    }
-
-    /// What these camera rays have found for a sample.
-    pub(super) fn lights_seen_by(&self, sample: u32) -> Rgb {
-        let found = self.supersampling_rays.found.iter().find(|&&(of, _)| of == sample);
-        found.map_or(Rgb::BLACK, |&(_, emitted)| emitted)
-    }
-
-    /// Advances all paths by one bounce.
-    pub(super) fn advance(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
-        self.trace_rays(context);
-        self.shade(context, bounce, counters);
-        self.trace_mirror_rays(context);
-        self.trace_shadow_rays(context);
-        let mirror_rays = self.large_mirror_rays.len() + self.small_mirror_rays.len();
-        counters.shadow_rays += (mirror_rays + self.shadow_rays.len()) as u64;
-        counters.bounce_rays += self.rays.len() as u64;
-    }
-
-    pub(super) fn trace_rays(&mut self, context: &RenderContext<'_>) {
-        context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
-    }
-
-    /// Follows light samples by way of mirrors. Those of large mirrors become contributions with shadow rays.
-    pub(super) fn trace_mirror_rays(&mut self, context: &RenderContext<'_>) {
-        self.large_mirror_rays.trace(context, &mut self.shadow_rays, &mut self.contributions);
-        self.small_mirror_rays.trace(context);
-    }
-
-    /// Adds the contributions that are not occluded, and what samples of small mirrors have found.
-    pub(super) fn trace_shadow_rays(&mut self, context: &RenderContext<'_>) {
-        context.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
-        let unoccluded = self.contributions.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
-        let contributions = unoccluded.map(|(contribution, _)| contribution);
-        for contribution in contributions.chain(&self.small_mirror_rays.found) {
-            *self.radiance.at(contribution.target) += contribution.radiance;
-        }
-    }
-
-    /// Starts the paths of these samples where the sensor says.
-    pub(super) fn start(
-        &mut self,
-        context: &RenderContext<'_>,
-        (tile, probes): (PixelRect, &TileProbes),
-        samples: &Range<u32>,
-    ) {
-        let settings = context.settings;
-        self.paths.clear();
-        let pass = settings.pass_of(samples.start);
-        let groups =
-            context.stratifies_groups().then(|| Groups::of_pass(samples.start / settings.pass_samples));
-        for (x, y) in tile.pixels_by_block() {
-            let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
-            let member = groups.map_or_else(alone, |groups| groups.member(x, y, settings.width));
-            let pixel = tile.index(x, y) as u32;
-            let supersampled = probes.edges.contain(pixel);
-            for (i, sample) in (0..).zip(samples.clone()) {
-                let numbers = settings.sampler.numbers(settings.seed, member, sample, &pass);
-                let mut path = Path::new(pixel * samples.len() as u32 + i, numbers);
-                path.mis.supersampled = supersampled;
-                self.paths.push(path);
-            }
-        }
-        draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
-        let suffixes = self.prefixes.start(context, (tile, probes), samples);
-        self.radiance.reset(self.paths.len(), suffixes);
-        self.caustics.clear();
-        self.place(context, tile, samples.len());
-    }
-
-    /// Asks the sensor where the paths begin, `count` of each element. Keeps those that begin with a ray, in order, and
-    /// those that begin at a point by themselves.
-    fn place(&mut self, context: &RenderContext<'_>, tile: PixelRect, count: usize) {
-        self.rays.clear();
-        self.from_points.clear();
-        self.points.clear();
-        let elements = tile.pixels_by_block().zip(self.film_numbers.chunks_exact(count));
-        let samples = elements.flat_map(|(element, numbers)| numbers.iter().map(move |&u| (element, u)));
-        let mut kept = 0;
-        for (i, (element, u)) in samples.enumerate() {
-            match context.path_start(element, u) {
-                PathStart::Ray(ray) if ray.is_traceable() => {
-                    self.paths[kept] = self.paths[i];
-                    self.rays.push(ray);
-                    kept += 1;
-                }
-                PathStart::Irradiance { position, normal }
-                    if position.is_finite() && normal.is_normalized() =>
-                {
-                    self.from_points.push(self.paths[i]);
-                    self.points.push(context.scene.triangles().given_point(position, normal));
-                }
-                PathStart::Ray(_) | PathStart::Irradiance { .. } => {
-                    *self.radiance.at(self.paths[i].target) = Rgb::splat(f64::NAN);
-                }
-                PathStart::Nowhere => {}
-            }
-        }
-        self.paths.truncate(kept);
-    }
-
     /// Shades all hits: adds emission, samples lights, and scatters. Keeps the paths that go on, in order.
-    pub(super) fn shade(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
+    pub(in crate::path) fn shade(
+        &mut self,
+        context: &RenderContext<'_>,
+        bounce: u32,
+        counters: &mut Counters,
+    ) {
         let with_roulette = bounce >= context.settings.roulette.start;
         draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
         self.draw_large_mirror_numbers(context, bounce);
@@ -305,8 +112,7 @@ impl Wavefront {
             vertex.mirror = self.mirror_choices.of_path(i);
             vertex.large_mirror_numbers = self.large_mirror_numbers.get(i).copied();
             self.meet_vertex(&mut path, &vertex);
-            let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, Some(&hit), counters)
-            else {
+            let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, counters) else {
                 continue;
             };
             (self.paths[kept], self.rays[kept]) = (path, next);
@@ -393,7 +199,7 @@ impl Wavefront {
             let guide_cell =
                 context.guide.map(|guide| guide.cell(guide.cells(&[guide_vertex(at.receiver())])[0]));
             let vertex = ShadingPoint::new(at, guide_cell, 0, numbers);
-            let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, None, counters) else {
+            let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, counters) else {
                 continue;
             };
             self.paths.push(path);
@@ -401,15 +207,13 @@ impl Wavefront {
         }
     }
 
-    /// Samples lights at a vertex, and scatters the path there. The next ray; `None` if the path ends. `hit` is where
-    /// it came in, unless it begins here.
+    /// Samples lights at a vertex, and scatters the path there. The next ray; `None` if the path ends.
     #[inline(always)]
     fn sample_and_scatter(
         &mut self,
         context: &RenderContext<'_>,
         path: &mut Path,
         vertex: &ShadingPoint<'_>,
-        hit: Option<&Hit>,
         counters: &mut Counters,
     ) -> Option<Ray> {
         context.next_event(
@@ -426,7 +230,7 @@ impl Wavefront {
             self.large_mirror_rays.sample(context, path, vertex);
             self.small_mirror_rays.sample(context, path, vertex);
         }
-        let next = path.scatter(context, hit, vertex)?;
+        let next = path.scatter(context, vertex)?;
         if vertex.at.material.bsdf.is_diffuse() {
             let event;
             (path.stage, event) = path.stage.scatter(context.may_reuse_prefix(vertex.bounce));
@@ -446,12 +250,7 @@ impl Wavefront {
 impl Path {
     /// Samples the next ray; `None` if nothing is reflected.
     #[inline(always)]
-    pub(super) fn scatter(
-        &mut self,
-        context: &RenderContext<'_>,
-        hit: Option<&Hit>,
-        vertex: &ShadingPoint<'_>,
-    ) -> Option<Ray> {
+    fn scatter(&mut self, context: &RenderContext<'_>, vertex: &ShadingPoint<'_>) -> Option<Ray> {
         let ShadingPoint { at, frame, .. } = vertex;
         let (sample, ratio) = vertex.sample()?;
         self.throughput *= sample.weight;
@@ -461,7 +260,7 @@ impl Path {
                 is_first: self.is_prefix(),
                 ..MisContext::new(sample.density, vertex.receiver())
             },
-            Density::Delta => context.mis_after_mirror(self.mis, hit?.triangle),
+            Density::Delta => context.mis_after_mirror(self.mis, at.point.triangle),
         };
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
@@ -470,6 +269,8 @@ impl Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::tile_probes::TileProbes;
+    use crate::pixel_rect::PixelRect;
     use crate::{Camera, Estimator, Model, Sampler, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
@@ -505,8 +306,7 @@ mod tests {
             let traced = SimdLevel::ALL.map(|simd| {
                 let context = RenderContext { simd, ..RenderContext::new(&scene, &camera, &settings) };
                 let mut wavefront = Wavefront::default();
-                let counters =
-                    wavefront.trace(&context, (tile, &TileProbes::of(&context, tile)), &(0..16), || false);
+                let counters = wavefront.trace(&context, &TileProbes::of(&context, tile), &(0..16), || false);
                 (counters, wavefront.radiance.samples)
             });
             let lit = traced[0].1.iter().filter(|radiance| !radiance.is_black()).count();

@@ -1,15 +1,15 @@
-use super::emission_rays::reflected_ray;
-use super::path_state::{Contribution, Path, Target};
-use super::render_context::RenderContext;
-use super::shading_point::{PriorChoice, ShadingPoint};
 use crate::light::{AreaLightSample, ChosenMirror, LightSample, MirrorPoint, SmallMirrors};
+use crate::path::emission_rays::reflected_ray;
+use crate::path::path_state::{Contribution, Path, Target};
+use crate::path::render_context::RenderContext;
+use crate::path::shading_point::{PriorChoice, ShadingPoint};
 use crate::sampler::{MirrorSize, Numbers};
 use globillum_geom::{Hit, Ray};
 use globillum_material::{Bsdf, Rgb};
 
 /// Light samples by way of small mirrors: points on mirror triangles that may show a light. Its buffers are reused.
 #[derive(Debug, Default)]
-pub(super) struct SmallMirrorRays {
+pub(in crate::path) struct SmallMirrorRays {
     samples: Vec<Sample>,
     /// The ray of each sample, which must hit the mirror.
     rays: Vec<Ray>,
@@ -18,7 +18,7 @@ pub(super) struct SmallMirrorRays {
     reflected_rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
     /// What the samples contribute that have found a light.
-    pub(super) found: Vec<Contribution>,
+    pub(in crate::path) found: Vec<Contribution>,
 }
 
 /// A point on a mirror triangle.
@@ -34,7 +34,7 @@ struct Sample {
 }
 
 impl SmallMirrorRays {
-    pub(super) fn clear(&mut self) {
+    pub(in crate::path) fn clear(&mut self) {
         self.samples.clear();
         self.rays.clear();
         self.reflected.clear();
@@ -43,12 +43,17 @@ impl SmallMirrorRays {
     }
 
     /// The number of rays, to mirrors and from mirrors.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::path) fn len(&self) -> usize {
         self.rays.len() + self.reflected_rays.len()
     }
 
     /// Samples points on mirrors for a diffuse vertex of a path.
-    pub(super) fn sample(&mut self, context: &RenderContext<'_>, path: &Path, vertex: &ShadingPoint<'_>) {
+    pub(in crate::path) fn sample(
+        &mut self,
+        context: &RenderContext<'_>,
+        path: &Path,
+        vertex: &ShadingPoint<'_>,
+    ) {
         let Some(mirrors) = context.small_mirrors() else { return };
         let count = context.small_mirror_samples(path.is_prefix());
         let mut add = |chosen: ChosenMirror, point: [f64; 2]| {
@@ -73,7 +78,7 @@ impl SmallMirrorRays {
     }
 
     /// Follows the rays of the samples by way of their mirrors, and keeps what they find of lights.
-    pub(super) fn trace(&mut self, context: &RenderContext<'_>) {
+    pub(in crate::path) fn trace(&mut self, context: &RenderContext<'_>) {
         let Some(mirrors) = context.small_mirrors() else { return };
         let (scene, accel) = (context.scene, context.scene.accel());
         accel.intersect_batch(&self.rays, &mut self.hits);

@@ -1,12 +1,14 @@
-//! Probes: a few paths at fixed places of the picture that find what the scene is like, before the first sample, and
-//! photons from the lights. They follow from the scene, the sensor and the settings, so all parts of a picture have the
-//! same.
+//! What precedes the first sample: paths that train a guide, a few paths at fixed places of the picture that find what the
+//! scene is like, and photons from the lights. It follows from the scene, the sensor and the settings, so all parts of a
+//! picture have the same.
 
 mod caustic_photons;
 mod large_mirror_prob;
 mod rare_caustics;
+mod training;
 
 pub(super) use caustic_photons::photon_guide;
+pub(crate) use training::guide;
 
 use super::render_context::RenderContext;
 

@@ -3,9 +3,9 @@
 //! Which pixels these are depends on probes at fixed places, never on samples, so the mean is that of one camera ray
 //! per sample.
 
-use super::emission_rays::{EmissionRays, FoundEmission, max_reflections};
-use super::pixel_rect::PixelRect;
-use super::render_context::RenderContext;
+use crate::path::emission_rays::{EmissionRays, FoundEmission, max_reflections};
+use crate::path::render_context::RenderContext;
+use crate::pixel_rect::PixelRect;
 use crate::scene::unit;
 use crate::{PathStart, Settings};
 use glam::DVec3;
@@ -34,8 +34,8 @@ const PIXELS_AT_ONCE: usize = 16;
 #[derive(Debug, Default)]
 pub(crate) struct LightEdges {
     /// Those that see no curved mirror.
-    pub(super) plain: Vec<u32>,
-    pub(super) in_curved_mirrors: Vec<u32>,
+    pub(in crate::path) plain: Vec<u32>,
+    pub(in crate::path) in_curved_mirrors: Vec<u32>,
 }
 
 /// What a pixel sees.
@@ -82,7 +82,7 @@ impl LightEdges {
     }
 
     /// Whether a pixel is one of them.
-    pub(super) fn contain(&self, pixel: u32) -> bool {
+    pub(in crate::path) fn contain(&self, pixel: u32) -> bool {
         [&self.plain, &self.in_curved_mirrors].into_iter().any(|pixels| pixels.binary_search(&pixel).is_ok())
     }
 }

@@ -3,8 +3,8 @@
 use crate::guide::{Photon, PhotonGuide, guide_vertex};
 use crate::light::AliasTable;
 use crate::path::emission_rays::reflected_ray;
-use crate::path::photon_rays::{LEAST_MIRRORS, most_mirrors};
 use crate::path::render_context::RenderContext;
+use crate::path::reuse::{LEAST_MIRRORS, most_mirrors};
 use crate::{Settings, Stream};
 use glam::Vec3;
 use globillum_geom::{Frame, Hit, Ray, Triangle};

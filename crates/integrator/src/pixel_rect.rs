@@ -1,6 +1,6 @@
 /// A rectangle of pixels: a picture or a part of one, such as a tile, which is one task. Where a caller says so, of
 /// blocks or of tiles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PixelRect {
     pub(crate) x: u32,
     pub(crate) y: u32,
@@ -9,17 +9,17 @@ pub(crate) struct PixelRect {
 }
 
 /// Pixels along a side of a square: with four samples each, a wavefront of about a thousand rays.
-pub(crate) const SIDE: u32 = 16;
+pub(crate) const TILE_SIDE: u32 = 16;
 
 /// Pixels along each side of the blocks whose means are observed.
 pub(crate) const BLOCK_SIDE: u32 = 4;
 
 impl PixelRect {
     /// The tiles that `window`, a rectangle of pixels, is divided into, row by row. In one of at most
-    /// half of [`SIDE`] columns, tiles are higher, of at most `SIDE * SIDE` pixels.
+    /// half of [`TILE_SIDE`] columns, tiles are higher, of at most `TILE_SIDE * TILE_SIDE` pixels.
     pub(crate) fn tiles(window: PixelRect) -> impl Iterator<Item = PixelRect> {
-        let height = SIDE * (SIDE / window.width.clamp(1, SIDE));
-        let tiles = Self::grid([window.width, window.height], [SIDE, height]);
+        let height = TILE_SIDE * (TILE_SIDE / window.width.clamp(1, TILE_SIDE));
+        let tiles = Self::grid([window.width, window.height], [TILE_SIDE, height]);
         tiles.map(move |tile| PixelRect { x: window.x + tile.x, y: window.y + tile.y, ..tile })
     }
 

@@ -1,12 +1,12 @@
 //! The training of a guide: paths by which it learns, before the picture is rendered.
 
-use super::counters::Counters;
-use super::pixel_rect::PixelRect;
-use super::render_context::RenderContext;
-use super::tile_probes::TileProbes;
-use super::wavefront::Wavefront;
 use crate::caught::caught;
 use crate::guide::{Guide, GuideRecord, bin_of, guide_vertex};
+use crate::path::counters::Counters;
+use crate::path::render_context::RenderContext;
+use crate::path::tile_probes::TileProbes;
+use crate::path::wavefront::Wavefront;
+use crate::pixel_rect::PixelRect;
 use crate::{Guiding, PathReuse, RenderError, Scene, Sensor, Settings, Supersampling};
 use globillum_geom::{Accel, Frame};
 use globillum_material::{Density, Rgb};
@@ -108,7 +108,7 @@ impl Wavefront {
         samples: Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Vec<GuideRecord>> {
-        self.start(context, (tile, &TileProbes::default()), &samples);
+        self.start(context, &TileProbes::none(tile), &samples);
         let mut records: Vec<GuideRecord> = Vec::new();
         let mut last: Vec<Option<LastRecord>> = vec![None; self.radiance.samples.len()];
         for bounce in 0.. {

@@ -1,7 +1,7 @@
-use super::path_state::{Contribution, Path, Target};
-use super::render_context::RenderContext;
-use super::shading_point::ShadingPoint;
 use crate::light::{AreaLightSample, LargeMirrors, LightSample};
+use crate::path::path_state::{Contribution, Path, Target};
+use crate::path::render_context::RenderContext;
+use crate::path::shading_point::ShadingPoint;
 use crate::sampler::MirrorSize;
 use globillum_geom::{Hit, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Rgb};
@@ -9,7 +9,7 @@ use globillum_material::{Bsdf, Rgb};
 /// Light samples by way of large mirrors: points on lights, sampled from the image of the shading point (image method).
 /// Its buffers are reused.
 #[derive(Debug, Default)]
-pub(super) struct LargeMirrorRays {
+pub(in crate::path) struct LargeMirrorRays {
     samples: Vec<Sample>,
     /// The ray of each sample, which must hit the mirror.
     rays: Vec<Ray>,
@@ -28,18 +28,23 @@ struct Sample {
 }
 
 impl LargeMirrorRays {
-    pub(super) fn clear(&mut self) {
+    pub(in crate::path) fn clear(&mut self) {
         self.samples.clear();
         self.rays.clear();
     }
 
     /// The number of rays to mirrors.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::path) fn len(&self) -> usize {
         self.rays.len()
     }
 
     /// Samples a light for a diffuse vertex of a path.
-    pub(super) fn sample(&mut self, context: &RenderContext<'_>, path: &Path, vertex: &ShadingPoint<'_>) {
+    pub(in crate::path) fn sample(
+        &mut self,
+        context: &RenderContext<'_>,
+        path: &Path,
+        vertex: &ShadingPoint<'_>,
+    ) {
         let Some(mirrors) = context.mirrors.and_then(|mirrors| mirrors.large.as_ref()) else { return };
         let Some((facet, light, seen)) = seen_in(mirrors, context, path, vertex) else { return };
         let Some(radiance) = context.scattered(path, vertex, &LightSample::Area(seen)) else { return };
@@ -48,7 +53,7 @@ impl LargeMirrorRays {
     }
 
     /// Turns each sample whose ray hits its mirror into a contribution and its shadow ray.
-    pub(super) fn trace(
+    pub(in crate::path) fn trace(
         &mut self,
         context: &RenderContext<'_>,
         shadow_rays: &mut Vec<Ray>,

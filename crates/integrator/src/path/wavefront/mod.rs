@@ -1,0 +1,143 @@
+//! The paths of a tile, advanced side by side.
+
+mod numbers;
+mod shade;
+mod start;
+
+use super::counters::Counters;
+use super::next_event::{Choices, LargeMirrorRays, SmallMirrorRays};
+use super::path_state::{Contribution, Path, RadianceSums};
+use super::render_context::RenderContext;
+use super::reuse::{Caustics, PhotonRays, Prefixes};
+use super::supersampling_rays::SupersamplingRays;
+use super::tile_probes::TileProbes;
+use crate::light::{ChosenLight, ChosenMirror};
+use crate::sampler::BounceNumbers;
+use globillum_geom::{Hit, Ray, SurfacePoint};
+use globillum_material::Rgb;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// All paths of some samples of a tile, advanced together one bounce at a time, so that the accelerator
+/// gets many rays at once (Laine, Karras and Aila 2013). Its buffers are reused from tile to tile.
+#[derive(Debug, Default)]
+pub(crate) struct Wavefront {
+    /// The paths that have not ended.
+    pub(super) paths: Vec<Path>,
+    /// The next ray of each path.
+    pub(super) rays: Vec<Ray>,
+    /// The paths that begin at a point of irradiance, and these points. They join the others after the first bounce.
+    pub(super) from_points: Vec<Path>,
+    pub(super) points: Vec<SurfacePoint>,
+    pub(super) hits: Vec<Option<Hit>>,
+    /// Uniform numbers for the positions of the samples in their pixels.
+    film_numbers: Vec<[f64; 2]>,
+    /// The cells of the hits in the guide, with some more at the end; none if there is no guide.
+    guide_cells: Vec<u32>,
+    /// The random numbers of each path's next bounce.
+    bounce_numbers: Vec<BounceNumbers>,
+    light_choices: Choices<ChosenLight>,
+    /// The random numbers by which paths choose small mirrors; none unless most do so.
+    mirror_numbers: Vec<f64>,
+    mirror_choices: Choices<ChosenMirror>,
+    /// The random numbers of each path for a light in a large mirror; empty unless most paths take such a sample.
+    large_mirror_numbers: Vec<(f64, [f64; 2])>,
+    /// Light samples.
+    pub(super) contributions: Vec<Contribution>,
+    /// The shadow ray of each contribution.
+    pub(super) shadow_rays: Vec<Ray>,
+    pub(super) occluded: Vec<bool>,
+    large_mirror_rays: LargeMirrorRays,
+    pub(super) small_mirror_rays: SmallMirrorRays,
+    supersampling_rays: SupersamplingRays,
+    pub(super) radiance: RadianceSums,
+    pub(super) prefixes: Prefixes,
+    pub(super) caustics: Caustics,
+    photon_rays: PhotonRays,
+}
+
+/// Irradiance over the radiance of a white diffuse surface.
+pub(super) const IRRADIANCE_PER_RADIANCE: f64 = PI;
+
+impl Wavefront {
+    /// Traces `samples` of each pixel of the tile; `None` if `cancelled` before the last bounce.
+    pub(crate) fn trace(
+        &mut self,
+        context: &RenderContext<'_>,
+        probes: &TileProbes,
+        samples: &Range<u32>,
+        cancelled: impl Fn() -> bool,
+    ) -> Option<Counters> {
+        self.start(context, probes, samples);
+        let mut counters = Counters { camera_rays: self.rays.len() as u64, ..Counters::default() };
+        for bounce in 0.. {
+            if cancelled() {
+                return None;
+            }
+            self.advance(context, bounce, &mut counters);
+            if self.paths.is_empty() {
+                break;
+            }
+        }
+        self.prefixes.share_suffixes(context, &mut self.radiance, &mut counters);
+        let (prefixes, radiance) = (&self.prefixes, &mut self.radiance.samples);
+        self.photon_rays.trace(context, prefixes, samples, radiance, &mut counters);
+        self.caustics.share(context, prefixes, radiance, &mut counters);
+        for path in &self.from_points {
+            *self.radiance.at(path.target) *= IRRADIANCE_PER_RADIANCE;
+        }
+        counters.camera_rays += self.supersample(context, probes, samples);
+        Some(counters)
+    }
+
+    /// The radiance of the samples traced last, pixel by pixel.
+    pub(crate) fn radiance(&self) -> &[Rgb] {
+        &self.radiance.samples
+    }
+
+    /// Adds what camera rays of their own find of the lights at edges. Returns their number.
+    fn supersample(&mut self, context: &RenderContext<'_>, probes: &TileProbes, samples: &Range<u32>) -> u64 {
+        let rays = self.supersampling_rays.find(context, probes, samples);
+        for &(sample, emitted) in &self.supersampling_rays.found {
+            self.radiance.samples[sample as usize] += emitted;
+        }
+        rays
+    }
+
+    /// What these camera rays have found for a sample.
+    pub(super) fn lights_seen_by(&self, sample: u32) -> Rgb {
+        let found = self.supersampling_rays.found.iter().find(|&&(of, _)| of == sample);
+        found.map_or(Rgb::BLACK, |&(_, emitted)| emitted)
+    }
+
+    /// Advances all paths by one bounce.
+    pub(super) fn advance(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
+        self.trace_rays(context);
+        self.shade(context, bounce, counters);
+        self.trace_mirror_rays(context);
+        self.trace_shadow_rays(context);
+        let mirror_rays = self.large_mirror_rays.len() + self.small_mirror_rays.len();
+        counters.shadow_rays += (mirror_rays + self.shadow_rays.len()) as u64;
+        counters.bounce_rays += self.rays.len() as u64;
+    }
+
+    pub(super) fn trace_rays(&mut self, context: &RenderContext<'_>) {
+        context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
+    }
+
+    /// Follows light samples by way of mirrors. Those of large mirrors become contributions with shadow rays.
+    pub(super) fn trace_mirror_rays(&mut self, context: &RenderContext<'_>) {
+        self.large_mirror_rays.trace(context, &mut self.shadow_rays, &mut self.contributions);
+        self.small_mirror_rays.trace(context);
+    }
+
+    /// Adds the contributions that are not occluded, and what samples of small mirrors have found.
+    pub(super) fn trace_shadow_rays(&mut self, context: &RenderContext<'_>) {
+        context.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
+        let unoccluded = self.contributions.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
+        let contributions = unoccluded.map(|(contribution, _)| contribution);
+        for contribution in contributions.chain(&self.small_mirror_rays.found) {
+            *self.radiance.at(contribution.target) += contribution.radiance;
+        }
+    }
+}

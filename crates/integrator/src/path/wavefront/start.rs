@@ -1,0 +1,77 @@
+//! The start of paths, where the sensor says.
+
+use super::Wavefront;
+use super::numbers::draw_numbers;
+use crate::PathStart;
+use crate::path::path_state::Path;
+use crate::path::render_context::RenderContext;
+use crate::path::reuse::Groups;
+use crate::path::tile_probes::TileProbes;
+use crate::pixel_rect::PixelRect;
+use crate::sampler::{Member, Numbers};
+use globillum_material::Rgb;
+use std::ops::Range;
+
+impl Wavefront {
+    /// Starts the paths of these samples of each pixel of the tile.
+    pub(in crate::path) fn start(
+        &mut self,
+        context: &RenderContext<'_>,
+        probes: &TileProbes,
+        samples: &Range<u32>,
+    ) {
+        let (settings, tile) = (context.settings, probes.tile);
+        self.paths.clear();
+        let pass = settings.pass_of(samples.start);
+        let groups =
+            context.stratifies_groups().then(|| Groups::of_pass(samples.start / settings.pass_samples));
+        for (x, y) in tile.pixels_by_block() {
+            let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
+            let member = groups.map_or_else(alone, |groups| groups.member(x, y, settings.width));
+            let pixel = tile.index(x, y) as u32;
+            let supersampled = probes.edges.contain(pixel);
+            for (i, sample) in (0..).zip(samples.clone()) {
+                let numbers = settings.sampler.numbers(settings.seed, member, sample, &pass);
+                let mut path = Path::new(pixel * samples.len() as u32 + i, numbers);
+                path.mis.supersampled = supersampled;
+                self.paths.push(path);
+            }
+        }
+        draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
+        let suffixes = self.prefixes.start(context, probes, samples);
+        self.radiance.reset(self.paths.len(), suffixes);
+        self.caustics.clear();
+        self.place(context, tile, samples.len());
+    }
+
+    /// Asks the sensor where the paths begin, `count` of each element. Keeps those that begin with a ray, in order, and
+    /// those that begin at a point by themselves.
+    fn place(&mut self, context: &RenderContext<'_>, tile: PixelRect, count: usize) {
+        self.rays.clear();
+        self.from_points.clear();
+        self.points.clear();
+        let elements = tile.pixels_by_block().zip(self.film_numbers.chunks_exact(count));
+        let samples = elements.flat_map(|(element, numbers)| numbers.iter().map(move |&u| (element, u)));
+        let mut kept = 0;
+        for (i, (element, u)) in samples.enumerate() {
+            match context.path_start(element, u) {
+                PathStart::Ray(ray) if ray.is_traceable() => {
+                    self.paths[kept] = self.paths[i];
+                    self.rays.push(ray);
+                    kept += 1;
+                }
+                PathStart::Irradiance { position, normal }
+                    if position.is_finite() && normal.is_normalized() =>
+                {
+                    self.from_points.push(self.paths[i]);
+                    self.points.push(context.scene.triangles().given_point(position, normal));
+                }
+                PathStart::Ray(_) | PathStart::Irradiance { .. } => {
+                    *self.radiance.at(self.paths[i].target) = Rgb::splat(f64::NAN);
+                }
+                PathStart::Nowhere => {}
+            }
+        }
+        self.paths.truncate(kept);
+    }
+}
