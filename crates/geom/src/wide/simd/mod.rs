@@ -140,6 +140,11 @@ pub(super) trait Simd: fearless_simd::Simd {
     /// Eight `u32`.
     type I: SimdInt<Self, Element = u32, Array = [u32; LANES]>;
 
+    /// How many rays of a stream are in flight: enough to hide latency, and few enough that their state stays in the
+    /// first-level cache (measured, docs/history.md). This is for a cache of 32 KiB, which most processors without AVX-512
+    /// have.
+    const IN_FLIGHT: usize = 24;
+
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         SimdBase::splat(self, x)

@@ -89,6 +89,9 @@ kernel!(
 );
 
 vectors_of_256_bits! { Avx512,
+    // Most processors with AVX-512 have a first-level cache of 48 KiB.
+    const IN_FLIGHT: usize = 40;
+
     #[inline(always)]
     fn max_abs(self, a: Self::F, b: Self::F) -> Self::F {
         kernel!(

@@ -23,7 +23,7 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
     while Child::is_end(traversal.child) == 0 {
         if Child::is_block(traversal.child) == 0 {
             probe.visit();
-            traversal.descend(test_node::<S, Q>(simd, &tree.nodes, traversal));
+            traversal.descend::<S, Q>(test_node::<S, Q>(simd, &tree.nodes, traversal));
             continue;
         }
         probe.open();

@@ -14,11 +14,6 @@ use crate::wide::tree::Tree;
 use crate::wide::tree::node::Child;
 use prefetch_index::prefetch_index;
 
-/// How many rays are in flight: enough to hide latency, and few enough that their state stays in the first-level
-/// cache (measured, docs/performance.md).
-const IN_FLIGHT: usize = 40;
-const _: () = assert!(IN_FLIGHT <= PACKET);
-
 /// The slots of rays in flight, by what their rays do next.
 #[derive(Default)]
 struct Waiting {
@@ -61,7 +56,8 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
         let mut hits = [LeafHits::default(); PACKET];
-        let mut waiting = Waiting { ended: RayMask::MAX >> (64 - IN_FLIGHT), ..Waiting::default() };
+        const { assert!(S::IN_FLIGHT <= PACKET) };
+        let mut waiting = Waiting { ended: RayMask::MAX >> (PACKET - S::IN_FLIGHT), ..Waiting::default() };
         loop {
             waiting.nodes |= self.replace_ended(simd, waiting.ended);
             if waiting.nodes | waiting.blocks == 0 {
@@ -142,7 +138,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     fn test_nodes<S: Simd>(&mut self, simd: S, nodes: RayMask) {
         for slot in Bits(nodes) {
             let traversal = &mut self.traversals[slot];
-            traversal.push(test_node::<S, Q>(simd, &self.tree.nodes, traversal));
+            traversal.push::<S, Q>(test_node::<S, Q>(simd, &self.tree.nodes, traversal));
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::deferred_decision::Candidates;
 use super::ray_setup::RaySetup;
+use crate::query::Query;
 use crate::wide::simd::{LANES, Simd, SimdBase};
 use crate::wide::tree::MAX_LEVELS;
 use crate::wide::tree::node::Child;
@@ -96,9 +97,14 @@ impl Traversal {
 
     /// Pushes the children of a node that the ray meets.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, MetChildren { starts, children, mask, .. }: MetChildren<S>) {
+    pub(super) fn push<S: Simd, Q: Query>(
+        &mut self,
+        MetChildren { starts, children, mask, .. }: MetChildren<S>,
+    ) {
         let top = self.depth % DEPTH;
-        starts.store_array(&mut self.entries[top].starts);
+        if !Q::ANY_HIT {
+            starts.store_array(&mut self.entries[top].starts);
+        }
         children.store_array(&mut self.entries[top].children);
         self.pending[top] = mask;
         self.depth = top + usize::from(mask != 0);
@@ -108,13 +114,13 @@ impl Traversal {
     /// and [`Traversal::advance`], but faster where no other ray hides latency, since the nearest child of the node does
     /// not wait for the stack.
     #[inline(always)]
-    pub(super) fn descend<S: Simd>(&mut self, met: MetChildren<S>) {
+    pub(super) fn descend<S: Simd, Q: Query>(&mut self, met: MetChildren<S>) {
         if met.mask == 0 {
             self.advance();
             return;
         }
         let (nearest, mask) = (met.nearest, met.mask & (met.mask - 1));
-        self.push(MetChildren { mask, ..met });
+        self.push::<S, Q>(MetChildren { mask, ..met });
         self.child = nearest;
     }
 
