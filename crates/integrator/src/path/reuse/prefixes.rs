@@ -9,8 +9,8 @@
 //! Light that a suffix finds by way of mirrors is rare and bright where light samples hardly ever find it. All prefixes of
 //! the square share it.
 //!
-//! In the open, most paths leave the scene after their prefix. There the radiance of the environment is a control variate: it is taken to arrive at prefixes from
-//! all directions, and suffixes are what differs from it.
+//! In the open, most paths leave the scene after their prefix. There the radiance of the environment is a control variate:
+//! it is taken to arrive at prefixes from all directions, and suffixes are what differs from it.
 
 use super::pixel_groups::{Groups, PixelGroup, samples_of_square};
 use super::reuse_vertex::{ReuseVertex, Suffix};
