@@ -1,13 +1,14 @@
 //! The probability with which vertices after the first diffuse one sample lights in large mirrors. It follows from what
 //! such samples and those without a mirror contribute to the paths of probes.
 
+use super::path_settings::path_settings;
+use crate::Settings;
 use crate::path::counters::Counters;
 use crate::path::path_state::Contribution;
 use crate::path::render_context::RenderContext;
 use crate::path::tile_probes::TileProbes;
 use crate::path::wavefront::Wavefront;
 use crate::pixel_rect::PixelRect;
-use crate::{PathReuse, Settings, Supersampling};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
 
@@ -74,16 +75,8 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
 fn probe_settings(settings: &Settings) -> Settings {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let samples = (u64::from(PATHS) / pixels).max(1).next_power_of_two() as u32;
-    Settings {
-        samples,
-        pass_samples: samples,
-        seed: SEED,
-        max_bounces: Some(settings.max_bounces.unwrap_or(MOST_BOUNCES).min(MOST_BOUNCES)),
-        light_samples: 1,
-        path_reuse: PathReuse::Off,
-        supersampling: Supersampling::Off,
-        ..*settings
-    }
+    let max_bounces = Some(settings.max_bounces.unwrap_or(MOST_BOUNCES).min(MOST_BOUNCES));
+    Settings { max_bounces, ..path_settings(settings, samples, SEED) }
 }
 
 /// The tiles, each with a sample of its pixels. In a large picture there are gaps between tiles.
@@ -147,7 +140,7 @@ impl Wavefront {
 mod tests {
     use super::*;
     use crate::path::preliminary::probed;
-    use crate::{Camera, Model, Scene};
+    use crate::{Camera, Model, PathReuse, Scene};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
     use globillum_geom::{KdOptions, KdTree};

@@ -4,6 +4,7 @@
 
 mod caustic_photons;
 mod large_mirror_prob;
+mod path_settings;
 mod rare_caustics;
 mod training;
 

@@ -1,5 +1,6 @@
 //! The training of a guide: paths by which it learns, before the picture is rendered.
 
+use super::path_settings::path_settings;
 use crate::caught::caught;
 use crate::guide::{Guide, GuideRecord, bin_of, guide_vertex};
 use crate::path::counters::Counters;
@@ -7,7 +8,7 @@ use crate::path::render_context::RenderContext;
 use crate::path::tile_probes::TileProbes;
 use crate::path::wavefront::Wavefront;
 use crate::pixel_rect::PixelRect;
-use crate::{Guiding, PathReuse, RenderError, Scene, Sensor, Settings, Supersampling};
+use crate::{Guiding, RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, Frame};
 use globillum_material::{Density, Rgb};
 use rayon::prelude::*;
@@ -55,15 +56,7 @@ pub(crate) fn guide(
 fn training_settings(settings: &Settings) -> Settings {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let samples = u32::try_from(MIN_PATHS / pixels).unwrap_or(0).next_power_of_two().max(MIN_SAMPLES);
-    Settings {
-        samples,
-        pass_samples: samples,
-        seed: !settings.seed,
-        light_samples: 1,
-        path_reuse: PathReuse::Off,
-        supersampling: Supersampling::Off,
-        ..*settings
-    }
+    path_settings(settings, samples, !settings.seed)
 }
 
 /// The tiles, each with the first of its [`MIN_SAMPLES`] samples. In a large picture there are gaps between
