@@ -84,7 +84,7 @@ impl PixelRect {
     }
 
     /// Its pixels, row by row.
-    pub(crate) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + Clone + use<> {
         let Self { x, y, width, height } = *self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
     }

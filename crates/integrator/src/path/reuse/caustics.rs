@@ -520,6 +520,27 @@ mod tests {
         assert!(caustics > 10, "{caustics}");
     }
 
+    /// Roulette must not end a suffix for certain while a prefix of its square can use what the suffix finds of caustics:
+    /// that prefix counts on it in the balance heuristic. The floor has colours without blue and without red.
+    #[test]
+    fn roulette_goes_by_all_prefixes_that_share_caustics() {
+        let (scene, camera, settings) = (room(0.2), camera(0.9), Settings::new(13, 16, 4));
+        let context = RenderContext::new(&scene, &camera, &settings);
+        let Wavefront { prefixes, .. } = advanced(&RenderContext { shares_caustics: true, ..context });
+        let samples = 0..4 * TILE.pixel_count() as u32;
+        let of = |sample| prefixes.of(sample).map(|prefix| (prefix.bounce, prefix.throughput));
+        let mut pairs = 0;
+        for (sample, own) in samples.filter_map(|sample| Some((sample, prefixes.of(sample)?))) {
+            for (bounce, throughput) in prefixes.samples_of_square(sample).filter_map(of) {
+                if bounce == own.bounce {
+                    assert_eq!(own.largest_throughput.max(throughput), own.largest_throughput, "{sample}");
+                    pairs += u32::from(throughput.r == 0.0 && own.throughput.b == 0.0);
+                }
+            }
+        }
+        assert!(pairs > 1000, "{pairs}");
+    }
+
     /// The buffers of a wavefront keep nothing of what it traced before.
     #[test]
     fn a_wavefront_forgets_caustics() {

@@ -79,7 +79,11 @@ impl Groups {
 
 /// The samples of a tile, `count` of each pixel, that are in one square with `sample` and have the same number in their
 /// pixels. Pixels are in the order of [`PixelRect::pixels`].
-pub(super) fn samples_of_square(tile: PixelRect, count: u32, sample: u32) -> impl Iterator<Item = u32> {
+pub(super) fn samples_of_square(
+    tile: PixelRect,
+    count: u32,
+    sample: u32,
+) -> impl Iterator<Item = u32> + Clone {
     let (pixel, number) = (sample / count, sample % count);
     let (x, y) = (pixel % tile.width, pixel / tile.width);
     let square = square_around(x, y, tile.width, tile.height);

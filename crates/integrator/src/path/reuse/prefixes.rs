@@ -36,8 +36,9 @@ pub(super) struct Prefix {
     pub(super) throughput: Rgb,
     /// How many times as dense as by the BSDF its own direction there was sampled.
     pub(super) guide_ratio: f64,
-    /// The largest throughput of the prefixes of its group that end at this bounce, by component.
-    group_throughput: Rgb,
+    /// The largest throughput, by component, of the prefixes that end at this bounce and may share its suffix or a part of
+    /// what that finds. Roulette goes by it, so that it ends no suffix for certain that one of them can use.
+    pub(super) largest_throughput: Rgb,
     /// The next vertex of its own path, if that is on a mirror.
     pub(super) mirror: Option<ReuseVertex>,
     /// Where its own suffix begins: at the next vertex, or at the one that the mirror shows.
@@ -86,7 +87,7 @@ pub(in crate::path) struct Prefixes {
     controls: Vec<Rgb>,
     /// How many samples have one in common.
     samples_of_control: usize,
-    /// Whether prefixes have ended since [`Prefix::group_throughput`] was computed.
+    /// Whether prefixes have ended since [`Prefix::largest_throughput`] was computed.
     have_ended: bool,
     shared: Vec<SharedRadiance>,
     /// Those of all shared radiance, in order; the connection of a suffix to its own prefix is first.
@@ -158,27 +159,31 @@ impl Prefixes {
             bounce,
             throughput,
             guide_ratio: path.guide_ratio,
-            group_throughput: throughput,
+            largest_throughput: throughput,
             mirror: None,
             start: None,
         });
         self.have_ended = true;
     }
 
-    /// Finds the largest throughput in each group, of the prefixes that ended at `bounce`.
-    pub(in crate::path) fn update_group_throughputs(&mut self, bounce: u32) {
+    /// Finds the largest throughput of the prefixes that ended at `bounce` and share suffixes: those of each group, or of each
+    /// square if it shares what suffixes find of caustics.
+    pub(in crate::path) fn update_largest_throughputs(&mut self, context: &RenderContext<'_>, bounce: u32) {
         if !std::mem::take(&mut self.have_ended) {
             return;
         }
-        for group in &self.groups {
-            let members = || group.iter().flatten().map(|&sample| sample as usize);
-            let ended = |prefix: &&Prefix| prefix.bounce == bounce;
-            let prefixes = members().filter_map(|sample| self.all[sample].as_ref()).filter(ended);
-            let largest = prefixes.fold(Rgb::BLACK, |largest, prefix| largest.max(prefix.throughput));
-            for sample in members() {
-                if let Some(prefix) = self.all[sample].as_mut().filter(|prefix| prefix.bounce == bounce) {
-                    prefix.group_throughput = largest;
-                }
+        if !context.shares_caustics {
+            for group in &self.groups {
+                update_largest_throughput(&mut self.all, group.iter().flatten().copied(), bounce);
+            }
+            return;
+        }
+        let count = (self.all.len() / self.tile.pixel_count()) as u32;
+        for square in PixelRect::grid([self.tile.width, self.tile.height], [TILE_SIDE; 2]) {
+            let first = (square.y * self.tile.width + square.x) * count;
+            for sample in first..first + count {
+                let of_square = samples_of_square(self.tile, count, sample);
+                update_largest_throughput(&mut self.all, of_square, bounce);
             }
         }
     }
@@ -199,7 +204,7 @@ impl Prefixes {
     pub(in crate::path) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
         prefix.start = Some(SuffixStart::Surface(ReuseVertex::at(vertex)));
-        path.prefix_throughput = prefix.group_throughput;
+        path.prefix_throughput = prefix.largest_throughput;
         if prefix.mirror.is_none() {
             path.leave_prefix();
         }
@@ -325,6 +330,22 @@ impl Prefixes {
             for (sample, prefix) in samples.iter_mut().zip(prefixes) {
                 *sample += prefix.map_or(Rgb::BLACK, |prefix| prefix.throughput * control);
             }
+        }
+    }
+}
+
+/// Finds the largest throughput of the prefixes of these samples that ended at `bounce`.
+fn update_largest_throughput(
+    all: &mut [Option<Prefix>],
+    samples: impl Iterator<Item = u32> + Clone,
+    bounce: u32,
+) {
+    let ended = |prefix: &&Prefix| prefix.bounce == bounce;
+    let prefixes = samples.clone().filter_map(|sample| all[sample as usize].as_ref()).filter(ended);
+    let largest = prefixes.fold(Rgb::BLACK, |largest, prefix| largest.max(prefix.throughput));
+    for sample in samples {
+        if let Some(prefix) = all[sample as usize].as_mut().filter(|prefix| prefix.bounce == bounce) {
+            prefix.largest_throughput = largest;
         }
     }
 }

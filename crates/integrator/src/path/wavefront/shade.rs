@@ -41,7 +41,7 @@ impl Wavefront {
         if bounce == 0 && !self.points.is_empty() {
             self.shade_points(context, counters);
         }
-        self.prefixes.update_group_throughputs(bounce);
+        self.prefixes.update_largest_throughputs(context, bounce);
     }
 
     /// Draws the numbers for lights in large mirrors, if most paths take them.
