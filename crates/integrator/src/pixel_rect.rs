@@ -1,5 +1,5 @@
-/// A rectangle of pixels: a picture or a part of one, such as a tile, which is one task. Where a caller says so, of
-/// blocks or of tiles.
+/// A rectangle of pixels: a picture or a part of one, such as a tile, which one thread renders. Where a caller says so,
+/// its units are blocks or tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PixelRect {
     pub(crate) x: u32,
@@ -8,22 +8,31 @@ pub(crate) struct PixelRect {
     pub(crate) height: u32,
 }
 
-/// Pixels along a side of a square: with four samples each, a wavefront of about a thousand rays.
+/// Pixels along each side of a square, which is the usual tile. With four samples of each, a wavefront has 1,024 paths.
 pub(crate) const TILE_SIDE: u32 = 16;
 
 /// Pixels along each side of the blocks whose means are observed.
 pub(crate) const BLOCK_SIDE: u32 = 4;
 
 impl PixelRect {
-    /// The tiles that `window`, a rectangle of pixels, is divided into, row by row. In one of at most
-    /// half of [`TILE_SIDE`] columns, tiles are higher, of at most `TILE_SIDE * TILE_SIDE` pixels.
+    /// The tiles of `window`, a rectangle of pixels, row by row: squares, of which parts may lie outside. Where the window
+    /// has half of [`TILE_SIDE`] columns or less, a tile is several squares above each other, with at most
+    /// `TILE_SIDE * TILE_SIDE` pixels in all.
     pub(crate) fn tiles(window: PixelRect) -> impl Iterator<Item = PixelRect> {
         let height = TILE_SIDE * (TILE_SIDE / window.width.clamp(1, TILE_SIDE));
         let tiles = Self::grid([window.width, window.height], [TILE_SIDE, height]);
         tiles.map(move |tile| PixelRect { x: window.x + tile.x, y: window.y + tile.y, ..tile })
     }
 
-    /// A picture of this size in rectangles of the size `of`, row by row; less of them at its right and bottom.
+    /// The square of [`TILE_SIDE`] x [`TILE_SIDE`] pixels that holds pixel (`x`, `y`), within a picture of this size.
+    pub(crate) fn square_around(x: u32, y: u32, [width, height]: [u32; 2]) -> PixelRect {
+        let start = |x: u32| x - x % TILE_SIDE;
+        let length = |x: u32, end: u32| TILE_SIDE.min(end - start(x));
+        PixelRect { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
+    }
+
+    /// Divides a picture of this size into rectangles of the size `of`, row by row. Those at the right and the bottom may be
+    /// smaller.
     pub(crate) fn grid(size: [u32; 2], of: [u32; 2]) -> impl Iterator<Item = PixelRect> {
         let starts = move |axis: usize| (0..size[axis].div_ceil(of[axis])).map(move |i| i * of[axis]);
         let length = move |axis: usize, start: u32| of[axis].min(size[axis] - start);
@@ -32,7 +41,7 @@ impl PixelRect {
         })
     }
 
-    /// The rectangle in blocks of 4 x 4 pixels of `window`, whose upper left corner is at 0; it begins with one.
+    /// The rectangle in units of the blocks of `window`, counted from the upper left corner of that. It begins with a block.
     pub(crate) fn blocks_in(&self, window: &PixelRect) -> PixelRect {
         PixelRect {
             x: (self.x - window.x) / BLOCK_SIDE,

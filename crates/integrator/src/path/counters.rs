@@ -31,9 +31,8 @@ impl Counters {
         Self { camera_rays, bounce_rays, shadow_rays, roulette_ends, limit_ends }
     }
 
-    /// The sum of camera, bounce and shadow rays. Not counted are rays of supersampling after their first mirror,
-    /// probes, paths of photons, and the rays that train a guide. At most [`u64::MAX`], which counters read from a
-    /// file may exceed.
+    /// The sum of camera, bounce and shadow rays, at most [`u64::MAX`]. It leaves out the rays of supersampling after their
+    /// first mirror, probes, paths of photons, and the rays that train a guide.
     pub fn rays(&self) -> u64 {
         self.camera_rays.saturating_add(self.bounce_rays).saturating_add(self.shadow_rays)
     }
@@ -43,7 +42,7 @@ impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         let own = self.to_array();
         let other = other.to_array();
-        // Counters read from a file may have any value.
+        // Saturated, since counters read from a file may have any value.
         *self = Self::from_array(std::array::from_fn(|i| own[i].saturating_add(other[i])));
     }
 }

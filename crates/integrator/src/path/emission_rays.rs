@@ -14,7 +14,7 @@ pub(super) const MAX_REFLECTIONS: u32 = 8;
 #[derive(Debug, Default)]
 pub(super) struct EmissionRays {
     rays: Vec<Ray>,
-    /// What each ray is for, and the throughput along it.
+    /// The tag of each ray, by which its owner knows it, and the throughput along it.
     states: Vec<(u32, Rgb)>,
     hits: Vec<Option<Hit>>,
 }
@@ -22,8 +22,8 @@ pub(super) struct EmissionRays {
 /// What a ray has found.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FoundEmission<'a> {
-    /// What the ray is for.
-    pub(super) target: u32,
+    /// The tag of the ray.
+    pub(super) tag: u32,
     /// The radiance times the throughput.
     pub(super) radiance: Rgb,
     /// How many mirrors the ray has followed.
@@ -49,23 +49,24 @@ impl EmissionRays {
         self.rays.len()
     }
 
-    pub(super) fn push(&mut self, ray: Ray, target: u32, throughput: Rgb) {
+    pub(super) fn push(&mut self, ray: Ray, tag: u32, throughput: Rgb) {
         self.rays.push(ray);
-        self.states.push((target, throughput));
+        self.states.push((tag, throughput));
     }
 
     /// Adds the ray of a sensor that begins at `start`, if it is traceable.
     #[inline(always)]
-    pub(super) fn push_start(&mut self, start: PathStart, target: u32) {
+    pub(super) fn push_start(&mut self, start: PathStart, tag: u32) {
         match start {
-            PathStart::Ray(ray) if ray.is_traceable() => self.push(ray, target, Rgb::WHITE),
+            PathStart::Ray(ray) if ray.is_traceable() => self.push(ray, tag, Rgb::WHITE),
             // The path of the sample tells of a ray that is not traceable.
             _ => {}
         }
     }
 
-    /// Calls `add` with each emission that a ray finds by way of up to `max_reflections` mirrors, and `reflect` with what
-    /// each ray is for and the direction in which a mirror reflects it. Returns how many rays were traced; none are left.
+    /// Traces all rays, by way of up to `max_reflections` mirrors. Calls `add` with each emission that a ray finds, and
+    /// `reflect` with the tag of each ray that a mirror reflects and its new direction. Returns how many rays were traced;
+    /// none are left.
     pub(super) fn trace(
         &mut self,
         context: &RenderContext<'_>,
@@ -87,9 +88,9 @@ impl EmissionRays {
                 let Some((ray, throughput)) = next.filter(|_| reflections < max_reflections) else {
                     continue;
                 };
-                let target = self.states[i].0;
-                reflect(target, ray.direction);
-                (self.rays[kept], self.states[kept]) = (ray, (target, throughput));
+                let tag = self.states[i].0;
+                reflect(tag, ray.direction);
+                (self.rays[kept], self.states[kept]) = (ray, (tag, throughput));
                 kept += 1;
             }
             self.rays.truncate(kept);
@@ -109,13 +110,13 @@ impl EmissionRays {
         reflections: u32,
         add: &mut impl FnMut(FoundEmission<'_>),
     ) -> Option<(Ray, Rgb)> {
-        let (ray, (target, throughput), hit) = (&self.rays[i], self.states[i], self.hits[i].as_ref()?);
+        let (ray, (tag, throughput), hit) = (&self.rays[i], self.states[i], self.hits[i].as_ref()?);
         let Material { bsdf, emission, .. } = *scene.material(hit.triangle);
         if bsdf.is_diffuse() && emission.is_none() {
             return None;
         }
         let at = scene.interaction(ray, hit);
-        let mut found = |radiance| add(FoundEmission { target, radiance, reflections, at: (hit, &at) });
+        let mut found = |radiance| add(FoundEmission { tag, radiance, reflections, at: (hit, &at) });
         if !at.point.position.is_finite() {
             // As for the path of a sample: no ray can leave it.
             found(Rgb::splat(f64::NAN));

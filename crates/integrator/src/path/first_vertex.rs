@@ -15,8 +15,9 @@ pub(super) fn irradiance_vertex(point: SurfacePoint) -> Interaction<'static> {
     Interaction { point, material: &WHITE, wo: point.normal }
 }
 
-/// The first diffuse vertex of the path that begins at `start`, there, or directly or by way of as many mirrors as a prefix
-/// that is shared may have, but at most [`MAX_REFLECTIONS`]. `None` if there is none; a start that is not valid has none.
+/// The first diffuse vertex of the path that begins at `start`, if its prefix may be reused there and no more than
+/// [`MAX_REFLECTIONS`] mirrors precede it. A path that measures irradiance has it where it begins. `None` too if the start
+/// is not valid.
 pub(super) fn first_diffuse_vertex<'a>(
     context: &RenderContext<'a>,
     start: PathStart,

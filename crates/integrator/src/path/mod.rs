@@ -1,26 +1,34 @@
 //! Path tracing (Kajiya 1986) in wavefronts.
 //!
-//! [`RenderContext`] is what is rendered. Before the first sample, [`preliminary`] paths train a guide and find what the scene
-//! is like, and [`tile_probes`] find what a tile sees. A [`wavefront`] then traces the paths of a tile. At each vertex,
-//! [`next_event`] estimation samples lights. After the last bounce, pixels share parts of their paths ([`reuse`]).
+//! [`RenderContext`] is what is rendered. [`preliminary`] paths prepare it before the first sample, and [`tile_probes`] find
+//! what a tile sees. A [`wavefront`] then traces samples of the tile:
+//!
+//! 1. The sensor starts their paths.
+//! 2. Bounce by bounce, all paths find their next vertex. Emission is added there with its weight ([`mis`]), lights are
+//!    sampled ([`next_event`]), and the path is scattered.
+//! 3. After the last bounce, pixels share the suffixes of their paths ([`reuse`]) and the [`caustics`] that these have found.
+//! 4. Camera rays of their own supersample the edges of lights.
 
+mod caustics;
 mod counters;
 mod emission_rays;
 mod first_vertex;
+mod mis;
 mod next_event;
 mod path_state;
 mod preliminary;
+mod radiance_sums;
 mod render_context;
 mod replay;
 mod reuse;
+mod reuse_stage;
 mod shading_point;
-mod stage;
-mod supersampling_rays;
 mod tile_probes;
+mod tile_samples;
 mod wavefront;
 
 pub use counters::Counters;
-pub(crate) use preliminary::{guide, probed};
+pub(crate) use preliminary::{guide, prepared};
 pub(crate) use render_context::RenderContext;
 pub use replay::{Replay, Vertex, replay};
 pub(crate) use tile_probes::TileProbes;

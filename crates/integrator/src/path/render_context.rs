@@ -1,6 +1,6 @@
 use super::shading_point::ShadingPoint;
 use crate::guide::{Guide, PhotonGuide};
-use crate::light::{Mirrors, SmallMirrors};
+use crate::light::{LightSampler, Mirrors, Receiver, SmallMirrors};
 use crate::{
     ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
 };
@@ -29,7 +29,8 @@ pub(crate) struct RenderContext<'a> {
 }
 
 impl<'a> RenderContext<'a> {
-    pub(crate) fn new(
+    /// Before [`prepared`](super::prepared) finds what follows from the scene.
+    pub(super) fn new(
         scene: &'a Scene<dyn Accel + 'a>,
         sensor: &'a dyn Sensor,
         settings: &'a Settings,
@@ -50,11 +51,6 @@ impl<'a> RenderContext<'a> {
             photons: None,
             simd: SimdLevel::best(),
         }
-    }
-
-    /// The same with this guide.
-    pub(crate) fn guided_by(self, guide: Option<&'a Guide>) -> Self {
-        Self { guide, ..self }
     }
 }
 
@@ -81,6 +77,12 @@ impl RenderContext<'_> {
     /// Whether the samples of pixels that reuse each other's paths are one net.
     pub(super) fn stratifies_groups(&self) -> bool {
         self.settings.path_reuse == PathReuse::Sixteens && self.settings.sampler == Sampler::Sobol
+    }
+
+    /// By which lights are sampled for `receiver`.
+    #[inline(always)]
+    pub(super) fn light_sampler(&self, receiver: Receiver) -> LightSampler<'_> {
+        self.scene.light_sampler_of(self.settings.light_sampling, receiver)
     }
 
     /// How many light samples a diffuse vertex takes, by whether it is the first one of the path.

@@ -1,10 +1,9 @@
 use super::counters::Counters;
 use super::first_vertex::irradiance_vertex;
-use super::path_state::{Contribution, Path, Target};
-use super::preliminary::guide;
-use super::preliminary::probed;
+use super::path_state::Path;
+use super::preliminary::{guide, prepared};
+use super::radiance_sums::{Contribution, Target};
 use super::render_context::RenderContext;
-use super::reuse::square_around;
 use super::tile_probes::TileProbes;
 use super::wavefront::{IRRADIANCE_PER_RADIANCE, Wavefront};
 use crate::caught::caught;
@@ -87,25 +86,25 @@ pub fn replay(
     let threads = worker_threads(settings.threads).map_err(RenderError::Threads)?;
     threads.install(|| {
         let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
-        let context = RenderContext::new(scene, sensor, settings).guided_by(guide.as_ref());
-        let tile = square_around(x, y, settings.width, settings.height);
-        caught(|| replay_within(&probed(context), tile, (x, y), sample))
-            .map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
+        let tile = PixelRect::square_around(x, y, [settings.width, settings.height]);
+        let replay =
+            || replay_within(&prepared(scene, sensor, settings, guide.as_ref()), tile, (x, y), sample);
+        caught(replay).map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
     })
 }
 
 /// [`replay`], given what is done before the first sample and the tile of the pixel.
 fn replay_within(context: &RenderContext<'_>, tile: PixelRect, (x, y): (u32, u32), sample: u32) -> Replay {
-    let one = sample..sample + 1;
+    let number = sample..sample + 1;
     let place = tile.index(x, y) as u32;
     let mut wavefront = Wavefront::default();
     let probes = TileProbes::of(context, tile);
-    wavefront.trace(context, &probes, &one, || false);
+    wavefront.trace(context, &probes, number.clone(), || false);
     let radiance = wavefront.radiance()[place as usize];
     let lights = wavefront.lights_seen_by(place);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
-    wavefront.start(context, &probes, &one);
+    wavefront.start(context, &probes, number);
     for bounce in 0.. {
         if !wavefront.step(context, place, bounce, &mut replay) {
             break;
@@ -129,7 +128,7 @@ impl Wavefront {
         let unit = from_point.map_or(1.0, |_| IRRADIANCE_PER_RADIANCE);
         let ray = on_ray.map(|i| self.rays[i]);
         // Sums that begin at zero hold the radiance of this bounce alone.
-        self.radiance.reset(self.radiance.samples.len(), self.radiance.suffixes.len());
+        self.radiance.reset(self.radiance.samples.len(), self.radiance.after_prefixes.len());
         self.caustics.clear();
         self.trace_rays(context);
         let hit = on_ray.and_then(|i| self.hits[i]);
@@ -168,10 +167,10 @@ impl Wavefront {
     fn emission_found(&mut self, path: &Path, unit: f64) -> Rgb {
         let sample = path.target.sample();
         // In the sum of the suffix, too, if it is the environment.
-        let of_suffix = self.radiance.of_suffix(sample);
+        let of_suffix = self.radiance.after_prefix(sample);
         // What a path finds of lights by way of mirrors after its prefix is in the sum of its sample.
         let of_sample = self.radiance.samples[sample as usize] * unit;
-        let throughput = self.prefixes.throughput_before(Target::Suffix(sample)) * unit;
+        let throughput = self.prefixes.throughput_before(Target::AfterPrefix(sample)) * unit;
         throughput * (of_suffix + self.caustics.found_by(sample)) + of_sample
     }
 

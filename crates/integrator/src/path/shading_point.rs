@@ -2,7 +2,7 @@ use crate::Interaction;
 use crate::guide::GuideCell;
 use crate::light::{ChosenLight, ChosenMirror, Receiver};
 use crate::sampler::BounceNumbers;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use globillum_geom::{Frame, PdfSolidAngle};
 use globillum_material::{BsdfSample, Density};
 
@@ -30,7 +30,7 @@ pub(super) struct ShadingPoint<'a> {
     /// The light that `numbers` choose.
     pub(super) light: PriorChoice<ChosenLight>,
     /// The small mirror for a light sample.
-    pub(super) mirror: PriorChoice<ChosenMirror>,
+    pub(super) small_mirror: PriorChoice<ChosenMirror>,
     /// The random numbers for a light in a large mirror, if they were drawn before.
     pub(super) large_mirror_numbers: Option<(f64, [f64; 2])>,
 }
@@ -53,7 +53,7 @@ impl<'a> ShadingPoint<'a> {
             bounce,
             numbers,
             light: PriorChoice::Open,
-            mirror: PriorChoice::Open,
+            small_mirror: PriorChoice::Open,
             large_mirror_numbers: None,
         }
     }
@@ -88,40 +88,5 @@ impl<'a> ShadingPoint<'a> {
             Some(cell) if wi.z > 0.0 => PdfSolidAngle(pdf.0 * cell.directions.ratio(wi)),
             _ => pdf,
         }
-    }
-}
-
-/// The density of a path's current direction, and where a light sample of the same direction would have
-/// been taken: what the multiple importance sampling weight of emission depends on.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MisContext {
-    /// A delta if no light sample could have found what the ray hits: after the camera and most mirrors. The rest is
-    /// then of no account.
-    pub(super) density: Density,
-    /// For which lights would have been sampled: the last diffuse vertex.
-    pub(super) receiver: Receiver,
-    /// The mirror triangle that the path hit since.
-    pub(super) mirror: Option<u32>,
-    /// Whether other camera rays find what the path would find of lights before its first diffuse vertex.
-    pub(super) supersampled: bool,
-    /// Whether `receiver` is the first diffuse vertex of the path, which may have several light samples.
-    pub(super) is_first: bool,
-}
-
-impl MisContext {
-    /// That of a ray from the camera.
-    #[inline(always)]
-    pub(super) fn of_camera() -> Self {
-        Self::new(Density::Delta, Receiver { position: DVec3::ZERO, side: Vec3::ZERO })
-    }
-
-    /// A direction of this density that starts at `receiver`.
-    pub(super) fn new(density: Density, receiver: Receiver) -> Self {
-        Self { density, receiver, mirror: None, supersampled: false, is_first: false }
-    }
-
-    /// Whether the path has hit a mirror since, or begun at the camera.
-    pub(super) fn is_specular(&self) -> bool {
-        self.mirror.is_some() || self.density == Density::Delta
     }
 }

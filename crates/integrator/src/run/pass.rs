@@ -86,7 +86,7 @@ impl PassRenderer<'_> {
         let mut counters = Counters::default();
         for first in all.clone().step_by(WAVEFRONT_SAMPLES as usize) {
             let samples = first..all.end.min(first + WAVEFRONT_SAMPLES);
-            let Some(counted) = wavefront.trace(&self.context, probes, &samples, cancelled) else {
+            let Some(counted) = wavefront.trace(&self.context, probes, samples.clone(), cancelled) else {
                 return Ok(None);
             };
             let radiance = wavefront.radiance().chunks_exact(samples.len());

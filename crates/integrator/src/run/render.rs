@@ -5,7 +5,7 @@ use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
 use crate::caught::caught;
-use crate::path::{RenderContext, guide, probed};
+use crate::path::{guide, prepared};
 use crate::pixel_rect::PixelRect;
 use crate::worker_threads::worker_threads;
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
@@ -164,12 +164,9 @@ impl<'a> Render<'a> {
             let ControlFlow::Continue(guide) = guide else {
                 return Ok(Picture { ending: Ending::Cancelled, ..picture });
             };
-            let context = RenderContext::new(self.scene, self.sensor, &settings).guided_by(guide.as_ref());
-            let context = caught(|| probed(context)).map_err(|message| RenderError::Worker {
-                x: window.x,
-                y: window.y,
-                message,
-            })?;
+            let context = caught(|| prepared(self.scene, self.sensor, &settings, guide.as_ref()));
+            let context =
+                context.map_err(|message| RenderError::Worker { x: window.x, y: window.y, message })?;
             let probes = PixelRect::tiles(window).map(|_| OnceLock::new()).collect();
             let meter = Meter::new(start, self.stop.seconds);
             let renderer = PassRenderer { context, monitor, meter: &meter, window, probes };

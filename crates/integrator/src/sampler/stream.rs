@@ -3,6 +3,14 @@ use crate::hash::{fold, nth, unit};
 /// The first of the numbers by which keys of parts are hashed, beyond those of samples.
 const PARTS: u64 = 1 << 32;
 
+/// What draws random numbers before the first sample, in place of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Preliminary {
+    Photons,
+    CausticProbes,
+    SkyProbes,
+}
+
 /// The independent random numbers of one sample of one pixel, addressed by dimension.
 ///
 /// Counter-based: a number depends on seed, pixel, sample and dimension only, so samples can be computed in
@@ -17,6 +25,11 @@ impl Stream {
     /// The stream of sample `sample` of pixel `pixel` (counted row by row) for `seed`.
     pub fn new(seed: u64, pixel: u64, sample: u32) -> Self {
         Self { key: [seed, pixel, u64::from(sample)].into_iter().fold(0, fold) }
+    }
+
+    /// The stream of path or probe `index`, whatever the seed. No picture has as many pixels.
+    pub(crate) fn preliminary(of: Preliminary, index: u32) -> Self {
+        Self::new(0, u64::MAX - of as u64, index)
     }
 
     /// A stream of its own for part `part` of the sample.

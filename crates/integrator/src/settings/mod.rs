@@ -258,10 +258,9 @@ impl Settings {
         start..end
     }
 
-    /// The samples of the pass that `sample` belongs to.
-    pub(crate) fn pass_of(&self, sample: u32) -> Range<u32> {
-        let pass = sample / self.pass_samples;
-        self.samples_of(pass..pass + 1)
+    /// The number of the pass that `sample` belongs to.
+    pub(crate) fn pass_of(&self, sample: u32) -> u32 {
+        sample / self.pass_samples
     }
 
     /// The number of bounces that roulette cannot prevent.

@@ -96,7 +96,7 @@ impl Choices<ChosenLight> {
 impl Choices<ChosenMirror> {
     /// Chooses small mirrors. `numbers` are those of each path; none if there are no mirrors to choose.
     #[inline(always)]
-    pub(in crate::path) fn choose_mirrors(
+    pub(in crate::path) fn choose_small_mirrors(
         &mut self,
         context: &RenderContext<'_>,
         wave: Wave<'_>,
@@ -113,7 +113,7 @@ impl Choices<ChosenMirror> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::stage::Stage;
+    use crate::path::reuse_stage::ReuseStage;
     use crate::sampler::Member;
     use crate::sampler::MirrorSize;
     use crate::{Camera, Model, Scene, Settings};
@@ -155,7 +155,7 @@ mod tests {
         let draw = |i: u64| settings.sampler.numbers(1, Member::alone(i), 0, &(0..4));
         let mut paths: Vec<_> = (0..203).map(|i| Path::new(i as u32, draw(i))).collect();
         for path in paths.iter_mut().step_by(3) {
-            path.stage = Stage::Suffix;
+            path.stage = ReuseStage::Settled;
         }
         let numbers: Vec<_> =
             paths.iter().flat_map(|path| BounceNumbers::draw(&[path.numbers], 2, false)).collect();
@@ -164,7 +164,7 @@ mod tests {
             paths.iter().map(|path| 0.001 * path.numbers.mirror(MirrorSize::Small, 2)).collect();
         let (mut lights, mut mirrors) = (Choices::default(), Choices::default());
         lights.choose_lights(&context, (&paths, &rays, &hits), &numbers);
-        mirrors.choose_mirrors(&context, (&paths, &rays, &hits), &of_mirrors);
+        mirrors.choose_small_mirrors(&context, (&paths, &rays, &hits), &of_mirrors);
         let (mut with_light, mut with_mirror) = (0, 0);
         for i in 0..paths.len() {
             let takes_one = |hit: &Hit| i % 3 == 0 && !scene.material(hit.triangle).bsdf.is_delta();
@@ -202,11 +202,11 @@ mod tests {
         let (ray, draw) =
             (Ray::new(DVec3::Y, -DVec3::Y), settings.sampler.numbers(1, Member::alone(0), 0, &(0..4)));
         let (mut path, hit) = (Path::new(0, draw), scene.accel().intersect(&ray));
-        path.stage = Stage::Suffix;
+        path.stage = ReuseStage::Settled;
         let mut choices = Choices::default();
-        choices.choose_mirrors(&context, (&[path], &[ray], &[hit]), &[0.5]);
+        choices.choose_small_mirrors(&context, (&[path], &[ray], &[hit]), &[0.5]);
         assert!(matches!(choices.of_path(0), PriorChoice::Made(_)));
-        choices.choose_mirrors(&context, (&[path], &[ray], &[hit]), &[]);
+        choices.choose_small_mirrors(&context, (&[path], &[ray], &[hit]), &[]);
         assert_eq!(choices.of_path(0), PriorChoice::Open);
     }
 }

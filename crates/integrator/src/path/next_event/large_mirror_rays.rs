@@ -1,5 +1,6 @@
 use crate::light::{AreaLightSample, LargeMirrors, LightSample};
-use crate::path::path_state::{Contribution, Path, Target};
+use crate::path::path_state::Path;
+use crate::path::radiance_sums::{Contribution, Target};
 use crate::path::render_context::RenderContext;
 use crate::path::shading_point::ShadingPoint;
 use crate::sampler::MirrorSize;

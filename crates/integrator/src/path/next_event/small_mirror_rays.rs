@@ -1,6 +1,7 @@
 use crate::light::{AreaLightSample, ChosenMirror, LightSample, MirrorPoint, SmallMirrors};
 use crate::path::emission_rays::reflected_ray;
-use crate::path::path_state::{Contribution, Path, Target};
+use crate::path::path_state::Path;
+use crate::path::radiance_sums::{Contribution, Target};
 use crate::path::render_context::RenderContext;
 use crate::path::shading_point::{PriorChoice, ShadingPoint};
 use crate::sampler::{MirrorSize, Numbers};
@@ -65,7 +66,7 @@ impl SmallMirrorRays {
             self.rays.push(vertex.at.point.spawn(direction));
             self.samples.push(Sample { target: path.target, radiance, triangle, cluster });
         };
-        match (vertex.mirror, count) {
+        match (vertex.small_mirror, count) {
             (PriorChoice::Made(chosen), _) => {
                 let point = || path.numbers.light_in_mirror(MirrorSize::Small, vertex.bounce).1;
                 chosen.into_iter().for_each(|chosen| add(chosen, point()));

@@ -2,9 +2,10 @@
 
 use crate::guide::{Photon, PhotonGuide, guide_vertex};
 use crate::light::AliasTable;
+use crate::path::caustics::{LEAST_MIRRORS, most_mirrors};
 use crate::path::emission_rays::reflected_ray;
 use crate::path::render_context::RenderContext;
-use crate::path::reuse::{LEAST_MIRRORS, most_mirrors};
+use crate::sampler::Preliminary;
 use crate::{Settings, Stream};
 use glam::Vec3;
 use globillum_geom::{Frame, Hit, Ray, Triangle};
@@ -20,9 +21,6 @@ const PATHS_RANGE: [u64; 2] = [1 << 14, 1 << 20];
 
 /// How many are traced at once.
 const PATHS_AT_ONCE: u32 = 1 << 12;
-
-/// The address of their random numbers, in place of a pixel.
-const PIXEL: u64 = u64::MAX;
 
 /// A path from a light, with its next ray.
 #[derive(Clone, Copy)]
@@ -86,7 +84,7 @@ impl Emitters<'_> {
     /// Starts a path at a light, with a direction by the cosine.
     fn start(&self, path: u32) -> Option<PhotonPath> {
         let scene = self.context.scene;
-        let numbers = Stream::new(0, PIXEL, path);
+        let numbers = Stream::preliminary(Preliminary::Photons, path);
         let triangle = self.triangles[self.table.sample(numbers.uniform(0))?];
         let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(1));
         let point = scene.triangles().surface_point(triangle, u, v);

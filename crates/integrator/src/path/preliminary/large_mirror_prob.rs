@@ -4,7 +4,7 @@
 use super::path_settings::path_settings;
 use crate::Settings;
 use crate::path::counters::Counters;
-use crate::path::path_state::Contribution;
+use crate::path::radiance_sums::Contribution;
 use crate::path::render_context::RenderContext;
 use crate::path::tile_probes::TileProbes;
 use crate::path::wavefront::Wavefront;
@@ -101,8 +101,8 @@ impl Wavefront {
         tile: PixelRect,
         samples: Range<u32>,
     ) -> Squares {
-        self.start(context, &TileProbes::none(tile), &samples);
-        let mut is_later = vec![false; tile.pixel_count() * samples.len()];
+        self.start(context, &TileProbes::none(tile), samples);
+        let mut is_later = vec![false; self.samples.count()];
         let mut squares = Squares::default();
         for bounce in 0.. {
             self.paths.iter().for_each(|path| is_later[path.target.sample() as usize] = !path.is_prefix());
@@ -139,7 +139,7 @@ impl Wavefront {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::preliminary::probed;
+    use crate::path::preliminary::prepared;
     use crate::{Camera, Model, PathReuse, Scene};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
@@ -187,7 +187,7 @@ mod tests {
         let (camera, settings) = (camera(), settings(seed));
         let context = RenderContext { large_mirror_prob, ..RenderContext::new(scene, &camera, &settings) };
         let mut wavefront = Wavefront::default();
-        wavefront.trace(&context, &TileProbes::of(&context, TILE), &(0..4), || false);
+        wavefront.trace(&context, &TileProbes::of(&context, TILE), 0..4, || false);
         wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
     }
 
@@ -210,7 +210,7 @@ mod tests {
     }
 
     fn found(scene: &Scene<KdTree>, settings: &Settings) -> f64 {
-        probed(RenderContext::new(scene, &camera(), settings)).large_mirror_prob
+        prepared(scene, &camera(), settings, None).large_mirror_prob
     }
 
     #[test]

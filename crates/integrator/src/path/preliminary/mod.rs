@@ -1,6 +1,6 @@
-//! What precedes the first sample: paths that train a guide, a few paths at fixed places of the picture that find what the
-//! scene is like, and photons from the lights. It follows from the scene, the sensor and the settings, so all parts of a
-//! picture have the same.
+//! What precedes the first sample: paths that train a guide; a few paths at fixed places of the picture, which find how often
+//! to sample lights in mirrors and whether caustics are rare; and photons from the lights. It follows from the scene, the
+//! sensor and the settings, so all parts of a picture have the same.
 
 mod caustic_photons;
 mod large_mirror_prob;
@@ -12,9 +12,18 @@ pub(super) use caustic_photons::photon_guide;
 pub(crate) use training::guide;
 
 use super::render_context::RenderContext;
+use crate::guide::Guide;
+use crate::{Scene, Sensor, Settings};
+use globillum_geom::Accel;
 
-/// The context with what probes find.
-pub(crate) fn probed<'a>(context: RenderContext<'a>) -> RenderContext<'a> {
+/// What is rendered, with this [`guide`] and all else that precedes the first sample.
+pub(crate) fn prepared<'a>(
+    scene: &'a Scene<dyn Accel + 'a>,
+    sensor: &'a dyn Sensor,
+    settings: &'a Settings,
+    guide: Option<&'a Guide>,
+) -> RenderContext<'a> {
+    let context = RenderContext { guide, ..RenderContext::new(scene, sensor, settings) };
     let context = RenderContext { large_mirror_prob: large_mirror_prob::of(&context), ..context };
     let context = RenderContext { shares_caustics: rare_caustics::are_shared(&context), ..context };
     RenderContext { photons: photon_guide(&context), ..context }

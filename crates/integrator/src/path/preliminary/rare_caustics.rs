@@ -1,10 +1,11 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
+use crate::path::caustics::LEAST_WEIGHT;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::first_vertex::first_diffuse_vertex;
+use crate::path::mis::MisContext;
 use crate::path::render_context::RenderContext;
-use crate::path::reuse::{LEAST_WEIGHT, mis_weight_by_mirror};
-use crate::path::shading_point::MisContext;
+use crate::sampler::Preliminary;
 use crate::{PathStart, Stream};
 use globillum_geom::{Frame, Ray};
 use globillum_material::Bsdf;
@@ -15,9 +16,6 @@ const PROBES: u32 = 64;
 /// The most caustics that the probes find where caustics are rare. Sharing then takes two connections per sample or less,
 /// as far as the probes tell.
 const MOST_FOUND: usize = (PROBES * PROBES) as usize / 128;
-
-/// The address of the random numbers of probes, in place of a pixel; that of photons is another one.
-const PIXEL: u64 = u64::MAX - 1;
 
 /// Whether pixels share caustics: these are rare if some paths at fixed places find few.
 pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
@@ -49,9 +47,10 @@ fn found_from(context: &RenderContext<'_>, scattered: &[(Ray, MisContext)]) -> u
     }
     let mut count = 0;
     let add = |found: FoundEmission<'_>| {
-        let i = found.target as usize;
+        let i = found.tag as usize;
         let mirror = hits[i].as_ref().map_or(Ray::NO_TRIANGLE, |hit| hit.triangle);
-        count += usize::from(mis_weight_by_mirror(context, scattered[i].1, mirror, &found) >= LEAST_WEIGHT);
+        let weight = scattered[i].1.weight_by_mirror(context, mirror, &found);
+        count += usize::from(weight >= LEAST_WEIGHT);
     };
     reflected.trace(context, MAX_REFLECTIONS - 1, add, |_, _| {});
     count
@@ -67,9 +66,9 @@ fn scattered(
     let scatter = |(i, path)| {
         let at = first_diffuse_vertex(context, path)?;
         let frame = Frame::around(at.side());
-        let u = Stream::new(0, PIXEL, i).uniform_pair(2 * before);
+        let u = Stream::preliminary(Preliminary::CausticProbes, i).uniform_pair(2 * before);
         let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
-        let mis = MisContext { is_first: before == 0, ..MisContext::new(sample.density, at.receiver()) };
+        let mis = MisContext::scattered(sample.density, at.receiver(), before == 0);
         Some((at.point.spawn(frame.to_world(sample.wi)), mis))
     };
     (0..).zip(paths).filter_map(scatter).collect()

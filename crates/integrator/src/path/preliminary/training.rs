@@ -10,7 +10,7 @@ use crate::path::wavefront::Wavefront;
 use crate::pixel_rect::PixelRect;
 use crate::{Guiding, RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, Frame};
-use globillum_material::{Density, Rgb};
+use globillum_material::Rgb;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 
@@ -101,7 +101,7 @@ impl Wavefront {
         samples: Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Vec<GuideRecord>> {
-        self.start(context, &TileProbes::none(tile), &samples);
+        self.start(context, &TileProbes::none(tile), samples);
         let mut records: Vec<GuideRecord> = Vec::new();
         let mut last: Vec<Option<LastRecord>> = vec![None; self.radiance.samples.len()];
         for bounce in 0.. {
@@ -137,7 +137,7 @@ impl Wavefront {
         for (path, ray) in self.paths.iter().zip(&self.rays) {
             let sample = path.target.sample() as usize;
             last[sample] = before[sample];
-            if path.mis.density == Density::Delta || path.mis.mirror.is_some() {
+            if path.mis.is_specular() {
                 continue;
             }
             let this = LastRecord { index: records.len() as u32, throughput: component_sum(path.throughput) };

@@ -1,12 +1,11 @@
-//! What pixels share: the suffixes of their paths, the caustics that paths find, and the photons that guide to them.
+//! Path reuse: [groups of pixels](pixel_groups) [share](suffix_sharing) the suffixes of their paths.
 
-mod caustics;
-mod photon_rays;
 mod pixel_groups;
 mod prefixes;
 mod reuse_vertex;
+mod suffix_sharing;
 
-pub(super) use caustics::{Caustics, LEAST_WEIGHT, mis_weight_by_mirror};
-pub(super) use photon_rays::{LEAST_MIRRORS, PhotonRays, most_mirrors};
-pub(super) use pixel_groups::{Groups, square_around};
-pub(super) use prefixes::Prefixes;
+pub(super) use pixel_groups::Groups;
+pub(super) use prefixes::{Prefix, Prefixes};
+pub(super) use reuse_vertex::ReuseVertex;
+pub(super) use suffix_sharing::SuffixSharing;

@@ -77,26 +77,6 @@ impl Groups {
     }
 }
 
-/// The samples of a tile, `count` of each pixel, that are in one square with `sample` and have the same number in their
-/// pixels. Pixels are in the order of [`PixelRect::pixels`].
-pub(super) fn samples_of_square(
-    tile: PixelRect,
-    count: u32,
-    sample: u32,
-) -> impl Iterator<Item = u32> + Clone {
-    let (pixel, number) = (sample / count, sample % count);
-    let (x, y) = (pixel % tile.width, pixel / tile.width);
-    let square = square_around(x, y, tile.width, tile.height);
-    square.pixels().map(move |(x, y)| (y * tile.width + x) * count + number)
-}
-
-/// The part of a picture of `width` x `height` pixels that holds all groups of pixel (`x`, `y`).
-pub(in crate::path) fn square_around(x: u32, y: u32, width: u32, height: u32) -> PixelRect {
-    let start = |x: u32| x - x % TILE_SIDE;
-    let length = |x: u32, end: u32| TILE_SIDE.min(end - start(x));
-    PixelRect { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

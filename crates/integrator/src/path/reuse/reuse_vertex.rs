@@ -7,10 +7,10 @@ use globillum_geom::{Frame, Ray, SurfacePoint, Triangles};
 
 /// A vertex at which a prefix ends or a suffix begins, or a mirror between them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ReuseVertex {
-    pub(super) point: SurfacePoint,
+pub(in crate::path) struct ReuseVertex {
+    pub(in crate::path) point: SurfacePoint,
     /// Unit normal on the path's side.
-    pub(super) normal: DVec3,
+    pub(in crate::path) normal: DVec3,
     /// The cell of the guide, if there is one.
     guide_cell: Option<u32>,
 }
@@ -30,32 +30,32 @@ pub(super) enum Suffix<'a> {
 
 impl ReuseVertex {
     #[inline(always)]
-    pub(super) fn at(vertex: &ShadingPoint<'_>) -> Self {
+    pub(in crate::path) fn at(vertex: &ShadingPoint<'_>) -> Self {
         let guide_cell = vertex.guide_cell.map(|cell| cell.index);
         Self { point: vertex.at.point, normal: vertex.frame.normal, guide_cell }
     }
 
     /// What receives light.
-    pub(super) fn receiver(&self) -> Receiver {
+    pub(in crate::path) fn receiver(&self) -> Receiver {
         Receiver { position: self.point.position, side: self.normal.as_vec3() }
     }
 
     /// How many times as dense as cosine sampling the guide makes `direction`.
     #[inline(always)]
-    pub(super) fn guide_ratio(&self, guide: Option<&Guide>, direction: DVec3) -> f64 {
+    pub(in crate::path) fn guide_ratio(&self, guide: Option<&Guide>, direction: DVec3) -> f64 {
         let Some((guide, cell)) = guide.zip(self.guide_cell) else { return 1.0 };
         guide.cell(cell).directions.ratio(Frame::around(self.normal).to_local(direction))
     }
 
     /// The unit direction toward another point.
     #[inline(always)]
-    pub(super) fn direction_to(&self, point: &SurfacePoint) -> DVec3 {
+    pub(in crate::path) fn direction_to(&self, point: &SurfacePoint) -> DVec3 {
         (point.position - self.point.position).normalize()
     }
 
     /// [`density_at`](Self::density_at) the vertex `other`, found directly, and the segment between both.
     #[inline(always)]
-    pub(super) fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
+    pub(in crate::path) fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
         let (density, _) = self.density_at(&Suffix::Surface { start: other, mirror: None })?;
         Some((density, self.point.segment_to(&other.point)?))
     }

@@ -130,7 +130,7 @@ impl Probes {
             }
         }
         let Self { rays, emission, directions, .. } = self;
-        let add = |found: FoundEmission<'_>| emission[found.target as usize] += found.radiance;
+        let add = |found: FoundEmission<'_>| emission[found.tag as usize] += found.radiance;
         let reflect = |probe: u32, direction| {
             if let Some([_, last]) = &mut directions[probe as usize] {
                 *last = direction;

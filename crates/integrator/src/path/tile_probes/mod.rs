@@ -18,21 +18,25 @@ pub(crate) struct TileProbes {
     pub(super) edges: LightEdges,
     /// For each square of 16 x 16 pixels of the tile, the control variate of path reuse: the radiance that is taken to arrive
     /// from all directions at first diffuse vertices.
-    pub(super) controls: Vec<Rgb>,
+    pub(super) control_variates: Vec<Rgb>,
 }
 
 impl TileProbes {
     pub(crate) fn of(context: &RenderContext<'_>, tile: PixelRect) -> Self {
         let squares = PixelRect::grid([tile.width, tile.height], [TILE_SIDE; 2]);
-        let control = |square: PixelRect| {
+        let control_variate = |square: PixelRect| {
             let square = PixelRect { x: tile.x + square.x, y: tile.y + square.y, ..square };
             if is_open(context, square) { context.scene.environment() } else { Rgb::BLACK }
         };
-        Self { tile, edges: LightEdges::of(context, tile), controls: squares.map(control).collect() }
+        Self {
+            tile,
+            edges: LightEdges::of(context, tile),
+            control_variates: squares.map(control_variate).collect(),
+        }
     }
 
     /// A tile of which nothing is probed: lights are not supersampled, and paths are not reused.
     pub(super) fn none(tile: PixelRect) -> Self {
-        Self { tile, edges: LightEdges::default(), controls: Vec::new() }
+        Self { tile, edges: LightEdges::default(), control_variates: Vec::new() }
     }
 }

@@ -4,14 +4,12 @@ use crate::path::emission_rays::{MAX_REFLECTIONS, reflected_ray};
 use crate::path::first_vertex::first_diffuse_vertex;
 use crate::path::render_context::RenderContext;
 use crate::pixel_rect::PixelRect;
+use crate::sampler::Preliminary;
 use crate::{Interaction, Stream};
 use globillum_geom::{Frame, Ray};
 
 /// Probes of a tile.
 const PROBES: usize = 64;
-
-/// The address of their random numbers, in place of a pixel; other probes have other ones.
-const PIXEL: u64 = u64::MAX - 2;
 
 /// Whether most of the directions that the surfaces seen by a tile scatter lead to the environment, directly or by way of
 /// mirrors. False where paths are not reused, and where no surface is seen.
@@ -22,7 +20,8 @@ pub(super) fn is_open(context: &RenderContext<'_>, tile: PixelRect) -> bool {
     let leads_out = |i: usize| {
         let pixel = tile.pixel((i * tile.pixel_count() / PROBES) as u32);
         let at = first_diffuse_vertex(context, context.path_start(pixel, [0.5, 0.5]))?;
-        let scattered = scattered_ray(&at, Stream::new(0, PIXEL, i as u32).uniform_pair(0))?;
+        let numbers = Stream::preliminary(Preliminary::SkyProbes, i as u32);
+        let scattered = scattered_ray(&at, numbers.uniform_pair(0))?;
         Some(surface_along(context, scattered).is_none())
     };
     let [mut out, mut all] = [0, 0];

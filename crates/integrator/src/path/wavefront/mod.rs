@@ -3,25 +3,31 @@
 mod numbers;
 mod shade;
 mod start;
+mod supersampling_rays;
 
+use super::caustics::{PhotonRays, SharedCaustics};
 use super::counters::Counters;
 use super::next_event::{Choices, LargeMirrorRays, SmallMirrorRays};
-use super::path_state::{Contribution, Path, RadianceSums};
+use super::path_state::Path;
+use super::radiance_sums::{Contribution, RadianceSums};
 use super::render_context::RenderContext;
-use super::reuse::{Caustics, PhotonRays, Prefixes};
-use super::supersampling_rays::SupersamplingRays;
+use super::reuse::{Prefixes, SuffixSharing};
 use super::tile_probes::TileProbes;
+use super::tile_samples::TileSamples;
 use crate::light::{ChosenLight, ChosenMirror};
 use crate::sampler::BounceNumbers;
 use globillum_geom::{Hit, Ray, SurfacePoint};
 use globillum_material::Rgb;
 use std::f64::consts::PI;
 use std::ops::Range;
+use supersampling_rays::SupersamplingRays;
 
 /// All paths of some samples of a tile, advanced together one bounce at a time, so that the accelerator
 /// gets many rays at once (Laine, Karras and Aila 2013). Its buffers are reused from tile to tile.
 #[derive(Debug, Default)]
 pub(crate) struct Wavefront {
+    /// Those whose paths were started last.
+    pub(super) samples: TileSamples,
     /// The paths that have not ended.
     pub(super) paths: Vec<Path>,
     /// The next ray of each path.
@@ -38,8 +44,8 @@ pub(crate) struct Wavefront {
     bounce_numbers: Vec<BounceNumbers>,
     light_choices: Choices<ChosenLight>,
     /// The random numbers by which paths choose small mirrors; none unless most do so.
-    mirror_numbers: Vec<f64>,
-    mirror_choices: Choices<ChosenMirror>,
+    small_mirror_numbers: Vec<f64>,
+    small_mirror_choices: Choices<ChosenMirror>,
     /// The random numbers of each path for a light in a large mirror; empty unless most paths take such a sample.
     large_mirror_numbers: Vec<(f64, [f64; 2])>,
     /// Light samples.
@@ -52,7 +58,8 @@ pub(crate) struct Wavefront {
     supersampling_rays: SupersamplingRays,
     pub(super) radiance: RadianceSums,
     pub(super) prefixes: Prefixes,
-    pub(super) caustics: Caustics,
+    pub(super) suffix_sharing: SuffixSharing,
+    pub(super) caustics: SharedCaustics,
     photon_rays: PhotonRays,
 }
 
@@ -60,15 +67,15 @@ pub(crate) struct Wavefront {
 pub(super) const IRRADIANCE_PER_RADIANCE: f64 = PI;
 
 impl Wavefront {
-    /// Traces `samples` of each pixel of the tile; `None` if `cancelled` before the last bounce.
+    /// Traces the samples of these numbers of each pixel of the tile; `None` if `cancelled` before the last bounce.
     pub(crate) fn trace(
         &mut self,
         context: &RenderContext<'_>,
         probes: &TileProbes,
-        samples: &Range<u32>,
+        numbers: Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Counters> {
-        self.start(context, probes, samples);
+        self.start(context, probes, numbers);
         let mut counters = Counters { camera_rays: self.rays.len() as u64, ..Counters::default() };
         for bounce in 0.. {
             if cancelled() {
@@ -79,14 +86,15 @@ impl Wavefront {
                 break;
             }
         }
-        self.prefixes.share_suffixes(context, &mut self.radiance, &mut counters);
-        let (prefixes, radiance) = (&self.prefixes, &mut self.radiance.samples);
-        self.photon_rays.trace(context, prefixes, samples, radiance, &mut counters);
-        self.caustics.share(context, prefixes, radiance, &mut counters);
+        let Self { samples, prefixes, radiance, .. } = self;
+        let of_tile = (&*samples, &*probes.control_variates);
+        self.suffix_sharing.share(context, of_tile, prefixes, radiance, &mut counters);
+        self.photon_rays.trace(context, samples, prefixes, &mut radiance.samples, &mut counters);
+        self.caustics.share(context, samples, prefixes, &mut radiance.samples, &mut counters);
         for path in &self.from_points {
-            *self.radiance.at(path.target) *= IRRADIANCE_PER_RADIANCE;
+            *radiance.at(path.target) *= IRRADIANCE_PER_RADIANCE;
         }
-        counters.camera_rays += self.supersample(context, probes, samples);
+        counters.camera_rays += self.supersample(context, probes);
         Some(counters)
     }
 
@@ -96,8 +104,8 @@ impl Wavefront {
     }
 
     /// Adds what camera rays of their own find of the lights at edges. Returns their number.
-    fn supersample(&mut self, context: &RenderContext<'_>, probes: &TileProbes, samples: &Range<u32>) -> u64 {
-        let rays = self.supersampling_rays.find(context, probes, samples);
+    fn supersample(&mut self, context: &RenderContext<'_>, probes: &TileProbes) -> u64 {
+        let rays = self.supersampling_rays.find(context, &probes.edges, &self.samples);
         for &(sample, emitted) in &self.supersampling_rays.found {
             self.radiance.samples[sample as usize] += emitted;
         }

@@ -4,13 +4,16 @@ use super::Wavefront;
 use super::numbers::{draw_bounce_numbers, draw_numbers};
 use crate::Interaction;
 use crate::guide::{GuideVertex, guide_vertex};
+use crate::path::caustics::LEAST_WEIGHT;
 use crate::path::counters::Counters;
+use crate::path::emission_rays::MAX_REFLECTIONS;
 use crate::path::first_vertex::irradiance_vertex;
-use crate::path::path_state::{Contribution, Path, Target};
+use crate::path::mis::MisContext;
+use crate::path::path_state::Path;
+use crate::path::radiance_sums::{Contribution, Target};
 use crate::path::render_context::RenderContext;
-use crate::path::reuse::LEAST_WEIGHT;
-use crate::path::shading_point::{MisContext, ShadingPoint};
-use crate::path::stage::{Event, Met, Stage};
+use crate::path::reuse_stage::{Met, ReuseEvent, ReuseStage};
+use crate::path::shading_point::ShadingPoint;
 use crate::sampler::{MirrorSize, Numbers};
 use globillum_geom::{Hit, Ray};
 use globillum_material::{Density, Rgb};
@@ -29,7 +32,7 @@ impl Wavefront {
         let with_roulette = bounce >= context.settings.roulette.start;
         draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
         self.draw_large_mirror_numbers(context, bounce);
-        self.draw_mirror_numbers(context, bounce);
+        self.draw_small_mirror_numbers(context, bounce);
         self.contributions.clear();
         self.shadow_rays.clear();
         self.large_mirror_rays.clear();
@@ -41,7 +44,7 @@ impl Wavefront {
         if bounce == 0 && !self.points.is_empty() {
             self.shade_points(context, counters);
         }
-        self.prefixes.update_largest_throughputs(context, bounce);
+        self.prefixes.update_largest_throughputs(context, &self.samples, bounce);
     }
 
     /// Draws the numbers for lights in large mirrors, if most paths take them.
@@ -59,14 +62,14 @@ impl Wavefront {
     }
 
     /// Draws the numbers that choose small mirrors, if most paths take one sample of them.
-    fn draw_mirror_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
-        self.mirror_numbers.clear();
+    fn draw_small_mirror_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
+        self.small_mirror_numbers.clear();
         let take_one = context.small_mirror_samples(bounce == 0) == 1 && context.may_sample_mirrors(bounce);
         if take_one && context.small_mirrors().is_some() {
             draw_numbers(
                 context.simd,
                 &self.paths,
-                &mut self.mirror_numbers,
+                &mut self.small_mirror_numbers,
                 #[inline(always)]
                 |samples| Numbers::mirrors(samples, MirrorSize::Small, bounce),
             );
@@ -80,12 +83,12 @@ impl Wavefront {
         self.find_guide_cells(context);
         let wave = (&*self.paths, &*self.rays, &*self.hits);
         self.light_choices.choose_lights(context, wave, &self.bounce_numbers);
-        self.mirror_choices.choose_mirrors(context, wave, &self.mirror_numbers);
+        self.small_mirror_choices.choose_small_mirrors(context, wave, &self.small_mirror_numbers);
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
             let Some(hit) = self.hits[i] else {
-                if path.stage.meet(Met::Environment).1 == Event::SuffixIsEnvironment {
+                if path.stage.meet(Met::Environment).1 == ReuseEvent::SuffixIsEnvironment {
                     self.prefixes.leave_scene(&mut path, ray.direction);
                 }
                 *self.radiance.at(path.target) += path.throughput * context.scene.environment();
@@ -97,7 +100,7 @@ impl Wavefront {
                 *self.radiance.at(path.target) = Rgb::splat(f64::NAN);
                 continue;
             }
-            if let Stage::Reflected(_) = path.stage {
+            if let ReuseStage::Reflected(_) = path.stage {
                 self.add_reflected_emission(context, &path, (&hit, &at));
             } else {
                 self.add_emission(context, &path, bounce, (&hit, &at));
@@ -109,7 +112,7 @@ impl Wavefront {
             let guide_cell = self.guide_cells.get(i).and_then(|&cell| Some(context.guide?.cell(cell)));
             let mut vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
             vertex.light = self.light_choices.of_path(i);
-            vertex.mirror = self.mirror_choices.of_path(i);
+            vertex.small_mirror = self.small_mirror_choices.of_path(i);
             vertex.large_mirror_numbers = self.large_mirror_numbers.get(i).copied();
             self.meet_vertex(&mut path, &vertex);
             let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, counters) else {
@@ -131,11 +134,18 @@ impl Wavefront {
         bounce: u32,
         (hit, at): (&Hit, &Interaction<'_>),
     ) {
-        let Some((emitted, weight)) = context.emitted(path, bounce, hit, at) else { return };
+        let emitted = at.emitted();
+        let is_found_otherwise = path.mis.supersampled && bounce <= MAX_REFLECTIONS;
+        if emitted.is_black() || is_found_otherwise {
+            return;
+        }
+        let weight = path.mis.weight(context, (hit, at));
         let radiance = path.throughput * (emitted * weight);
         let is_shared = context.shares_caustics && path.mis.is_specular() && weight >= LEAST_WEIGHT;
         match path.target {
-            Target::Suffix(sample) if is_shared => self.radiance.suffix_caustics.push((sample, radiance)),
+            Target::AfterPrefix(sample) if is_shared => {
+                self.radiance.suffix_caustics.push((sample, radiance))
+            }
             target => *self.radiance.at(target) += radiance,
         }
     }
@@ -161,8 +171,8 @@ impl Wavefront {
         let event;
         (path.stage, event) = path.stage.meet(met);
         match event {
-            Event::FirstMirror => self.prefixes.meet_mirror(path, vertex),
-            Event::SuffixBegins => self.prefixes.begin_suffix(path, vertex),
+            ReuseEvent::FirstMirror => self.prefixes.meet_mirror(path, vertex),
+            ReuseEvent::SuffixBegins => self.prefixes.begin_suffix(path, vertex),
             _ => {}
         }
     }
@@ -234,7 +244,7 @@ impl Wavefront {
         if vertex.at.material.bsdf.is_diffuse() {
             let event;
             (path.stage, event) = path.stage.scatter(context.may_reuse_prefix(vertex.bounce));
-            if event == Event::PrefixEnds {
+            if event == ReuseEvent::PrefixEnds {
                 self.prefixes.end(path, vertex);
             }
         }
@@ -256,11 +266,10 @@ impl Path {
         self.throughput *= sample.weight;
         self.guide_ratio *= ratio;
         self.mis = match sample.density {
-            Density::SolidAngle(_) => MisContext {
-                is_first: self.is_prefix(),
-                ..MisContext::new(sample.density, vertex.receiver())
-            },
-            Density::Delta => context.mis_after_mirror(self.mis, at.point.triangle),
+            Density::SolidAngle(_) => {
+                MisContext::scattered(sample.density, vertex.receiver(), self.is_prefix())
+            }
+            Density::Delta => self.mis.after_mirror(context, at.point.triangle),
         };
         (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
     }
@@ -306,7 +315,7 @@ mod tests {
             let traced = SimdLevel::ALL.map(|simd| {
                 let context = RenderContext { simd, ..RenderContext::new(&scene, &camera, &settings) };
                 let mut wavefront = Wavefront::default();
-                let counters = wavefront.trace(&context, &TileProbes::of(&context, tile), &(0..16), || false);
+                let counters = wavefront.trace(&context, &TileProbes::of(&context, tile), 0..16, || false);
                 (counters, wavefront.radiance.samples)
             });
             let lit = traced[0].1.iter().filter(|radiance| !radiance.is_black()).count();

@@ -7,50 +7,52 @@ use crate::path::path_state::Path;
 use crate::path::render_context::RenderContext;
 use crate::path::reuse::Groups;
 use crate::path::tile_probes::TileProbes;
-use crate::pixel_rect::PixelRect;
+use crate::path::tile_samples::TileSamples;
 use crate::sampler::{Member, Numbers};
 use globillum_material::Rgb;
 use std::ops::Range;
 
 impl Wavefront {
-    /// Starts the paths of these samples of each pixel of the tile.
+    /// Starts the paths of the samples of these numbers of each pixel of the tile.
     pub(in crate::path) fn start(
         &mut self,
         context: &RenderContext<'_>,
         probes: &TileProbes,
-        samples: &Range<u32>,
+        numbers: Range<u32>,
     ) {
         let (settings, tile) = (context.settings, probes.tile);
+        let pass = settings.pass_of(numbers.start);
+        let samples_of_pass = settings.samples_of(pass..pass + 1);
+        let groups = context.stratifies_groups().then(|| Groups::of_pass(pass));
+        self.samples = TileSamples { tile, numbers };
         self.paths.clear();
-        let pass = settings.pass_of(samples.start);
-        let groups =
-            context.stratifies_groups().then(|| Groups::of_pass(samples.start / settings.pass_samples));
         for (x, y) in tile.pixels_by_block() {
             let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
             let member = groups.map_or_else(alone, |groups| groups.member(x, y, settings.width));
             let pixel = tile.index(x, y) as u32;
             let supersampled = probes.edges.contain(pixel);
-            for (i, sample) in (0..).zip(samples.clone()) {
-                let numbers = settings.sampler.numbers(settings.seed, member, sample, &pass);
-                let mut path = Path::new(pixel * samples.len() as u32 + i, numbers);
+            for (sample, number) in self.samples.of_pixel(pixel).zip(self.samples.numbers.clone()) {
+                let numbers = settings.sampler.numbers(settings.seed, member, number, &samples_of_pass);
+                let mut path = Path::new(sample, numbers);
                 path.mis.supersampled = supersampled;
                 self.paths.push(path);
             }
         }
         draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
-        let suffixes = self.prefixes.start(context, probes, samples);
-        self.radiance.reset(self.paths.len(), suffixes);
+        self.prefixes.start(context, &self.samples);
+        self.radiance.reset(self.paths.len(), self.prefixes.len());
         self.caustics.clear();
-        self.place(context, tile, samples.len());
+        self.place(context);
     }
 
-    /// Asks the sensor where the paths begin, `count` of each element. Keeps those that begin with a ray, in order, and
-    /// those that begin at a point by themselves.
-    fn place(&mut self, context: &RenderContext<'_>, tile: PixelRect, count: usize) {
+    /// Asks the sensor where the paths begin. Keeps those that begin with a ray, in order, and those that begin at a point
+    /// by themselves.
+    fn place(&mut self, context: &RenderContext<'_>) {
         self.rays.clear();
         self.from_points.clear();
         self.points.clear();
-        let elements = tile.pixels_by_block().zip(self.film_numbers.chunks_exact(count));
+        let TileSamples { tile, numbers } = &self.samples;
+        let elements = tile.pixels_by_block().zip(self.film_numbers.chunks_exact(numbers.len()));
         let samples = elements.flat_map(|(element, numbers)| numbers.iter().map(move |&u| (element, u)));
         let mut kept = 0;
         for (i, (element, u)) in samples.enumerate() {

@@ -5,19 +5,18 @@
 //! pixels of a square. Every pixel connects its own `x` to the point `y` on the first mirror, and follows mirrors from
 //! there. The pixels that find a light could have sampled `y` themselves; they are combined by the balance heuristic, each
 //! with the radiance that arrives by way of `y`. [Rays guided by photons](super::photon_rays) find a part of what comes by
-//! way of several mirrors. What suffixes find by way of mirrors is shared [with the suffix](super::prefixes).
+//! way of several mirrors. What suffixes find by way of mirrors is shared [with the suffix](crate::path::reuse).
 
 use super::photon_rays::bsdf_weight;
-use super::prefixes::{Prefix, Prefixes};
-use super::reuse_vertex::ReuseVertex;
 use crate::Interaction;
-use crate::light::Receiver;
 use crate::path::counters::Counters;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
+use crate::path::mis::MisContext;
 use crate::path::path_state::Path;
 use crate::path::render_context::RenderContext;
-use crate::path::shading_point::MisContext;
-use crate::path::stage::Stage;
+use crate::path::reuse::{Prefix, Prefixes, ReuseVertex};
+use crate::path::reuse_stage::ReuseStage;
+use crate::path::tile_samples::TileSamples;
 use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 use std::f64::consts::PI;
@@ -27,7 +26,7 @@ pub(in crate::path) const LEAST_WEIGHT: f64 = 0.5;
 
 /// The caustics that the paths of a wavefront have found.
 #[derive(Debug, Default)]
-pub(in crate::path) struct Caustics {
+pub(in crate::path) struct SharedCaustics {
     found: Vec<PathCaustic>,
     /// The prefixes that may share a caustic; its own is first.
     candidates: Vec<Candidate>,
@@ -59,7 +58,7 @@ struct Candidate {
     radiance: Rgb,
 }
 
-impl Caustics {
+impl SharedCaustics {
     /// Forgets what was found.
     pub(in crate::path) fn clear(&mut self) {
         self.found.clear();
@@ -78,13 +77,13 @@ impl Caustics {
         if emitted.is_black() {
             return emitted;
         }
-        let weight = context.weight_of_emission(&path.mis, (hit, at));
+        let weight = path.mis.weight(context, (hit, at));
         let radiance = path.throughput * emitted * weight;
         // A radiance that is not finite stays with its own sample, so that an error names that one.
         if !context.shares_caustics || weight < LEAST_WEIGHT || radiance.is_black() || !radiance.is_finite() {
             return radiance;
         }
-        let by_several_mirrors = matches!(path.stage, Stage::Reflected(mirrors) if mirrors > 1);
+        let by_several_mirrors = matches!(path.stage, ReuseStage::Reflected(mirrors) if mirrors > 1);
         self.found.push(PathCaustic { sample: path.target.sample(), radiance, by_several_mirrors });
         Rgb::BLACK
     }
@@ -99,8 +98,9 @@ impl Caustics {
     pub(in crate::path) fn share(
         &mut self,
         context: &RenderContext<'_>,
+        samples: &TileSamples,
         prefixes: &Prefixes,
-        samples: &mut [Rgb],
+        radiance: &mut [Rgb],
         counters: &mut Counters,
     ) {
         let mut found = std::mem::take(&mut self.found);
@@ -111,12 +111,13 @@ impl Caustics {
             let Some((own, mirror)) = prefixes.of(sample).and_then(|own| Some((own, own.mirror?))) else {
                 continue;
             };
-            let radiance = shared_radiance(context, own, &mirror, of_sample);
-            let of_square = prefixes.samples_of_square(sample);
-            let own_candidate = Candidate { sample, density: 1.0, guided_density: own.guide_ratio, radiance };
+            let shared = shared_radiance(context, own, &mirror, of_sample);
+            let own_candidate =
+                Candidate { sample, density: 1.0, guided_density: own.guide_ratio, radiance: shared };
+            let of_square = samples.of_square(sample);
             self.collect_candidates(context, prefixes, (own_candidate, own, &mirror), of_square);
             self.trace_candidates(context, (prefixes, own.bounce), &mirror.point, counters);
-            self.combine(prefixes, samples);
+            self.combine(prefixes, radiance);
         }
         self.found = found;
     }
@@ -167,13 +168,13 @@ impl Caustics {
         // Two bounces: at the prefix's end, and at this mirror.
         let left = context.settings.max_bounces.map_or(u32::MAX, |max| max - bounce - 2);
         let show = |found: FoundEmission<'_>| {
-            let candidate = &mut candidates[found.target as usize];
+            let candidate = &mut candidates[found.tag as usize];
             let Some(Prefix { end, .. }) = prefixes.of(candidate.sample) else { return };
             let direction = end.direction_to(mirror);
             let pdf =
                 PdfSolidAngle(end.normal.dot(direction) / PI * end.guide_ratio(context.guide, direction));
-            let mis = at_first_diffuse(Density::SolidAngle(pdf), end.receiver());
-            let weight = mis_weight_by_mirror(context, mis, mirror.triangle, &found);
+            let mis = MisContext::scattered(Density::SolidAngle(pdf), end.receiver(), true);
+            let weight = mis.weight_by_mirror(context, mirror.triangle, &found);
             if weight >= LEAST_WEIGHT {
                 let bsdf_weight =
                     if found.reflections > 0 { bsdf_weight(context, end, direction) } else { 1.0 };
@@ -208,32 +209,15 @@ fn shared_radiance(
     })
 }
 
-/// What weights depend on after a first diffuse vertex has scattered a path with this density.
-pub(super) fn at_first_diffuse(density: Density, receiver: Receiver) -> MisContext {
-    MisContext { is_first: true, ..MisContext::new(density, receiver) }
-}
-
-/// The weight of what a ray has found that triangle `mirror` reflected first. A second mirror is not sampled.
-pub(in crate::path) fn mis_weight_by_mirror(
-    context: &RenderContext<'_>,
-    mis: MisContext,
-    mirror: u32,
-    found: &FoundEmission<'_>,
-) -> f64 {
-    if found.reflections > 0 {
-        return 1.0;
-    }
-    context.weight_of_emission(&context.mis_after_mirror(mis, mirror), found.at)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::guide::{Guide, Photon, PhotonGuide, guide_vertex};
-    use crate::path::path_state::Target;
+    use crate::light::Receiver;
     use crate::path::preliminary::photon_guide;
+    use crate::path::radiance_sums::Target;
     use crate::path::tile_probes::LightEdges;
-    use crate::path::{TileProbes, Wavefront, guide, probed};
+    use crate::path::{TileProbes, Wavefront, guide, prepared};
     use crate::pixel_rect::PixelRect;
     use crate::{
         Camera, ElementSample, Estimator, Guiding, MirrorSampling, Model, PathStart, Roulette, Sampler,
@@ -319,10 +303,10 @@ mod tests {
             let photons = Some(self.photons.clone());
             [(true, photons), (true, None), (false, None)].map(|(shares_caustics, photons)| {
                 let context = RenderContext::new(self.scene, self.sensor, settings);
-                let context = context.guided_by(self.trained.as_ref());
-                let context = RenderContext { shares_caustics, photons, ..context };
+                let guide = self.trained.as_ref();
+                let context = RenderContext { guide, shares_caustics, photons, ..context };
                 let mut wavefront = Wavefront::default();
-                wavefront.trace(&context, &TileProbes::of(&context, TILE), &(0..4), || false);
+                wavefront.trace(&context, &TileProbes::of(&context, TILE), 0..4, || false);
                 let of_pixels = wavefront.radiance().chunks(4);
                 let sum = |of_pixel: &[Rgb]| of_pixel.iter().fold(Rgb::BLACK, |sum, &sample| sum + sample);
                 of_pixels.map(sum).collect()
@@ -471,12 +455,13 @@ mod tests {
                 Settings { seed, mirror_sampling: MirrorSampling::Off, ..Settings::new(13, 16, 4) };
             let context = RenderContext::new(&scene, &camera, &settings);
             let context = RenderContext { shares_caustics: true, ..context };
-            let Wavefront { mut prefixes, mut radiance, .. } = advanced(&context);
+            let Wavefront { samples, prefixes, mut suffix_sharing, mut radiance, .. } = advanced(&context);
             for (sample, found) in std::mem::take(&mut radiance.suffix_caustics) {
-                radiance.suffixes.fill(Rgb::BLACK);
+                radiance.after_prefixes.fill(Rgb::BLACK);
                 radiance.samples.fill(Rgb::BLACK);
                 radiance.suffix_caustics = vec![(sample, found)];
-                prefixes.share_suffixes(&context, &mut radiance, &mut Counters::default());
+                let of_tile = (&samples, &[Rgb::BLACK][..]);
+                suffix_sharing.share(&context, of_tile, &prefixes, &mut radiance, &mut Counters::default());
                 let lit = |number| {
                     let of_number = radiance.samples.iter().skip(number).step_by(4);
                     of_number.filter(|radiance| !radiance.is_black()).count()
@@ -511,8 +496,8 @@ mod tests {
             let alone = advanced(&RenderContext::new(&scene, &camera, &settings));
             caustics += shared.radiance.suffix_caustics.len();
             for (sample, alone) in (0..).zip(alone.radiance()) {
-                let of_suffix = shared.radiance.of_suffix(sample) + shared.caustics.found_by(sample);
-                let throughput = shared.prefixes.throughput_before(Target::Suffix(sample));
+                let of_suffix = shared.radiance.after_prefix(sample) + shared.caustics.found_by(sample);
+                let throughput = shared.prefixes.throughput_before(Target::AfterPrefix(sample));
                 let found = throughput * of_suffix + shared.radiance()[sample as usize];
                 assert!((found.g - alone.g).abs() <= 1e-12 * alone.g, "{sample}: {found}, {alone}");
             }
@@ -526,12 +511,13 @@ mod tests {
     fn roulette_goes_by_all_prefixes_that_share_caustics() {
         let (scene, camera, settings) = (room(0.2), camera(0.9), Settings::new(13, 16, 4));
         let context = RenderContext::new(&scene, &camera, &settings);
-        let Wavefront { prefixes, .. } = advanced(&RenderContext { shares_caustics: true, ..context });
-        let samples = 0..4 * TILE.pixel_count() as u32;
+        let context = RenderContext { shares_caustics: true, ..context };
+        let Wavefront { samples, prefixes, .. } = advanced(&context);
         let of = |sample| prefixes.of(sample).map(|prefix| (prefix.bounce, prefix.throughput));
         let mut pairs = 0;
-        for (sample, own) in samples.filter_map(|sample| Some((sample, prefixes.of(sample)?))) {
-            for (bounce, throughput) in prefixes.samples_of_square(sample).filter_map(of) {
+        let all = 0..samples.count() as u32;
+        for (sample, own) in all.filter_map(|sample| Some((sample, prefixes.of(sample)?))) {
+            for (bounce, throughput) in samples.of_square(sample).filter_map(of) {
                 if bounce == own.bounce {
                     assert_eq!(own.largest_throughput.max(throughput), own.largest_throughput, "{sample}");
                     pairs += u32::from(throughput.r == 0.0 && own.throughput.b == 0.0);
@@ -550,7 +536,7 @@ mod tests {
         let context = RenderContext { shares_caustics: true, ..context };
         let mut wavefront = Wavefront::default();
         let mut trace = || {
-            wavefront.trace(&context, &TileProbes::of(&context, TILE), &(0..4), || false);
+            wavefront.trace(&context, &TileProbes::of(&context, TILE), 0..4, || false);
             assert!(!wavefront.radiance.suffix_caustics.is_empty());
             wavefront.radiance().to_vec()
         };
@@ -561,7 +547,7 @@ mod tests {
     fn advanced(context: &RenderContext<'_>) -> Wavefront {
         let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
         let probes = TileProbes { edges: LightEdges::default(), ..TileProbes::of(context, TILE) };
-        wavefront.start(context, &probes, &(0..4));
+        wavefront.start(context, &probes, 0..4);
         for bounce in 0.. {
             wavefront.advance(context, bounce, &mut counters);
             if wavefront.paths.is_empty() {
@@ -621,7 +607,7 @@ mod tests {
             [(0.6, &settings, false), (0.2, &settings, true), (0.2, &off, false)]
         {
             let scene = room(size);
-            let context = probed(RenderContext::new(&scene, &camera, settings));
+            let context = prepared(&scene, &camera, settings, None);
             assert_eq!(context.shares_caustics, expected, "{size}, {:?}", settings.path_reuse);
             assert_eq!(context.photons.is_some(), expected, "{size}, {:?}", settings.path_reuse);
         }

@@ -1,10 +1,9 @@
-use super::emission_rays::{EmissionRays, FoundEmission, max_reflections};
-use super::render_context::RenderContext;
-use super::tile_probes::TileProbes;
 use crate::Sampler;
-use crate::pixel_rect::PixelRect;
+use crate::path::emission_rays::{EmissionRays, FoundEmission, max_reflections};
+use crate::path::render_context::RenderContext;
+use crate::path::tile_probes::LightEdges;
+use crate::path::tile_samples::TileSamples;
 use globillum_material::Rgb;
-use std::ops::Range;
 
 /// Rays that are traced at once.
 const BATCH: usize = 1024;
@@ -23,36 +22,32 @@ impl SupersamplingRays {
     pub(super) fn find(
         &mut self,
         context: &RenderContext<'_>,
-        TileProbes { tile, edges, .. }: &TileProbes,
-        samples: &Range<u32>,
+        edges: &LightEdges,
+        samples: &TileSamples,
     ) -> u64 {
         self.found.clear();
-        self.find_by::<{ Sampler::RAYS }>(context, (*tile, &edges.plain), samples)
-            + self.find_by::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(
-                context,
-                (*tile, &edges.in_curved_mirrors),
-                samples,
-            )
+        self.find_by::<{ Sampler::RAYS }>(context, &edges.plain, samples)
+            + self.find_by::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(context, &edges.in_curved_mirrors, samples)
     }
 
     /// The same for some pixels, by `N` rays for each sample.
     fn find_by<const N: usize>(
         &mut self,
         context: &RenderContext<'_>,
-        (tile, pixels): (PixelRect, &[u32]),
-        samples: &Range<u32>,
+        pixels: &[u32],
+        samples: &TileSamples,
     ) -> u64 {
-        let at_once = 1.max(BATCH / (samples.len() * N));
+        let at_once = 1.max(BATCH / (samples.numbers.len() * N));
         let mut camera_rays = 0;
         for pixels in pixels.chunks(at_once) {
             let before = self.found.len();
             context.simd.run(
                 #[inline(always)]
-                || self.begin::<N>(context, tile, pixels, samples),
+                || self.begin::<N>(context, pixels, samples),
             );
             camera_rays += self.rays.len() as u64;
             let mut found = std::mem::take(&mut self.found);
-            let add = |emission: FoundEmission<'_>| found[emission.target as usize].1 += emission.radiance;
+            let add = |emission: FoundEmission<'_>| found[emission.tag as usize].1 += emission.radiance;
             self.rays.trace(context, max_reflections(context), add, |_, _| {});
             found[before..].iter_mut().for_each(|(_, sum)| *sum = *sum / N as f64);
             self.found = found;
@@ -62,24 +57,19 @@ impl SupersamplingRays {
 
     /// Begins the rays of these pixels, `N` for each sample.
     #[inline(always)]
-    fn begin<const N: usize>(
-        &mut self,
-        context: &RenderContext<'_>,
-        tile: PixelRect,
-        pixels: &[u32],
-        samples: &Range<u32>,
-    ) {
+    fn begin<const N: usize>(&mut self, context: &RenderContext<'_>, pixels: &[u32], samples: &TileSamples) {
         let settings = context.settings;
-        let pass = settings.pass_of(samples.start);
+        let pass = settings.pass_of(samples.numbers.start);
+        let samples_of_pass = settings.samples_of(pass..pass + 1);
         for &pixel in pixels {
-            let (x, y) = tile.pixel(pixel);
+            let (x, y) = samples.tile.pixel(pixel);
             let net = u64::from(y) * u64::from(settings.width) + u64::from(x);
-            for (sample, i) in samples.clone().zip(pixel * samples.len() as u32..) {
-                for u in settings.sampler.ray_positions::<N>(settings.seed, net, sample, &pass) {
+            for (sample, number) in samples.of_pixel(pixel).zip(samples.numbers.clone()) {
+                for u in settings.sampler.ray_positions::<N>(settings.seed, net, number, &samples_of_pass) {
                     let start = context.path_start((x, y), u);
                     self.rays.push_start(start, self.found.len() as u32);
                 }
-                self.found.push((i, Rgb::BLACK));
+                self.found.push((sample, Rgb::BLACK));
             }
         }
     }
@@ -88,6 +78,7 @@ impl SupersamplingRays {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pixel_rect::PixelRect;
     use crate::{Camera, Model, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
@@ -108,12 +99,11 @@ mod tests {
         let settings = Settings::new(16, 16, 3);
         let context = RenderContext::new(&scene, &camera, &settings);
         let tile = PixelRect { x: 0, y: 0, width: 16, height: 16 };
-        let probes = TileProbes::of(&context, tile);
-        let [plain, in_curved_mirrors] =
-            [&probes.edges.plain, &probes.edges.in_curved_mirrors].map(|pixels| pixels.len());
+        let edges = LightEdges::of(&context, tile);
+        let [plain, in_curved_mirrors] = [&edges.plain, &edges.in_curved_mirrors].map(|pixels| pixels.len());
         assert!(plain > 5 && in_curved_mirrors > 5, "{plain} and {in_curved_mirrors} pixels");
         let mut rays = SupersamplingRays::default();
-        let traced = rays.find(&context, &probes, &(0..3));
+        let traced = rays.find(&context, &edges, &TileSamples { tile, numbers: 0..3 });
         assert_eq!(traced, 3 * (16 * plain + 32 * in_curved_mirrors) as u64);
         assert_eq!(rays.found.len(), 3 * (plain + in_curved_mirrors));
     }

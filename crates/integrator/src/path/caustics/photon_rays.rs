@@ -1,21 +1,20 @@
 //! Rays that look for caustics where photons left mirrors.
 //!
 //! A caustic by way of several mirrors is found by two techniques, combined by the balance heuristic: by paths that the BSDF
-//! scatters, which pixels [share](super::caustics), and by rays toward the places where photons of the vicinity left their
+//! scatters, which pixels [share](super::shared_caustics), and by rays toward the places where photons of the vicinity left their
 //! last mirror.
 
-use super::prefixes::{Prefix, Prefixes};
-use super::reuse_vertex::ReuseVertex;
 use crate::guide::PhotonGuide;
 use crate::path::counters::Counters;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::render_context::RenderContext;
+use crate::path::reuse::{Prefix, Prefixes, ReuseVertex};
+use crate::path::tile_samples::TileSamples;
 use crate::{Sampler, Settings, Stream};
 use glam::DVec3;
 use globillum_geom::{Hit, Ray};
 use globillum_material::{Bsdf, Rgb};
 use std::f64::consts::PI;
-use std::ops::Range;
 
 /// How much the BSDF counts in the balance heuristic, since many pixels share what it finds (measured, docs/estimators.md).
 const BSDF_FACTOR: f64 = 4.0;
@@ -73,19 +72,19 @@ impl PhotonRays {
         &mut self,
         context: &RenderContext<'_>,
         photons: &PhotonGuide,
+        samples: &TileSamples,
         prefixes: &Prefixes,
-        samples: &Range<u32>,
     ) {
         let Settings { seed, width, .. } = *context.settings;
         self.rays.clear();
         self.samples.clear();
-        let all =
-            prefixes.tile().pixels().flat_map(|pixel| samples.clone().map(move |sample| (pixel, sample)));
-        for (i, ((x, y), sample)) in (0..).zip(all) {
-            let Some(Prefix { end, bounce, .. }) = prefixes.of(i) else { continue };
+        let TileSamples { tile, numbers } = samples;
+        let all = tile.pixels().flat_map(|pixel| numbers.clone().map(move |number| (pixel, number)));
+        for (sample, ((x, y), number)) in (0..).zip(all) {
+            let Some(Prefix { end, bounce, .. }) = prefixes.of(sample) else { continue };
             // Independent numbers: what is so rarely found gains nothing from a net.
             let pixel = u64::from(y) * u64::from(width) + u64::from(x);
-            let numbers = Stream::new(seed, pixel, sample).part(Sampler::MAX_PARTS);
+            let numbers = Stream::new(seed, pixel, number).part(Sampler::MAX_PARTS);
             let choice = numbers.uniform(0);
             if choice >= RAY_PROB || !may_reach(context, *bounce, LEAST_MIRRORS) {
                 continue;
@@ -94,7 +93,7 @@ impl PhotonRays {
             let Some(direction) = photons.sample(end.receiver(), numbers) else { continue };
             if end.normal.dot(direction) > 0.0 {
                 self.rays.push(end.point.spawn(direction));
-                self.samples.push(i);
+                self.samples.push(sample);
             }
         }
     }
@@ -103,13 +102,13 @@ impl PhotonRays {
     pub(in crate::path) fn trace(
         &mut self,
         context: &RenderContext<'_>,
+        samples: &TileSamples,
         prefixes: &Prefixes,
-        samples_traced: &Range<u32>,
         radiance: &mut [Rgb],
         counters: &mut Counters,
     ) {
         let Some(photons) = &context.photons else { return };
-        self.begin(context, photons, prefixes, samples_traced);
+        self.begin(context, photons, samples, prefixes);
         let Self { rays, samples, hits, emission_rays } = self;
         context.scene.accel().intersect_batch(rays, hits);
         for (i, (ray, hit)) in (0..).zip(rays.iter().zip(hits)) {
@@ -122,7 +121,7 @@ impl PhotonRays {
             }
         }
         let add = |found: FoundEmission<'_>| {
-            let (ray, sample) = (&rays[found.target as usize], samples[found.target as usize]);
+            let (ray, sample) = (&rays[found.tag as usize], samples[found.tag as usize]);
             let (mirrors, Some(prefix)) = (found.reflections + 1, prefixes.of(sample)) else { return };
             let is_looked_for = mirrors >= LEAST_MIRRORS && may_reach(context, prefix.bounce, mirrors);
             if is_looked_for || !found.radiance.is_finite() {

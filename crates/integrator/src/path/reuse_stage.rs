@@ -4,17 +4,17 @@ use super::emission_rays::MAX_REFLECTIONS;
 
 /// How far a path has been divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
+pub(super) enum ReuseStage {
     /// The prefix has not ended.
     Prefix,
     /// The prefix has ended at the last vertex, and others may reuse what follows.
     PrefixEnded,
     /// Of the vertices since the end of the prefix, all were mirrors, of this number. Others may share what the path finds
-    /// of lights ([`Caustics`](super::reuse::Caustics)), or the suffix that begins beyond the first mirror.
+    /// of lights ([`SharedCaustics`](super::caustics::SharedCaustics)), or the suffix that begins beyond the first mirror.
     Reflected(u8),
     /// The suffix has begun, or the prefix has ended and none begins: paths are not reused, or a diffuse vertex followed two
     /// mirrors or more, or there were more mirrors than are shared.
-    Suffix,
+    Settled,
 }
 
 /// What a ray of a path has met.
@@ -28,7 +28,7 @@ pub(super) enum Met {
 
 /// What path reuse has to record of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Event {
+pub(super) enum ReuseEvent {
     None,
     /// The prefix ends at this vertex.
     PrefixEnds,
@@ -40,29 +40,31 @@ pub(super) enum Event {
     SuffixIsEnvironment,
 }
 
-impl Stage {
+impl ReuseStage {
     /// The stage after a ray has met something.
     #[inline(always)]
-    pub(super) fn meet(self, met: Met) -> (Self, Event) {
+    pub(super) fn meet(self, met: Met) -> (Self, ReuseEvent) {
         match (self, met) {
-            (Self::PrefixEnded, Met::Environment) => (Self::Suffix, Event::SuffixIsEnvironment),
-            (Self::PrefixEnded, Met::Mirror) => (Self::Reflected(1), Event::FirstMirror),
-            (Self::PrefixEnded | Self::Reflected(1), Met::Diffuse) => (Self::Suffix, Event::SuffixBegins),
-            (Self::Reflected(mirrors), Met::Mirror) if u32::from(mirrors) < MAX_REFLECTIONS => {
-                (Self::Reflected(mirrors + 1), Event::None)
+            (Self::PrefixEnded, Met::Environment) => (Self::Settled, ReuseEvent::SuffixIsEnvironment),
+            (Self::PrefixEnded, Met::Mirror) => (Self::Reflected(1), ReuseEvent::FirstMirror),
+            (Self::PrefixEnded | Self::Reflected(1), Met::Diffuse) => {
+                (Self::Settled, ReuseEvent::SuffixBegins)
             }
-            (Self::Reflected(_), _) => (Self::Suffix, Event::None),
-            (Self::Prefix | Self::Suffix, _) => (self, Event::None),
+            (Self::Reflected(mirrors), Met::Mirror) if u32::from(mirrors) < MAX_REFLECTIONS => {
+                (Self::Reflected(mirrors + 1), ReuseEvent::None)
+            }
+            (Self::Reflected(_), _) => (Self::Settled, ReuseEvent::None),
+            (Self::Prefix | Self::Settled, _) => (self, ReuseEvent::None),
         }
     }
 
     /// The stage after a diffuse vertex has scattered the path; others may reuse the prefix that ends there, or not.
     #[inline(always)]
-    pub(super) fn scatter(self, may_reuse: bool) -> (Self, Event) {
+    pub(super) fn scatter(self, may_reuse: bool) -> (Self, ReuseEvent) {
         match self {
-            Self::Prefix if may_reuse => (Self::PrefixEnded, Event::PrefixEnds),
-            Self::Prefix => (Self::Suffix, Event::None),
-            _ => (self, Event::None),
+            Self::Prefix if may_reuse => (Self::PrefixEnded, ReuseEvent::PrefixEnds),
+            Self::Prefix => (Self::Settled, ReuseEvent::None),
+            _ => (self, ReuseEvent::None),
         }
     }
 }
@@ -73,11 +75,11 @@ mod tests {
 
     /// The events of a path from its first diffuse vertex on. It meets `mirrors` mirrors before that vertex, and `then` the
     /// rest.
-    fn events(mirrors: usize, then: &[Met]) -> Vec<Event> {
-        let mut stage = Stage::Prefix;
+    fn events(mirrors: usize, then: &[Met]) -> Vec<ReuseEvent> {
+        let mut stage = ReuseStage::Prefix;
         let before = std::iter::repeat_n(Met::Mirror, mirrors).chain([Met::Diffuse]);
         for met in before {
-            assert_eq!(stage.meet(met), (Stage::Prefix, Event::None));
+            assert_eq!(stage.meet(met), (ReuseStage::Prefix, ReuseEvent::None));
         }
         let mut events = vec![stage.scatter(true).1];
         stage = stage.scatter(true).0;
@@ -91,8 +93,8 @@ mod tests {
 
     #[test]
     fn suffixes_begin_after_one_mirror_at_most() {
-        use Event::{FirstMirror, None, PrefixEnds, SuffixBegins, SuffixIsEnvironment};
         use Met::{Diffuse, Environment, Mirror};
+        use ReuseEvent::{FirstMirror, None, PrefixEnds, SuffixBegins, SuffixIsEnvironment};
         for before in [0, 3] {
             assert_eq!(events(before, &[Diffuse, Diffuse]), [PrefixEnds, SuffixBegins, None]);
             assert_eq!(events(before, &[Environment]), [PrefixEnds, SuffixIsEnvironment]);
@@ -110,17 +112,17 @@ mod tests {
 
     #[test]
     fn mirrors_are_shared_up_to_the_limit() {
-        let mut stage = Stage::PrefixEnded;
+        let mut stage = ReuseStage::PrefixEnded;
         for mirror in 1..=MAX_REFLECTIONS {
             stage = stage.meet(Met::Mirror).0;
-            assert_eq!(stage, Stage::Reflected(mirror as u8));
+            assert_eq!(stage, ReuseStage::Reflected(mirror as u8));
         }
-        assert_eq!(stage.meet(Met::Mirror), (Stage::Suffix, Event::None));
+        assert_eq!(stage.meet(Met::Mirror), (ReuseStage::Settled, ReuseEvent::None));
     }
 
     #[test]
     fn without_reuse_the_prefix_ends_unrecorded() {
-        assert_eq!(Stage::Prefix.scatter(false), (Stage::Suffix, Event::None));
-        assert_eq!(Stage::Suffix.scatter(true), (Stage::Suffix, Event::None));
+        assert_eq!(ReuseStage::Prefix.scatter(false), (ReuseStage::Settled, ReuseEvent::None));
+        assert_eq!(ReuseStage::Settled.scatter(true), (ReuseStage::Settled, ReuseEvent::None));
     }
 }
