@@ -280,6 +280,10 @@ mod tests {
         Camera::look_at(DVec3::new(0.3, 0.9, 2.2), DVec3::new(0.1, 0.0, 0.0), DVec3::Y, fov).unwrap()
     }
 
+    fn settings() -> Settings {
+        Settings::new(13, 16, 4)
+    }
+
     /// What is rendered, and what directions at first diffuse vertices follow.
     struct Setup<'a> {
         scene: &'a Scene<KdTree>,
@@ -290,7 +294,7 @@ mod tests {
 
     impl<'a> Setup<'a> {
         fn new(scene: &'a Scene<KdTree>, sensor: &'a dyn Sensor, guiding: Guiding) -> Self {
-            let settings = Settings { guiding, ..Settings::new(13, 16, 4) };
+            let settings = Settings { guiding, ..settings() };
             let trained = guide(scene, sensor, &settings, || false).unwrap().continue_value().flatten();
             let context = RenderContext::new(scene, sensor, &settings);
             let photons = photon_guide(&RenderContext { shares_caustics: true, ..context }).unwrap();
@@ -344,34 +348,11 @@ mod tests {
         }
     }
 
-    /// The same seeds with and without, so that all other light cancels. Single pixels of few caustics have a skewed
-    /// distribution, so rows are compared together. Any of the deviations exceeds the limit with a probability of 9e-6
-    /// (Student's distribution with 199 degrees of freedom).
-    #[test]
-    fn pixels_keep_their_mean() {
-        let (room, shaft, walled) = (room(0.6), shaft(), room_with_wall());
-        let [wide, near] = [0.9, 0.2].map(camera);
-        let settings = Settings::new(13, 16, 4);
-        let with = |estimator, max_bounces| Settings { estimator, max_bounces, ..settings };
-        let all: [(&Scene<KdTree>, &dyn Sensor, Settings); 12] = [
-            (&room, &wide, settings),
-            (
-                &room,
-                &near,
-                Settings { mirror_sampling: MirrorSampling::Off, max_bounces: Some(4), ..settings },
-            ),
-            (&room, &wide, with(Estimator::Light, None)),
-            (&room, &near, with(Estimator::Bsdf, None)),
-            (&room, &near, with(Estimator::Mis, Some(2))),
-            (&room, &wide, with(Estimator::Mis, Some(3))),
-            (&room, &near, Settings { roulette: Roulette { start: 1, threshold: 1.0 }, ..settings }),
-            (&room, &near, Settings { guiding: Guiding::Trained, ..settings }),
-            (&room, &Floor, settings),
-            (&shaft, &near, settings),
-            (&shaft, &wide, with(Estimator::Mis, Some(4))),
-            (&walled, &near, Settings { mirror_sampling: MirrorSampling::Off, ..settings }),
-        ];
-        for (i, (scene, sensor, settings)) in all.into_iter().enumerate() {
+    /// Compares the pixels of each case with those that share nothing, by the same seeds, so that all other light cancels.
+    /// Single pixels of few caustics have a skewed distribution, so rows are compared together. Any of the deviations of
+    /// twelve cases exceeds the limit with a probability of 9e-6 (Student's distribution with 199 degrees of freedom).
+    fn check_means(cases: &[(&Scene<KdTree>, &dyn Sensor, Settings)]) {
+        for (i, &(scene, sensor, settings)) in cases.iter().enumerate() {
             let setup = Setup::new(scene, sensor, settings.guiding);
             let mut deviations = [Deviations::default(); 2];
             let mut level = 0.0;
@@ -391,6 +372,42 @@ mod tests {
         }
     }
 
+    #[test]
+    fn pixels_keep_their_mean_by_every_estimator() {
+        let (room, [wide, near]) = (room(0.6), [0.9, 0.2].map(camera));
+        let by = |estimator| Settings { estimator, ..settings() };
+        check_means(&[
+            (&room, &wide, by(Estimator::Mis)),
+            (&room, &wide, by(Estimator::Light)),
+            (&room, &near, by(Estimator::Bsdf)),
+            (&room, &near, Settings { guiding: Guiding::Trained, ..settings() }),
+        ]);
+    }
+
+    #[test]
+    fn pixels_keep_their_mean_with_limits_and_roulette() {
+        let (room, [wide, near]) = (room(0.6), [0.9, 0.2].map(camera));
+        let within = |max_bounces| Settings { max_bounces: Some(max_bounces), ..settings() };
+        check_means(&[
+            (&room, &near, within(2)),
+            (&room, &wide, within(3)),
+            (&room, &near, Settings { mirror_sampling: MirrorSampling::Off, ..within(4) }),
+            (&room, &near, Settings { roulette: Roulette { start: 1, threshold: 1.0 }, ..settings() }),
+        ]);
+    }
+
+    #[test]
+    fn pixels_keep_their_mean_between_mirrors_and_beside_walls() {
+        let (room, shaft, walled, [wide, near]) =
+            (room(0.6), shaft(), room_with_wall(), [0.9, 0.2].map(camera));
+        check_means(&[
+            (&room, &Floor, settings()),
+            (&shaft, &near, settings()),
+            (&shaft, &wide, Settings { max_bounces: Some(4), ..settings() }),
+            (&walled, &near, Settings { mirror_sampling: MirrorSampling::Off, ..settings() }),
+        ]);
+    }
+
     /// Rare caustics have most of the variance here. Pixels that share them have less, and with photons still less.
     #[test]
     fn shared_caustics_have_less_variance() {
@@ -398,7 +415,7 @@ mod tests {
         let setup = Setup::new(&scene, &near, Guiding::Off);
         let mut sums = [[0.0; 2]; 3];
         for seed in 0..SEEDS {
-            let settings = Settings { seed, ..Settings::new(13, 16, 4) };
+            let settings = Settings { seed, ..settings() };
             for (sums, radiance) in sums.iter_mut().zip(setup.pixels(&settings)) {
                 for pixel in radiance {
                     sums[0] += pixel.mean();
@@ -433,7 +450,7 @@ mod tests {
     /// fewer mirrors and of no more, and with the same weight beside photons.
     #[test]
     fn each_path_finds_its_own_caustic_again() {
-        let (scene, settings) = (shaft(), Settings::new(13, 16, 4));
+        let (scene, settings) = (shaft(), settings());
         let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
         let photons = Setup::new(&scene, &camera, Guiding::Off).photons;
         let [lit, weighted] = [None, Some(photons)].map(|photons| {
@@ -451,8 +468,7 @@ mod tests {
         let (scene, camera) = (room_with_wall(), camera(0.9));
         let (mut more_than_a_group, mut all) = (0, 0);
         for seed in 0..4 {
-            let settings =
-                Settings { seed, mirror_sampling: MirrorSampling::Off, ..Settings::new(13, 16, 4) };
+            let settings = Settings { seed, mirror_sampling: MirrorSampling::Off, ..settings() };
             let context = RenderContext::new(&scene, &camera, &settings);
             let context = RenderContext { shares_caustics: true, ..context };
             let Wavefront { samples, prefixes, mut suffix_sharing, mut radiance, .. } = advanced(&context);
@@ -484,7 +500,7 @@ mod tests {
     fn sharing_keeps_what_a_path_finds_alone() {
         let (scene, camera) = (room_with_wall(), camera(0.9));
         let roulette = Roulette { start: 8, threshold: 0.2 };
-        let settings = Settings { roulette, max_bounces: Some(8), ..Settings::new(13, 16, 4) };
+        let settings = Settings { roulette, max_bounces: Some(8), ..settings() };
         let settings = Settings { sampler: Sampler::Independent, ..settings };
         let settings = Settings { mirror_sampling: MirrorSampling::Off, ..settings };
         let mut caustics = 0;
@@ -509,7 +525,7 @@ mod tests {
     /// that prefix counts on it in the balance heuristic. The floor has colours without blue and without red.
     #[test]
     fn roulette_goes_by_all_prefixes_that_share_caustics() {
-        let (scene, camera, settings) = (room(0.2), camera(0.9), Settings::new(13, 16, 4));
+        let (scene, camera, settings) = (room(0.2), camera(0.9), settings());
         let context = RenderContext::new(&scene, &camera, &settings);
         let context = RenderContext { shares_caustics: true, ..context };
         let Wavefront { samples, prefixes, .. } = advanced(&context);
@@ -531,7 +547,7 @@ mod tests {
     #[test]
     fn a_wavefront_forgets_caustics() {
         let (scene, camera) = (room_with_wall(), camera(0.9));
-        let settings = Settings { mirror_sampling: MirrorSampling::Off, ..Settings::new(13, 16, 4) };
+        let settings = Settings { mirror_sampling: MirrorSampling::Off, ..settings() };
         let context = RenderContext::new(&scene, &camera, &settings);
         let context = RenderContext { shares_caustics: true, ..context };
         let mut wavefront = Wavefront::default();
@@ -584,7 +600,7 @@ mod tests {
     /// In the middle between the walls, a ray toward the height `4 / (2 k)` of a wall reaches the light after `k` mirrors.
     #[test]
     fn rays_of_photons_follow_as_many_mirrors_as_paths_do() {
-        let (scene, settings) = (shaft(), Settings::new(13, 16, 4));
+        let (scene, settings) = (shaft(), settings());
         let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.02).unwrap();
         for mirrors in [1.0, 2.0, 8.0, 9.0] {
             let vertex = guide_vertex(Receiver { position: DVec3::ZERO, side: Vec3::Y });
@@ -601,7 +617,7 @@ mod tests {
 
     #[test]
     fn caustics_are_shared_where_they_are_rare() {
-        let (camera, settings) = (camera(0.9), Settings::new(13, 16, 4));
+        let (camera, settings) = (camera(0.9), settings());
         let off = Settings { path_reuse: crate::PathReuse::Off, ..settings };
         for (size, settings, expected) in
             [(0.6, &settings, false), (0.2, &settings, true), (0.2, &off, false)]
