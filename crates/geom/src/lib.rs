@@ -73,6 +73,5 @@ pub use triangle::Triangle;
 pub use triangles::Triangles;
 pub use wide::WideBvh;
 
-/// A hash of this crate's sources, in hexadecimal digits. Every change of them changes it, that of a comment too. It is
-/// part of the [key](https://docs.rs/globillum-integrator) of a picture.
+/// A hash of this crate's sources, comments included, in hexadecimal digits. It is part of the [key](https://docs.rs/globillum-integrator) of a picture.
 pub const SOURCE_HASH: &str = env!("GLOBILLUM_SOURCE_HASH");

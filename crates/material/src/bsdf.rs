@@ -21,7 +21,7 @@ pub enum Bsdf {
 pub enum Density {
     /// A finite density per steradian.
     SolidAngle(PdfSolidAngle),
-    /// A delta distribution: all probability in one direction, which no other technique samples.
+    /// A delta distribution: one direction has all the probability.
     Delta,
 }
 
@@ -81,7 +81,7 @@ impl Bsdf {
         }
     }
 
-    /// Whether the value is constant and directions are sampled by the cosine.
+    /// Whether the surface is ideally diffuse.
     #[inline(always)]
     pub fn is_diffuse(&self) -> bool {
         matches!(self, Self::Lambert(_))

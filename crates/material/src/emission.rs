@@ -43,8 +43,8 @@ impl Emission {
         }
     }
 
-    /// Whether each component is 0 or within `[MIN_RADIANCE, MAX_RADIANCE]`: the range of all that lights emit, in their
-    /// units.
+    /// Whether each component is 0 or within `[MIN_RADIANCE, MAX_RADIANCE]`. Point, spot and directional lights have the
+    /// same range of intensity or irradiance.
     pub fn allows(radiance: Rgb) -> bool {
         let range = Self::MIN_RADIANCE..=Self::MAX_RADIANCE;
         radiance.to_array().iter().all(|x| *x == 0.0 || range.contains(x))

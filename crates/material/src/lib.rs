@@ -34,6 +34,5 @@ pub use reflectance::Reflectance;
 pub use rgb::Rgb;
 pub use srgb::srgb_encode;
 
-/// A hash of this crate's sources, in hexadecimal digits. What may change a bit of a picture changes it; so does a
-/// comment. It is part of the [key](https://docs.rs/globillum-integrator) of a picture.
+/// A hash of this crate's sources, comments included, in hexadecimal digits. It is part of the [key](https://docs.rs/globillum-integrator) of a picture.
 pub const SOURCE_HASH: &str = env!("GLOBILLUM_SOURCE_HASH");

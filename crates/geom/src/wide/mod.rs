@@ -1,6 +1,6 @@
 //! A bounding volume hierarchy of eight children for each node, for many rays: traversed in `f32` and decided in `f64`.
 //!
-//! - [`build`]: a k-d tree by the surface area heuristic (Wald and Havran, 2006) down to cells of some hundred
+//! - [`build`]: a k-d tree by the surface area heuristic (Wald and Havran, 2006) down to cells of a few hundred
 //!   triangles, which are clipped to their cells (Havran and Bittner, 2002); below, object splits in bins (Wald, 2007) down
 //!   to leaf blocks of up to eight triangles; or object splits throughout, first between the cells of a grid. The binary
 //!   tree is collapsed into nodes of up to eight children at the least
@@ -32,7 +32,7 @@ const _: () = assert!(MOST_RAYS.is_multiple_of(PACKET), "packets are counted fro
 /// A wide bounding volume hierarchy, the fastest structure of this crate. Every node stores the bounds of up to eight
 /// children.
 ///
-/// [`WideBvh::build`] separates the scene into cells of some hundred triangles by the planes of a [`KdTree`];
+/// [`WideBvh::build`] separates the scene into cells of a few hundred triangles by the planes of a [`KdTree`];
 /// [`WideBvh::build_quickly`] sorts the triangles into the cells of a grid. Within a cell, object splits group the triangles
 /// into leaf blocks of up to eight.
 ///
@@ -76,8 +76,8 @@ impl WideBvh {
     }
 
     /// The options of [`WideBvh::build`], for leaves that are split further: those of [`KdOptions::default`], with a
-    /// [`traversal_cost`](KdOptions::traversal_cost) of 400. A cell is divided only where a plane saves a ray that meets
-    /// it more than 400 triangles, so never if it has fewer than 360 (measured, docs/performance.md).
+    /// [`traversal_cost`](KdOptions::traversal_cost) of 400 (measured, docs/performance.md). A cell is divided only where a
+    /// plane saves a ray that meets it more than 400 triangles, or 360 if it cuts off empty space.
     pub fn default_options() -> KdOptions {
         KdOptions { traversal_cost: 400.0, ..KdOptions::default() }
     }

@@ -79,7 +79,8 @@ pub(super) struct BinaryTree {
     /// A power of two that brings the scene's surface into a range where `f32` suffices, so that costs
     /// do not depend on the unit of length.
     area_scale: f64,
-    /// [`FEW`] of the rays that meet the scene, in proportion.
+    /// The expected visits below which the triangles of a leaf block are not split: those of [`FEW`] of the rays that meet the
+    /// scene.
     few: f64,
 }
 
@@ -161,7 +162,7 @@ impl BinaryTree {
         }
     }
 
-    /// Adds an inner node, and what `add` does with the lower half and with the upper one.
+    /// Adds an inner node, then calls `add` for its lower child and for its upper one.
     pub(super) fn add_inner<T>(
         &mut self,
         axis: u8,

@@ -9,7 +9,7 @@ const FLAT: f64 = 1.0 / 256.0;
 /// The cost of a visit to a leaf block, in visits to a node (measured, docs/performance.md).
 pub(super) const BLOCK_COST: f64 = 4.0;
 
-/// The least expected cost for a ray, in visits to nodes and in proportion, with 1, 2, .. 8 lanes.
+/// The least expected cost of a subtree in 1, 2, .. 8 lanes: visits to nodes, in the unit of [`expected_visits`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct CollapseCosts(pub(super) [f32; LANES]);
 
@@ -50,7 +50,7 @@ impl CollapseCosts {
     }
 }
 
-/// How many rays meet a box, in proportion: half its surface (Goldsmith and Salmon, 1987).
+/// A number proportional to how many rays meet a box: half its surface (Goldsmith and Salmon, 1987).
 ///
 /// A flat one counts half. Of the lines that meet a wall or a table top, half are rays that start on
 /// it and leave it behind. (A needle counts as flat, too; few rays meet it.)

@@ -9,7 +9,7 @@ use glam::Vec4;
 
 /// How many bins there are along an axis.
 const BINS: usize = 16;
-/// The least `f32` that is followed by integers only.
+/// `2^23`. Added to a small positive number, it rounds that to an integer, which is then in the low bits of the sum.
 const INTEGERS: f32 = 8_388_608.0;
 
 /// A box as its lower corner and its negated upper one, so that minima unite two boxes.
@@ -136,20 +136,20 @@ impl Bins {
 /// The split of least cost between the bins of one axis; `None` if only one is `filled`.
 fn best_along(axis: usize, bins: &[Bin; BINS], filled: u32) -> Option<BinSplit> {
     let mut upper_costs = [0.0; BINS];
-    let (mut upper, mut left) = (Bin::EMPTY, filled);
-    while left != 0 {
-        let bin = left.ilog2() as usize;
+    let (mut upper, mut remaining) = (Bin::EMPTY, filled);
+    while remaining != 0 {
+        let bin = remaining.ilog2() as usize;
         upper.add(&bins[bin].bounds, bins[bin].count);
         upper_costs[bin] = upper.cost();
-        left ^= 1 << bin;
+        remaining ^= 1 << bin;
     }
-    let (mut lower, mut left) = (Bin::EMPTY, filled);
+    let (mut lower, mut remaining) = (Bin::EMPTY, filled);
     let splits = std::iter::from_fn(|| {
-        let last = left.trailing_zeros() as usize;
-        left &= left.wrapping_sub(1);
-        (left != 0).then(|| {
+        let last = remaining.trailing_zeros() as usize;
+        remaining &= remaining.wrapping_sub(1);
+        (remaining != 0).then(|| {
             lower.add(&bins[last].bounds, bins[last].count);
-            let bin = left.trailing_zeros() as usize;
+            let bin = remaining.trailing_zeros() as usize;
             BinSplit { axis, bin, cost: lower.cost() + upper_costs[bin] }
         })
     });

@@ -23,7 +23,7 @@ const UNCERTAIN: f32 = 20.5 * W;
 const NEAR: f64 = 0.125;
 /// The most rays that visit a node and all below it each by itself (measured).
 const FEW: u32 = 4;
-/// The most such visits by the rays of a packet that pays (measured).
+/// A packet of which more rays visit nodes by themselves does not pay (measured).
 const MOST_ALONE: u32 = 32;
 /// The most sets of coherent rays that are left to the stream after a packet that does not pay. The number is
 /// one at first. Each packet that does not pay doubles it, and each that does halves it.
@@ -179,7 +179,7 @@ impl<S: Simd, Q: Query> LivePacket<'_, S, Q> {
         while let Some((child, rays)) = stack.pop() {
             let rays = rays & self.left;
             if Child::is_block(child) == 1 {
-                self.test_block(child, rays, hits);
+                self.test_leaf_block(child, rays, hits);
             } else if rays.count_ones() <= FEW {
                 self.visit_alone(child, rays);
             } else {
@@ -231,9 +231,9 @@ impl<S: Simd, Q: Query> LivePacket<'_, S, Q> {
     }
 
     /// Tests a leaf block, as the stream does: all rays before the first hit is recorded. A certain hit answers a
-    /// query. Possible ones are candidates, which only a ray's traversal has.
+    /// query. A possible one becomes a candidate in the traversal of its ray, which begins if need be.
     #[inline(always)]
-    fn test_block(&mut self, child: u32, rays: RayMask, hits: &mut [LeafHits; PACKET]) {
+    fn test_leaf_block(&mut self, child: u32, rays: RayMask, hits: &mut [LeafHits; PACKET]) {
         let (mut possible, mut certain) = (0, 0);
         for slot in Bits(rays) {
             let (setups, i) = (&self.setups[slot / LANES % GROUPS], slot % LANES);

@@ -1,13 +1,15 @@
-//! Traversal, and the dispatch between its kinds: single rays, coherent rays from a common origin as a [`packet`], other
-//! coherent rays of any-hit queries as a [`general_packet`], and all other rays as a [`stream`].
+//! Traversal, and the dispatch between its kinds: single rays, coherent rays from a [common origin](common_origin_packet) as
+//! a packet, other coherent rays of any-hit queries as a [general packet](general_packet), and all other rays as a
+//! [stream].
 //!
-//! The packet and the stream share what lies below both: the [conservative triangle test](prefilter)'s
-//! types and the [exact decision](deferred_decision).
+//! Single rays, streams and general packets share their setup, the tests of children and the state of a ray. Packets from a
+//! common origin have tests of their own. All share the types of the [conservative triangle test](prefilter) and the
+//! [exact decision](deferred_decision).
 
 mod child_test;
+mod common_origin_packet;
 mod deferred_decision;
 mod general_packet;
-mod packet;
 mod prefilter;
 mod ray_setup;
 mod stream;
@@ -18,8 +20,8 @@ use super::tree::Tree;
 use crate::query::Query;
 use crate::{Probe, Ray};
 use child_test::visit_all;
+use common_origin_packet::Packet;
 use general_packet::GeneralPacket;
-use packet::Packet;
 use prefetch_index::prefetch_index;
 use ray_setup::RaySetups;
 use std::cell::Cell;
@@ -49,7 +51,7 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
 /// Answers the queries of coherent rays, a packet at a time, and leaves the other rays to [`query_others`]; `answer`
 /// makes of each query what is added to `answers`, in the rays' order.
 ///
-/// There are at most `2^32` rays.
+/// There are at most [`MOST_RAYS`](super::MOST_RAYS) rays.
 #[inline(always)]
 pub(super) fn query_packets<S: Simd, Q: Query, T: Clone + Default>(
     simd: S,
@@ -98,7 +100,7 @@ pub(super) fn query_others<S: Simd, Q: Query, T>(
 /// The memory that traversals work in, kept for each thread so that later queries do not allocate.
 #[derive(Debug)]
 pub(super) struct Scratch {
-    /// One for each ray in flight; on the heap, since they are large.
+    /// One for each ray of a packet, of which streams use the first; on the heap, since they are large.
     traversals: Box<[Traversal; PACKET]>,
     packet: Packet,
     general: GeneralPacket,

@@ -1,8 +1,8 @@
 //! Stream traversal: many rays are in flight, and each makes one step before any makes its next, so that
 //! the memory latency of one is hidden by the others.
 //!
-//! Each round branches only on results of the previous one, so nothing stalls: a result decides in
-//! which mask of the next round a ray is.
+//! A round has separate loops, over masks of rays, for tests of nodes, tests of leaf blocks and moves to the next child. So a
+//! branch that is predicted wrongly discards little work.
 
 use super::child_test::{LeafHits, record, test_leaf, test_node};
 use super::ray_setup::RaySetups;

@@ -40,7 +40,7 @@ impl LeafBlocks {
         (start / Rows::COUNT) as u32
     }
 
-    /// Ends the last block.
+    /// Pads the end, so that vectors loaded from the last row stay within bounds, and frees what is not used.
     pub(crate) fn finish(&mut self) {
         self.words.extend([0.0; PADDING]);
         self.words.shrink_to_fit();

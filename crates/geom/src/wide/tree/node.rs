@@ -54,7 +54,7 @@ pub(crate) enum Child {
 
 impl Child {
     pub(crate) const ROOT: u32 = 0;
-    /// Lies at the bottom of every stack, and ends the traversal.
+    /// The child at the bottom of the stack of a ray that is traversed by itself. It ends the traversal.
     pub(crate) const END: u32 = 1 << 30;
     const BLOCK: u32 = 1 << 31;
     const PLACE_BITS: u32 = 27;

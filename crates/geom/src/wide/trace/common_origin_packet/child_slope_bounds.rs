@@ -1,11 +1,12 @@
-//! Slope bounds: a box as rays from one origin see it, bounds of the slopes of those that may meet it.
+//! Slope bounds of a box: bounds of the slopes of rays from one origin that may meet it, less the slope of the middle ray.
 
 use super::setup::CommonOrigin;
 use crate::rounding::W;
 use crate::wide::simd::{LANES, Simd, SimdBase};
 use crate::wide::tree::node::Node;
 
-/// Half the thickness of faces, in units of `W` times 1 plus the distance of the origin from the scene's middle.
+/// Half the thickness of faces, in units of `W`; where the origin is subtracted from them, times 1 plus its distance from the
+/// scene's middle.
 const FACE_ERR: f32 = 8.0;
 /// By how much the bounds are widened, in units of `W`.
 const SIDE_ERR: f32 = 16.0;

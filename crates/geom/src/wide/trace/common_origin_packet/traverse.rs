@@ -1,4 +1,4 @@
-//! The traversal of a packet: slope bounds meet nodes, rays and triangles meet in leaf blocks.
+//! The traversal of a packet: nodes are tested by bounds of the slopes of all its rays, leaf blocks by single rays.
 
 use super::child_slope_bounds::{ChildBounds, SlopeBounds};
 use super::edge_functions::{CentralRay, EdgeFunctions, RayLanes};
