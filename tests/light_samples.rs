@@ -343,7 +343,7 @@ fn the_density_asked_for_is_that_of_the_sample() {
             let at = scene.interaction(&ray, &hit);
             // Another triangle may be in between.
             if at.point.position.distance(light.point.position) < 1e-9 * from.distance(light.point.position) {
-                let asked = lights.pdf(&hit, &at);
+                let asked = lights.pdf(&at);
                 assert!(
                     (asked.0 / light.pdf.0 - 1.0).abs() < 1e-6,
                     "{sampling:?}, {from}: {asked:?}, {light:?}"

@@ -70,7 +70,7 @@ fn by_bsdf<A: Accel>(
     let ray = at.point.spawn(frame.to_world(sample.wi));
     let Some(hit) = scene.accel().intersect(&ray) else { return scene.environment() };
     let met = scene.interaction(&ray, &hit);
-    sample.weight * met.emitted() * scattered.power_heuristic(lights.pdf(&hit, &met))
+    sample.weight * met.emitted() * scattered.power_heuristic(lights.pdf(&met))
 }
 
 /// Mean and standard error of each component of direct illumination at [`TARGET`], by this file's estimator.

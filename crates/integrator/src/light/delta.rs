@@ -1,4 +1,4 @@
-use super::tree::{Cluster, FarLight, Reach};
+use super::tree::{FarLight, LightMoments, TreeLight};
 use crate::DeltaLightError;
 use glam::{DAffine3, DVec3, Vec3};
 use globillum_geom::Triangle;
@@ -158,18 +158,18 @@ impl DeltaLight {
     }
 
     /// The description of the light in a light tree.
-    pub(super) fn reach(&self) -> Reach {
+    pub(super) fn reach(&self) -> TreeLight {
         match self.0 {
             Kind::Point { position, intensity } => {
-                Reach::Near(Cluster::of_point(position.as_dvec3(), intensity.luminance()))
+                TreeLight::Near(LightMoments::of_point(position.as_dvec3(), intensity.luminance()))
             }
             Kind::Spot { position, axis, intensity, cone } => {
                 // The falloff of a narrow cone is below 1 on the axis, too.
                 let intensity = intensity.luminance() * cone.falloff(1.0);
-                Reach::Near(Cluster::of_spot(position.as_dvec3(), axis, cone.cos_outer, intensity))
+                TreeLight::Near(LightMoments::of_spot(position.as_dvec3(), axis, cone.cos_outer, intensity))
             }
             Kind::Directional { direction, irradiance } => {
-                Reach::Far(FarLight { irradiance: irradiance.luminance(), direction: -direction })
+                TreeLight::Far(FarLight { irradiance: irradiance.luminance(), direction: -direction })
             }
         }
     }

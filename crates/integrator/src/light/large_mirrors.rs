@@ -78,7 +78,7 @@ impl LargeMirrors {
 
     /// What [`LargeMirrors::choose`] returns if it chooses this facet; `None` if it never does.
     #[inline(never)]
-    pub(crate) fn choice(
+    pub(crate) fn chosen(
         &self,
         triangles: &Triangles,
         receiver: Receiver,

@@ -1,7 +1,7 @@
 use super::alias_table::{AliasTable, raised};
 use super::delta::DeltaLight;
 use super::receiver::Receiver;
-use super::tree::{ChosenLight, Cluster, LightTree, Reach};
+use super::tree::{ChosenLight, LightMoments, LightTree, TreeLight};
 use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
@@ -42,7 +42,7 @@ pub(crate) enum Light<'a> {
 /// The probability of choosing a triangle that emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AreaProb {
-    pub(crate) choice: f64,
+    pub(crate) prob: f64,
     /// The density of a point that is then sampled uniformly by area, the choice included.
     pub(crate) density: PdfArea,
 }
@@ -78,7 +78,7 @@ impl AreaLight {
             emission,
             normal: triangle.normal(),
             prob: AreaProb {
-                choice: weight / total,
+                prob: weight / total,
                 // The area cancels.
                 density: PdfArea(emission.exitance().luminance() * raise / total),
             },
@@ -95,14 +95,14 @@ impl AreaLight {
     }
 
     #[inline(always)]
-    fn chosen_with(&self, choice: f64) -> AreaProb {
-        AreaProb { choice, density: PdfArea(choice / self.area) }
+    fn chosen_with(&self, prob: f64) -> AreaProb {
+        AreaProb { prob, density: PdfArea(prob / self.area) }
     }
 
-    fn cluster(&self, triangle: &Triangle) -> Cluster {
+    fn moments(&self, triangle: &Triangle) -> LightMoments {
         let both_sides = !self.emission.toward(-1.0).is_black();
         let intensity = self.emission.toward(1.0).luminance() * self.area;
-        Cluster::of_triangle(triangle.vertices.map(|v| v.as_dvec3()), self.normal, both_sides, intensity)
+        LightMoments::of_triangle(triangle.vertices.map(|v| v.as_dvec3()), self.normal, both_sides, intensity)
     }
 }
 
@@ -135,12 +135,14 @@ impl Lights {
             AreaLight::new(index, triangles.get(index), emission(index), weight, total)
         };
         let areas: Vec<_> = emitting.into_iter().zip(&weights).map(area).collect();
-        let reaches = areas.iter().map(|light| Reach::Near(light.cluster(triangles.get(light.triangle))));
-        let reaches: Vec<_> = reaches.chain(deltas.iter().map(|(light, _)| light.reach())).collect();
-        let is_far = |reach: &Reach| matches!(reach, Reach::Far(_));
-        let by_tree = weights.len() >= Self::FIRST_IN_TREE || weights.len() > 1 && reaches.iter().any(is_far);
+        let tree_lights =
+            areas.iter().map(|light| TreeLight::Near(light.moments(triangles.get(light.triangle))));
+        let tree_lights: Vec<_> = tree_lights.chain(deltas.iter().map(|(light, _)| light.reach())).collect();
+        let is_far = |light: &TreeLight| matches!(light, TreeLight::Far(_));
+        let by_tree =
+            weights.len() >= Self::FIRST_IN_TREE || weights.len() > 1 && tree_lights.iter().any(is_far);
         let choice = match by_tree {
-            true => Choice::Tree(LightTree::new(&reaches, &scene)),
+            true => Choice::Tree(LightTree::new(&tree_lights, &scene)),
             false => Choice::Power(AliasTable::new(&weights)),
         };
         let delta = |((light, _), weight): ((DeltaLight, f64), &f64)| Delta { light, prob: weight / total };

@@ -153,7 +153,7 @@ mod tests {
                         let by_large = mirrors
                             .large
                             .as_ref()
-                            .and_then(|large| large.choice(&triangles, upward(from), large.facet_of(index)?));
+                            .and_then(|large| large.chosen(&triangles, upward(from), large.facet_of(index)?));
                         let by_small = mirrors
                             .small
                             .as_ref()
@@ -183,7 +183,7 @@ mod tests {
                 let mut probs = vec![0.0; triangles.len()];
                 if let Some(large) = &mirrors.large {
                     for chosen in numbers().filter_map(|u| large.choose(&triangles, upward(from), || u)) {
-                        let again = large.choice(&triangles, upward(from), chosen.index).unwrap();
+                        let again = large.chosen(&triangles, upward(from), chosen.index).unwrap();
                         assert_eq!(again.prob, chosen.prob, "{what}");
                         times[chosen.index as usize] += 1;
                         probs[chosen.index as usize] = chosen.prob;

@@ -3,7 +3,7 @@ use super::lights::{AreaLight, AreaProb, Light, Lights};
 use super::receiver::Receiver;
 use crate::Interaction;
 use glam::DVec3;
-use globillum_geom::{Hit, PdfSolidAngle, Ray, SphericalTriangle, SurfacePoint, Triangle, Triangles};
+use globillum_geom::{PdfSolidAngle, Ray, SphericalTriangle, SurfacePoint, Triangle, Triangles};
 use globillum_material::Rgb;
 
 /// The distribution of light samples on a triangle. It changes the variance, not the mean.
@@ -200,32 +200,31 @@ impl LightSampler<'_> {
             return None;
         }
         let pdf = match spherical {
-            Some(spherical) => spherical.pdf().chosen_with(prob.choice),
+            Some(spherical) => spherical.pdf().chosen_with(prob.prob),
             None => prob.density.to_solid_angle(distance_sq, cos_light)?,
         };
         Some(AreaLightSample { point, direction, radiance, pdf })
     }
 
     /// The density per steradian with which [`LightSampler::sample`] samples the direction to `at`, the
-    /// interaction of the hit `hit` of a ray from the shading point. 0 if the point does not emit toward the
-    /// shading point or is seen edge-on.
+    /// interaction of a ray from the receiver. 0 if the point does not emit toward the receiver or is seen edge-on.
     ///
     /// Multiple importance sampling needs it for a direction from BSDF sampling with density `p`: the weight is
     /// [`PdfSolidAngle::power_heuristic`].
     #[inline(always)]
-    pub fn pdf(&self, hit: &Hit, at: &Interaction<'_>) -> PdfSolidAngle {
+    pub fn pdf(&self, at: &Interaction<'_>) -> PdfSolidAngle {
         if at.emitted().is_black() {
             return PdfSolidAngle(0.0);
         }
-        self.density(hit.triangle, &at.point)
+        self.density(&at.point)
     }
 
-    /// [`LightSampler::pdf`] for `point`, which lies on triangle `index`.
-    fn density(&self, index: u32, point: &SurfacePoint) -> PdfSolidAngle {
+    /// [`LightSampler::pdf`] for a point of a triangle.
+    fn density(&self, point: &SurfacePoint) -> PdfSolidAngle {
         let none = PdfSolidAngle(0.0);
-        let Some(prob) = self.lights.prob(self.receiver, index) else { return none };
-        match self.by_solid_angle(self.triangles.get(index)) {
-            Some(spherical) => spherical.pdf().chosen_with(prob.choice),
+        let Some(prob) = self.lights.prob(self.receiver, point.triangle) else { return none };
+        match self.by_solid_angle(self.triangles.get(point.triangle)) {
+            Some(spherical) => spherical.pdf().chosen_with(prob.prob),
             None => {
                 let Line { distance_sq, cos_light, .. } = self.line_to(point);
                 prob.density.to_solid_angle(distance_sq, cos_light).unwrap_or(none)

@@ -121,8 +121,8 @@ impl SmallMirrors {
     }
 
     /// The density per steradian of all `count` directions that [`SmallMirrors::sample`] samples, at the one that leads
-    /// from the receiver by way of the mirror triangle `index` to `position` on the light triangle `light`; `None` if it never
-    /// samples that.
+    /// from the receiver by way of the mirror triangle `index` to the point `light` of a light; `None` if it never samples
+    /// that.
     #[inline(never)]
     pub(crate) fn pdf(
         &self,
@@ -130,10 +130,10 @@ impl SmallMirrors {
         receiver: Receiver,
         count: u32,
         index: u32,
-        (light, position): (u32, DVec3),
+        light: &SurfacePoint,
     ) -> Option<PdfSolidAngle> {
         let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
-        let cluster = self.clusters.of_light(light)?;
+        let cluster = self.clusters.of_light(light.triangle)?;
         let (cluster_prob, _) = self.clusters.bounds(cluster);
         let root = self.root(receiver, count, cluster)?;
         let prob = self.tree.prob(&root, self.places[place].1, |_| true)?;
@@ -141,7 +141,7 @@ impl SmallMirrors {
         let (normal, height) = plane(triangle, from);
         let image = mirror_image(from, normal, height);
         // At the image, the direction has the same angle with the plane.
-        let pdf = pdf(triangle, from, (position - image).try_normalize()?)?;
+        let pdf = pdf(triangle, from, (light.position - image).try_normalize()?)?;
         let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);
         (pdf.0 > 0.0).then_some(pdf)
     }

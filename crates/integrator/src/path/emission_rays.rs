@@ -29,7 +29,7 @@ pub(super) struct FoundEmission<'a> {
     /// How many mirrors the ray has followed.
     pub(super) reflections: u32,
     /// Where it was found.
-    pub(super) at: (&'a Hit, &'a Interaction<'a>),
+    pub(super) at: &'a Interaction<'a>,
 }
 
 /// The most mirrors by way of which a ray from the sensor finds a light: [`MAX_REFLECTIONS`], or fewer if the settings
@@ -116,7 +116,7 @@ impl EmissionRays {
             return None;
         }
         let at = scene.interaction(ray, hit);
-        let mut found = |radiance| add(FoundEmission { tag, radiance, reflections, at: (hit, &at) });
+        let mut found = |radiance| add(FoundEmission { tag, radiance, reflections, at: &at });
         if !at.point.position.is_finite() {
             // As for the path of a sample: no ray can leave it.
             found(Rgb::splat(f64::NAN));

@@ -1,43 +1,44 @@
 //! The weights of emission in multiple importance sampling (Veach and Guibas 1995): a path that hits a light by scattering
 //! shares it with the light samples that could have found the same point.
 
-use super::emission_rays::FoundEmission;
+use super::emission_rays::{FoundEmission, MAX_REFLECTIONS};
 use super::render_context::RenderContext;
 use crate::Interaction;
 use crate::light::{LargeMirrors, Mirrors, Receiver, SmallMirrors};
 use glam::{DVec3, Vec3};
-use globillum_geom::{Hit, PdfSolidAngle};
+use globillum_geom::PdfSolidAngle;
 use globillum_material::Density;
 
 /// The density of a path's current direction, and where a light sample of the same direction would have been taken: what
 /// the weight of emission depends on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MisContext {
-    /// A delta if no light sample could have found what the ray hits: after the camera and most mirrors. The rest is
-    /// then of no account.
+    /// A delta if no light sample could have found what the ray hits: after the camera, and after mirrors by way of which
+    /// lights are not sampled. `receiver`, `mirror` and `is_first` are then not used.
     pub(super) density: Density,
-    /// For which lights would have been sampled: the last diffuse vertex.
+    /// The last diffuse vertex, whose light samples could have found the same point.
     pub(super) receiver: Receiver,
     /// The mirror triangle that the path hit since.
-    pub(super) mirror: Option<u32>,
-    /// Whether other camera rays find what the path would find of lights before its first diffuse vertex.
-    pub(super) supersampled: bool,
+    mirror: Option<u32>,
     /// Whether `receiver` is the first diffuse vertex of the path, which may have several light samples.
     is_first: bool,
+    /// Whether camera rays of their own find the lights that the path meets before its first diffuse vertex.
+    supersampled: bool,
 }
 
 impl MisContext {
-    /// That of a ray from the camera.
+    /// That of a ray from the camera. `supersampled` tells whether rays of their own find the lights that it shows.
     #[inline(always)]
-    pub(super) fn of_camera() -> Self {
-        Self::scattered(Density::Delta, Receiver { position: DVec3::ZERO, side: Vec3::ZERO }, false)
+    pub(super) fn of_camera(supersampled: bool) -> Self {
+        let receiver = Receiver { position: DVec3::ZERO, side: Vec3::ZERO };
+        Self { supersampled, ..Self::scattered(Density::Delta, receiver, false) }
     }
 
     /// That of a direction that the diffuse vertex `receiver` scattered with this density. `is_first` tells whether that is
     /// the first one of the path.
     #[inline(always)]
     pub(super) fn scattered(density: Density, receiver: Receiver, is_first: bool) -> Self {
-        Self { density, receiver, mirror: None, supersampled: false, is_first }
+        Self { density, receiver, mirror: None, is_first, supersampled: false }
     }
 
     /// After the ideal mirror of triangle `index` has reflected the path. Lights are sampled by way of one mirror at most.
@@ -54,18 +55,24 @@ impl MisContext {
         self.mirror.is_some() || self.density == Density::Delta
     }
 
+    /// Whether camera rays of their own find the emission that the ray has hit at this bounce.
+    #[inline(always)]
+    pub(super) fn is_supersampled(&self, bounce: u32) -> bool {
+        self.supersampled && bounce <= MAX_REFLECTIONS
+    }
+
     /// The weight of the emission that the ray has hit.
     #[inline(always)]
-    pub(super) fn weight(&self, context: &RenderContext<'_>, (hit, at): (&Hit, &Interaction<'_>)) -> f64 {
+    pub(super) fn weight(&self, context: &RenderContext<'_>, at: &Interaction<'_>) -> f64 {
         let estimator = context.settings.estimator;
         let weight = |light: &dyn Fn() -> PdfSolidAngle| estimator.weight_of_emission(self.density, light);
         match self.mirror {
             None => {
                 let count = context.direct_samples(self.is_first);
-                weight(&|| context.light_sampler(self.receiver).pdf(hit, at).of_samples(count))
+                weight(&|| context.light_sampler(self.receiver).pdf(at).of_samples(count))
             }
             // Where the mirror is not sampled, scattering alone finds the light.
-            Some(mirror) => self.pdf_by_mirror(context, mirror, (hit, at)).map_or(1.0, |pdf| weight(&|| pdf)),
+            Some(mirror) => self.pdf_by_mirror(context, mirror, at).map_or(1.0, |pdf| weight(&|| pdf)),
         }
     }
 
@@ -80,27 +87,27 @@ impl MisContext {
         if found.reflections > 0 { 1.0 } else { self.after_mirror(context, mirror).weight(context, found.at) }
     }
 
-    /// The density of all light samples by way of the triangle `mirror` that hit a light as told; `None` if this mirror is
+    /// The density of all light samples by way of the triangle `mirror` that hit a light at `at`; `None` if this mirror is
     /// not sampled.
     #[inline(never)]
     fn pdf_by_mirror(
         &self,
         context: &RenderContext<'_>,
         mirror: u32,
-        (hit, at): (&Hit, &Interaction<'_>),
+        at: &Interaction<'_>,
     ) -> Option<PdfSolidAngle> {
         let Self { receiver, is_first, .. } = *self;
         let Mirrors { large, small } = context.mirrors?;
         let triangles = context.scene.triangles();
         let by_small = |mirrors: &SmallMirrors| {
             let count = context.small_mirror_samples(is_first);
-            mirrors.pdf(triangles, receiver, count, mirror, (hit.triangle, at.point.position))
+            mirrors.pdf(triangles, receiver, count, mirror, &at.point)
         };
         let by_large = |mirrors: &LargeMirrors| {
-            let chosen = mirrors.choice(triangles, receiver, mirrors.facet_of(mirror)?)?;
+            let chosen = mirrors.chosen(triangles, receiver, mirrors.facet_of(mirror)?)?;
             let image = chosen.facet.image_of(receiver);
             let prob = chosen.prob * context.large_mirror_prob(is_first);
-            Some(context.light_sampler(image).pdf(hit, at).chosen_with(prob))
+            Some(context.light_sampler(image).pdf(at).chosen_with(prob))
         };
         small.as_ref().and_then(by_small).or_else(|| by_large(large.as_ref()?))
     }

@@ -6,7 +6,8 @@
 //! 1. The sensor starts their paths.
 //! 2. Bounce by bounce, all paths find their next vertex. Emission is added there with its weight ([`mis`]), lights are
 //!    sampled ([`next_event`]), and the path is scattered.
-//! 3. After the last bounce, pixels share the suffixes of their paths ([`reuse`]) and the [`caustics`] that these have found.
+//! 3. After the last bounce, pixels share the suffixes of their paths ([`reuse`]) and the [`caustics`] of first diffuse
+//!    vertices.
 //! 4. Camera rays of their own supersample the edges of lights.
 
 mod caustics;

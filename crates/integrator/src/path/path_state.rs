@@ -18,21 +18,21 @@ pub(super) struct Path {
     pub(super) guide_ratio: f64,
     /// The largest throughput, by component, of the prefixes that may reuse what follows; that of the path's own prefix if
     /// no other may. White as long as `throughput` is that of the whole path.
-    pub(super) prefix_throughput: Rgb,
+    pub(super) largest_prefix_throughput: Rgb,
     pub(super) mis: MisContext,
 }
 
 impl Path {
     /// The path of a sample before it has met anything.
-    pub(super) fn new(sample: u32, numbers: Numbers) -> Self {
+    pub(super) fn new(sample: u32, numbers: Numbers, mis: MisContext) -> Self {
         Self {
             target: Target::Sample(sample),
             stage: ReuseStage::Prefix,
             numbers,
             throughput: Rgb::WHITE,
             guide_ratio: 1.0,
-            prefix_throughput: Rgb::WHITE,
-            mis: MisContext::of_camera(),
+            largest_prefix_throughput: Rgb::WHITE,
+            mis,
         }
     }
 
@@ -56,11 +56,11 @@ impl Path {
         !matches!(self.stage, ReuseStage::Reflected(_))
     }
 
-    /// Whether the path survives Russian roulette by `u` in `[0, 1)`; scales its throughput. The probability is that of the
-    /// path without a guide, which leads to where a low throughput meets much light.
+    /// Whether the path survives Russian roulette by `u` in `[0, 1)`; scales its throughput. A guide sends paths of low
+    /// throughput toward bright light. `guide_ratio` undoes that, so the probability is as without a guide.
     #[inline(always)]
     pub(super) fn survives(&mut self, roulette: Roulette, u: f64) -> bool {
-        let reflected = (self.prefix_throughput * self.throughput).max_component() * self.guide_ratio;
+        let reflected = (self.largest_prefix_throughput * self.throughput).max_component() * self.guide_ratio;
         let uncapped = reflected / roulette.threshold;
         let survive_prob = uncapped.min(Roulette::MAX_SURVIVE_PROB);
         self.throughput = self.throughput / survive_prob;

@@ -1,6 +1,6 @@
 use super::shading_point::ShadingPoint;
 use crate::guide::{Guide, PhotonGuide};
-use crate::light::{LightSampler, Mirrors, Receiver, SmallMirrors};
+use crate::light::{LargeMirrors, LightSampler, Mirrors, Receiver, SmallMirrors};
 use crate::{
     ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
 };
@@ -16,20 +16,20 @@ pub(crate) struct RenderContext<'a> {
     pub(super) samples_lights: bool,
     /// The mirrors in which area lights are sampled; `None` if there are none or the settings rule it out.
     pub(super) mirrors: Option<&'a Mirrors>,
-    /// By which diffuse vertices scatter; `None` for the cosine alone.
+    /// The guide that diffuse vertices scatter by; `None` for the cosine alone.
     pub(super) guide: Option<&'a Guide>,
     /// The probability, above zero, with which a vertex after the first diffuse one samples lights in large mirrors.
     pub(super) large_mirror_prob: f64,
     /// Whether pixels share the caustics that their paths find.
     pub(super) shares_caustics: bool,
-    /// By which first diffuse vertices look for caustics of several mirrors; `None` if they do not.
+    /// The photons by which first diffuse vertices look for caustics of several mirrors; `None` if they do not.
     pub(super) photons: Option<PhotonGuide>,
     /// The instructions that shade; they change no bit.
     pub(super) simd: SimdLevel,
 }
 
 impl<'a> RenderContext<'a> {
-    /// Before [`prepared`](super::prepared) finds what follows from the scene.
+    /// A context without guide, photons or shared caustics, which [`prepared`](super::prepared) adds.
     pub(super) fn new(
         scene: &'a Scene<dyn Accel + 'a>,
         sensor: &'a dyn Sensor,
@@ -79,7 +79,7 @@ impl RenderContext<'_> {
         self.settings.path_reuse == PathReuse::Sixteens && self.settings.sampler == Sampler::Sobol
     }
 
-    /// By which lights are sampled for `receiver`.
+    /// What samples lights for `receiver`.
     #[inline(always)]
     pub(super) fn light_sampler(&self, receiver: Receiver) -> LightSampler<'_> {
         self.scene.light_sampler_of(self.settings.light_sampling, receiver)
@@ -91,9 +91,9 @@ impl RenderContext<'_> {
         if is_first && self.scene.lights().tree().is_some() { self.settings.light_samples } else { 1 }
     }
 
-    /// Whether vertices sample lights in large mirrors.
-    pub(super) fn samples_large_mirrors(&self) -> bool {
-        self.mirrors.is_some_and(|mirrors| mirrors.large.is_some())
+    /// The large mirrors in which lights are sampled.
+    pub(super) fn large_mirrors(&self) -> Option<&LargeMirrors> {
+        self.mirrors?.large.as_ref()
     }
 
     /// The small mirrors in which lights are sampled.

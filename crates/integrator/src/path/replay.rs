@@ -95,16 +95,16 @@ pub fn replay(
 
 /// [`replay`], given what is done before the first sample and the tile of the pixel.
 fn replay_within(context: &RenderContext<'_>, tile: PixelRect, (x, y): (u32, u32), sample: u32) -> Replay {
-    let number = sample..sample + 1;
+    let one = sample..sample + 1;
     let place = tile.index(x, y) as u32;
     let mut wavefront = Wavefront::default();
     let probes = TileProbes::of(context, tile);
-    wavefront.trace(context, &probes, number.clone(), || false);
+    wavefront.trace(context, &probes, one.clone(), || false);
     let radiance = wavefront.radiance()[place as usize];
     let lights = wavefront.lights_seen_by(place);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
-    wavefront.start(context, &probes, number);
+    wavefront.start(context, &probes, one);
     for bounce in 0.. {
         if !wavefront.step(context, place, bounce, &mut replay) {
             break;

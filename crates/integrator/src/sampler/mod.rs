@@ -7,7 +7,7 @@ mod nested;
 mod sobol;
 mod stream;
 
-pub(crate) use stream::Preliminary;
+pub(crate) use stream::ReservedStream;
 pub use stream::Stream;
 
 use decision::Decision;

@@ -3,9 +3,9 @@ use crate::hash::{fold, nth, unit};
 /// The first of the numbers by which keys of parts are hashed, beyond those of samples.
 const PARTS: u64 = 1 << 32;
 
-/// What draws random numbers before the first sample, in place of a pixel.
+/// What draws random numbers in place of a pixel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Preliminary {
+pub(crate) enum ReservedStream {
     Photons,
     CausticProbes,
     SkyProbes,
@@ -28,7 +28,7 @@ impl Stream {
     }
 
     /// The stream of path or probe `index`, whatever the seed. No picture has as many pixels.
-    pub(crate) fn preliminary(of: Preliminary, index: u32) -> Self {
+    pub(crate) fn reserved(of: ReservedStream, index: u32) -> Self {
         Self::new(0, u64::MAX - of as u64, index)
     }
 

@@ -1,12 +1,12 @@
-use super::cluster::Cluster;
 use super::frame::TreeFrame;
+use super::light_moments::LightMoments;
 use super::node::{Child, Node};
 use crate::light::child_weights::{CHILD_BITS, WIDTH};
 use glam::DVec3;
 use std::collections::VecDeque;
 
 /// A light by its index.
-pub(super) type Light = (u32, Cluster);
+pub(super) type IndexedLight = (u32, LightMoments);
 
 /// From this level on clusters are halved by the number of their lights, so that a path fits 64 bits: there are
 /// fewer lights than `16^8`.
@@ -19,14 +19,18 @@ const BINS: usize = 16;
 
 /// The lights below a node that is not built yet.
 struct Pending<'a> {
-    lights: &'a mut [Light],
+    lights: &'a mut [IndexedLight],
     level: u32,
     path: u64,
 }
 
 /// Builds the nodes of a tree over `lights` in this frame, the root first; none without lights. Calls `place` with each light
 /// and the path to it.
-pub(super) fn nodes(lights: &mut [Light], frame: &TreeFrame, mut place: impl FnMut(u32, u64)) -> Vec<Node> {
+pub(super) fn nodes(
+    lights: &mut [IndexedLight],
+    frame: &TreeFrame,
+    mut place: impl FnMut(u32, u64),
+) -> Vec<Node> {
     let mut nodes = Vec::new();
     if lights.is_empty() {
         return nodes;
@@ -37,15 +41,15 @@ pub(super) fn nodes(lights: &mut [Light], frame: &TreeFrame, mut place: impl FnM
         let first_child = nodes.len() + 1 + pending.len();
         let mut children = Vec::with_capacity(WIDTH);
         let mut inner = 0;
-        for (child, Group { lights, cluster }) in (0..).zip(groups(lights, level)) {
+        for (child, Group { lights, moments }) in (0..).zip(groups(lights, level)) {
             let path = path | child << (CHILD_BITS * level);
             match lights {
                 [(light, _)] => {
                     place(*light, path);
-                    children.push((Child::Light(*light), cluster));
+                    children.push((Child::Light(*light), moments));
                 }
                 lights => {
-                    children.push((Child::Node((first_child + inner) as u32), cluster));
+                    children.push((Child::Node((first_child + inner) as u32), moments));
                     pending.push_back(Pending { lights, level: level + 1, path });
                     inner += 1;
                 }
@@ -58,20 +62,20 @@ pub(super) fn nodes(lights: &mut [Light], frame: &TreeFrame, mut place: impl FnM
 
 /// Lights that share a child, with their moments.
 struct Group<'a> {
-    lights: &'a mut [Light],
-    cluster: Cluster,
+    lights: &'a mut [IndexedLight],
+    moments: LightMoments,
 }
 
 /// Splits `lights` into at most `WIDTH` groups, each time the costliest one.
-fn groups(lights: &mut [Light], level: u32) -> Vec<Group<'_>> {
+fn groups(lights: &mut [IndexedLight], level: u32) -> Vec<Group<'_>> {
     let by_cost = level < FIRST_HALVED_LEVEL;
     let cost = |group: &Group<'_>| match group.lights.len() {
         1 => f64::NEG_INFINITY,
-        _ if by_cost => group.cluster.cost(),
+        _ if by_cost => group.moments.cost(),
         count => count as f64,
     };
-    let cluster = union(lights);
-    let mut groups = vec![Group { lights, cluster }];
+    let moments = union(lights);
+    let mut groups = vec![Group { lights, moments }];
     while groups.len() < WIDTH {
         // It begins with one group, and a split adds one.
         let (index, costliest) =
@@ -86,40 +90,41 @@ fn groups(lights: &mut [Light], level: u32) -> Vec<Group<'_>> {
     groups
 }
 
-fn halve(lights: &mut [Light]) -> [Group<'_>; 2] {
+fn halve(lights: &mut [IndexedLight]) -> [Group<'_>; 2] {
     let (left, right) = lights.split_at_mut(lights.len() / 2);
-    [left, right].map(|lights| Group { cluster: union(lights), lights })
+    [left, right].map(|lights| Group { moments: union(lights), lights })
 }
 
 /// Splits two or more lights into the two groups of least cost, along the axis on which they extend farthest.
-fn best_split(lights: &mut [Light]) -> [Group<'_>; 2] {
-    let centers = || lights.iter().map(|(_, cluster)| cluster.center);
+fn best_split(lights: &mut [IndexedLight]) -> [Group<'_>; 2] {
+    let centers = || lights.iter().map(|(_, moments)| moments.center);
     let min = centers().fold(DVec3::INFINITY, DVec3::min);
     let max = centers().fold(DVec3::NEG_INFINITY, DVec3::max);
     let axis = (max - min).max_position();
     let scale = BINS as f64 / (max[axis] - min[axis]);
     // The product is not a number where all centers coincide; the cast makes 0 of it.
-    let bin = |(_, cluster): &Light| (((cluster.center[axis] - min[axis]) * scale) as usize).min(BINS - 1);
-    let mut bins = [None::<Cluster>; BINS];
+    let bin =
+        |(_, moments): &IndexedLight| (((moments.center[axis] - min[axis]) * scale) as usize).min(BINS - 1);
+    let mut bins = [None::<LightMoments>; BINS];
     for light in &*lights {
-        let cluster = &mut bins[bin(light)];
-        *cluster = join(*cluster, Some(light.1));
+        let moments = &mut bins[bin(light)];
+        *moments = join(*moments, Some(light.1));
     }
-    let Some(Split { border, clusters: [left, right] }) = best_border(&bins) else { return halve(lights) };
+    let Some(Split { border, moments: [left, right] }) = best_border(&bins) else { return halve(lights) };
     lights.sort_by_key(|light| bin(light) >= border);
     let middle = lights.partition_point(|light| bin(light) < border);
     let (before, after) = lights.split_at_mut(middle);
-    [Group { lights: before, cluster: left }, Group { lights: after, cluster: right }]
+    [Group { lights: before, moments: left }, Group { lights: after, moments: right }]
 }
 
 /// A split before the bin `border`, with the moments of both sides.
 struct Split {
     border: usize,
-    clusters: [Cluster; 2],
+    moments: [LightMoments; 2],
 }
 
 /// The split that costs least; `None` if all lights are in one bin.
-fn best_border(bins: &[Option<Cluster>; BINS]) -> Option<Split> {
+fn best_border(bins: &[Option<LightMoments>; BINS]) -> Option<Split> {
     let mut after = [None; BINS];
     let mut joined = None;
     for border in (1..BINS).rev() {
@@ -129,13 +134,13 @@ fn best_border(bins: &[Option<Cluster>; BINS]) -> Option<Split> {
     let mut before = None;
     let splits = (1..BINS).filter_map(|border| {
         before = join(before, bins[border - 1]);
-        Some(Split { border, clusters: [before?, after[border]?] })
+        Some(Split { border, moments: [before?, after[border]?] })
     });
-    let cost = |split: &Split| split.clusters.iter().map(Cluster::cost).sum::<f64>();
+    let cost = |split: &Split| split.moments.iter().map(LightMoments::cost).sum::<f64>();
     splits.min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
-fn join(a: Option<Cluster>, b: Option<Cluster>) -> Option<Cluster> {
+fn join(a: Option<LightMoments>, b: Option<LightMoments>) -> Option<LightMoments> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a.union(&b)),
         (a, b) => a.or(b),
@@ -143,8 +148,8 @@ fn join(a: Option<Cluster>, b: Option<Cluster>) -> Option<Cluster> {
 }
 
 /// The moments of one or more lights.
-fn union(lights: &[Light]) -> Cluster {
-    let clusters = lights.iter().map(|(_, cluster)| *cluster);
+fn union(lights: &[IndexedLight]) -> LightMoments {
+    let all = lights.iter().map(|(_, moments)| *moments);
     // No group is empty: a split leaves a light on each side.
-    clusters.reduce(|a, b| a.union(&b)).expect("a group has a light")
+    all.reduce(|a, b| a.union(&b)).expect("a group has a light")
 }

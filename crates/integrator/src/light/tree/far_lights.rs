@@ -1,4 +1,4 @@
-use super::cluster::twice_positive_part;
+use super::light_moments::twice_positive_part;
 use crate::light::alias_table::{AliasTable, raised};
 use glam::{DVec3, Vec3};
 

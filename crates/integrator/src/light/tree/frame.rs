@@ -1,4 +1,4 @@
-use super::cluster::Cluster;
+use super::light_moments::LightMoments;
 use crate::light::receiver::Receiver;
 use crate::light::unit_of_length::units_per_length;
 use glam::DVec3;
@@ -19,8 +19,8 @@ impl TreeFrame {
     const FARTHEST: f64 = 1e15;
 
     /// Around `lights` in a scene with these bounds.
-    pub(super) fn around(lights: impl Iterator<Item = Cluster>, scene: &Aabb) -> Self {
-        let corners = |light: Cluster| {
+    pub(super) fn around(lights: impl Iterator<Item = LightMoments>, scene: &Aabb) -> Self {
+        let corners = |light: LightMoments| {
             let extent = light.variance.map(f64::sqrt);
             (light.center - extent, light.center + extent)
         };

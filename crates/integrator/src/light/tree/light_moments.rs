@@ -3,7 +3,7 @@ use glam::DVec3;
 /// The moments of a set of lights: how much they emit, and the means and variances of where they are and of the directions
 /// in which they emit. Each light counts by its intensity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cluster {
+pub(crate) struct LightMoments {
     /// The sum of the largest radiant intensities, as luminance.
     pub(super) intensity: f64,
     /// The mean position.
@@ -12,17 +12,17 @@ pub(crate) struct Cluster {
     pub(super) variance: DVec3,
     /// The mean of the normals. Its length is at most 1.
     pub(super) normal: DVec3,
-    /// The sum of the variances of their three coordinates: at most 1 for triangles, [`Cluster::POINT_VARIANCE`] for a point
+    /// The sum of the variances of their three coordinates: at most 1 for triangles, [`LightMoments::POINT_VARIANCE`] for a point
     /// light, and between 0 and that for a spot light.
     pub(super) normal_variance: f64,
     /// Whether some of them emit the same in the opposite directions too.
     pub(super) both_sides: bool,
     /// The cosine, times the length of the normal, of the angle from the normal within which a single light emits;
-    /// [`Cluster::UNLIMITED`] for several.
+    /// [`LightMoments::UNLIMITED`] for several.
     pub(super) limit: f64,
 }
 
-impl Cluster {
+impl LightMoments {
     /// Below all cosines.
     const UNLIMITED: f64 = -2.0;
 
@@ -134,11 +134,11 @@ mod tests {
             let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| numbers.uniform(k + axis) - 0.5));
             let intensity = 10.0_f64.powf(6.0 * numbers.uniform(20));
             let corners = [0, 3, 6].map(|k| 1000.0 + vector(k));
-            Cluster::of_triangle(corners, vector(9).normalize(), false, intensity)
+            LightMoments::of_triangle(corners, vector(9).normalize(), false, intensity)
         };
         let lights: Vec<_> = (0..32).map(light).collect();
         let total: f64 = lights.iter().map(|light| light.intensity).sum();
-        let mean = |value: &dyn Fn(&Cluster) -> DVec3| {
+        let mean = |value: &dyn Fn(&LightMoments) -> DVec3| {
             lights.iter().map(|light| light.intensity / total * value(light)).sum::<DVec3>()
         };
         let center = mean(&|light| light.center);
@@ -146,7 +146,7 @@ mod tests {
         let variance = mean(&|light| light.variance + square(light.center - center));
         let normal = mean(&|light| light.normal);
         let normal_variance = 1.0 - normal.length_squared();
-        let in_a_row = |lights: &[Cluster]| lights.iter().copied().reduce(|a, b| a.union(&b)).unwrap();
+        let in_a_row = |lights: &[LightMoments]| lights.iter().copied().reduce(|a, b| a.union(&b)).unwrap();
         let halves = in_a_row(&lights[..16]).union(&in_a_row(&lights[16..]));
         for union in [in_a_row(&lights), halves] {
             assert!((union.intensity / total - 1.0).abs() < 1e-14);
@@ -159,8 +159,8 @@ mod tests {
     /// A light of a share of 1e-20 of the intensity is not lost among lights of equal normals in a plane.
     #[test]
     fn a_dim_light_leaves_a_variance() {
-        let bright = |x: f64| Cluster::of_spot(DVec3::X * x, DVec3::Y, 1.0, 1e20);
-        let dim = Cluster::of_spot(DVec3::new(0.3, 1.0, 0.0), DVec3::NEG_Y, 1.0, 2.0);
+        let bright = |x: f64| LightMoments::of_spot(DVec3::X * x, DVec3::Y, 1.0, 1e20);
+        let dim = LightMoments::of_spot(DVec3::new(0.3, 1.0, 0.0), DVec3::NEG_Y, 1.0, 2.0);
         for union in
             [bright(0.0).union(&bright(1.0)).union(&dim), dim.union(&bright(0.0)).union(&bright(1.0))]
         {
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn opposite_normals_of_lights_with_two_sides_are_one() {
-        let light = |normal| Cluster::of_triangle([DVec3::X, DVec3::Z, DVec3::ZERO], normal, true, 1.0);
+        let light = |normal| LightMoments::of_triangle([DVec3::X, DVec3::Z, DVec3::ZERO], normal, true, 1.0);
         let union = light(DVec3::Y).union(&light(DVec3::NEG_Y));
         assert_eq!((union.normal, union.normal_variance), (DVec3::Y, 0.0));
     }

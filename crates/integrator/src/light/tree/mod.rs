@@ -2,14 +2,14 @@
 //! and Kulla 2018). A cluster is described by moments, which say what it brings on average, instead of bounds.
 
 mod build;
-mod cluster;
 mod descent;
 mod far_lights;
 mod frame;
+mod light_moments;
 mod node;
 
-pub(super) use cluster::Cluster;
 pub(super) use far_lights::FarLight;
+pub(super) use light_moments::LightMoments;
 
 use super::child_weights::{CHILD_BITS, WIDTH};
 use super::receiver::Receiver;
@@ -30,7 +30,7 @@ pub(crate) struct LightTree {
     nodes: Vec<Node>,
     frame: TreeFrame,
     far: Option<FarLights>,
-    places: Vec<Place>,
+    addresses: Vec<Address>,
     /// All instruction sets give the same bits.
     simd: SimdLevel,
 }
@@ -45,16 +45,16 @@ pub(crate) struct ChosenLight {
 
 /// What the tree knows of a light.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::light) enum Reach {
+pub(in crate::light) enum TreeLight {
     /// The moments of a light at a finite distance.
-    Near(Cluster),
+    Near(LightMoments),
     /// A light infinitely far away.
     Far(FarLight),
 }
 
-/// Where the tree has a light.
+/// How the tree finds a light.
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum Address {
     /// The numbers of the children from the root to the light, from the lowest bits up.
     Path(u64),
     /// The probability among all lights that are infinitely far away.
@@ -66,23 +66,24 @@ impl LightTree {
     const LEAST_PROB: f64 = 1.0 / 1024.0;
 
     /// A tree over `lights`, of which each has an intensity or irradiance above zero, in a scene with these bounds.
-    pub(super) fn new(lights: &[Reach], scene: &Aabb) -> Self {
+    pub(super) fn new(lights: &[TreeLight], scene: &Aabb) -> Self {
         let mut near = Vec::new();
         let mut far = Vec::new();
         for (index, light) in (0..).zip(lights) {
             match *light {
-                Reach::Near(cluster) => near.push((index, cluster)),
-                Reach::Far(light) => far.push((index, light)),
+                TreeLight::Near(moments) => near.push((index, moments)),
+                TreeLight::Far(light) => far.push((index, light)),
             }
         }
-        let mut places = vec![Place::Path(0); lights.len()];
+        let mut addresses = vec![Address::Path(0); lights.len()];
         let far = FarLights::new(&far);
         for (index, prob) in far.iter().flat_map(FarLights::probs) {
-            places[index as usize] = Place::Far(prob);
+            addresses[index as usize] = Address::Far(prob);
         }
-        let frame = TreeFrame::around(near.iter().map(|&(_, cluster)| cluster), scene);
-        let nodes = build::nodes(&mut near, &frame, |index, path| places[index as usize] = Place::Path(path));
-        Self { nodes, frame, far, places, simd: SimdLevel::best() }
+        let frame = TreeFrame::around(near.iter().map(|&(_, moments)| moments), scene);
+        let nodes =
+            build::nodes(&mut near, &frame, |index, path| addresses[index as usize] = Address::Path(path));
+        Self { nodes, frame, far, addresses, simd: SimdLevel::best() }
     }
 
     /// Chooses a light for the receiver by each of `us`, in `[0, 1)`.
@@ -174,7 +175,7 @@ impl LightTree {
         let Some(mut node) = self.nodes.first() else { return self.far_share(index, 1.0) };
         let mut weights = node.weights(&receiver);
         let far_prob = self.far_prob(weights.total(), receiver.side);
-        let Place::Path(mut path) = self.places[index] else { return self.far_share(index, far_prob) };
+        let Address::Path(mut path) = self.addresses[index] else { return self.far_share(index, far_prob) };
         let mut prob = 1.0 - far_prob;
         loop {
             let child = path as usize % WIDTH;
@@ -203,9 +204,9 @@ impl LightTree {
     }
 
     fn far_share(&self, index: usize, far_prob: f64) -> f64 {
-        match self.places[index] {
-            Place::Far(share) => share * far_prob,
-            Place::Path(_) => 0.0,
+        match self.addresses[index] {
+            Address::Far(share) => share * far_prob,
+            Address::Path(_) => 0.0,
         }
     }
 }
@@ -223,7 +224,7 @@ mod tests {
 
     /// `n` lights of all kinds, of intensities over twelve orders of magnitude, every seventh infinitely far
     /// away; positions times `unit`.
-    fn lights(n: u32, unit: f64) -> Vec<Reach> {
+    fn lights(n: u32, unit: f64) -> Vec<TreeLight> {
         let light = |i: u32| {
             let numbers = Stream::new(7, n.into(), i);
             let intensity = 10.0_f64.powf(12.0 * numbers.uniform(0) - 6.0);
@@ -232,11 +233,11 @@ mod tests {
             match i % 7 {
                 0..=3 => {
                     let vertices = [at, beside(7), beside(10)];
-                    Reach::Near(Cluster::of_triangle(vertices, axis, i.is_multiple_of(2), intensity))
+                    TreeLight::Near(LightMoments::of_triangle(vertices, axis, i.is_multiple_of(2), intensity))
                 }
-                4 => Reach::Near(Cluster::of_point(at, intensity)),
-                5 => Reach::Near(Cluster::of_spot(at, axis, 0.5, intensity)),
-                _ => Reach::Far(FarLight { irradiance: intensity, direction: axis }),
+                4 => TreeLight::Near(LightMoments::of_point(at, intensity)),
+                5 => TreeLight::Near(LightMoments::of_spot(at, axis, 0.5, intensity)),
+                _ => TreeLight::Far(FarLight { irradiance: intensity, direction: axis }),
             }
         };
         (0..n).map(light).collect()
@@ -245,10 +246,10 @@ mod tests {
     /// At the lights, between them, and far away, on surfaces of all directions.
     fn receivers() -> impl Iterator<Item = Receiver> {
         let side = |i| vector(Stream::new(12, 0, i), 0).normalize().as_vec3();
-        (0..).zip(places()).map(move |(i, position)| Receiver { position, side: side(i) })
+        (0..).zip(addresses()).map(move |(i, position)| Receiver { position, side: side(i) })
     }
 
-    fn places() -> impl Iterator<Item = DVec3> {
+    fn addresses() -> impl Iterator<Item = DVec3> {
         (0..6).map(|i| vector(Stream::new(8, 0, i), 0) * [1.0, 0.1, 3.0][i as usize % 3]).chain([
             DVec3::ZERO,
             DVec3::splat(1e9),
@@ -256,10 +257,10 @@ mod tests {
         ])
     }
 
-    fn near(reach: &Reach) -> Cluster {
+    fn near(reach: &TreeLight) -> LightMoments {
         match reach {
-            Reach::Near(cluster) => *cluster,
-            Reach::Far(light) => panic!("{light:?}"),
+            TreeLight::Near(moments) => *moments,
+            TreeLight::Far(light) => panic!("{light:?}"),
         }
     }
 
@@ -297,7 +298,8 @@ mod tests {
                 }
                 for (index, count) in counts.iter().enumerate() {
                     let expected = f64::from(draws) * tree.prob(receiver, index);
-                    let ends = if matches!(tree.places[index], Place::Path(_)) { 1.001 } else { n as f64 };
+                    let ends =
+                        if matches!(tree.addresses[index], Address::Path(_)) { 1.001 } else { n as f64 };
                     assert!(
                         f64::abs(count - expected) <= ends,
                         "light {index} of {n} from {receiver:?}: {count}, {expected}"
@@ -341,7 +343,7 @@ mod tests {
         for unit in [2.0_f64.powi(-40), 2.0_f64.powi(60)] {
             // Irradiances from infinity have a unit of their own.
             let lights = |unit| {
-                let near = lights(100, unit).into_iter().filter(|light| matches!(light, Reach::Near(_)));
+                let near = lights(100, unit).into_iter().filter(|light| matches!(light, TreeLight::Near(_)));
                 LightTree::new(&near.collect::<Vec<_>>(), &Aabb::EMPTY)
             };
             let (tree, scaled) = (lights(1.0), lights(unit));
@@ -368,7 +370,7 @@ mod tests {
             let at = unit * DVec3::new(0.25, 0.5, 0.0);
             let spots = axes.map(|axis| {
                 let cos_outer = libm::cos(10.0_f64.to_radians());
-                Reach::Near(Cluster::of_spot(at, axis, cos_outer, unit * unit))
+                TreeLight::Near(LightMoments::of_spot(at, axis, cos_outer, unit * unit))
             });
             let half = Vec3::splat(2.0 * unit as f32);
             let tree = LightTree::new(&spots, &Aabb { min: -half, max: half });
@@ -386,11 +388,11 @@ mod tests {
     #[test]
     fn a_lamp_is_told_from_a_distant_sun() {
         for distance in [0.01, 1.0, 100.0] {
-            let lamp = Cluster::of_point(DVec3::new(3.0, 2.0, 1.0), distance * distance);
+            let lamp = LightMoments::of_point(DVec3::new(3.0, 2.0, 1.0), distance * distance);
             let to_sun = 1.5e11 * DVec3::new(0.6, 0.8, 0.0);
             let corners = [DVec3::X, DVec3::Z, DVec3::NEG_ONE].map(|corner| to_sun + 7e8 * corner);
-            let sun = Cluster::of_triangle(corners, -to_sun.normalize(), false, 1.5e11_f64.powi(2));
-            let tree = LightTree::new(&[Reach::Near(lamp), Reach::Near(sun)], &Aabb::EMPTY);
+            let sun = LightMoments::of_triangle(corners, -to_sun.normalize(), false, 1.5e11_f64.powi(2));
+            let tree = LightTree::new(&[TreeLight::Near(lamp), TreeLight::Near(sun)], &Aabb::EMPTY);
             let below = lamp.center - distance * to_sun.normalize();
             let receiver = Receiver { position: below, side: to_sun.normalize().as_vec3() };
             let prob = tree.prob(receiver, 0);
@@ -404,10 +406,10 @@ mod tests {
     fn near_lights_in_front_that_face_the_receiver_are_preferred() {
         let light = |x: f64, axis| {
             let vertices = [DVec3::Y, DVec3::Z, DVec3::NEG_ONE].map(|v| DVec3::new(x, 0.0, 0.0) + 1e-3 * v);
-            Reach::Near(Cluster::of_triangle(vertices, axis, false, 1.0))
+            TreeLight::Near(LightMoments::of_triangle(vertices, axis, false, 1.0))
         };
         let [toward, away] = [DVec3::NEG_X, DVec3::X];
-        let past = Reach::Near(Cluster::of_spot(DVec3::X, DVec3::new(-0.8, 0.6, 0.0), 0.81, 1.0));
+        let past = TreeLight::Near(LightMoments::of_spot(DVec3::X, DVec3::new(-0.8, 0.6, 0.0), 0.81, 1.0));
         let lights = [light(1.0, toward), light(10.0, toward), light(0.5, away), light(-0.5, away), past];
         let tree = LightTree::new(&lights, &Aabb::EMPTY);
         let receiver = Receiver { position: DVec3::ZERO, side: Vec3::X };
@@ -419,8 +421,8 @@ mod tests {
 
     /// The irradiance at `receiver` from the lights, each without extent, as if all were visible and spot lights
     /// were as bright at their edges as in the middle.
-    fn irradiance(lights: &[Cluster], receiver: &Receiver) -> f64 {
-        let from_one = |light: &Cluster| {
+    fn irradiance(lights: &[LightMoments], receiver: &Receiver) -> f64 {
+        let from_one = |light: &LightMoments| {
             let line = receiver.position - light.center;
             let distance = line.length();
             let cos_in = -receiver.side.as_dvec3().dot(line) / distance;
@@ -440,8 +442,8 @@ mod tests {
     /// the extent of the cluster.
     fn ratios(size: usize) -> Vec<f64> {
         let all = lights(400, 1.0);
-        let all: Vec<_> = all.iter().filter(|light| matches!(light, Reach::Near(_))).map(near).collect();
-        let alike = |light: &Cluster| Cluster {
+        let all: Vec<_> = all.iter().filter(|light| matches!(light, TreeLight::Near(_))).map(near).collect();
+        let alike = |light: &LightMoments| LightMoments {
             intensity: light.intensity.powf(0.1),
             center: 0.3 * light.center,
             variance: 1e-8 * light.variance,
@@ -490,7 +492,7 @@ mod tests {
         for i in 0..1000 {
             let numbers = Stream::new(19, 0, i);
             let (position, axis) = (vector(numbers, 0), vector(numbers, 3).normalize());
-            let spot = Cluster::of_spot(position, axis, libm::cos(2e-4), 1.0);
+            let spot = LightMoments::of_spot(position, axis, libm::cos(2e-4), 1.0);
             let node =
                 Node::new(&[(Child::Light(0), spot)], &TreeFrame::around(std::iter::empty(), &Aabb::EMPTY));
             let along = axis + 1.4e-4 * axis.any_orthonormal_vector();
@@ -501,7 +503,7 @@ mod tests {
     }
 
     /// The facets of a sphere, on a spiral around it, of size `radius`.
-    fn sphere(middle: DVec3, radius: f64, intensity: f64) -> impl Iterator<Item = Cluster> {
+    fn sphere(middle: DVec3, radius: f64, intensity: f64) -> impl Iterator<Item = LightMoments> {
         let facet = move |i: u32| {
             let height = 1.0 - (2.0 * f64::from(i) + 1.0) / 80.0;
             let (sin, cos) = libm::sincos(2.4 * f64::from(i));
@@ -509,15 +511,15 @@ mod tests {
             let normal = DVec3::new(width * cos, height, width * sin);
             let (u, v) = normal.any_orthonormal_pair();
             let corners = [u + v, u - v, -u].map(|corner| middle + radius * (normal + 0.1 * corner));
-            Cluster::of_triangle(corners, normal, false, intensity)
+            LightMoments::of_triangle(corners, normal, false, intensity)
         };
         (0..80).map(facet)
     }
 
     /// The relative variance of an estimate of irradiance by one light that `tree` over `lights` chooses, exactly; the mean
     /// over points of the walls of a box.
-    fn relative_variance(lights: &[Cluster]) -> f64 {
-        let reaches: Vec<_> = lights.iter().map(|&light| Reach::Near(light)).collect();
+    fn relative_variance(lights: &[LightMoments]) -> f64 {
+        let reaches: Vec<_> = lights.iter().map(|&light| TreeLight::Near(light)).collect();
         let tree = LightTree::new(&reaches, &Aabb::EMPTY);
         let at_point = |i: u32| {
             let (mut position, axis) = (vector(Stream::new(15, 0, i), 0), i as usize % 3);
@@ -554,7 +556,7 @@ mod tests {
             let center = DVec3::new(1.0, 0.0, 1.0) * vector(numbers, 0) + f64::from(i % 2) * DVec3::Y;
             let corners = [DVec3::X, DVec3::Z, DVec3::NEG_ONE]
                 .map(|corner| center + 0.01 * corner * DVec3::new(1.0, 0.0, 1.0));
-            Cluster::of_triangle(corners, DVec3::NEG_Y, false, 10.0_f64.powf(3.0 * numbers.uniform(3)))
+            LightMoments::of_triangle(corners, DVec3::NEG_Y, false, 10.0_f64.powf(3.0 * numbers.uniform(3)))
         };
         let variance = relative_variance(&(0..300).map(lamp).collect::<Vec<_>>());
         assert!(variance < 0.3, "{variance}");

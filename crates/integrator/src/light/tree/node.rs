@@ -1,5 +1,5 @@
-use super::cluster::{Cluster, twice_positive_part};
 use super::frame::TreeFrame;
+use super::light_moments::{LightMoments, twice_positive_part};
 use crate::light::child_weights::{ChildWeights, WIDTH, child_of};
 use crate::light::receiver::Receiver;
 use glam::DVec3;
@@ -27,9 +27,9 @@ pub(super) struct Node {
     /// Along one axis, taken for the same along all.
     normal_variance: Lanes,
     variance_along_normal: Lanes,
-    /// The square of the cluster's limit, with its sign, less some slack.
+    /// The square of the moments's limit, with its sign, less some slack.
     limit: Lanes,
-    /// 1 for a cluster that emits on both sides, else 0.
+    /// 1 for a moments that emits on both sides, else 0.
     both_sides: Lanes,
     /// By lane; 0 where there is no child.
     intensity: [f64; WIDTH],
@@ -52,28 +52,28 @@ impl Node {
     const LIMIT_SLACK: f64 = 2e-6;
 
     /// A node of one to `WIDTH` children.
-    pub(super) fn new(children: &[(Child, Cluster)], frame: &TreeFrame) -> Self {
-        let of_children = |value: &dyn Fn(&Cluster) -> f64| -> [f64; WIDTH] {
+    pub(super) fn new(children: &[(Child, LightMoments)], frame: &TreeFrame) -> Self {
+        let of_children = |value: &dyn Fn(&LightMoments) -> f64| -> [f64; WIDTH] {
             std::array::from_fn(|lane| {
-                children.get(child_of(lane)).map_or(0.0, |(_, cluster)| value(cluster))
+                children.get(child_of(lane)).map_or(0.0, |(_, moments)| value(moments))
             })
         };
-        let lanes = |value: &dyn Fn(&Cluster) -> f64| of_children(value).map(|x| x as f32);
+        let lanes = |value: &dyn Fn(&LightMoments) -> f64| of_children(value).map(|x| x as f32);
         let vectors =
-            |value: &dyn Fn(&Cluster) -> DVec3| [0, 1, 2].map(|k| lanes(&|cluster| value(cluster)[k]));
-        let center = |k: usize| of_children(&|cluster| frame.position(cluster.center)[k]);
+            |value: &dyn Fn(&LightMoments) -> DVec3| [0, 1, 2].map(|k| lanes(&|moments| value(moments)[k]));
+        let center = |k: usize| of_children(&|moments| frame.position(moments.center)[k]);
         let first = children[0].0;
         Self {
             center: [0, 1, 2].map(center),
-            variance: vectors(&|cluster| frame.variance(cluster.variance)),
-            normal: vectors(&|cluster| cluster.normal),
-            normal_variance: lanes(&|cluster| cluster.normal_variance / 3.0),
-            variance_along_normal: lanes(&|cluster| {
-                (cluster.normal * cluster.normal).dot(frame.variance(cluster.variance))
+            variance: vectors(&|moments| frame.variance(moments.variance)),
+            normal: vectors(&|moments| moments.normal),
+            normal_variance: lanes(&|moments| moments.normal_variance / 3.0),
+            variance_along_normal: lanes(&|moments| {
+                (moments.normal * moments.normal).dot(frame.variance(moments.variance))
             }),
-            limit: lanes(&|cluster| cluster.limit * cluster.limit.abs() - Self::LIMIT_SLACK),
-            both_sides: lanes(&|cluster| f64::from(u8::from(cluster.both_sides))),
-            intensity: of_children(&|cluster| frame.intensity(cluster.intensity)),
+            limit: lanes(&|moments| moments.limit * moments.limit.abs() - Self::LIMIT_SLACK),
+            both_sides: lanes(&|moments| f64::from(u8::from(moments.both_sides))),
+            intensity: of_children(&|moments| frame.intensity(moments.intensity)),
             children: std::array::from_fn(|number| children.get(number).map_or(first, |(child, _)| *child)),
             count: children.len() as f64,
         }

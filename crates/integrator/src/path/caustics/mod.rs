@@ -1,9 +1,9 @@
-//! Caustics: light that a first diffuse vertex receives by way of mirrors alone, which light samples do not find. What
-//! scattered paths find of it is [shared](shared_caustics) by pixels, and [photon rays](photon_rays) look for the part that
-//! comes by way of several mirrors.
+//! Caustics: light that a diffuse vertex receives by way of mirrors alone. Where light samples hardly ever find those of first
+//! diffuse vertices, pixels [share](shared_caustics) what paths find of them, and [photon rays](photon_rays) look for the part
+//! that comes by way of several mirrors. Those of later vertices are shared with [suffixes](super::reuse).
 
 mod photon_rays;
 mod shared_caustics;
 
-pub(super) use photon_rays::{LEAST_MIRRORS, PhotonRays, most_mirrors};
-pub(super) use shared_caustics::{LEAST_WEIGHT, SharedCaustics};
+pub(super) use photon_rays::{MIN_MIRRORS, PhotonRays, max_mirrors};
+pub(super) use shared_caustics::{MIN_WEIGHT, SharedCaustics};

@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 const BSDF_FACTOR: f64 = 4.0;
 
 /// The least number of mirrors by way of which these rays find light. Samples of mirrors find light by way of one.
-pub(in crate::path) const LEAST_MIRRORS: u32 = 2;
+pub(in crate::path) const MIN_MIRRORS: u32 = 2;
 
 /// The probability with which a first diffuse vertex sends out a ray.
 const RAY_PROB: f64 = 0.5;
@@ -36,7 +36,7 @@ pub(in crate::path) struct PhotonRays {
 }
 
 /// The most mirrors by way of which they find light, whatever the bounce at which the prefix ends.
-pub(in crate::path) fn most_mirrors(context: &RenderContext<'_>) -> u32 {
+pub(in crate::path) fn max_mirrors(context: &RenderContext<'_>) -> u32 {
     // One bounce more, at the first diffuse vertex.
     context.settings.max_bounces.map_or(MAX_REFLECTIONS, |max| MAX_REFLECTIONS.min(max.saturating_sub(1)))
 }
@@ -78,19 +78,19 @@ impl PhotonRays {
         let Settings { seed, width, .. } = *context.settings;
         self.rays.clear();
         self.samples.clear();
-        let TileSamples { tile, numbers } = samples;
-        let all = tile.pixels().flat_map(|pixel| numbers.clone().map(move |number| (pixel, number)));
-        for (sample, ((x, y), number)) in (0..).zip(all) {
+        let TileSamples { tile, in_pixel } = samples;
+        let all = tile.pixels().flat_map(|pixel| in_pixel.clone().map(move |index| (pixel, index)));
+        for (sample, ((x, y), index)) in (0..).zip(all) {
             let Some(Prefix { end, bounce, .. }) = prefixes.of(sample) else { continue };
             // Independent numbers: what is so rarely found gains nothing from a net.
             let pixel = u64::from(y) * u64::from(width) + u64::from(x);
-            let numbers = Stream::new(seed, pixel, number).part(Sampler::MAX_PARTS);
+            let numbers = Stream::new(seed, pixel, index).part(Sampler::MAX_PARTS);
             let choice = numbers.uniform(0);
-            if choice >= RAY_PROB || !may_reach(context, *bounce, LEAST_MIRRORS) {
+            if choice >= RAY_PROB || !may_reach(context, *bounce, MIN_MIRRORS) {
                 continue;
             }
-            let numbers = (choice / RAY_PROB, numbers.uniform_pair(1));
-            let Some(direction) = photons.sample(end.receiver(), numbers) else { continue };
+            let u = (choice / RAY_PROB, numbers.uniform_pair(1));
+            let Some(direction) = photons.sample(end.receiver(), u) else { continue };
             if end.normal.dot(direction) > 0.0 {
                 self.rays.push(end.point.spawn(direction));
                 self.samples.push(sample);
@@ -123,13 +123,13 @@ impl PhotonRays {
         let add = |found: FoundEmission<'_>| {
             let (ray, sample) = (&rays[found.tag as usize], samples[found.tag as usize]);
             let (mirrors, Some(prefix)) = (found.reflections + 1, prefixes.of(sample)) else { return };
-            let is_looked_for = mirrors >= LEAST_MIRRORS && may_reach(context, prefix.bounce, mirrors);
+            let is_looked_for = mirrors >= MIN_MIRRORS && may_reach(context, prefix.bounce, mirrors);
             if is_looked_for || !found.radiance.is_finite() {
                 let [bsdf, by_photons] = densities(context, photons, &prefix.end, ray.direction);
                 radiance[sample as usize] += prefix.throughput * found.radiance / (bsdf + by_photons);
             }
         };
-        let traced = emission_rays.trace(context, most_mirrors(context) - 1, add, |_, _| {});
+        let traced = emission_rays.trace(context, max_mirrors(context) - 1, add, |_, _| {});
         counters.shadow_rays += rays.len() as u64 + traced;
     }
 }

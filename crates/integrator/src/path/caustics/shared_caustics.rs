@@ -17,12 +17,12 @@ use crate::path::render_context::RenderContext;
 use crate::path::reuse::{Prefix, Prefixes, ReuseVertex};
 use crate::path::reuse_stage::ReuseStage;
 use crate::path::tile_samples::TileSamples;
-use globillum_geom::{Hit, PdfSolidAngle, Ray, SurfacePoint};
+use globillum_geom::{PdfSolidAngle, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Density, Rgb};
 use std::f64::consts::PI;
 
 /// The least weight of multiple importance sampling with which a light is shared. Below it, light samples find most.
-pub(in crate::path) const LEAST_WEIGHT: f64 = 0.5;
+pub(in crate::path) const MIN_WEIGHT: f64 = 0.5;
 
 /// The caustics that the paths of a wavefront have found.
 #[derive(Debug, Default)]
@@ -64,23 +64,23 @@ impl SharedCaustics {
         self.found.clear();
     }
 
-    /// Handles the emission that a path has met by way of mirrors after its prefix. If pixels share it, stores its radiance
-    /// and returns black. Otherwise returns the radiance, which belongs to the sample of the path alone.
+    /// Takes the emission that a path has met by way of mirrors after its prefix, if pixels share it. Otherwise returns its
+    /// radiance, which belongs to the sample of the path alone.
     #[inline(never)]
-    pub(in crate::path) fn keep_emission(
+    pub(in crate::path) fn take_emission(
         &mut self,
         context: &RenderContext<'_>,
         path: &Path,
-        (hit, at): (&Hit, &Interaction<'_>),
+        at: &Interaction<'_>,
     ) -> Rgb {
         let emitted = at.emitted();
         if emitted.is_black() {
             return emitted;
         }
-        let weight = path.mis.weight(context, (hit, at));
+        let weight = path.mis.weight(context, at);
         let radiance = path.throughput * emitted * weight;
         // A radiance that is not finite stays with its own sample, so that an error names that one.
-        if !context.shares_caustics || weight < LEAST_WEIGHT || radiance.is_black() || !radiance.is_finite() {
+        if !context.shares_caustics || weight < MIN_WEIGHT || radiance.is_black() || !radiance.is_finite() {
             return radiance;
         }
         let by_several_mirrors = matches!(path.stage, ReuseStage::Reflected(mirrors) if mirrors > 1);
@@ -175,7 +175,7 @@ impl SharedCaustics {
                 PdfSolidAngle(end.normal.dot(direction) / PI * end.guide_ratio(context.guide, direction));
             let mis = MisContext::scattered(Density::SolidAngle(pdf), end.receiver(), true);
             let weight = mis.weight_by_mirror(context, mirror.triangle, &found);
-            if weight >= LEAST_WEIGHT {
+            if weight >= MIN_WEIGHT {
                 let bsdf_weight =
                     if found.reflections > 0 { bsdf_weight(context, end, direction) } else { 1.0 };
                 candidate.radiance += found.radiance * (weight * bsdf_weight);

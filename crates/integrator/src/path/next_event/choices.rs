@@ -113,6 +113,7 @@ impl Choices<ChosenMirror> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::mis::MisContext;
     use crate::path::reuse_stage::ReuseStage;
     use crate::sampler::Member;
     use crate::sampler::MirrorSize;
@@ -153,7 +154,8 @@ mod tests {
         let rays: Vec<_> = rays.collect();
         let hits: Vec<_> = rays.iter().map(|ray| scene.accel().intersect(ray)).collect();
         let draw = |i: u64| settings.sampler.numbers(1, Member::alone(i), 0, &(0..4));
-        let mut paths: Vec<_> = (0..203).map(|i| Path::new(i as u32, draw(i))).collect();
+        let mut paths: Vec<_> =
+            (0..203).map(|i| Path::new(i as u32, draw(i), MisContext::of_camera(false))).collect();
         for path in paths.iter_mut().step_by(3) {
             path.stage = ReuseStage::Settled;
         }
@@ -201,7 +203,8 @@ mod tests {
         let context = RenderContext::new(&scene, &camera, &settings);
         let (ray, draw) =
             (Ray::new(DVec3::Y, -DVec3::Y), settings.sampler.numbers(1, Member::alone(0), 0, &(0..4)));
-        let (mut path, hit) = (Path::new(0, draw), scene.accel().intersect(&ray));
+        let (mut path, hit) =
+            (Path::new(0, draw, MisContext::of_camera(false)), scene.accel().intersect(&ray));
         path.stage = ReuseStage::Settled;
         let mut choices = Choices::default();
         choices.choose_small_mirrors(&context, (&[path], &[ray], &[hit]), &[0.5]);

@@ -46,9 +46,11 @@ impl LargeMirrorRays {
         path: &Path,
         vertex: &ShadingPoint<'_>,
     ) {
-        let Some(mirrors) = context.mirrors.and_then(|mirrors| mirrors.large.as_ref()) else { return };
+        let Some(mirrors) = context.large_mirrors() else { return };
         let Some((facet, light, seen)) = seen_in(mirrors, context, path, vertex) else { return };
-        let Some(radiance) = context.scattered(path, vertex, &LightSample::Area(seen)) else { return };
+        let Some(radiance) = context.light_contribution(path, vertex, &LightSample::Area(seen)) else {
+            return;
+        };
         self.rays.push(vertex.at.point.spawn(seen.direction));
         self.samples.push(Sample { target: path.target, radiance, facet, light });
     }
@@ -60,7 +62,7 @@ impl LargeMirrorRays {
         shadow_rays: &mut Vec<Ray>,
         contributions: &mut Vec<Contribution>,
     ) {
-        let Some(mirrors) = context.mirrors.and_then(|mirrors| mirrors.large.as_ref()) else { return };
+        let Some(mirrors) = context.large_mirrors() else { return };
         context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
         for (sample, hit) in self.samples.iter().zip(&self.hits) {
             let Some(hit) = hit.filter(|hit| mirrors.facet_of(hit.triangle) == Some(sample.facet)) else {

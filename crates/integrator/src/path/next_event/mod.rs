@@ -65,22 +65,22 @@ impl RenderContext<'_> {
         count: u32,
     ) -> Option<(Ray, Rgb)> {
         let light = sampler.sample_chosen(&light?, point)?.of_samples(count);
-        let radiance = self.scattered(path, vertex, &light)?;
+        let radiance = self.light_contribution(path, vertex, &light)?;
         Some((light.shadow_ray(&vertex.at.point)?, radiance))
     }
 
     /// The contribution of a light sample: what arrives from it, scattered along the path, times its multiple
     /// importance sampling weight. `None` if that is black.
     #[inline(always)]
-    pub(super) fn scattered(
+    pub(super) fn light_contribution(
         &self,
         path: &Path,
         vertex @ ShadingPoint { at, frame, wo, .. }: &ShadingPoint<'_>,
         light: &LightSample,
     ) -> Option<Rgb> {
         let wi = frame.to_local(light.direction());
-        let scattered = vertex.pdf(wi);
-        let weight = self.settings.estimator.weight_of_light(light, scattered);
+        let bsdf_pdf = vertex.pdf(wi);
+        let weight = self.settings.estimator.weight_of_light(light, bsdf_pdf);
         let (incident, probability) = light.quotient();
         let value = at.material.bsdf.eval(*wo, wi) * incident;
         let radiance = path.throughput * value * (wi.z.abs() * weight / probability);

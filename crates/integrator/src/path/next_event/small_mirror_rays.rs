@@ -62,7 +62,7 @@ impl SmallMirrorRays {
             let Some(sample) = mirrors.sample(triangles, receiver, count, chosen, point) else { return };
             let MirrorPoint { triangle, point, direction, pdf, cluster } = sample;
             let seen = LightSample::Area(AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf });
-            let Some(radiance) = context.scattered(path, vertex, &seen) else { return };
+            let Some(radiance) = context.light_contribution(path, vertex, &seen) else { return };
             self.rays.push(vertex.at.point.spawn(direction));
             self.samples.push(Sample { target: path.target, radiance, triangle, cluster });
         };

@@ -2,10 +2,10 @@
 
 use crate::guide::{Photon, PhotonGuide, guide_vertex};
 use crate::light::AliasTable;
-use crate::path::caustics::{LEAST_MIRRORS, most_mirrors};
+use crate::path::caustics::{MIN_MIRRORS, max_mirrors};
 use crate::path::emission_rays::reflected_ray;
 use crate::path::render_context::RenderContext;
-use crate::sampler::Preliminary;
+use crate::sampler::ReservedStream;
 use crate::{Settings, Stream};
 use glam::Vec3;
 use globillum_geom::{Frame, Hit, Ray, Triangle};
@@ -42,7 +42,7 @@ struct Emitters<'a> {
 /// The guide toward caustics by way of several mirrors. `None` unless caustics are shared, lights are sampled by way of
 /// mirrors, and the limit on bounces allows for several; and if there are few photons.
 pub(in crate::path) fn photon_guide(context: &RenderContext<'_>) -> Option<PhotonGuide> {
-    let allows_several = most_mirrors(context) >= LEAST_MIRRORS;
+    let allows_several = max_mirrors(context) >= MIN_MIRRORS;
     let is_used = context.shares_caustics && context.mirrors.is_some() && allows_several;
     if is_used { PhotonGuide::new(&photons(context)) } else { None }
 }
@@ -84,7 +84,7 @@ impl Emitters<'_> {
     /// Starts a path at a light, with a direction by the cosine.
     fn start(&self, path: u32) -> Option<PhotonPath> {
         let scene = self.context.scene;
-        let numbers = Stream::preliminary(Preliminary::Photons, path);
+        let numbers = Stream::reserved(ReservedStream::Photons, path);
         let triangle = self.triangles[self.table.sample(numbers.uniform(0))?];
         let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(1));
         let point = scene.triangles().surface_point(triangle, u, v);
@@ -106,14 +106,14 @@ impl PhotonPath {
             Bsdf::Mirror(reflectance) => {
                 // Russian roulette: what goes on has the same power.
                 let survives = self.numbers.uniform(6 + reflections) < reflectance.rgb().max_component();
-                (survives && reflections < most_mirrors(context)).then(|| Self {
+                (survives && reflections < max_mirrors(context)).then(|| Self {
                     ray: reflected_ray(&at.point, self.ray.direction),
                     reflections: reflections + 1,
                     exit: at.point.position.as_vec3(),
                     ..*self
                 })
             }
-            Bsdf::Lambert(albedo) if reflections >= LEAST_MIRRORS && !albedo.rgb().is_black() => {
+            Bsdf::Lambert(albedo) if reflections >= MIN_MIRRORS && !albedo.rgb().is_black() => {
                 let vertex = guide_vertex(at.receiver());
                 photons.push(Photon { vertex, exit });
                 None

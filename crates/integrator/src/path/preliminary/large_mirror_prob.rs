@@ -22,13 +22,13 @@ const SIDE: u32 = 8;
 const SEED: u64 = 0x6d69_7272_6f72;
 
 /// Their paths end after this many bounces, whatever the settings say of roulette.
-const MOST_BOUNCES: u32 = 16;
+const MAX_BOUNCES: u32 = 16;
 
 /// The probability is this many times the ratio of the roots of sums of squares (measured, docs/estimators.md).
 const FACTOR: f64 = 2.0;
 
 /// The least probability: probes may miss where mirrors matter.
-const LEAST: f64 = 1.0 / 16.0;
+const MIN_PROB: f64 = 1.0 / 16.0;
 
 /// Sums of squares of what light samples contribute at vertices after the first diffuse one of their path.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,7 +54,7 @@ impl AddAssign for Squares {
 pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     // A sample at the second diffuse vertex takes a third bounce, at the mirror.
     let has_later = context.settings.max_bounces.is_none_or(|max| max > 2);
-    if !context.samples_large_mirrors() || !has_later {
+    if context.large_mirrors().is_none() || !has_later {
         return 1.0;
     }
     let settings = probe_settings(context.settings);
@@ -68,14 +68,14 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     of_tiles.into_iter().for_each(|of_tile| squares += of_tile);
     let prob = FACTOR * (squares.large / squares.direct).sqrt();
     // NaN if the probes found no light.
-    if prob.is_nan() { 1.0 } else { prob.clamp(LEAST, 1.0) }
+    if prob.is_nan() { 1.0 } else { prob.clamp(MIN_PROB, 1.0) }
 }
 
 /// The settings of the probes' paths.
 fn probe_settings(settings: &Settings) -> Settings {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let samples = (u64::from(PATHS) / pixels).max(1).next_power_of_two() as u32;
-    let max_bounces = Some(settings.max_bounces.unwrap_or(MOST_BOUNCES).min(MOST_BOUNCES));
+    let max_bounces = Some(settings.max_bounces.unwrap_or(MAX_BOUNCES).min(MAX_BOUNCES));
     Settings { max_bounces, ..path_settings(settings, samples, SEED) }
 }
 
@@ -218,7 +218,7 @@ mod tests {
         let settings = settings(0);
         let bare = found(&scene(0.6, false), &settings);
         assert!((0.5..1.0).contains(&bare), "{bare}");
-        assert_eq!(found(&scene(0.6, true), &settings), LEAST);
+        assert_eq!(found(&scene(0.6, true), &settings), MIN_PROB);
         let off = Settings { mirror_sampling: crate::MirrorSampling::Off, ..settings };
         assert_eq!(found(&scene(0.6, true), &off), 1.0);
     }

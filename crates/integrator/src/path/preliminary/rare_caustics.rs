@@ -1,34 +1,34 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
-use crate::path::caustics::LEAST_WEIGHT;
+use crate::path::caustics::MIN_WEIGHT;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::first_vertex::first_diffuse_vertex;
 use crate::path::mis::MisContext;
 use crate::path::render_context::RenderContext;
-use crate::sampler::Preliminary;
+use crate::sampler::ReservedStream;
 use crate::{PathStart, Stream};
 use globillum_geom::{Frame, Ray};
 use globillum_material::Bsdf;
 
 /// Probes along each side of the picture, by which caustics are found to be rare.
-const PROBES: u32 = 64;
+const PROBES_PER_SIDE: u32 = 64;
 
 /// The most caustics that the probes find where caustics are rare. Sharing then takes two connections per sample or less,
 /// as far as the probes tell.
-const MOST_FOUND: usize = (PROBES * PROBES) as usize / 128;
+const MAX_FOUND: usize = (PROBES_PER_SIDE * PROBES_PER_SIDE) as usize / 128;
 
 /// Whether pixels share caustics: these are rare if some paths at fixed places find few.
 pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
     let may_share = context.reuses_paths() && context.scene.has_mirrors();
-    may_share && caustics_found(context) <= MOST_FOUND
+    may_share && caustics_found(context) <= MAX_FOUND
 }
 
-/// How many caustics that would be shared [`PROBES`] x [`PROBES`] paths find from their first two diffuse vertices, each by
+/// How many caustics that would be shared [`PROBES_PER_SIDE`] x [`PROBES_PER_SIDE`] paths find from their first two diffuse vertices, each by
 /// way of up to [`MAX_REFLECTIONS`] mirrors whatever the limit on bounces. They follow from the scene, the sensor and the
 /// settings, never from samples.
 fn caustics_found(context: &RenderContext<'_>) -> usize {
-    let first = scattered(context, 0, starts(context));
-    let second = scattered(context, 1, first.iter().map(|&(ray, _)| PathStart::Ray(ray)));
+    let first = scattered_rays(context, 0, starts(context));
+    let second = scattered_rays(context, 1, first.iter().map(|&(ray, _)| PathStart::Ray(ray)));
     found_from(context, &first) + found_from(context, &second)
 }
 
@@ -50,7 +50,7 @@ fn found_from(context: &RenderContext<'_>, scattered: &[(Ray, MisContext)]) -> u
         let i = found.tag as usize;
         let mirror = hits[i].as_ref().map_or(Ray::NO_TRIANGLE, |hit| hit.triangle);
         let weight = scattered[i].1.weight_by_mirror(context, mirror, &found);
-        count += usize::from(weight >= LEAST_WEIGHT);
+        count += usize::from(weight >= MIN_WEIGHT);
     };
     reflected.trace(context, MAX_REFLECTIONS - 1, add, |_, _| {});
     count
@@ -58,7 +58,7 @@ fn found_from(context: &RenderContext<'_>, scattered: &[(Ray, MisContext)]) -> u
 
 /// The rays that the next diffuse vertices of paths scatter, with what weights depend on. `before` is the number of diffuse
 /// vertices that precede them.
-fn scattered(
+fn scattered_rays(
     context: &RenderContext<'_>,
     before: u32,
     paths: impl Iterator<Item = PathStart>,
@@ -66,7 +66,7 @@ fn scattered(
     let scatter = |(i, path)| {
         let at = first_diffuse_vertex(context, path)?;
         let frame = Frame::around(at.side());
-        let u = Stream::preliminary(Preliminary::CausticProbes, i).uniform_pair(2 * before);
+        let u = Stream::reserved(ReservedStream::CausticProbes, i).uniform_pair(2 * before);
         let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
         let mis = MisContext::scattered(sample.density, at.receiver(), before == 0);
         Some((at.point.spawn(frame.to_world(sample.wi)), mis))
@@ -77,10 +77,10 @@ fn scattered(
 /// Where the probes begin, row by row.
 fn starts(context: &RenderContext<'_>) -> impl Iterator<Item = PathStart> {
     let place = |probe: u32, pixels: u32| {
-        let at = (f64::from(probe) + 0.5) / f64::from(PROBES) * f64::from(pixels);
+        let at = (f64::from(probe) + 0.5) / f64::from(PROBES_PER_SIDE) * f64::from(pixels);
         (at as u32, at.fract())
     };
-    let places = (0..PROBES).flat_map(|row| (0..PROBES).map(move |column| (column, row)));
+    let places = (0..PROBES_PER_SIDE).flat_map(|row| (0..PROBES_PER_SIDE).map(move |column| (column, row)));
     places.map(move |(column, row)| {
         let ((x, u), (y, v)) = (place(column, context.settings.width), place(row, context.settings.height));
         context.path_start((x, y), [u, v])
@@ -135,7 +135,7 @@ mod tests {
     /// begins so early that no pixel shares what it sees in mirrors, these do not count.
     #[test]
     fn first_diffuse_vertices_count_wherever_paths_meet_them() {
-        let all = (PROBES * PROBES) as usize;
+        let all = (PROBES_PER_SIDE * PROBES_PER_SIDE) as usize;
         let eye = DVec3::new(0.0, 2.0, 0.5);
         let toward = |x: f64| Camera::look_at(eye, DVec3::new(x, 0.0, 0.0), DVec3::Y, 0.1).unwrap();
         let [direct, by_one, by_two] = [0.0, 1.0, 2.0].map(toward);
@@ -148,9 +148,9 @@ mod tests {
                 let scene = shaft(half_light);
                 let context = RenderContext::new(&scene, sensor, &settings);
                 let (count, found) =
-                    (scattered(&context, 0, starts(&context)).len(), caustics_found(&context));
+                    (scattered_rays(&context, 0, starts(&context)).len(), caustics_found(&context));
                 assert_eq!(count, all, "{sensor:?}, {half_light}");
-                assert_eq!(found > MOST_FOUND, are_common, "{sensor:?}, {half_light}: {found}");
+                assert_eq!(found > MAX_FOUND, are_common, "{sensor:?}, {half_light}: {found}");
                 assert_eq!(are_shared(&context), !are_common, "{sensor:?}, {half_light}");
                 let context = RenderContext { settings: &earlier, ..context };
                 assert!(start == 1 || caustics_found(&context) == 0, "{sensor:?}, {half_light}");
@@ -169,8 +169,8 @@ mod tests {
         let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::Y * 3.9, DVec3::X, 0.1).unwrap();
         let settings = Settings::new(16, 16, 4);
         let context = RenderContext::new(&scene, &camera, &settings);
-        let first = scattered(&context, 0, starts(&context));
+        let first = scattered_rays(&context, 0, starts(&context));
         assert_eq!(found_from(&context, &first), 0);
-        assert!(caustics_found(&context) > 10 * MOST_FOUND);
+        assert!(caustics_found(&context) > 10 * MAX_FOUND);
     }
 }

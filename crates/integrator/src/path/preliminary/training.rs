@@ -16,8 +16,9 @@ use std::ops::{ControlFlow, Range};
 
 /// The least samples of a pixel.
 const MIN_SAMPLES: u32 = 4;
-/// The number of paths is between these two, about, if there are pixels enough and not too many.
+/// The least number of paths, about, if there are pixels enough.
 const MIN_PATHS: u64 = 1 << 16;
+/// The most, about. A larger picture has gaps between its tiles.
 const MAX_PATHS: u64 = 1 << 18;
 /// Pixels along the side of a tile.
 const SIDE: u32 = 8;

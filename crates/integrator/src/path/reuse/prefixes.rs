@@ -10,7 +10,7 @@ use crate::path::tile_samples::TileSamples;
 use glam::DVec3;
 use globillum_material::Rgb;
 
-/// A path up to its first diffuse vertex.
+/// The prefix of a path, up to its first diffuse vertex, and where its suffix begins.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::path) struct Prefix {
     pub(in crate::path) end: ReuseVertex,
@@ -27,7 +27,7 @@ pub(in crate::path) struct Prefix {
     /// The next vertex of its own path, if that is on a mirror.
     pub(in crate::path) mirror: Option<ReuseVertex>,
     /// Where its own suffix begins: at the next vertex, or at the one that the mirror shows.
-    start: Option<SuffixStart>,
+    suffix_start: Option<SuffixStart>,
 }
 
 /// Where a suffix begins.
@@ -56,10 +56,10 @@ impl Prefixes {
         self.groups.clear();
         if context.reuses_paths() {
             self.all.resize(samples.count(), None);
-            let groups = Groups::of_pass(context.settings.pass_of(samples.numbers.start));
+            let groups = Groups::of_pass(context.settings.pass_of(samples.in_pixel.start));
             let of_samples = |group: PixelGroup| {
-                let numbers = 0..samples.numbers.len();
-                numbers.map(move |i| group.map(|pixel| samples.of_pixel(pixel?).nth(i)))
+                let of_pixel = 0..samples.in_pixel.len();
+                of_pixel.map(move |i| group.map(|pixel| samples.of_pixel(pixel?).nth(i)))
             };
             self.groups.extend(groups.of_tile(samples.tile).flat_map(of_samples));
         }
@@ -104,7 +104,7 @@ impl Prefixes {
             guide_ratio: path.guide_ratio,
             largest_throughput: throughput,
             mirror: None,
-            start: None,
+            suffix_start: None,
         });
         self.have_ended = true;
     }
@@ -135,7 +135,7 @@ impl Prefixes {
     pub(in crate::path) fn meet_mirror(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
         prefix.mirror = Some(ReuseVertex::at(vertex));
-        path.prefix_throughput = prefix.throughput;
+        path.largest_prefix_throughput = prefix.throughput;
         path.leave_prefix();
     }
 
@@ -144,8 +144,8 @@ impl Prefixes {
     #[inline(always)]
     pub(in crate::path) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
-        prefix.start = Some(SuffixStart::Surface(ReuseVertex::at(vertex)));
-        path.prefix_throughput = prefix.largest_throughput;
+        prefix.suffix_start = Some(SuffixStart::Surface(ReuseVertex::at(vertex)));
+        path.largest_prefix_throughput = prefix.largest_throughput;
         if prefix.mirror.is_none() {
             path.leave_prefix();
         }
@@ -155,7 +155,7 @@ impl Prefixes {
     #[inline(always)]
     pub(in crate::path) fn leave_scene(&mut self, path: &mut Path, direction: DVec3) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
-        prefix.start = Some(SuffixStart::Environment(direction.normalize()));
+        prefix.suffix_start = Some(SuffixStart::Environment(direction.normalize()));
         path.leave_prefix();
     }
 }
@@ -180,7 +180,7 @@ impl Prefix {
     /// The suffix, if it has begun.
     #[inline(always)]
     pub(super) fn suffix(&self) -> Option<Suffix<'_>> {
-        Some(match self.start.as_ref()? {
+        Some(match self.suffix_start.as_ref()? {
             SuffixStart::Surface(start) => Suffix::Surface { start, mirror: self.mirror.as_ref() },
             &SuffixStart::Environment(direction) => Suffix::Environment(direction),
         })

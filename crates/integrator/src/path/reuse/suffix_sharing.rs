@@ -6,8 +6,8 @@
 //! suffix begins at the diffuse vertex that the mirror shows, and prefixes find it by way of the same triangle. A path that
 //! leaves the scene after its prefix has the environment for a suffix.
 //!
-//! Light that a suffix finds by way of mirrors is rare and bright where light samples hardly ever find it. All prefixes of
-//! the square share it.
+//! Light that a suffix finds by way of mirrors is rare and bright where light samples hardly ever find it. If
+//! [`RenderContext::shares_caustics`], all prefixes of the square share it.
 //!
 //! In the open, most paths leave the scene after their prefix. There the radiance of the environment is a control variate:
 //! it is taken to arrive at prefixes from all directions, and suffixes are what differs from it.

@@ -12,7 +12,7 @@ use glam::DVec3;
 use globillum_material::Rgb;
 
 /// Probes along each side of a pixel.
-const PROBES: u32 = 4;
+const PROBES_PER_SIDE: u32 = 4;
 
 /// Probes along each side of a pixel that sees a curved mirror, in which lights look small.
 const PROBES_OF_MIRRORS: u32 = 8;
@@ -43,7 +43,7 @@ pub(crate) struct LightEdges {
 struct Seen {
     /// The emission that all of its probes find; `None` if they do not find the same.
     emission: Option<Rgb>,
-    /// How many probes along each side it needs; more than [`PROBES`] if it sees a curved mirror.
+    /// How many probes along each side it needs; more than [`PROBES_PER_SIDE`] if it sees a curved mirror.
     side: u32,
 }
 
@@ -74,7 +74,8 @@ impl LightEdges {
             let mut near = PixelRect::pixels_near((x, y), width, height);
             let differs = |(x, y)| seen[around.index(x, y)].emission != own.emission;
             if own.emission.is_none() || near.any(differs) {
-                let pixels = if own.side > PROBES { &mut edges.in_curved_mirrors } else { &mut edges.plain };
+                let pixels =
+                    if own.side > PROBES_PER_SIDE { &mut edges.in_curved_mirrors } else { &mut edges.plain };
                 pixels.push(i);
             }
         }
@@ -93,7 +94,7 @@ fn seen_by(context: &RenderContext<'_>, tile: PixelRect) -> Vec<Seen> {
     let mut probes = Probes::default();
     let mut seen = Vec::with_capacity(pixels.len());
     for chunk in pixels.chunks(PIXELS_AT_ONCE) {
-        probes.trace(context, chunk.iter().copied(), PROBES);
+        probes.trace(context, chunk.iter().copied(), PROBES_PER_SIDE);
         let of_pixel = |i| Seen { emission: probes.common_emission(i), side: probes.side_needed(i) };
         seen.extend((0..chunk.len()).map(of_pixel));
     }
@@ -149,14 +150,14 @@ impl Probes {
     /// angles between them; only at their edges some probes are reflected and some are not.
     fn side_needed(&self, i: usize) -> u32 {
         let mut directions = self.directions[i * self.count..][..self.count].iter().flatten();
-        let Some(first) = directions.next() else { return PROBES };
+        let Some(first) = directions.next() else { return PROBES_PER_SIDE };
         let [from_camera, last] = [0, 1].map(|k| {
             let squares = directions.clone().map(|other| (other[k] - first[k]).length_squared());
             squares.fold(0.0, f64::max)
         });
         let is_spread = last > (SPREAD * SPREAD * from_camera).max(LEAST_ANGLE * LEAST_ANGLE);
         match is_spread {
-            false => PROBES,
+            false => PROBES_PER_SIDE,
             true if last <= WIDE * WIDE => PROBES_OF_MIRRORS,
             true => PROBES_OF_WIDE_MIRRORS,
         }
@@ -272,8 +273,8 @@ mod tests {
             let scene = scene(mirror);
             let context = RenderContext::new(&scene, sensor, &settings);
             let mut probes = Probes::default();
-            probes.trace(&context, TILE.pixels(), PROBES);
-            (0..TILE.pixel_count()).filter(|&pixel| probes.side_needed(pixel) > PROBES).count()
+            probes.trace(&context, TILE.pixels(), PROBES_PER_SIDE);
+            (0..TILE.pixel_count()).filter(|&pixel| probes.side_needed(pixel) > PROBES_PER_SIDE).count()
         };
         for sensor in [&camera() as &dyn Sensor, &parallel] {
             assert_eq!(spread(wall(), sensor), 0);

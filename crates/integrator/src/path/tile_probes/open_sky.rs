@@ -1,26 +1,26 @@
-//! Probes that find whether what a tile sees lies in the open.
+//! Probes that find whether what a square of pixels sees lies in the open.
 
 use crate::path::emission_rays::{MAX_REFLECTIONS, reflected_ray};
 use crate::path::first_vertex::first_diffuse_vertex;
 use crate::path::render_context::RenderContext;
 use crate::pixel_rect::PixelRect;
-use crate::sampler::Preliminary;
+use crate::sampler::ReservedStream;
 use crate::{Interaction, Stream};
 use globillum_geom::{Frame, Ray};
 
-/// Probes of a tile.
+/// Probes of a square.
 const PROBES: usize = 64;
 
-/// Whether most of the directions that the surfaces seen by a tile scatter lead to the environment, directly or by way of
-/// mirrors. False where paths are not reused, and where no surface is seen.
-pub(super) fn is_open(context: &RenderContext<'_>, tile: PixelRect) -> bool {
+/// Whether most of the directions scattered by the surfaces that a square sees lead to the environment, directly or by way
+/// of mirrors. False where paths are not reused, and where no surface is seen.
+pub(super) fn is_open(context: &RenderContext<'_>, square: PixelRect) -> bool {
     if !context.reuses_paths() || context.scene.environment().is_black() {
         return false;
     }
     let leads_out = |i: usize| {
-        let pixel = tile.pixel((i * tile.pixel_count() / PROBES) as u32);
+        let pixel = square.pixel((i * square.pixel_count() / PROBES) as u32);
         let at = first_diffuse_vertex(context, context.path_start(pixel, [0.5, 0.5]))?;
-        let numbers = Stream::preliminary(Preliminary::SkyProbes, i as u32);
+        let numbers = Stream::reserved(ReservedStream::SkyProbes, i as u32);
         let scattered = scattered_ray(&at, numbers.uniform_pair(0))?;
         Some(surface_along(context, scattered).is_none())
     };

@@ -67,15 +67,15 @@ pub(crate) struct Wavefront {
 pub(super) const IRRADIANCE_PER_RADIANCE: f64 = PI;
 
 impl Wavefront {
-    /// Traces the samples of these numbers of each pixel of the tile; `None` if `cancelled` before the last bounce.
+    /// Traces these samples of each pixel of the tile; `None` if `cancelled` before the last bounce.
     pub(crate) fn trace(
         &mut self,
         context: &RenderContext<'_>,
         probes: &TileProbes,
-        numbers: Range<u32>,
+        samples: Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Counters> {
-        self.start(context, probes, numbers);
+        self.start(context, probes, samples);
         let mut counters = Counters { camera_rays: self.rays.len() as u64, ..Counters::default() };
         for bounce in 0.. {
             if cancelled() {

@@ -4,9 +4,8 @@ use super::Wavefront;
 use super::numbers::{draw_bounce_numbers, draw_numbers};
 use crate::Interaction;
 use crate::guide::{GuideVertex, guide_vertex};
-use crate::path::caustics::LEAST_WEIGHT;
+use crate::path::caustics::MIN_WEIGHT;
 use crate::path::counters::Counters;
-use crate::path::emission_rays::MAX_REFLECTIONS;
 use crate::path::first_vertex::irradiance_vertex;
 use crate::path::mis::MisContext;
 use crate::path::path_state::Path;
@@ -15,7 +14,7 @@ use crate::path::render_context::RenderContext;
 use crate::path::reuse_stage::{Met, ReuseEvent, ReuseStage};
 use crate::path::shading_point::ShadingPoint;
 use crate::sampler::{MirrorSize, Numbers};
-use globillum_geom::{Hit, Ray};
+use globillum_geom::Ray;
 use globillum_material::{Density, Rgb};
 
 /// How many vertices are looked up in a guide at once.
@@ -50,7 +49,7 @@ impl Wavefront {
     /// Draws the numbers for lights in large mirrors, if most paths take them.
     fn draw_large_mirror_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
         self.large_mirror_numbers.clear();
-        if context.samples_large_mirrors() && (bounce == 0 || context.large_mirror_prob > 0.5) {
+        if context.large_mirrors().is_some() && (bounce == 0 || context.large_mirror_prob > 0.5) {
             draw_numbers(
                 context.simd,
                 &self.paths,
@@ -101,9 +100,9 @@ impl Wavefront {
                 continue;
             }
             if let ReuseStage::Reflected(_) = path.stage {
-                self.add_reflected_emission(context, &path, (&hit, &at));
+                self.add_reflected_emission(context, &path, &at);
             } else {
-                self.add_emission(context, &path, bounce, (&hit, &at));
+                self.add_emission(context, &path, bounce, &at);
             }
             if context.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
@@ -127,21 +126,14 @@ impl Wavefront {
 
     /// Adds the emission that a path has met. What a suffix finds by way of mirrors is kept by itself, where it is rare.
     #[inline(always)]
-    fn add_emission(
-        &mut self,
-        context: &RenderContext<'_>,
-        path: &Path,
-        bounce: u32,
-        (hit, at): (&Hit, &Interaction<'_>),
-    ) {
+    fn add_emission(&mut self, context: &RenderContext<'_>, path: &Path, bounce: u32, at: &Interaction<'_>) {
         let emitted = at.emitted();
-        let is_found_otherwise = path.mis.supersampled && bounce <= MAX_REFLECTIONS;
-        if emitted.is_black() || is_found_otherwise {
+        if emitted.is_black() || path.mis.is_supersampled(bounce) {
             return;
         }
-        let weight = path.mis.weight(context, (hit, at));
+        let weight = path.mis.weight(context, at);
         let radiance = path.throughput * (emitted * weight);
-        let is_shared = context.shares_caustics && path.mis.is_specular() && weight >= LEAST_WEIGHT;
+        let is_shared = context.shares_caustics && path.mis.is_specular() && weight >= MIN_WEIGHT;
         match path.target {
             Target::AfterPrefix(sample) if is_shared => {
                 self.radiance.suffix_caustics.push((sample, radiance))
@@ -150,16 +142,11 @@ impl Wavefront {
         }
     }
 
-    /// Adds the emission that a path has met after its prefix by way of mirrors. What caustics leave depends on the
-    /// prefix, so it is not shared.
+    /// Adds the emission that a path has met after its prefix by way of mirrors. What caustics do not take has a weight that
+    /// depends on the prefix, so it goes to this sample alone.
     #[inline(always)]
-    fn add_reflected_emission(
-        &mut self,
-        context: &RenderContext<'_>,
-        path: &Path,
-        (hit, at): (&Hit, &Interaction<'_>),
-    ) {
-        let left = self.caustics.keep_emission(context, path, (hit, at));
+    fn add_reflected_emission(&mut self, context: &RenderContext<'_>, path: &Path, at: &Interaction<'_>) {
+        let left = self.caustics.take_emission(context, path, at);
         let throughput = self.prefixes.throughput_before(path.target);
         self.radiance.samples[path.target.sample() as usize] += throughput * left;
     }

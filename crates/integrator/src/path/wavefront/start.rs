@@ -3,6 +3,7 @@
 use super::Wavefront;
 use super::numbers::draw_numbers;
 use crate::PathStart;
+use crate::path::mis::MisContext;
 use crate::path::path_state::Path;
 use crate::path::render_context::RenderContext;
 use crate::path::reuse::Groups;
@@ -13,29 +14,27 @@ use globillum_material::Rgb;
 use std::ops::Range;
 
 impl Wavefront {
-    /// Starts the paths of the samples of these numbers of each pixel of the tile.
+    /// Starts the paths of these samples of each pixel of the tile.
     pub(in crate::path) fn start(
         &mut self,
         context: &RenderContext<'_>,
         probes: &TileProbes,
-        numbers: Range<u32>,
+        samples: Range<u32>,
     ) {
         let (settings, tile) = (context.settings, probes.tile);
-        let pass = settings.pass_of(numbers.start);
+        let pass = settings.pass_of(samples.start);
         let samples_of_pass = settings.samples_of(pass..pass + 1);
         let groups = context.stratifies_groups().then(|| Groups::of_pass(pass));
-        self.samples = TileSamples { tile, numbers };
+        self.samples = TileSamples { tile, in_pixel: samples };
         self.paths.clear();
         for (x, y) in tile.pixels_by_block() {
             let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
             let member = groups.map_or_else(alone, |groups| groups.member(x, y, settings.width));
             let pixel = tile.index(x, y) as u32;
             let supersampled = probes.edges.contain(pixel);
-            for (sample, number) in self.samples.of_pixel(pixel).zip(self.samples.numbers.clone()) {
-                let numbers = settings.sampler.numbers(settings.seed, member, number, &samples_of_pass);
-                let mut path = Path::new(sample, numbers);
-                path.mis.supersampled = supersampled;
-                self.paths.push(path);
+            for (sample, index) in self.samples.of_pixel(pixel).zip(self.samples.in_pixel.clone()) {
+                let numbers = settings.sampler.numbers(settings.seed, member, index, &samples_of_pass);
+                self.paths.push(Path::new(sample, numbers, MisContext::of_camera(supersampled)));
             }
         }
         draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
@@ -51,8 +50,8 @@ impl Wavefront {
         self.rays.clear();
         self.from_points.clear();
         self.points.clear();
-        let TileSamples { tile, numbers } = &self.samples;
-        let elements = tile.pixels_by_block().zip(self.film_numbers.chunks_exact(numbers.len()));
+        let TileSamples { tile, in_pixel } = &self.samples;
+        let elements = tile.pixels_by_block().zip(self.film_numbers.chunks_exact(in_pixel.len()));
         let samples = elements.flat_map(|(element, numbers)| numbers.iter().map(move |&u| (element, u)));
         let mut kept = 0;
         for (i, (element, u)) in samples.enumerate() {

@@ -37,7 +37,7 @@ impl SupersamplingRays {
         pixels: &[u32],
         samples: &TileSamples,
     ) -> u64 {
-        let at_once = 1.max(BATCH / (samples.numbers.len() * N));
+        let at_once = 1.max(BATCH / (samples.in_pixel.len() * N));
         let mut camera_rays = 0;
         for pixels in pixels.chunks(at_once) {
             let before = self.found.len();
@@ -59,13 +59,13 @@ impl SupersamplingRays {
     #[inline(always)]
     fn begin<const N: usize>(&mut self, context: &RenderContext<'_>, pixels: &[u32], samples: &TileSamples) {
         let settings = context.settings;
-        let pass = settings.pass_of(samples.numbers.start);
+        let pass = settings.pass_of(samples.in_pixel.start);
         let samples_of_pass = settings.samples_of(pass..pass + 1);
         for &pixel in pixels {
             let (x, y) = samples.tile.pixel(pixel);
             let net = u64::from(y) * u64::from(settings.width) + u64::from(x);
-            for (sample, number) in samples.of_pixel(pixel).zip(samples.numbers.clone()) {
-                for u in settings.sampler.ray_positions::<N>(settings.seed, net, number, &samples_of_pass) {
+            for (sample, index) in samples.of_pixel(pixel).zip(samples.in_pixel.clone()) {
+                for u in settings.sampler.ray_positions::<N>(settings.seed, net, index, &samples_of_pass) {
                     let start = context.path_start((x, y), u);
                     self.rays.push_start(start, self.found.len() as u32);
                 }
@@ -103,7 +103,7 @@ mod tests {
         let [plain, in_curved_mirrors] = [&edges.plain, &edges.in_curved_mirrors].map(|pixels| pixels.len());
         assert!(plain > 5 && in_curved_mirrors > 5, "{plain} and {in_curved_mirrors} pixels");
         let mut rays = SupersamplingRays::default();
-        let traced = rays.find(&context, &edges, &TileSamples { tile, numbers: 0..3 });
+        let traced = rays.find(&context, &edges, &TileSamples { tile, in_pixel: 0..3 });
         assert_eq!(traced, 3 * (16 * plain + 32 * in_curved_mirrors) as u64);
         assert_eq!(rays.found.len(), 3 * (plain + in_curved_mirrors));
     }
