@@ -14,7 +14,7 @@ use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, r
 use crate::path::mis::MisContext;
 use crate::path::path_state::Path;
 use crate::path::render_context::RenderContext;
-use crate::path::reuse::{Prefix, Prefixes, ReuseVertex};
+use crate::path::reuse::{Connection, Prefix, Prefixes, ReuseVertex};
 use crate::path::reuse_stage::ReuseStage;
 use crate::path::tile_samples::TileSamples;
 use globillum_geom::{PdfSolidAngle, Ray, SurfacePoint};
@@ -28,9 +28,9 @@ pub(in crate::path) const MIN_WEIGHT: f64 = 0.5;
 #[derive(Debug, Default)]
 pub(in crate::path) struct SharedCaustics {
     found: Vec<PathCaustic>,
-    /// The prefixes that may share a caustic; its own is first.
-    candidates: Vec<Candidate>,
-    /// The segment from each candidate but the first to the mirror.
+    /// The prefixes that may share a caustic, each with the radiance that it receives; its own is first.
+    connections: Vec<(Connection, Rgb)>,
+    /// The segment from each but the first to the mirror.
     rays: Vec<Ray>,
     occluded: Vec<bool>,
     emission_rays: EmissionRays,
@@ -44,18 +44,6 @@ struct PathCaustic {
     radiance: Rgb,
     /// Whether it came by way of several mirrors.
     by_several_mirrors: bool,
-}
-
-/// A prefix that may share a caustic.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    sample: u32,
-    /// The density, per area of the mirror and times pi, with which the prefix would have been continued there by its
-    /// BSDF alone.
-    density: f64,
-    /// The same by the guide, if there is one.
-    guided_density: f64,
-    radiance: Rgb,
 }
 
 impl SharedCaustics {
@@ -112,52 +100,50 @@ impl SharedCaustics {
                 continue;
             };
             let shared = shared_radiance(context, own, &mirror, of_sample);
-            let own_candidate =
-                Candidate { sample, density: 1.0, guided_density: own.guide_ratio, radiance: shared };
-            let of_square = samples.of_square(sample);
-            self.collect_candidates(context, prefixes, (own_candidate, own, &mirror), of_square);
-            self.trace_candidates(context, (prefixes, own.bounce), &mirror.point, counters);
-            self.combine(prefixes, radiance);
+            self.connect(context, prefixes, (sample, own, &mirror), samples.of_square(sample));
+            self.connections[0].1 = shared;
+            self.trace_connections(context, (prefixes, own.bounce), &mirror.point, counters);
+            let lit = self.connections.iter().filter(|(_, radiance)| !radiance.is_black());
+            let lit = lit.map(|(connection, radiance)| (connection, *radiance));
+            Connection::divide(lit, prefixes, radiance);
         }
         self.found = found;
     }
 
-    /// Collects the candidates for a caustic, the prefix that has found it and those of the samples `others`, and the rays to
-    /// its mirror.
-    fn collect_candidates(
+    /// Connects the prefix that has found a caustic and those of `samples` to its mirror.
+    fn connect(
         &mut self,
         context: &RenderContext<'_>,
         prefixes: &Prefixes,
-        (own_candidate, own, mirror): (Candidate, &Prefix, &ReuseVertex),
-        others: impl Iterator<Item = u32>,
+        (sample, own, mirror): (u32, &Prefix, &ReuseVertex),
+        samples: impl Iterator<Item = u32>,
     ) {
-        self.candidates.clear();
+        self.connections.clear();
         self.rays.clear();
-        self.candidates.push(own_candidate);
-        let Some((density, _)) = own.end.connection_to(mirror) else { return };
-        self.candidates[0] =
-            Candidate { density, guided_density: density * own.guide_ratio, ..own_candidate };
-        for sample in others.filter(|&other| other != own_candidate.sample) {
-            let Some(prefix) = prefixes.of(sample).filter(|other| other.bounce == own.bounce) else {
-                continue;
-            };
+        let found = own.end.connection_to(mirror);
+        let density = found.map_or(1.0, |(density, _)| density);
+        self.connections.push((Connection::new(sample, density, own.guide_ratio), Rgb::BLACK));
+        if found.is_none() {
+            return;
+        }
+        for (sample, prefix) in prefixes.others_like(sample, samples) {
             let Some((density, ray)) = prefix.end.connection_to(mirror) else { continue };
-            let guided_density = density * prefix.end.guide_ratio(context.guide, ray.direction);
+            let guide_ratio = prefix.end.guide_ratio(context.guide, ray.direction);
             self.rays.push(ray);
-            self.candidates.push(Candidate { sample, density, guided_density, radiance: Rgb::BLACK });
+            self.connections.push((Connection::new(sample, density, guide_ratio), Rgb::BLACK));
         }
     }
 
-    /// Finds the light that arrives at each candidate but the first by way of `mirror`, the first one after the end of
+    /// Finds the light that arrives along each connection but the first by way of `mirror`, the first one after the end of
     /// prefixes at this bounce.
-    fn trace_candidates(
+    fn trace_connections(
         &mut self,
         context: &RenderContext<'_>,
         (prefixes, bounce): (&Prefixes, u32),
         mirror: &SurfacePoint,
         counters: &mut Counters,
     ) {
-        let Self { candidates, rays, occluded, emission_rays, .. } = self;
+        let Self { connections, rays, occluded, emission_rays, .. } = self;
         context.scene.accel().occluded_batch(rays, occluded);
         let Bsdf::Mirror(reflectance) = context.scene.material(mirror.triangle).bsdf else { return };
         for (i, (ray, _)) in
@@ -168,8 +154,8 @@ impl SharedCaustics {
         // Two bounces: at the prefix's end, and at this mirror.
         let left = context.settings.max_bounces.map_or(u32::MAX, |max| max - bounce - 2);
         let show = |found: FoundEmission<'_>| {
-            let candidate = &mut candidates[found.tag as usize];
-            let Some(Prefix { end, .. }) = prefixes.of(candidate.sample) else { return };
+            let (connection, radiance) = &mut connections[found.tag as usize];
+            let Some(Prefix { end, .. }) = prefixes.of(connection.sample) else { return };
             let direction = end.direction_to(mirror);
             let pdf =
                 PdfSolidAngle(end.normal.dot(direction) / PI * end.guide_ratio(context.guide, direction));
@@ -178,21 +164,11 @@ impl SharedCaustics {
             if weight >= MIN_WEIGHT {
                 let bsdf_weight =
                     if found.reflections > 0 { bsdf_weight(context, end, direction) } else { 1.0 };
-                candidate.radiance += found.radiance * (weight * bsdf_weight);
+                *radiance += found.radiance * (weight * bsdf_weight);
             }
         };
         let traced = emission_rays.trace(context, left.min(MAX_REFLECTIONS - 1), show, |_, _| {});
         counters.shadow_rays += rays.len() as u64 + traced;
-    }
-
-    /// Divides the caustic among the candidates that have found a light, by the balance heuristic.
-    fn combine(&self, prefixes: &Prefixes, samples: &mut [Rgb]) {
-        let lit = || self.candidates.iter().filter(|candidate| !candidate.radiance.is_black());
-        let sum: f64 = lit().map(|candidate| candidate.guided_density).sum();
-        for candidate in lit() {
-            let throughput = prefixes.of(candidate.sample).map_or(Rgb::WHITE, |prefix| prefix.throughput);
-            samples[candidate.sample as usize] += throughput * candidate.radiance * (candidate.density / sum);
-        }
     }
 }
 
@@ -582,14 +558,13 @@ mod tests {
             let met = prefixes.of(sample).and_then(|own| Some((own, own.mirror?)));
             let Some((own, mirror)) = met else { continue };
             let (density, ray) = own.end.connection_to(&mirror).unwrap();
-            caustics.candidates =
-                vec![Candidate { sample, density, guided_density: density, radiance: Rgb::BLACK }; 2];
+            caustics.connections = vec![(Connection::new(sample, density, 1.0), Rgb::BLACK); 2];
             caustics.rays = vec![ray];
-            caustics.trace_candidates(context, (&prefixes, own.bounce), &mirror.point, &mut counters);
+            caustics.trace_connections(context, (&prefixes, own.bounce), &mirror.point, &mut counters);
             let of_sample: Vec<PathCaustic> =
                 caustics.found.iter().copied().filter(|found| found.sample == sample).collect();
             let shared = shared_radiance(context, own, &mirror, &of_sample).g;
-            let again = caustics.candidates[1].radiance.g;
+            let again = caustics.connections[1].1.g;
             assert!((again - shared).abs() <= 1e-9 * shared, "{sample}: {again}, {shared}");
             numbers[0] += u32::from(shared > 0.0);
             numbers[1] += u32::from(shared < 0.999 * caustics.found_by(sample).g);

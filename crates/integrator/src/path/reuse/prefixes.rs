@@ -81,6 +81,19 @@ impl Prefixes {
         self.all[sample as usize].as_ref()
     }
 
+    /// The prefixes of `samples` that may share what that of `own` has found, without it: those that end at the same bounce.
+    #[inline(always)]
+    pub(in crate::path) fn others_like(
+        &self,
+        own: u32,
+        samples: impl Iterator<Item = u32>,
+    ) -> impl Iterator<Item = (u32, &Prefix)> {
+        let bounce = self.of(own).map(|prefix| prefix.bounce);
+        let others = samples.filter(move |&sample| sample != own);
+        let ended = others.filter_map(|sample| Some((sample, self.of(sample)?)));
+        ended.filter(move |(_, prefix)| Some(prefix.bounce) == bounce)
+    }
+
     /// The throughput of the prefix before what is added to `target`.
     pub(in crate::path) fn throughput_before(&self, target: Target) -> Rgb {
         match target {

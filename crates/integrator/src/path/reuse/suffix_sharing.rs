@@ -12,6 +12,7 @@
 //! In the open, most paths leave the scene after their prefix. There the radiance of the environment is a control variate:
 //! it is taken to arrive at prefixes from all directions, and suffixes are what differs from it.
 
+use super::connection::Connection;
 use super::prefixes::Prefixes;
 use crate::path::counters::Counters;
 use crate::path::radiance_sums::RadianceSums;
@@ -29,25 +30,13 @@ struct SharedRadiance {
     connections: usize,
 }
 
-/// A suffix as the continuation of a prefix, which is named by its sample.
-#[derive(Clone, Copy, Debug)]
-struct Connection {
-    prefix: u32,
-    /// The density, times pi, with which the prefix would have been continued to the suffix by its BSDF alone: per area where
-    /// that begins, or per solid angle to the environment.
-    density: f64,
-    /// The same by the guide, if there is one.
-    guided_density: f64,
-    /// How many rays must be unoccluded: none to a prefix's own suffix, two by way of a mirror.
-    rays: usize,
-}
-
 /// Suffixes and the prefixes that share them. Its buffers are reused.
 #[derive(Debug, Default)]
 pub(in crate::path) struct SuffixSharing {
     shared: Vec<SharedRadiance>,
-    /// Those of all shared radiance, in order; the connection of a suffix to its own prefix is first.
-    connections: Vec<Connection>,
+    /// Those of all shared radiance, in order, each with how many rays must be unoccluded: two by way of a mirror, none for the
+    /// connection of a suffix to its own prefix, which is first.
+    connections: Vec<(Connection, usize)>,
     /// The segments of all connections, in order.
     rays: Vec<Ray>,
     occluded: Vec<bool>,
@@ -124,42 +113,34 @@ impl SuffixSharing {
         let suffix = own.suffix().filter(|_| radiance.is_finite());
         let found = suffix.and_then(|suffix| own.end.density_at(&suffix));
         let density = found.map_or(1.0, |(density, _)| density);
-        let guided_density = density * own.guide_ratio;
-        connections.push(Connection { prefix: sample, density, guided_density, rays: 0 });
+        connections.push((Connection::new(sample, density, own.guide_ratio), 0));
         if let Some(suffix) = suffix.filter(|_| found.is_some()) {
-            for prefix in samples.filter(|&prefix| prefix != sample) {
-                let Some(other) = prefixes.of(prefix).filter(|other| other.bounce == own.bounce) else {
-                    continue;
-                };
+            for (other_sample, other) in prefixes.others_like(sample, samples) {
                 let Some((density, direction)) = other.end.density_at(&suffix) else { continue };
                 let added = other.end.push_rays(context.scene.triangles(), &suffix, direction, rays);
                 if added > 0 {
-                    let guided_density = density * other.end.guide_ratio(context.guide, direction);
-                    connections.push(Connection { prefix, density, guided_density, rays: added });
+                    let guide_ratio = other.end.guide_ratio(context.guide, direction);
+                    connections.push((Connection::new(other_sample, density, guide_ratio), added));
                 }
             }
         }
         shared.push(SharedRadiance { radiance, connections: connections.len() - before });
     }
 
-    /// Divides all shared radiance among the prefixes with an unoccluded connection, weighted by the balance heuristic.
+    /// Divides all shared radiance among the prefixes with an unoccluded connection.
     fn combine(&mut self, prefixes: &Prefixes, samples: &mut [Rgb]) {
         let mut occluded = self.occluded.iter();
-        for connection in &mut self.connections {
-            if occluded.by_ref().take(connection.rays).fold(false, |any, &is_occluded| any | is_occluded) {
-                (connection.density, connection.guided_density) = (0.0, 0.0);
+        for (connection, rays) in &mut self.connections {
+            if occluded.by_ref().take(*rays).fold(false, |any, &is_occluded| any | is_occluded) {
+                *connection = connection.occluded();
             }
         }
         let mut rest = &*self.connections;
         for &SharedRadiance { radiance, connections } in &self.shared {
             let (connections, others) = rest.split_at(connections);
             rest = others;
-            let sum: f64 = connections.iter().map(|connection| connection.guided_density).sum();
-            for connection in connections {
-                let throughput =
-                    prefixes.of(connection.prefix).map_or(Rgb::WHITE, |prefix| prefix.throughput);
-                samples[connection.prefix as usize] += throughput * radiance * (connection.density / sum);
-            }
+            let connections = connections.iter().map(|(connection, _)| (connection, radiance));
+            Connection::divide(connections, prefixes, samples);
         }
     }
 }
