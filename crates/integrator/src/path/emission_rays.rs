@@ -57,10 +57,11 @@ impl EmissionRays {
     /// Adds the ray of a sensor that begins at `start`, if it is traceable.
     #[inline(always)]
     pub(super) fn push_start(&mut self, start: PathStart, tag: u32) {
-        match start {
-            PathStart::Ray(ray) if ray.is_traceable() => self.push(ray, tag, Rgb::WHITE),
-            // The path of the sample tells of a ray that is not traceable.
-            _ => {}
+        // The path of the sample tells of a ray that is not traceable.
+        if let PathStart::Ray(ray) = start
+            && start.is_valid()
+        {
+            self.push(ray, tag, Rgb::WHITE);
         }
     }
 

@@ -23,11 +23,12 @@ pub(super) fn first_diffuse_vertex<'a>(
     start: PathStart,
 ) -> Option<Interaction<'a>> {
     let mut ray = match start {
-        PathStart::Ray(ray) if ray.is_traceable() => ray,
-        PathStart::Irradiance { position, normal } if position.is_finite() && normal.is_normalized() => {
+        start if !start.is_valid() => return None,
+        PathStart::Ray(ray) => ray,
+        PathStart::Irradiance { position, normal } => {
             return Some(irradiance_vertex(context.scene.triangles().given_point(position, normal)));
         }
-        _ => return None,
+        PathStart::Nowhere => return None,
     };
     for bounce in 0..=MAX_REFLECTIONS {
         let hit = context.scene.accel().intersect(&ray).filter(|_| context.may_reuse_prefix(bounce))?;

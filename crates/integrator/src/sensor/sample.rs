@@ -131,3 +131,15 @@ pub enum PathStart {
     /// Nothing: the sample is black.
     Nowhere,
 }
+
+impl PathStart {
+    /// Whether it is no error of the render.
+    #[inline(always)]
+    pub(crate) fn is_valid(&self) -> bool {
+        match self {
+            Self::Ray(ray) => ray.is_traceable(),
+            Self::Irradiance { position, normal } => position.is_finite() && normal.is_normalized(),
+            Self::Nowhere => true,
+        }
+    }
+}

@@ -251,6 +251,17 @@ impl Settings {
         self.samples.div_ceil(self.pass_samples)
     }
 
+    /// The number of pixels.
+    pub(crate) fn pixel_count(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    /// The index of a pixel, row by row.
+    #[inline(always)]
+    pub(crate) fn pixel_index(&self, x: u32, y: u32) -> u64 {
+        u64::from(y) * u64::from(self.width) + u64::from(x)
+    }
+
     /// The indices of the samples of each pixel in `passes`.
     pub(crate) fn samples_of(&self, passes: Range<u32>) -> Range<u32> {
         let first = |pass: u32| u64::from(pass) * u64::from(self.pass_samples);
@@ -285,7 +296,7 @@ impl Settings {
     /// # Errors
     /// [`RenderError::Param`] for the first one outside.
     pub fn validate(&self) -> Result<(), RenderError> {
-        let pixels = u64::from(self.width) * u64::from(self.height);
+        let pixels = self.pixel_count();
         let checks = [
             (self.width >= 1, "width", f64::from(self.width), "[1, inf)"),
             (self.height >= 1, "height", f64::from(self.height), "[1, inf)"),

@@ -10,7 +10,7 @@ use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, r
 use crate::path::render_context::RenderContext;
 use crate::path::reuse::{Prefix, Prefixes, ReuseVertex};
 use crate::path::tile_samples::TileSamples;
-use crate::{Sampler, Settings, Stream};
+use crate::{Sampler, Stream};
 use glam::DVec3;
 use globillum_geom::{Hit, Ray};
 use globillum_material::{Bsdf, Rgb};
@@ -75,7 +75,7 @@ impl PhotonRays {
         samples: &TileSamples,
         prefixes: &Prefixes,
     ) {
-        let Settings { seed, width, .. } = *context.settings;
+        let settings = context.settings;
         self.rays.clear();
         self.samples.clear();
         let TileSamples { tile, in_pixel } = samples;
@@ -83,8 +83,8 @@ impl PhotonRays {
         for (sample, ((x, y), index)) in (0..).zip(all) {
             let Some(Prefix { end, bounce, .. }) = prefixes.of(sample) else { continue };
             // Independent numbers: what is so rarely found gains nothing from a net.
-            let pixel = u64::from(y) * u64::from(width) + u64::from(x);
-            let numbers = Stream::new(seed, pixel, index).part(Sampler::MAX_PARTS);
+            let numbers =
+                Stream::new(settings.seed, settings.pixel_index(x, y), index).part(Sampler::MAX_PARTS);
             let choice = numbers.uniform(0);
             if choice >= RAY_PROB || !may_reach(context, *bounce, MIN_MIRRORS) {
                 continue;

@@ -1,12 +1,12 @@
 //! Paths from lights by way of mirrors: where they reach diffuse surfaces, photons are left (after Jensen 1996).
 
+use crate::Stream;
 use crate::guide::{Photon, PhotonGuide, guide_vertex};
 use crate::light::AliasTable;
 use crate::path::caustics::{MIN_MIRRORS, max_mirrors};
 use crate::path::emission_rays::reflected_ray;
 use crate::path::render_context::RenderContext;
 use crate::sampler::ReservedStream;
-use crate::{Settings, Stream};
 use glam::Vec3;
 use globillum_geom::{Frame, Hit, Ray, Triangle};
 use globillum_material::Bsdf;
@@ -53,9 +53,8 @@ fn photons(context: &RenderContext<'_>) -> Vec<Photon> {
     let powers: Vec<f64> = lights.area_powers().collect();
     let emitters =
         Emitters { context, triangles: lights.triangles().collect(), table: AliasTable::new(&powers) };
-    let Settings { width, height, .. } = *context.settings;
-    let paths =
-        (PATHS_OF_PIXEL * u64::from(width) * u64::from(height)).clamp(PATHS_RANGE[0], PATHS_RANGE[1]) as u32;
+    let paths = PATHS_OF_PIXEL * context.settings.pixel_count();
+    let paths = paths.clamp(PATHS_RANGE[0], PATHS_RANGE[1]) as u32;
     let chunks = (0..paths / PATHS_AT_ONCE).into_par_iter();
     chunks.flat_map_iter(|chunk| photons_of_chunk(&emitters, chunk)).collect()
 }
@@ -126,7 +125,7 @@ impl PhotonPath {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Camera, Model, Scene};
+    use crate::{Camera, Model, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
     use globillum_geom::{KdOptions, KdTree};

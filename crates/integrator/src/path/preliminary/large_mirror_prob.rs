@@ -73,8 +73,7 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
 
 /// The settings of the probes' paths.
 fn probe_settings(settings: &Settings) -> Settings {
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
-    let samples = (u64::from(PATHS) / pixels).max(1).next_power_of_two() as u32;
+    let samples = (u64::from(PATHS) / settings.pixel_count()).max(1).next_power_of_two() as u32;
     let max_bounces = Some(settings.max_bounces.unwrap_or(MAX_BOUNCES).min(MAX_BOUNCES));
     Settings { max_bounces, ..path_settings(settings, samples, SEED) }
 }

@@ -55,8 +55,8 @@ pub(crate) fn guide(
 
 /// The settings of training paths, which have random numbers of their own.
 fn training_settings(settings: &Settings) -> Settings {
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
-    let samples = u32::try_from(MIN_PATHS / pixels).unwrap_or(0).next_power_of_two().max(MIN_SAMPLES);
+    let samples =
+        u32::try_from(MIN_PATHS / settings.pixel_count()).unwrap_or(0).next_power_of_two().max(MIN_SAMPLES);
     path_settings(settings, samples, !settings.seed)
 }
 
@@ -64,7 +64,7 @@ fn training_settings(settings: &Settings) -> Settings {
 /// tiles.
 fn tiles(settings: &Settings) -> Vec<(PixelRect, u32)> {
     let Settings { width, height, samples, .. } = *settings;
-    let paths = u64::from(width) * u64::from(height) * u64::from(samples);
+    let paths = settings.pixel_count() * u64::from(samples);
     let step = (1..).find(|&step: &u64| step * step * MAX_PATHS >= paths).unwrap_or(1) as u32;
     let places = PixelRect::grid([width, height], [SIDE * step; 2]);
     let tiles = places.map(|place| place.corner(SIDE));

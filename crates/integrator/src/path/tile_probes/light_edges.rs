@@ -125,7 +125,7 @@ impl Probes {
                 self.rays.push_start(start, self.emission.len() as u32);
                 self.emission.push(Rgb::BLACK);
                 self.directions.push(match start {
-                    PathStart::Ray(ray) if ray.is_traceable() => Some([unit(ray.direction); 2]),
+                    PathStart::Ray(ray) if start.is_valid() => Some([unit(ray.direction); 2]),
                     _ => None,
                 });
             }

@@ -28,7 +28,7 @@ impl Wavefront {
         self.samples = TileSamples { tile, in_pixel: samples };
         self.paths.clear();
         for (x, y) in tile.pixels_by_block() {
-            let alone = || Member::alone(u64::from(y) * u64::from(settings.width) + u64::from(x));
+            let alone = || Member::alone(settings.pixel_index(x, y));
             let member = groups.map_or_else(alone, |groups| groups.member(x, y, settings.width));
             let pixel = tile.index(x, y) as u32;
             let supersampled = probes.edges.contain(pixel);
@@ -56,19 +56,17 @@ impl Wavefront {
         let mut kept = 0;
         for (i, (element, u)) in samples.enumerate() {
             match context.path_start(element, u) {
-                PathStart::Ray(ray) if ray.is_traceable() => {
+                start if !start.is_valid() => {
+                    *self.radiance.at(self.paths[i].target) = Rgb::splat(f64::NAN);
+                }
+                PathStart::Ray(ray) => {
                     self.paths[kept] = self.paths[i];
                     self.rays.push(ray);
                     kept += 1;
                 }
-                PathStart::Irradiance { position, normal }
-                    if position.is_finite() && normal.is_normalized() =>
-                {
+                PathStart::Irradiance { position, normal } => {
                     self.from_points.push(self.paths[i]);
                     self.points.push(context.scene.triangles().given_point(position, normal));
-                }
-                PathStart::Ray(_) | PathStart::Irradiance { .. } => {
-                    *self.radiance.at(self.paths[i].target) = Rgb::splat(f64::NAN);
                 }
                 PathStart::Nowhere => {}
             }

@@ -63,7 +63,7 @@ impl SupersamplingRays {
         let samples_of_pass = settings.samples_of(pass..pass + 1);
         for &pixel in pixels {
             let (x, y) = samples.tile.pixel(pixel);
-            let net = u64::from(y) * u64::from(settings.width) + u64::from(x);
+            let net = settings.pixel_index(x, y);
             for (sample, index) in samples.of_pixel(pixel).zip(samples.in_pixel.clone()) {
                 for u in settings.sampler.ray_positions::<N>(settings.seed, net, index, &samples_of_pass) {
                     let start = context.path_start((x, y), u);
