@@ -25,10 +25,10 @@ pub(crate) fn check_lights(model: &Model) -> Option<WarningKind> {
 
 /// The indices of the lights.
 fn lights(model: &Model) -> Vec<usize> {
-    if model.materials().iter().all(|material| material.emission.is_none()) {
+    if model.materials().iter().all(|material| material.emission.is_black()) {
         return Vec::new();
     }
-    let emitting = (0..model.triangles().len()).filter(|&index| !model.material(index).emission.is_none());
+    let emitting = (0..model.triangles().len()).filter(|&index| !model.material(index).emission.is_black());
     let mut all = Vec::with_capacity(emitting.clone().count());
     all.extend(emitting);
     all

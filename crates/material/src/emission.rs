@@ -68,7 +68,7 @@ impl Emission {
     }
 
     /// Whether the radiance is black.
-    pub fn is_none(&self) -> bool {
+    pub fn is_black(&self) -> bool {
         self.radiance.is_black()
     }
 }

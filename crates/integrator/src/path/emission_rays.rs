@@ -113,7 +113,7 @@ impl EmissionRays {
     ) -> Option<(Ray, Rgb)> {
         let (ray, (tag, throughput), hit) = (&self.rays[i], self.states[i], self.hits[i].as_ref()?);
         let Material { bsdf, emission, .. } = *scene.material(hit.triangle);
-        if bsdf.is_diffuse() && emission.is_none() {
+        if bsdf.is_diffuse() && emission.is_black() {
             return None;
         }
         let at = scene.interaction(ray, hit);

@@ -76,7 +76,7 @@ impl Subject {
                 .with_context(|| format!("{}: no camera shows the whole scene", path.display()))?,
         };
         let has_light = !loaded.model.delta_lights().is_empty()
-            || loaded.model.materials().iter().any(|material| !material.emission.is_none());
+            || loaded.model.materials().iter().any(|material| !material.emission.is_black());
         ensure!(
             has_light || !environment.is_black(),
             "{}: the scene has no light; add one with --environment",
