@@ -1,5 +1,5 @@
 use super::light_bounds::LightBounds;
-use super::receiver::Receiver;
+use crate::light::receiver::Receiver;
 use glam::DVec3;
 use globillum_geom::decide::Shear;
 use globillum_geom::{Ray, Triangle, Triangles};

@@ -1,7 +1,7 @@
 use super::facet::Facet;
 use super::light_bounds::LightBounds;
 use super::mirror_tree::{FacetBounds, MirrorTree, Viewpoint};
-use super::receiver::Receiver;
+use crate::light::receiver::Receiver;
 use glam::DVec3;
 use globillum_geom::{Aabb, Triangles};
 

@@ -1,7 +1,7 @@
-use super::alias_table::AliasTable;
 use super::facets::{connected, neighbours};
 use super::light_bounds::LightBounds;
-use super::lights::Lights;
+use crate::light::alias_table::AliasTable;
+use crate::light::lights::Lights;
 use glam::DVec3;
 use globillum_geom::Triangles;
 

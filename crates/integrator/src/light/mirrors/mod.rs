@@ -1,14 +1,25 @@
 //! The mirrors by way of which area lights are sampled.
 
-use super::facet::Facet;
-use super::facets::Facets;
-use super::large_mirrors::LargeMirrors;
-use super::light_bounds::LightBounds;
-use super::light_clusters::LightClusters;
-use super::lights::Lights;
-use super::mirror_tree::FacetBounds;
-use super::small_mirrors::SmallMirrors;
+mod facet;
+mod facets;
+mod large_mirrors;
+mod light_bounds;
+mod light_clusters;
+mod mirror_tree;
+mod small_mirrors;
+mod viewpoints;
+
+pub(crate) use facet::reflection;
+pub(crate) use large_mirrors::LargeMirrors;
+pub(crate) use small_mirrors::{ChosenMirror, MirrorPoint, SmallMirrors};
+
+use crate::light::lights::Lights;
+use facet::Facet;
+use facets::Facets;
 use globillum_geom::Triangles;
+use light_bounds::LightBounds;
+use light_clusters::LightClusters;
+use mirror_tree::FacetBounds;
 
 /// The mirrors of a scene, by way of which area lights are sampled. Delta lights are not: BSDF sampling finds them in a
 /// mirror with probability zero, so the mean would depend on whether mirrors are sampled.

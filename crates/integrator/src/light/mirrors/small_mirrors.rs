@@ -1,8 +1,8 @@
 use super::facet::{mirror_image, reflection};
 use super::light_clusters::LightClusters;
 use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
-use super::receiver::Receiver;
 use super::viewpoints::viewpoints;
+use crate::light::receiver::Receiver;
 use glam::DVec3;
 use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Triangles};
 

@@ -1,8 +1,8 @@
-use super::alias_table::AliasTable;
 use super::light_clusters::LightClusters;
 use super::mirror_tree::Viewpoint;
-use super::receiver::Receiver;
 use crate::Stream;
+use crate::light::alias_table::AliasTable;
+use crate::light::receiver::Receiver;
 use glam::DVec3;
 use globillum_geom::{Triangle, Triangles};
 

@@ -41,7 +41,7 @@ impl MirrorTree {
     ///
     /// Each child is scaled by the ratio of the two [`Sums`], relative to that of its level, and the root's children by
     /// the whole ratio: the importance of the tree is then about the sum of those of all facets.
-    pub(in crate::light) fn calibrated(mut self, viewpoints: &[Viewpoint]) -> Self {
+    pub(in crate::light::mirrors) fn calibrated(mut self, viewpoints: &[Viewpoint]) -> Self {
         let sums = self.sums(viewpoints);
         let mut start = 0;
         for level in 1..self.depth {
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
     use crate::Stream;
     use crate::light::Receiver;
-    use crate::light::light_bounds::LightBounds;
+    use crate::light::mirrors::light_bounds::LightBounds;
     use glam::{DVec3, Vec3};
     use globillum_geom::Triangles;
     use globillum_geom::conformance::shapes::{icosphere, quad, torus};

@@ -5,10 +5,10 @@ mod build;
 mod calibration;
 mod node;
 
-use super::child_weights::{CHILD_BITS, ChildWeights, WIDTH, child_of};
 use super::light_bounds::LightBounds;
-use super::receiver::Receiver;
-use super::unit_of_length::units_per_length;
+use crate::light::child_weights::{CHILD_BITS, ChildWeights, WIDTH, child_of};
+use crate::light::receiver::Receiver;
+use crate::light::unit_of_length::units_per_length;
 use bounds::Item;
 use build::Built;
 use glam::DVec3;
