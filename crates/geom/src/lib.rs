@@ -42,6 +42,7 @@ mod grid;
 mod hit;
 mod kdtree;
 mod measure;
+mod prim_ref;
 mod probe;
 mod prune;
 mod query;

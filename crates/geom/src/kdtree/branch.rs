@@ -1,27 +1,27 @@
-use super::member::Member;
 use super::plane::Plane;
 use super::tree::Node;
+use crate::prim_ref::PrimRef;
 
 /// A subtree under construction, with indices relative to its own start.
 #[derive(Debug, Default)]
 pub(super) struct Branch {
     /// In depth-first order: an inner node's lower child follows it.
     pub(super) nodes: Vec<Node>,
-    /// The members of all leaves, by ascending triangle index within each leaf.
-    pub(super) members: Vec<Member>,
+    /// The references of all leaves, by ascending triangle index within each leaf.
+    pub(super) refs: Vec<PrimRef>,
 }
 
 impl Branch {
-    /// The number of nodes and of members.
+    /// The number of nodes and of references.
     pub(super) fn len(&self) -> (usize, usize) {
-        (self.nodes.len(), self.members.len())
+        (self.nodes.len(), self.refs.len())
     }
 
-    /// Appends a leaf with these members.
-    pub(super) fn add_leaf(&mut self, mut members: Vec<Member>) {
-        members.sort_unstable_by_key(|m| m.index);
-        let (first, count) = (self.members.len() as u32, members.len() as u32);
-        self.members.append(&mut members);
+    /// Appends a leaf with these references.
+    pub(super) fn add_leaf(&mut self, mut refs: Vec<PrimRef>) {
+        refs.sort_unstable_by_key(|m| m.index);
+        let (first, count) = (self.refs.len() as u32, refs.len() as u32);
+        self.refs.append(&mut refs);
         self.nodes.push(Node::Leaf { first, count });
     }
 
@@ -39,28 +39,28 @@ impl Branch {
         }
     }
 
-    /// Appends all nodes and members of `other`.
+    /// Appends all nodes and references of `other`.
     pub(super) fn append(&mut self, other: &Self) {
-        let (nodes, members) = (self.nodes.len() as u32, self.members.len() as u32);
+        let (nodes, refs) = (self.nodes.len() as u32, self.refs.len() as u32);
         self.nodes.extend(other.nodes.iter().map(|&node| match node {
             Node::Split { axis, position, upper } => Node::Split { axis, position, upper: upper + nodes },
-            Node::Leaf { first, count } => Node::Leaf { first: first + members, count },
+            Node::Leaf { first, count } => Node::Leaf { first: first + refs, count },
         }));
-        self.members.extend_from_slice(&other.members);
+        self.refs.extend_from_slice(&other.refs);
     }
 
     /// Replaces all nodes since [`Branch::len`] was `start` by one leaf.
     pub(super) fn collapse(&mut self, start: (usize, usize)) {
         self.nodes.truncate(start.0);
-        let mut members = self.members.split_off(start.1);
-        members.sort_unstable_by_key(|m| m.index);
-        members.dedup_by(|part, all| {
+        let mut refs = self.refs.split_off(start.1);
+        refs.sort_unstable_by_key(|m| m.index);
+        refs.dedup_by(|part, all| {
             let is_same = part.index == all.index;
             if is_same {
                 all.bounds = all.bounds.union(&part.bounds);
             }
             is_same
         });
-        self.add_leaf(members);
+        self.add_leaf(refs);
     }
 }

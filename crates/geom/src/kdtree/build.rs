@@ -1,12 +1,12 @@
 use super::branch::Branch;
 use super::cost::CostModel;
 use super::events::{Events, Move};
-use super::member::Member;
 use super::options::{KdOptions, SplitRule};
 use super::plane::{Place, Split};
 use super::rules::choose_plane;
 use super::sweep::cheapest_split;
 use super::tree::KdTree;
+use crate::prim_ref::PrimRef;
 use crate::{Aabb, GeomError, Triangles};
 
 /// Keeps the indices of references and nodes within `u32`.
@@ -78,21 +78,21 @@ impl KdTree {
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range.
     pub fn build(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
-        Ok(Self::build_with_members(triangles, options)?.0)
+        Ok(Self::build_with_refs(triangles, options)?.0)
     }
 
-    /// Builds the tree; also returns the member of each reference, in the same order.
-    pub(crate) fn build_with_members(
+    /// Builds the tree; also returns its references with their bounds, in the same order.
+    pub(crate) fn build_with_refs(
         triangles: &Triangles,
         options: &KdOptions,
-    ) -> Result<(Self, Vec<Member>), GeomError> {
+    ) -> Result<(Self, Vec<PrimRef>), GeomError> {
         options.validate()?;
         let live = triangles.live();
-        let members: Vec<Member> = live.iter().map(|&i| Member::new(triangles, i)).collect();
+        let refs: Vec<PrimRef> = live.iter().map(|&i| PrimRef::new(triangles, i)).collect();
         let root = Cell {
             bounds: triangles.bounds(),
-            events: (options.rule == SplitRule::SurfaceArea).then(|| Events::new(&members)),
-            members,
+            events: (options.rule == SplitRule::SurfaceArea).then(|| Events::new(&refs)),
+            refs,
             depth_left: options.max_depth.min(Self::MAX_DEPTH),
             unpaid: 0,
             on_trial: false,
@@ -100,18 +100,18 @@ impl KdTree {
         };
         let builder =
             Builder { triangles, options, costs: options.costs(), slack: slack_for(&triangles.bounds()) };
-        let (Branch { mut nodes, members }, _) = builder.grow(root);
+        let (Branch { mut nodes, refs }, _) = builder.grow(root);
         nodes.shrink_to_fit();
-        let references = members.iter().map(|m| m.index).collect();
-        Ok((Self { triangles: triangles.clone(), nodes, references }, members))
+        let references = refs.iter().map(|reference| reference.index).collect();
+        Ok((Self { triangles: triangles.clone(), nodes, references }, refs))
     }
 }
 
 /// A cell to be split or made a leaf.
 struct Cell {
     bounds: Aabb,
-    members: Vec<Member>,
-    /// The sorted faces of the members' boxes, for the surface area heuristic.
+    refs: Vec<PrimRef>,
+    /// The sorted faces of the references' boxes, for the surface area heuristic.
     events: Option<Events>,
     depth_left: u32,
     /// The number of consecutive planes directly above that do not pay.
@@ -153,7 +153,7 @@ struct Builder<'a> {
     slack: f64,
 }
 
-/// Cells with at least this many members build their halves in parallel. The tree depends on it: parallel
+/// Cells with at least this many references build their halves in parallel. The tree depends on it: parallel
 /// halves do not pass on the rest of their budgets to each other.
 const PARALLEL_MIN: usize = 4096;
 
@@ -167,12 +167,12 @@ impl Builder<'_> {
 
     /// Appends the nodes of `cell` to `branch`.
     fn subdivide(&self, cell: Cell, branch: &mut Branch, moves: &mut Vec<Move>) -> Built {
-        let (area, count, budget) = (cell.bounds.half_area(), cell.members.len(), cell.budget);
+        let (area, count, budget) = (cell.bounds.half_area(), cell.refs.len(), cell.budget);
         let left = Budget { room: budget.room - room_of_leaf(count), ..budget };
         let as_leaf = Built { left, cost: area * count as f64 };
         let start = branch.len();
         let Some(choice) = self.choose_split(&cell) else {
-            branch.add_leaf(cell.members);
+            branch.add_leaf(cell.refs);
             return as_leaf;
         };
         let halves = self.halve(cell, &choice, moves);
@@ -222,17 +222,15 @@ impl Builder<'_> {
 
     /// The split of `cell`; `None` if it becomes a leaf. The leaf criteria are the same for all rules.
     fn choose_split(&self, cell: &Cell) -> Option<Choice> {
-        let Cell { bounds, members, .. } = cell;
-        if cell.depth_left == 0 || members.len() <= self.options.leaf_size as usize || members.is_empty() {
+        let Cell { bounds, refs, .. } = cell;
+        if cell.depth_left == 0 || refs.len() <= self.options.leaf_size as usize || refs.is_empty() {
             return None;
         }
         let split = match &cell.events {
-            Some(events) => cheapest_split(bounds, members.len(), events, &self.costs)?,
-            None => {
-                Split::count(choose_plane(self.options, bounds, members)?, members.iter().map(|m| &m.bounds))
-            }
+            Some(events) => cheapest_split(bounds, refs.len(), events, &self.costs)?,
+            None => Split::count(choose_plane(self.options, bounds, refs)?, refs.iter().map(|m| &m.bounds)),
         };
-        let pays = self.costs.of_split(bounds, &split) < members.len() as f64;
+        let pays = self.costs.of_split(bounds, &split) < refs.len() as f64;
         let unpaid = if pays { 0 } else { cell.unpaid + 1 };
         let on_trial = cell.on_trial || !pays;
         let needed: usize = split.counts.map(room_of_leaf).into_iter().sum();
@@ -240,7 +238,7 @@ impl Builder<'_> {
         (fits && unpaid <= self.options.lookahead).then_some(Choice { split, unpaid, on_trial })
     }
 
-    /// The two halves of `cell`, with their members, events and budgets.
+    /// The two halves of `cell`, with their references, events and budgets.
     fn halve(&self, cell: Cell, choice: &Choice, moves: &mut Vec<Move>) -> [Cell; 2] {
         let &Choice { ref split, unpaid, on_trial } = choice;
         let budgets = cell.budget.share(split.counts.map(room_of_leaf), on_trial);
@@ -250,9 +248,9 @@ impl Builder<'_> {
             Some(events) => events.divide(moves, [&lower, &upper], parts).map(Some),
             None => [None, None],
         };
-        let child = |bounds, members, events, budget| Cell {
+        let child = |bounds, refs, events, budget| Cell {
             bounds,
-            members,
+            refs,
             events,
             depth_left: cell.depth_left - 1,
             unpaid,
@@ -262,32 +260,34 @@ impl Builder<'_> {
         [child(halves[0], lower, lower_events, budgets[0]), child(halves[1], upper, upper_events, budgets[1])]
     }
 
-    /// The members of each half, at most as many as the split counts: first the members on its side of the
+    /// The references of each half, at most as many as the split counts: first the references on its side of the
     /// plane, then, from the returned indices on, the parts of those that straddle it. Stores in `moves`
-    /// where each member went.
+    /// where each reference went.
     fn distribute(
         &self,
         cell: &Cell,
         split: &Split,
         moves: &mut Vec<Move>,
-    ) -> ([Vec<Member>; 2], [usize; 2]) {
+    ) -> ([Vec<PrimRef>; 2], [usize; 2]) {
         moves.clear();
         let mut sides = split.counts.map(Vec::with_capacity);
-        for member in &cell.members {
-            let place = split.plane.place(&member.bounds);
+        for reference in &cell.refs {
+            let place = split.plane.place(&reference.bounds);
             let end = match place {
                 Place::Both => 0,
                 Place::Lower | Place::Upper => {
                     let side = &mut sides[place as usize];
-                    side.push(*member);
+                    side.push(*reference);
                     side.len() - 1
                 }
             };
             moves.push(Move::to(place, end));
         }
         let parts = sides.each_ref().map(Vec::len);
-        for member in cell.members.iter().filter(|member| split.plane.place(&member.bounds) == Place::Both) {
-            let halves = member.halves(&cell.bounds, &split.plane, self.triangles, self.slack);
+        for reference in
+            cell.refs.iter().filter(|reference| split.plane.place(&reference.bounds) == Place::Both)
+        {
+            let halves = reference.halves(&cell.bounds, &split.plane, self.triangles, self.slack);
             for (list, part) in sides.iter_mut().zip(halves) {
                 list.extend(part);
             }

@@ -6,28 +6,15 @@
 //! not depend on it, since whole triangles are tested; the boxes of the wide BVH do (docs/numerics.md).
 
 use super::plane::Plane;
+use crate::prim_ref::PrimRef;
 use crate::{Aabb, Triangle, Triangles};
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-/// A primitive reference: a triangle of a cell, with the bounds of its part in the cell.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Member {
-    /// The triangle's index.
-    pub(crate) index: u32,
-    /// Conservative bounds of its part in the cell, not empty.
-    pub(crate) bounds: Aabb,
-}
-
 /// A clipped triangle: at most 3 + 7 vertices after clipping at the six faces of a cell and at a plane.
 type Polygon = ArrayVec<DVec3, 10>;
 
-impl Member {
-    /// The whole triangle of this index.
-    pub(crate) fn new(triangles: &Triangles, index: u32) -> Self {
-        Self { index, bounds: triangles.get(index).bounds() }
-    }
-
+impl PrimRef {
     /// The parts in the lower and the upper half of `cell`, split by `plane`; `None` for an empty part.
     ///
     /// The new bounds are conservative: they contain every point of the triangle in their half. For this,
@@ -47,7 +34,7 @@ impl Member {
         [self.around(&lower, &below, slack), self.around(&upper, &above, slack)]
     }
 
-    /// The member with the bounds of `polygon`, its part in `cell`; `None` if that is empty.
+    /// The reference with the bounds of `polygon`, its part in `cell`; `None` if that is empty.
     fn around(&self, polygon: &Polygon, cell: &Aabb, slack: f64) -> Option<Self> {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for corner in polygon {
@@ -105,7 +92,9 @@ mod tests {
     fn halves(triangle: Triangle, cell: Aabb, axis: usize, position: f32) -> [Option<Aabb>; 2] {
         let triangles = Triangles::new(vec![triangle]).unwrap();
         let plane = Plane { axis, position, within: Side::Lower };
-        Member::new(&triangles, 0).halves(&cell, &plane, &triangles, 1e-12).map(|part| part.map(|m| m.bounds))
+        PrimRef::new(&triangles, 0)
+            .halves(&cell, &plane, &triangles, 1e-12)
+            .map(|part| part.map(|m| m.bounds))
     }
 
     #[test]

@@ -3,9 +3,9 @@
 
 mod branch;
 mod build;
+mod clipping;
 mod cost;
 mod events;
-mod member;
 mod options;
 mod plane;
 mod rules;
@@ -14,7 +14,6 @@ mod sweep;
 mod traverse;
 mod tree;
 
-pub(crate) use member::Member;
 pub use options::{KdOptions, SplitRule};
 pub use stats::KdStats;
 pub use tree::KdTree;

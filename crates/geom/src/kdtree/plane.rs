@@ -15,7 +15,7 @@ pub(super) enum Side {
     Upper,
 }
 
-/// The halves that reference a member.
+/// The halves that a reference belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
     Lower,

@@ -1,17 +1,17 @@
 //! The six split rules that use only the cell and points: the median of the longest side, as in textbooks, and the five
 //! of the ANN library (Arya and Mount, 1998).
 
-use super::member::Member;
 use super::options::{KdOptions, SplitRule};
 use super::plane::{Place, Plane, Side};
 use crate::Aabb;
+use crate::prim_ref::PrimRef;
 
 /// The split plane of `cell` by `options.rule`; `None` if no plane lies strictly inside the cell.
 ///
 /// # Panics
-/// If the rule is the surface area heuristic, which `sweep.rs` implements, or if `members` is empty.
-pub(super) fn choose_plane(options: &KdOptions, cell: &Aabb, members: &[Member]) -> Option<Plane> {
-    let around = Surroundings { cell, members };
+/// If the rule is the surface area heuristic, which `sweep.rs` implements, or if `refs` is empty.
+pub(super) fn choose_plane(options: &KdOptions, cell: &Aabb, refs: &[PrimRef]) -> Option<Plane> {
+    let around = Surroundings { cell, refs };
     let plane = match options.rule {
         SplitRule::MedianOfSide => around.median(around.longest_side()),
         SplitRule::MedianOfSpread => around.median(around.widest_spread(|_| true)),
@@ -28,7 +28,7 @@ pub(super) fn choose_plane(options: &KdOptions, cell: &Aabb, members: &[Member])
 /// The input of a rule.
 struct Surroundings<'a> {
     cell: &'a Aabb,
-    members: &'a [Member],
+    refs: &'a [PrimRef],
 }
 
 impl Surroundings<'_> {
@@ -38,7 +38,7 @@ impl Surroundings<'_> {
 
     /// The distance between the smallest and the largest point along `axis`.
     fn spread(&self, axis: usize) -> f64 {
-        let points = || self.members.iter().map(|m| f64::from(m.point(axis)));
+        let points = || self.refs.iter().map(|m| f64::from(m.point(axis)));
         points().fold(f64::NEG_INFINITY, f64::max) - points().fold(f64::INFINITY, f64::min)
     }
 
@@ -54,7 +54,7 @@ impl Surroundings<'_> {
     }
 
     fn median(&self, axis: usize) -> Plane {
-        let mut points: Vec<f32> = self.members.iter().map(|m| m.point(axis)).collect();
+        let mut points: Vec<f32> = self.refs.iter().map(|m| m.point(axis)).collect();
         let half = points.len() / 2;
         let (_, &mut position, _) = points.select_nth_unstable_by(half, f32::total_cmp);
         Plane { axis, position, within: Side::Lower }
@@ -79,8 +79,8 @@ impl Surroundings<'_> {
 
     /// The plane, moved to the nearest box if all boxes are on one side of it.
     fn slide(&self, plane: Plane) -> Plane {
-        let all = |place| self.members.iter().all(|m| plane.place(&m.bounds) == place);
-        let bounds = || self.members.iter().map(|m| m.bounds);
+        let all = |place| self.refs.iter().all(|m| plane.place(&m.bounds) == place);
+        let bounds = || self.refs.iter().map(|m| m.bounds);
         if all(Place::Upper) {
             let nearest = bounds().map(|b| b.min[plane.axis]).fold(f32::INFINITY, f32::min);
             Plane { position: nearest, within: Side::Upper, ..plane }
@@ -93,7 +93,7 @@ impl Surroundings<'_> {
     }
 }
 
-impl Member {
+impl PrimRef {
     /// The coordinate of the center of the bounds.
     fn point(&self, axis: usize) -> f32 {
         middle(self.bounds.min[axis], self.bounds.max[axis])
@@ -116,8 +116,8 @@ mod tests {
     fn plane(rule: SplitRule, points: &[[f32; 3]], size: f32) -> Option<(usize, f32)> {
         let half = Vec3::splat(size / 2.0);
         let around = |&p: &[f32; 3]| Aabb { min: Vec3::from(p) - half, max: Vec3::from(p) + half };
-        let members: Vec<Member> = points.iter().map(|p| Member { index: 0, bounds: around(p) }).collect();
-        choose_plane(&KdOptions::by_rule(rule), &CELL, &members).map(|plane| (plane.axis, plane.position))
+        let refs: Vec<PrimRef> = points.iter().map(|p| PrimRef { index: 0, bounds: around(p) }).collect();
+        choose_plane(&KdOptions::by_rule(rule), &CELL, &refs).map(|plane| (plane.axis, plane.position))
     }
 
     #[test]
@@ -158,7 +158,7 @@ mod tests {
         let wall = [[0.0, 0.5, 1.0], [0.0, 2.0, 1.0], [0.0, 3.5, 1.0]];
         assert_eq!(plane(SplitRule::MedianOfSide, &wall, 0.0), Some((0, 4.0)));
         let ulp = Aabb { min: Vec3::ONE, max: Vec3::ONE.map(f32::next_up) };
-        let member = Member { index: 0, bounds: ulp };
-        assert_eq!(choose_plane(&KdOptions::by_rule(SplitRule::Midpoint), &ulp, &[member]), None);
+        let reference = PrimRef { index: 0, bounds: ulp };
+        assert_eq!(choose_plane(&KdOptions::by_rule(SplitRule::Midpoint), &ulp, &[reference]), None);
     }
 }

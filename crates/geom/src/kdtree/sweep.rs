@@ -8,7 +8,7 @@ use super::events::{Event, Events};
 use super::plane::{Plane, Side, Split};
 use crate::Aabb;
 
-/// The cheapest split of `cell`, which has `count` members; `None` if no face of a box is strictly inside the
+/// The cheapest split of `cell`, which has `count` references; `None` if no face of a box is strictly inside the
 /// cell.
 pub(super) fn cheapest_split(cell: &Aabb, count: usize, events: &Events, costs: &CostModel) -> Option<Split> {
     let mut cheapest = None;
@@ -53,24 +53,24 @@ fn sweep(cell: &Aabb, axis: usize, count: usize, events: &[Event], mut visit: im
 
 #[cfg(test)]
 mod tests {
-    use super::super::member::Member;
     use super::*;
+    use crate::prim_ref::PrimRef;
     use glam::Vec3;
 
     const COSTS: CostModel = CostModel { traversal: 1.0, empty_factor: 0.8 };
 
-    fn members(boxes: &[Aabb]) -> Vec<Member> {
-        boxes.iter().map(|&bounds| Member { index: 0, bounds }).collect()
+    fn refs(boxes: &[Aabb]) -> Vec<PrimRef> {
+        boxes.iter().map(|&bounds| PrimRef { index: 0, bounds }).collect()
     }
 
     #[test]
     fn the_sweep_counts_every_triangle() {
         let boxes = [(0.0, 1.0), (1.0, 1.0), (0.5, 3.0), (2.0, 4.0)]
             .map(|(a, b)| Aabb { min: Vec3::new(a, 0.0, 0.0), max: Vec3::new(b, 1.0, 1.0) });
-        let (members, cell) = (members(&boxes), boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b)));
+        let (refs, cell) = (refs(&boxes), boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b)));
         let mut visited = 0;
-        sweep(&cell, 0, boxes.len(), Events::new(&members).along(0), |split| {
-            assert_eq!(split, Split::count(split.plane, members.iter().map(|m| &m.bounds)));
+        sweep(&cell, 0, boxes.len(), Events::new(&refs).along(0), |split| {
+            assert_eq!(split, Split::count(split.plane, refs.iter().map(|m| &m.bounds)));
             visited += 1;
         });
         assert_eq!(visited, 5);
@@ -80,8 +80,8 @@ mod tests {
     fn empty_space_is_cut_off_and_identical_boxes_stay_together() {
         let small = Aabb { min: Vec3::ZERO, max: Vec3::splat(0.1) };
         let cell = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-        let members = members(&[small; 100]);
-        let events = Events::new(&members);
+        let refs = refs(&[small; 100]);
+        let events = Events::new(&refs);
         let split = cheapest_split(&cell, 100, &events, &COSTS).unwrap();
         assert_eq!((split.plane.position, split.counts), (0.1, [100, 0]));
         assert_eq!(cheapest_split(&small, 100, &events, &COSTS), None);

@@ -3,7 +3,7 @@
 use super::collapse_cost::{CollapseCosts, expected_visits};
 use super::sah::{split, split_in_bins};
 use crate::Aabb;
-use crate::kdtree::Member;
+use crate::prim_ref::PrimRef;
 use crate::wide::simd::LANES;
 use crate::wide::tree::MAX_LEVELS;
 use crate::wide::tree::normalize::{power_of_two_below, power_of_two_inverse};
@@ -31,7 +31,7 @@ pub(super) enum Content {
     Either(MemberRange, Split),
 }
 
-/// The members `first..first + count`.
+/// The references `first..first + count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct MemberRange {
     pub(super) first: u32,
@@ -126,30 +126,30 @@ impl BinaryTree {
         }));
     }
 
-    /// Adds members, of which the first is number `first` of all, split down to leaf blocks.
-    pub(super) fn add_members(&mut self, first: u32, members: &mut [Member], levels_left: u32) {
-        if members.len() <= LANES {
-            self.add_leaf(first, members);
+    /// Adds references, of which the first is number `first` of all, split down to leaf blocks.
+    pub(super) fn add_refs(&mut self, first: u32, refs: &mut [PrimRef], levels_left: u32) {
+        if refs.len() <= LANES {
+            self.add_leaf(first, refs);
             return;
         }
-        let (axis, lower) = split(members, levels_left <= MAX_LEVELS / 2);
-        let (low, high) = members.split_at_mut(lower);
+        let (axis, lower) = split(refs, levels_left <= MAX_LEVELS / 2);
+        let (low, high) = refs.split_at_mut(lower);
         let halves = [(first, low), (first + lower as u32, high)];
-        self.add_inner(axis, halves, |this, (first, half)| this.add_members(first, half, levels_left - 1));
+        self.add_inner(axis, halves, |this, (first, half)| this.add_refs(first, half, levels_left - 1));
     }
 
-    /// Adds members for a leaf block; if many rays visit it, with children for smaller blocks that fewer do.
-    fn add_leaf(&mut self, first: u32, members: &mut [Member]) {
-        let bounds = members.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
-        let range = MemberRange { first, count: members.len() as u32 };
+    /// Adds references for a leaf block; if many rays visit it, with children for smaller blocks that fewer do.
+    fn add_leaf(&mut self, first: u32, refs: &mut [PrimRef]) {
+        let bounds = refs.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
+        let range = MemberRange { first, count: refs.len() as u32 };
         let visits = expected_visits(&bounds) * self.area_scale;
         let (at, costs) = (self.nodes.len(), CollapseCosts::of_leaf(visits));
         self.nodes.push(BinaryNode { bounds, content: Content::Leaf(range), costs });
         if visits < self.few {
             return;
         }
-        let Some((axis, lower)) = split_in_bins(members) else { return };
-        let (low, high) = members.split_at_mut(lower);
+        let Some((axis, lower)) = split_in_bins(refs) else { return };
+        let (low, high) = refs.split_at_mut(lower);
         self.add_leaf(first, low);
         let split = Split { axis, upper: self.nodes.len() as u32 };
         self.add_leaf(first + lower as u32, high);
@@ -188,8 +188,8 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn member(min: Vec3, max: Vec3) -> Member {
-        Member { index: 0, bounds: Aabb { min, max } }
+    fn reference(min: Vec3, max: Vec3) -> PrimRef {
+        PrimRef { index: 0, bounds: Aabb { min, max } }
     }
 
     fn nothing() -> BinaryTree {
@@ -209,7 +209,7 @@ mod tests {
     /// A block in the unit cube at `x`.
     fn add_unit(all: &mut BinaryTree, x: u8) {
         let min = f32::from(x) * Vec3::X;
-        all.add_members(0, &mut [member(min, min + 1.0)], MAX_LEVELS);
+        all.add_refs(0, &mut [reference(min, min + 1.0)], MAX_LEVELS);
     }
 
     /// The blocks from `x` to 9, split off one after another.
@@ -260,18 +260,18 @@ mod tests {
     const UNIT: f32 = BLOCK_COST as f32;
 
     /// Two triangles of each of three walls of a unit cube.
-    fn corner() -> [Member; 6] {
+    fn corner() -> [PrimRef; 6] {
         [0, 1, 2, 0, 1, 2].map(|axis: usize| {
             let mut max = Vec3::ONE;
             max[axis] = 0.0;
-            member(Vec3::ZERO, max)
+            reference(Vec3::ZERO, max)
         })
     }
 
     #[test]
     fn walls_get_bounds_of_their_own_where_lanes_are_free() {
         let mut walls = nothing();
-        walls.add_members(0, &mut corner(), MAX_LEVELS);
+        walls.add_refs(0, &mut corner(), MAX_LEVELS);
         // Any two have the box of all.
         let [all, apart] = [3.0 * UNIT, 1.5 * UNIT];
         assert_eq!(walls.node(0).costs, CollapseCosts([all, all, apart, apart, apart, apart, apart, apart]));
@@ -283,10 +283,10 @@ mod tests {
     fn what_fills_its_box_stays_together() {
         let cube = |i: u8| {
             let min = Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into());
-            member(min, min + 1.0)
+            reference(min, min + 1.0)
         };
         let mut cubes = nothing();
-        cubes.add_members(0, &mut [0, 1, 2, 3, 4, 5, 6, 7].map(cube), MAX_LEVELS);
+        cubes.add_refs(0, &mut [0, 1, 2, 3, 4, 5, 6, 7].map(cube), MAX_LEVELS);
         assert_eq!(cubes.node(0).costs, CollapseCosts([12.0 * UNIT; LANES]));
         assert_eq!(cubes.node(0).content, Content::Leaf(MemberRange { first: 0, count: 8 }));
         assert_eq!(cubes.nodes.len(), 1);
@@ -296,7 +296,7 @@ mod tests {
     fn what_few_rays_visit_is_not_split() {
         for (few, count) in [(3.0, 5), (3.1, 1)] {
             let mut walls = BinaryTree { few, ..nothing() };
-            walls.add_members(0, &mut corner(), MAX_LEVELS);
+            walls.add_refs(0, &mut corner(), MAX_LEVELS);
             assert_eq!(walls.nodes.len(), count, "{few}");
         }
     }
@@ -312,9 +312,9 @@ mod tests {
     #[test]
     fn after_half_of_the_levels_all_is_halved_evenly() {
         let point = |i: i32| Vec3::splat(2.0_f64.powi(3 * i - 149) as f32);
-        let mut members: Vec<_> = (0..69).map(|i| member(point(i), point(i))).collect();
+        let mut refs: Vec<_> = (0..69).map(|i| reference(point(i), point(i))).collect();
         let mut all = nothing();
-        all.add_members(0, &mut members, MAX_LEVELS);
+        all.add_refs(0, &mut refs, MAX_LEVELS);
         // 39 are left then, which become 24 and 15; 24 become 16 and 8, 16 become 8 and 8.
         assert_eq!(levels(&all, 0), MAX_LEVELS / 2 + 3);
     }

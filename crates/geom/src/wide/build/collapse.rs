@@ -1,7 +1,7 @@
 //! Collapses the binary tree into a wide one: which of its nodes become the up to eight children of a node.
 
 use super::binary_tree::{BinaryNode, BinaryTree, MemberRange, Split};
-use crate::kdtree::Member;
+use crate::prim_ref::PrimRef;
 use crate::wide::simd::LANES;
 use crate::wide::tree::leaf::LeafBlocks;
 use crate::wide::tree::node::{Child, Node};
@@ -11,7 +11,7 @@ use crate::{Aabb, Triangles};
 pub(super) struct Collapse<'a> {
     triangles: &'a Triangles,
     binary: &'a BinaryTree,
-    members: &'a [Member],
+    refs: &'a [PrimRef],
     space: NormalizedSpace,
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: LeafBlocks,
@@ -27,15 +27,15 @@ enum Treelet {
 }
 
 impl<'a> Collapse<'a> {
-    /// `members` are the contents of the binary tree.
+    /// `refs` are the contents of the binary tree.
     pub(super) fn run(
         triangles: &'a Triangles,
         binary: &'a BinaryTree,
-        members: &'a [Member],
+        refs: &'a [PrimRef],
         space: NormalizedSpace,
     ) -> Self {
         let (nodes, leaves) = (Vec::new(), LeafBlocks::default());
-        let mut this = Self { triangles, binary, members, space, nodes, leaves };
+        let mut this = Self { triangles, binary, refs, space, nodes, leaves };
         this.add_node(0);
         this.leaves.finish();
         this.nodes.shrink_to_fit();
@@ -93,8 +93,8 @@ impl<'a> Collapse<'a> {
         let child = match content.leaf() {
             None => Child::Node(self.add_node(at)),
             Some(MemberRange { first, count }) => {
-                let members = &self.members[first as usize..][..count as usize];
-                let listed = members.iter().map(|m| m.index);
+                let refs = &self.refs[first as usize..][..count as usize];
+                let listed = refs.iter().map(|m| m.index);
                 Child::Block { first: self.leaves.push(self.triangles, &self.space, listed), count }
             }
         };
@@ -155,9 +155,9 @@ mod tests {
         let triangles = Triangles::new(triangles.collect()).unwrap();
         // Planes cost nothing, so that a leaf holds what no plane separates, and nothing else does.
         let options = KdOptions { leaf_size: 1, traversal_cost: 0.0, ..KdOptions::default() };
-        let (tree, mut members) = KdTree::build_with_members(&triangles, &options).unwrap();
-        let binary = BinaryTree::by_kd_tree(&tree, &mut members);
-        Collapse::run(&triangles, &binary, &members, NormalizedSpace::new(&triangles.bounds())).nodes
+        let (tree, mut refs) = KdTree::build_with_refs(&triangles, &options).unwrap();
+        let binary = BinaryTree::by_kd_tree(&tree, &mut refs);
+        Collapse::run(&triangles, &binary, &refs, NormalizedSpace::new(&triangles.bounds())).nodes
     }
 
     /// If one child comes before another, some plane across an axis has it on the nearer side.

@@ -3,19 +3,20 @@
 
 use super::binary_tree::BinaryTree;
 use crate::Accel;
-use crate::kdtree::{KdTree, Member, Node as KdNode};
+use crate::kdtree::{KdTree, Node as KdNode};
+use crate::prim_ref::PrimRef;
 use crate::wide::tree::MAX_LEVELS;
 use rayon::prelude::*;
 
 impl BinaryTree {
-    /// The binary tree of a k-d tree, in which a cell with an empty half has no node: its other half has. `members`, the
+    /// The binary tree of a k-d tree, in which a cell with an empty half has no node: its other half has. `references`, the
     /// parts of triangles in the leaves, one for each reference, are reordered within each leaf, so that those of a leaf
     /// block are adjacent.
     ///
     /// Leaves are split in parallel on the current rayon pool.
-    pub(super) fn by_kd_tree(tree: &KdTree, members: &mut [Member]) -> Self {
+    pub(super) fn by_kd_tree(tree: &KdTree, refs: &mut [PrimRef]) -> Self {
         let empty = Self::empty(&tree.bounds());
-        let (mut leaves, mut rest) = (Vec::new(), members);
+        let (mut leaves, mut rest) = (Vec::new(), refs);
         for node in &tree.nodes {
             if let KdNode::Leaf { first, count: count @ 1.. } = *node {
                 let (leaf, others) = rest.split_at_mut(count as usize);
@@ -23,9 +24,9 @@ impl BinaryTree {
                 rest = others;
             }
         }
-        let subdivide = |(first, leaf): (u32, &mut [Member])| {
+        let subdivide = |(first, leaf): (u32, &mut [PrimRef])| {
             let mut below = empty.without_nodes();
-            below.add_members(first, leaf, MAX_LEVELS);
+            below.add_refs(first, leaf, MAX_LEVELS);
             below
         };
         let leaves: Vec<Self> = leaves.into_par_iter().map(subdivide).collect();
@@ -35,7 +36,7 @@ impl BinaryTree {
         let mut this = empty.without_nodes();
         this.nodes.reserve_exact(count);
         if leaves.is_empty() {
-            this.add_members(0, &mut [], MAX_LEVELS);
+            this.add_refs(0, &mut [], MAX_LEVELS);
         } else {
             this.add_cell(tree, 0, &mut leaves.iter());
         }
@@ -75,11 +76,11 @@ mod tests {
     use crate::{Aabb, KdOptions, Triangles};
     use glam::Vec3;
 
-    fn contents(nodes: Vec<KdNode>, members: &mut [Member]) -> Vec<Content> {
+    fn contents(nodes: Vec<KdNode>, refs: &mut [PrimRef]) -> Vec<Content> {
         let triangles = Triangles::new(Vec::new()).unwrap();
         let mut tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
         tree.nodes = nodes;
-        BinaryTree::by_kd_tree(&tree, members).nodes.iter().map(|node| node.content).collect()
+        BinaryTree::by_kd_tree(&tree, refs).nodes.iter().map(|node| node.content).collect()
     }
 
     #[test]
@@ -101,7 +102,7 @@ mod tests {
             leaf(5, 0),
         ];
         let inner = Content::Inner(Split { axis: 2, upper: 2 });
-        let unit = Member { index: 0, bounds: Aabb { min: Vec3::ZERO, max: Vec3::ONE } };
+        let unit = PrimRef { index: 0, bounds: Aabb { min: Vec3::ZERO, max: Vec3::ONE } };
         let five = &mut [unit; 5];
         assert_eq!(contents(nodes, five), [inner, block(0, 2), block(2, 3)]);
         for nodes in [vec![leaf(0, 0)], vec![split(1, 2), leaf(0, 0), leaf(0, 0)]] {

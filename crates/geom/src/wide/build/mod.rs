@@ -12,32 +12,32 @@ mod sah;
 use super::tree::Tree;
 use super::tree::node::Child;
 use super::tree::normalize::NormalizedSpace;
-use crate::kdtree::Member;
+use crate::prim_ref::PrimRef;
 use crate::{GeomError, KdOptions, KdTree, Triangles};
 use binary_tree::BinaryTree;
 use collapse::Collapse;
 
 /// Builds the tree over the leaves of the k-d tree with these options.
 pub(super) fn build(triangles: &Triangles, options: &KdOptions) -> Result<Tree, GeomError> {
-    let (kd_tree, mut members) = KdTree::build_with_members(triangles, options)?;
+    let (kd_tree, mut refs) = KdTree::build_with_refs(triangles, options)?;
     Child::check_references(kd_tree.references.len())?;
-    let binary = BinaryTree::by_kd_tree(&kd_tree, &mut members);
-    Ok(collapse(triangles, &binary, &members))
+    let binary = BinaryTree::by_kd_tree(&kd_tree, &mut refs);
+    Ok(collapse(triangles, &binary, &refs))
 }
 
 /// Builds the tree with the help of a grid instead of a k-d tree.
 pub(super) fn build_by_grid(triangles: &Triangles) -> Result<Tree, GeomError> {
     let live = triangles.live();
     Child::check_references(live.len())?;
-    let mut members: Vec<Member> = live.iter().map(|&i| Member::new(triangles, i)).collect();
-    let binary = BinaryTree::by_grid(&triangles.bounds(), &mut members);
-    Ok(collapse(triangles, &binary, &members))
+    let mut refs: Vec<PrimRef> = live.iter().map(|&i| PrimRef::new(triangles, i)).collect();
+    let binary = BinaryTree::by_grid(&triangles.bounds(), &mut refs);
+    Ok(collapse(triangles, &binary, &refs))
 }
 
 /// The tree of a binary tree with these contents.
-fn collapse(triangles: &Triangles, binary: &BinaryTree, members: &[Member]) -> Tree {
+fn collapse(triangles: &Triangles, binary: &BinaryTree, refs: &[PrimRef]) -> Tree {
     let triangles = triangles.clone();
     let space = NormalizedSpace::new(&triangles.bounds());
-    let Collapse { nodes, leaves, .. } = Collapse::run(&triangles, binary, members, space);
+    let Collapse { nodes, leaves, .. } = Collapse::run(&triangles, binary, refs, space);
     Tree { triangles, space, nodes, leaves }
 }

@@ -3,7 +3,7 @@
 
 use crate::Aabb;
 use crate::decide::main_axis;
-use crate::kdtree::Member;
+use crate::prim_ref::PrimRef;
 use crate::wide::simd::LANES;
 use glam::Vec4;
 
@@ -81,7 +81,7 @@ pub(super) trait Boxed: Copy {
     fn count(&self) -> usize;
 }
 
-impl Boxed for Member {
+impl Boxed for PrimRef {
     fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -200,14 +200,14 @@ pub(super) fn split_in_bins(items: &mut [impl Boxed]) -> Option<(u8, usize)> {
     Some((axis as u8, lower))
 }
 
-/// [`split_in_bins`] for more members than a leaf block holds. If `must_balance`, or if all are in one place, it
+/// [`split_in_bins`] for more references than a leaf block holds. If `must_balance`, or if all are in one place, it
 /// splits at the median instead, rounded up to whole blocks.
-pub(super) fn split(members: &mut [Member], must_balance: bool) -> (u8, usize) {
-    let split = if must_balance { None } else { split_in_bins(members) };
+pub(super) fn split(refs: &mut [PrimRef], must_balance: bool) -> (u8, usize) {
+    let split = if must_balance { None } else { split_in_bins(refs) };
     split.unwrap_or_else(|| {
-        let axis = main_axis(center_bounds(members).extent());
-        members.sort_by(|a, b| center(a)[axis].total_cmp(&center(b)[axis]));
-        (axis as u8, members.len().div_ceil(2).next_multiple_of(LANES))
+        let axis = main_axis(center_bounds(refs).extent());
+        refs.sort_by(|a, b| center(a)[axis].total_cmp(&center(b)[axis]));
+        (axis as u8, refs.len().div_ceil(2).next_multiple_of(LANES))
     })
 }
 
@@ -217,33 +217,31 @@ mod tests {
     use glam::Vec3;
     use proptest::prelude::*;
 
-    fn member(index: usize, [x, y, z]: [i8; 3], size: u8) -> Member {
+    fn reference(index: usize, [x, y, z]: [i8; 3], size: u8) -> PrimRef {
         let min = Vec3::new(x.into(), y.into(), z.into());
-        Member { index: index as u32, bounds: Aabb { min, max: min + f32::from(size) } }
+        PrimRef { index: index as u32, bounds: Aabb { min, max: min + f32::from(size) } }
     }
 
     /// Half the surface of the box of all, times the leaf blocks that they fill.
-    fn cost(members: &[Member]) -> f64 {
+    fn cost(refs: &[PrimRef]) -> f64 {
         let mut all = Bin::EMPTY;
-        members.iter().for_each(|m| all.add(&MinBox::of(&m.bounds), 1));
+        refs.iter().for_each(|m| all.add(&MinBox::of(&m.bounds), 1));
         all.cost()
     }
 
     #[test]
     fn what_lies_apart_is_split() {
         // Every other one lies far up along z.
-        let mut members: Vec<_> = (0..20).map(|i| member(i, [i as i8, 3, 100 * (i % 2) as i8], 1)).collect();
-        assert_eq!(split(&mut members, false), (2, 10));
-        assert!(
-            members[..10].iter().all(|m| m.index % 2 == 0) && members[10..].iter().all(|m| m.index % 2 == 1)
-        );
+        let mut refs: Vec<_> = (0..20).map(|i| reference(i, [i as i8, 3, 100 * (i % 2) as i8], 1)).collect();
+        assert_eq!(split(&mut refs, false), (2, 10));
+        assert!(refs[..10].iter().all(|m| m.index % 2 == 0) && refs[10..].iter().all(|m| m.index % 2 == 1));
     }
 
     #[test]
     fn what_lies_in_one_place_is_split_into_whole_blocks() {
-        let mut members: Vec<_> = (0..41).map(|i| member(i, [5, 5, 5], 2)).collect();
-        assert_eq!(split(&mut members, false), (0, 24));
-        assert!(members.iter().zip(0..).all(|(m, i)| m.index == i));
+        let mut refs: Vec<_> = (0..41).map(|i| reference(i, [5, 5, 5], 2)).collect();
+        assert_eq!(split(&mut refs, false), (0, 24));
+        assert!(refs.iter().zip(0..).all(|(m, i)| m.index == i));
     }
 
     proptest! {
@@ -251,16 +249,16 @@ mod tests {
         fn nothing_is_lost_and_no_bin_would_have_been_better(
             boxes in prop::collection::vec((prop::array::uniform3(-20i8..20), 0u8..4), 9..80), must_balance: bool,
         ) {
-            let mut members: Vec<_> =
-                boxes.iter().enumerate().map(|(i, &(corner, size))| member(i, corner, size)).collect();
-            let before = members.clone();
-            let (axis, lower) = split(&mut members, must_balance);
-            let mut indices: Vec<_> = members.iter().map(|m| m.index).collect();
+            let mut refs: Vec<_> =
+                boxes.iter().enumerate().map(|(i, &(corner, size))| reference(i, corner, size)).collect();
+            let before = refs.clone();
+            let (axis, lower) = split(&mut refs, must_balance);
+            let mut indices: Vec<_> = refs.iter().map(|m| m.index).collect();
             indices.sort_unstable();
             prop_assert!(indices.into_iter().eq(0..before.len() as u32));
-            let (low, high) = members.split_at(lower);
+            let (low, high) = refs.split_at(lower);
             prop_assert!(!low.is_empty() && !high.is_empty());
-            let along = |m: &Member| center(m)[usize::from(axis)];
+            let along = |m: &PrimRef| center(m)[usize::from(axis)];
             let last = low.iter().map(along).fold(f32::NEG_INFINITY, f32::max);
             prop_assert!(high.iter().all(|m| along(m) >= last));
             if must_balance {

@@ -27,8 +27,8 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
             continue;
         }
         probe.open();
-        let rows = tree.rows(traversal.child);
-        rows.indices().for_each(|index| probe.test(index));
+        let block = tree.leaf_block(traversal.child);
+        block.indices().for_each(|index| probe.test(index));
         let Traversal { child, t_end, setup, excluded, .. } = traversal;
         let hits = test_leaf(simd, tree, *child, &setup.shear, *t_end, *excluded);
         if hits.any() {
@@ -104,9 +104,9 @@ pub(super) fn test_leaf<S: Simd>(
     t_end: f32,
     excluded: [u32; 2],
 ) -> LeafHits {
-    let rows = tree.rows(child);
-    let vertices = Vertices::load(simd, rows, ray.axes.map(usize::from));
-    let lanes = rows.lanes() & !rows.lanes_of(simd, excluded);
+    let block = tree.leaf_block(child);
+    let vertices = Vertices::load(simd, block, ray.axes.map(usize::from));
+    let lanes = block.lanes() & !block.lanes_of(simd, excluded);
     LeafHits { child, filtered: prefilter(simd, ray, t_end, &vertices).among(lanes) }
 }
 
@@ -125,9 +125,9 @@ pub(super) fn record<S: Simd, Q: Query>(
         traversal.clear();
         return;
     }
-    let rows = tree.rows(*child);
+    let block = tree.leaf_block(*child);
     for lane in Bits(filtered.possible.into()) {
-        let index = rows.index(lane % LANES);
+        let index = block.index(lane % LANES);
         tree.triangles.prefetch(index);
         traversal.candidates.add(filtered.start[lane % LANES], index);
         if traversal.candidates.is_full() {

@@ -4,7 +4,8 @@
 //! error of each number (docs/numerics.md). Eight triangles are tested at once.
 
 use super::ray_setup::ShearSetup;
-use crate::wide::simd::{LANES, Rows, Simd, SimdBase, SimdFloat};
+use crate::wide::simd::{LANES, Simd, SimdBase, SimdFloat};
+use crate::wide::tree::leaf::LeafBlock;
 
 /// The coordinates of eight triangles' vertices along the axes x, y and z of Woop's shear.
 pub(super) struct Vertices<S: Simd> {
@@ -16,8 +17,8 @@ pub(super) struct Vertices<S: Simd> {
 impl<S: Simd> Vertices<S> {
     /// The vertices of a leaf block's triangles.
     #[inline(always)]
-    pub(super) fn load(simd: S, rows: Rows<'_>, [x, y, z]: [usize; 3]) -> Self {
-        let (x, y, z) = (rows.along(x), rows.along(y), rows.along(z));
+    pub(super) fn load(simd: S, block: LeafBlock<'_>, [x, y, z]: [usize; 3]) -> Self {
+        let (x, y, z) = (block.along(x), block.along(y), block.along(z));
         Self {
             x: [simd.load(x[0]), simd.load(x[1]), simd.load(x[2])],
             y: [simd.load(y[0]), simd.load(y[1]), simd.load(y[2])],

@@ -5,9 +5,8 @@ pub(super) mod leaf;
 pub(super) mod node;
 pub(super) mod normalize;
 
-use super::simd::Rows;
 use crate::Triangles;
-use leaf::LeafBlocks;
+use leaf::{LeafBlock, LeafBlocks};
 use node::{Child, Node};
 use normalize::NormalizedSpace;
 use prefetch_index::prefetch_index;
@@ -35,11 +34,11 @@ impl Tree {
         self.triangles.bytes() + size_of_val(&*self.nodes) + self.leaves.bytes()
     }
 
-    /// The rows of a leaf block.
+    /// The leaf block that is this child.
     #[inline(always)]
-    pub(super) fn rows(&self, child: u32) -> Rows<'_> {
+    pub(super) fn leaf_block(&self, child: u32) -> LeafBlock<'_> {
         let (first, count) = Child::block(child);
-        self.leaves.rows(first, count)
+        self.leaves.get(first, count)
     }
 
     /// Asks for the first cache lines of a child, without a branch, which would be mispredicted.
@@ -48,7 +47,7 @@ impl Tree {
         let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) == 1);
         let (nodes, blocks) = (self.nodes[0].faces.as_flattened(), self.leaves.words());
         let start = select_unpredictable(is_block, blocks, nodes);
-        let words = select_unpredictable(is_block, Rows::COUNT, size_of::<Node>() / size_of::<f32>());
+        let words = select_unpredictable(is_block, LeafBlock::ROWS, size_of::<Node>() / size_of::<f32>());
         for line in 0..LINES {
             prefetch_index(start, place * words + line * WORDS_OF_A_LINE);
         }

@@ -5,10 +5,11 @@ use super::edge_functions::{CentralRay, EdgeFunctions, RayLanes};
 use super::setup::{CommonOrigin, PacketRays};
 use crate::Ray;
 use crate::query::{ClosestHit, Query};
-use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Rows, Simd, SimdBase};
+use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase};
 use crate::wide::trace::deferred_decision::{CAPACITY, Candidates, Decisions};
 use crate::wide::trace::prefilter::{Filtered, Vertices};
 use crate::wide::tree::Tree;
+use crate::wide::tree::leaf::LeafBlock;
 use crate::wide::tree::node::Child;
 use std::marker::PhantomData;
 
@@ -60,7 +61,7 @@ pub(super) struct PacketTraversal<'a, S: Simd, Q> {
 
 /// The triangles of a leaf block that a ray of the packet may hit, and the rays that may meet the block.
 struct LeafTest<'a, S: Simd> {
-    rows: Rows<'a>,
+    block: LeafBlock<'a>,
     triangles: u8,
     rays: RayMask,
     center: CentralRay,
@@ -115,14 +116,14 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         }
         let simd = self.simd;
         let groups = (0..GROUPS).filter(|g| group_of(rays, *g) != 0).count();
-        let rows = self.tree.rows(entry.child);
+        let block = self.tree.leaf_block(entry.child);
         let center = CentralRay::new(&self.common, &entry.bounds);
-        let edges = EdgeFunctions::new(simd, &center, &Vertices::load(simd, rows, self.common.axes));
-        let triangles = edges.may_hit(simd, &center) & rows.lanes();
+        let edges = EdgeFunctions::new(simd, &center, &Vertices::load(simd, block, self.common.axes));
+        let triangles = edges.may_hit(simd, &center) & block.lanes();
         if triangles == 0 {
             return;
         }
-        let test = LeafTest { rows, triangles, rays, center, edges };
+        let test = LeafTest { block, triangles, rays, center, edges };
         let is_shorter = if triangles.count_ones() as usize * groups < rays.count_ones() as usize {
             self.test_by_triangle(&test)
         } else {
@@ -179,7 +180,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
                 continue;
             }
             for lane in Bits(possible.into()) {
-                self.add(g, i, start[lane % LANES], test.rows.index(lane % LANES));
+                self.add(g, i, start[lane % LANES], test.block.index(lane % LANES));
             }
             if certain != 0 {
                 let nearest = simd.min_of(simd.load(&end), certain);
@@ -195,7 +196,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     fn test_by_triangle(&mut self, test: &LeafTest<'_, S>) -> bool {
         let (simd, mut is_shorter) = (self.simd, false);
         for at in Bits(test.triangles.into()) {
-            let index = test.rows.index(at % LANES);
+            let index = test.block.index(at % LANES);
             let edges = test.edges.lane(simd, at);
             let (mut possible, mut certain) = (0, 0);
             for g in 0..GROUPS {
