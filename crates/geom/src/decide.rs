@@ -144,6 +144,9 @@ impl Shear {
     }
 }
 
+/// The axes of the components that [`permute`] returns, by main axis.
+pub(crate) const AXES: [[u8; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
 /// The components in cyclic order, that along `main_axis` last.
 #[inline(always)]
 pub(crate) fn permute(v: DVec3, main_axis: usize) -> DVec3 {

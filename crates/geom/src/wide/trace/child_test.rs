@@ -29,8 +29,8 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
         probe.open();
         let block = tree.leaf_block(traversal.child);
         block.indices().for_each(|index| probe.test(index));
-        let Traversal { child, t_end, setup, excluded, .. } = traversal;
-        let hits = test_leaf(simd, tree, *child, &setup.shear, *t_end, *excluded);
+        let Traversal { child, limit, setup, excluded, .. } = traversal;
+        let hits = test_leaf(simd, tree, *child, &setup.shear, *limit, *excluded);
         if hits.any() {
             record(simd, tree, ray, &hits, traversal, query);
         }
@@ -48,7 +48,7 @@ pub(super) fn test_node<S: Simd, Q: Query>(simd: S, nodes: &[Node], traversal: &
     let y = crossings(simd, node, setup, 1);
     let z = crossings(simd, node, setup, 2);
     let starts = x[0].max(y[0]).max(z[0].max(setup.start));
-    let ends = x[1].min(y[1]).min(z[1].min(traversal.t_end));
+    let ends = x[1].min(y[1]).min(z[1].min(traversal.limit));
     let children = S::I::load_array(simd, node.children);
     if Q::ANY_HIT {
         let mask = !simd.lt(ends, starts);
@@ -94,20 +94,20 @@ impl LeafHits {
     }
 }
 
-/// Tests a leaf block. Triangles that the ray excludes are missed; hits beyond `t_end` cannot matter.
+/// Tests a leaf block. Triangles that the ray excludes are missed; hits beyond `limit` cannot matter.
 #[inline(always)]
 pub(super) fn test_leaf<S: Simd>(
     simd: S,
     tree: &Tree,
     child: u32,
     ray: &ShearSetup,
-    t_end: f32,
+    limit: f32,
     excluded: [u32; 2],
 ) -> LeafHits {
     let block = tree.leaf_block(child);
     let vertices = Vertices::load(simd, block, ray.axes.map(usize::from));
     let lanes = block.lanes() & !block.lanes_of(simd, excluded);
-    LeafHits { child, filtered: prefilter(simd, ray, t_end, &vertices).among(lanes) }
+    LeafHits { child, filtered: prefilter(simd, ray, limit, &vertices).among(lanes) }
 }
 
 /// Adds the possible hits to the candidates, and ends the traversal as soon as a certain one permits.
@@ -131,7 +131,7 @@ pub(super) fn record<S: Simd, Q: Query>(
         tree.triangles.prefetch(index);
         traversal.candidates.add(filtered.start[lane % LANES], index);
         if traversal.candidates.is_full() {
-            traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, query);
+            traversal.candidates.decide(traversal.limit, ray, &tree.triangles, query);
             if Q::ANY_HIT && query.is_answered() {
                 traversal.clear();
                 return;
@@ -141,8 +141,8 @@ pub(super) fn record<S: Simd, Q: Query>(
     if filtered.certain != 0 {
         let end = simd.min_of(simd.load(&filtered.end), filtered.certain);
         // In a closed scene the ray mostly ends there already, and there is nothing to drop.
-        if end < traversal.t_end {
-            traversal.t_end = end;
+        if end < traversal.limit {
+            traversal.limit = end;
             traversal.drop_beyond(simd);
         }
     }

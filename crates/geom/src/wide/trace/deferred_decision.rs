@@ -1,8 +1,7 @@
 //! The exact decision in `f64` of what the conservative test leaves: a ray's candidates are kept until it has
 //! been traversed, or until there are eight, and then decided.
 
-use super::ray_setup::AXES;
-use crate::decide::{Intersection, Shear};
+use crate::decide::{AXES, Intersection, Shear};
 use crate::query::Query;
 use crate::wide::simd::{LANES, Simd};
 use crate::{Ray, Triangles};
@@ -41,17 +40,17 @@ impl Candidates {
         self.count = at + usize::from(is_new);
     }
 
-    /// Those that do not begin beyond `t_end`, a bit each.
+    /// Those that do not begin beyond `limit`, a bit each.
     #[inline(always)]
-    fn left<S: Simd>(&self, simd: S, t_end: f32) -> u8 {
+    fn left<S: Simd>(&self, simd: S, limit: f32) -> u8 {
         // Comparisons with NaN are false: such a candidate is kept.
-        let beyond = simd.lt(simd.splat(t_end), simd.load(&self.starts));
+        let beyond = simd.lt(simd.splat(limit), simd.load(&self.starts));
         !beyond & !(0xff_u32 << self.count) as u8
     }
 
-    /// Decides those that do not begin beyond `t_end`, and clears all. The ray must be traceable.
+    /// Decides those that do not begin beyond `limit`, and clears all. The ray must be traceable.
     #[inline(always)]
-    pub(super) fn decide<Q: Query>(&mut self, t_end: f32, ray: &Ray, triangles: &Triangles, query: &mut Q) {
+    pub(super) fn decide<Q: Query>(&mut self, limit: f32, ray: &Ray, triangles: &Triangles, query: &mut Q) {
         let count = std::mem::take(&mut self.count).min(CAPACITY);
         if count == 0 {
             return;
@@ -59,7 +58,7 @@ impl Candidates {
         let shear = Shear::of_traceable(ray);
         for (&start, &index) in self.starts.iter().zip(&self.indices).take(count) {
             // Comparisons with NaN are false: such a candidate is decided.
-            if start > t_end {
+            if start > limit {
                 continue;
             }
             if let Some(intersection) = shear.decide_likely(triangles.get(index)) {
@@ -105,20 +104,20 @@ impl Shears {
         Self { main_axis: 0, origin: [zero; 3], slopes: [zero; 2], direction_z: zero }
     };
 
-    /// Decides those of each ray's candidates that do not begin beyond `t_end`, in their order, one of each ray at a time.
+    /// Decides those of each ray's candidates that do not begin beyond `limit`, in their order, one of each ray at a time.
     /// Returns how many of `decisions` were made.
     #[inline(always)]
     pub(super) fn decide<S: Simd>(
         &self,
         simd: S,
         candidates: &[Candidates; LANES],
-        t_end: &[f32; LANES],
+        limit: &[f32; LANES],
         triangles: &Triangles,
         decisions: &mut [Decisions],
     ) -> usize {
         let mut left = [0; LANES];
         for (i, left) in left.iter_mut().enumerate() {
-            *left = candidates[i].left(simd, t_end[i]);
+            *left = candidates[i].left(simd, limit[i]);
         }
         let mut rounds = 0;
         for decisions in decisions {

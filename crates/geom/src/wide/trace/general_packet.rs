@@ -83,8 +83,8 @@ impl GeneralPacket {
         }
         for (slot, query) in packet.queries.iter_mut().enumerate() {
             if (packet.begun & packet.left) >> slot & 1 != 0 {
-                let Traversal { candidates, t_end, .. } = &mut packet.traversals[slot];
-                candidates.decide(*t_end, &rays[slot], &tree.triangles, query);
+                let Traversal { candidates, limit, .. } = &mut packet.traversals[slot];
+                candidates.decide(*limit, &rays[slot], &tree.triangles, query);
             }
             report(slot, *query);
         }

@@ -42,7 +42,7 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
             let traversal = &mut scratch.traversals[0];
             traversal.begin(setup, 0, ray);
             visit_all(simd, tree, ray, traversal, &mut query, probe);
-            traversal.candidates.decide(traversal.t_end, ray, &tree.triangles, &mut query);
+            traversal.candidates.decide(traversal.limit, ray, &tree.triangles, &mut query);
         },
     );
     query

@@ -48,10 +48,10 @@ impl Filtered {
     }
 }
 
-/// Tests eight triangles. Hits beyond `t_end` cannot matter.
+/// Tests eight triangles. Hits beyond `limit` cannot matter.
 #[inline(always)]
-pub(super) fn prefilter<S: Simd>(simd: S, ray: &ShearSetup, t_end: f32, v: &Vertices<S>) -> Filtered {
-    let (zero, t_end) = (simd.splat(0.0), simd.splat(t_end));
+pub(super) fn prefilter<S: Simd>(simd: S, ray: &ShearSetup, limit: f32, v: &Vertices<S>) -> Filtered {
+    let (zero, limit) = (simd.splat(0.0), simd.splat(limit));
     let [x0, x1, x2] = shear::<S>(ray, 0, &v.x, &v.z);
     let [y0, y1, y2] = shear::<S>(ray, 1, &v.y, &v.z);
     let e0 = x2.mul_sub(y1, y2 * x1);
@@ -72,9 +72,9 @@ pub(super) fn prefilter<S: Simd>(simd: S, ray: &ShearSetup, t_end: f32, v: &Vert
     let t_err = (err * 8.0 * inverse.abs()).mul_add(simd.max_abs(z1, z2), ray.t_err);
     let (start, end) = (t - t_err, t + t_err);
     // Comparisons with NaN are false: where an error is unbounded, a hit is possible.
-    let beyond = simd.lt(t_end, start) | simd.lt(end, zero);
+    let beyond = simd.lt(limit, start) | simd.lt(end, zero);
     let possible = !(outside | beyond);
-    let certain = possible & inside & simd.lt(zero, start) & simd.lt(end, simd.splat(ray.certain_end));
+    let certain = possible & inside & simd.lt(zero, start) & simd.lt(end, simd.splat(ray.range_end));
     Filtered { possible, certain, start: start.to_array(), end: end.to_array() }
 }
 

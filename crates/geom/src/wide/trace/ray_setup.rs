@@ -1,6 +1,6 @@
 //! Ray setup: a ray in normalised space, in `f32`, with bounds of its errors (docs/numerics.md).
 
-use crate::decide::{main_axis, permute};
+use crate::decide::{AXES, main_axis, permute};
 use crate::prune::Pruner;
 use crate::rounding::W_F64;
 use crate::wide::simd::RayColumns;
@@ -18,9 +18,6 @@ const DEPTH_ERR: f64 = 20.0;
 const LOST: f64 = 0.25;
 /// Larger inverse direction components are clamped to this; the scene is 2 wide.
 const LARGEST_INVERSE: f64 = (1_u64 << 60) as f64;
-
-/// The axes x, y and z of Woop's shear, by main axis, which is z.
-pub(super) const AXES: [[u8; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 /// A ray that starts where it enters the scene, with its main direction component in `1..2`.
 ///
@@ -58,7 +55,7 @@ pub(super) struct ShearSetup {
     /// Error of a parameter, beyond that of the edge functions.
     pub(super) t_err: f32,
     /// A hit whose upper bound is below this is certainly within the ray's range.
-    pub(super) certain_end: f32,
+    pub(super) range_end: f32,
 }
 
 /// The setups of `N` rays, a column for each number, so that they are computed in parallel.
@@ -79,7 +76,7 @@ pub(super) struct RaySetups<const N: usize> {
     pub(super) t_err: [f32; N],
     pub(super) start: [f32; N],
     pub(super) end: [f32; N],
-    pub(super) certain_end: [f32; N],
+    pub(super) range_end: [f32; N],
     /// Whether the ray is traceable, and may meet anything.
     pub(super) may_hit: [bool; N],
 }
@@ -151,7 +148,7 @@ impl<const N: usize> RaySetups<N> {
         let (start, end) = (unless_lost(0.0, f32::NEG_INFINITY), after(entry.end) * (1.0 + 4.0 * W_F64));
         self.start[i] = if missed { f32::INFINITY } else { start };
         self.end[i] = if missed { f32::NEG_INFINITY } else { unless_lost(end, f32::INFINITY) };
-        self.certain_end[i] = unless_lost(after(ray.t_max) * (1.0 - 4.0 * W_F64), f32::NEG_INFINITY);
+        self.range_end[i] = unless_lost(after(ray.t_max) * (1.0 - 4.0 * W_F64), f32::NEG_INFINITY);
     }
 
     pub(super) const fn idle() -> Self {
@@ -171,7 +168,7 @@ impl<const N: usize> RaySetups<N> {
             t_err: zero,
             start: zero,
             end: zero,
-            certain_end: zero,
+            range_end: zero,
             may_hit: [false; N],
         }
     }
@@ -205,7 +202,7 @@ impl<const N: usize> RaySetups<N> {
             depth_offset: self.depth_offset[i],
             edge_err: [self.edge_err[0][i], self.edge_err[1][i]],
             t_err: self.t_err[i],
-            certain_end: self.certain_end[i],
+            range_end: self.range_end[i],
         }
     }
 }

@@ -105,7 +105,7 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
             if let Some(mut query) = self.queries[slot].take() {
                 let id = traversal.ray as usize;
                 traversal.candidates.decide(
-                    traversal.t_end,
+                    traversal.limit,
                     &self.rays[id],
                     &self.tree.triangles,
                     &mut query,
@@ -150,8 +150,8 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     fn test_leaves<S: Simd>(&mut self, simd: S, blocks: RayMask, hits: &mut [LeafHits; PACKET]) {
         let mut with_hits: RayMask = 0;
         for slot in Bits(blocks) {
-            let Traversal { child, t_end, setup, excluded, .. } = &self.traversals[slot];
-            hits[slot] = test_leaf(simd, self.tree, *child, &setup.shear, *t_end, *excluded);
+            let Traversal { child, limit, setup, excluded, .. } = &self.traversals[slot];
+            hits[slot] = test_leaf(simd, self.tree, *child, &setup.shear, *limit, *excluded);
             with_hits |= RayMask::from(hits[slot].any()) << slot;
         }
         for slot in Bits(with_hits) {

@@ -44,7 +44,7 @@ pub(super) struct Traversal {
     /// The current child: the nearest one left.
     pub(super) child: u32,
     /// Hits beyond this cannot matter.
-    pub(super) t_end: f32,
+    pub(super) limit: f32,
     pub(super) setup: RaySetup,
     pub(super) candidates: Candidates,
     /// The index of the ray.
@@ -61,7 +61,7 @@ impl Traversal {
     pub(super) fn idle() -> Self {
         Self {
             child: Child::END,
-            t_end: 0.0,
+            limit: 0.0,
             setup: RaySetup::default(),
             candidates: Candidates::default(),
             ray: 0,
@@ -75,7 +75,7 @@ impl Traversal {
     /// Starts at the root, for `ray` of index `index`.
     #[inline(always)]
     pub(super) fn begin(&mut self, setup: RaySetup, index: u32, ray: &Ray) {
-        (self.child, self.setup, self.t_end) = (Child::ROOT, setup, setup.end);
+        (self.child, self.setup, self.limit) = (Child::ROOT, setup, setup.end);
         (self.ray, self.excluded) = (index, ray.excluded);
         self.clear();
     }
@@ -135,10 +135,10 @@ impl Traversal {
         self.depth = top + usize::from(pending != 0);
     }
 
-    /// Drops children that the ray enters beyond `t_end`.
+    /// Drops children that the ray enters beyond `limit`.
     #[inline(always)]
     pub(super) fn drop_beyond<S: Simd>(&mut self, simd: S) {
-        let limit = simd.splat(self.t_end);
+        let limit = simd.splat(self.limit);
         let depth = self.depth.min(DEPTH);
         self.depth = 1;
         for at in 1..depth {

@@ -28,17 +28,17 @@ pub(super) struct ChildBounds {
 }
 
 impl ChildBounds {
-    /// Those of the children that a ray may meet before depth `end`, and the lanes of these.
+    /// Those of the children that a ray may meet before depth `limit`, and the lanes of these.
     ///
     /// Boxes and slope bounds are widened by more than all rounding errors (docs/numerics.md).
     #[inline(always)]
-    pub(super) fn of<S: Simd>(simd: S, node: &Node, common: &CommonOrigin, end: f32) -> (Self, u8) {
+    pub(super) fn of<S: Simd>(simd: S, node: &Node, common: &CommonOrigin, limit: f32) -> (Self, u8) {
         let origin = common.origin.as_vec3();
         let thick = FACE_ERR * W * (1.0 + origin.abs().max_element());
         let [low, high] = faces(simd, node, common, 2);
         let (near, far) = if common.sense < 0.0 { (-high, -low) } else { (low, high) };
         let (near, far) = (near - FACE_ERR * W, far + FACE_ERR * W);
-        let mut met = simd.le(near, simd.splat(end)) & simd.le(simd.splat(common.begin), far);
+        let mut met = simd.le(near, simd.splat(limit)) & simd.le(simd.splat(common.begin), far);
         let (near_inverse, far_inverse) =
             (inverse(simd, near, origin.z + thick), inverse(simd, far, origin.z - thick));
         let mut bounds = Self { low: [[0.0; LANES]; 2], high: [[0.0; LANES]; 2], near: [0.0; LANES] };
@@ -124,7 +124,7 @@ mod tests {
                     let at = at.as_vec3();
                     node.set(lane, &Aabb { min: at, max: at }, Child::Node(1));
                 }
-                let end = packet_rays.end[g][i];
+                let end = packet_rays.limit[g][i];
                 let (bounds, lanes) = ChildBounds::of(portable(), &node, &origin, end);
                 let SlopeBounds { low, high } = bounds.get(3);
                 let is_in = |axis: usize| {

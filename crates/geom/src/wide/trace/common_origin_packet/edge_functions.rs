@@ -106,7 +106,7 @@ pub(super) struct RayLanes<S: Simd> {
     pub(super) begin: S::F,
     pub(super) range_end: S::F,
     /// Hits at greater depths cannot matter.
-    pub(super) end: S::F,
+    pub(super) limit: S::F,
 }
 
 impl<S: Simd> EdgeFunctions<S> {
@@ -165,7 +165,7 @@ impl<S: Simd> EdgeFunctions<S> {
         let depth_err = self.depth_err.mul_add(inverse.abs(), HIT_ERR * W);
         let (start, end) = (depth - depth_err, depth + depth_err);
         // Comparisons with NaN are false: where an error is unbounded, a hit is possible.
-        let beyond = simd.lt(rays.end, start) | simd.lt(end, rays.begin);
+        let beyond = simd.lt(rays.limit, start) | simd.lt(end, rays.begin);
         let possible = !(outside | beyond);
         let certain = possible & inside & simd.lt(rays.begin, start) & simd.lt(end, rays.range_end);
         Filtered { possible, certain, start: start.to_array(), end: end.to_array() }
@@ -282,8 +282,9 @@ mod tests {
                 let (g, i) = (slot / LANES, slot % LANES);
                 let deviation =
                     [0, 1].map(|axis| simd.splat(packet_rays.deviation[axis][g][i] - center.deviation[axis]));
-                let [begin, end] = [packet_rays.begin[g][i], packet_rays.end[g][i]].map(|x| simd.splat(x));
-                let lanes = RayLanes { deviation, begin, range_end: end, end };
+                let [begin, limit] =
+                    [packet_rays.begin[g][i], packet_rays.limit[g][i]].map(|x| simd.splat(x));
+                let lanes = RayLanes { deviation, begin, range_end: limit, limit };
                 let edges = [0, 1, 2].map(|i| functions.edge(&lanes, i));
                 let filtered = functions.prefilter(simd, &lanes);
                 for lane in 0..LANES {

@@ -36,13 +36,13 @@ impl Packet {
             return false;
         }
         self.candidates.as_flattened_mut().iter_mut().for_each(Candidates::clear);
-        let (end, finished, query) = (f32::INFINITY, 0, PhantomData::<Q>);
+        let (limit, finished, query) = (f32::INFINITY, 0, PhantomData::<Q>);
         let finished =
-            PacketTraversal { simd, tree, rays: groups, common, memory: self, end, finished, query }.run();
+            PacketTraversal { simd, tree, rays: groups, common, memory: self, limit, finished, query }.run();
         let Self { rays, candidates, decisions, .. } = self;
         for (g, group) in groups.iter().enumerate() {
             let rounds =
-                rays.shears[g].decide(simd, &candidates[g], &rays.end[g], &tree.triangles, decisions);
+                rays.shears[g].decide(simd, &candidates[g], &rays.limit[g], &tree.triangles, decisions);
             for (i, ray) in group.iter().enumerate() {
                 let mut query = Q::new(ray);
                 for decisions in &decisions[..rounds] {

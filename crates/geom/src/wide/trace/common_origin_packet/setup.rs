@@ -1,10 +1,9 @@
 //! Packet setup: the common origin, and the rays by their deviation from a middle one.
 
 use crate::Ray;
-use crate::decide::{main_axis, permute};
+use crate::decide::{AXES, main_axis, permute};
 use crate::wide::simd::{Aligned, GROUPS, LANES, PACKET, RayMask, Simd};
 use crate::wide::trace::deferred_decision::Shears;
-use crate::wide::trace::ray_setup::AXES;
 use crate::wide::tree::normalize::NormalizedSpace;
 use glam::DVec3;
 
@@ -90,14 +89,20 @@ pub(super) struct PacketRays {
     pub(super) begin: [[f32; LANES]; GROUPS],
     pub(super) range_end: [[f32; LANES]; GROUPS],
     /// Hits at greater depths cannot matter.
-    pub(super) end: [[f32; LANES]; GROUPS],
+    pub(super) limit: [[f32; LANES]; GROUPS],
     pub(super) shears: [Shears; GROUPS],
 }
 
 impl PacketRays {
     pub(super) fn idle() -> Self {
         let zero = [[0.0; LANES]; GROUPS];
-        Self { deviation: [zero; 2], begin: zero, range_end: zero, end: zero, shears: [Shears::NONE; GROUPS] }
+        Self {
+            deviation: [zero; 2],
+            begin: zero,
+            range_end: zero,
+            limit: zero,
+            shears: [Shears::NONE; GROUPS],
+        }
     }
 
     /// Sets up the rays, and bounds their deviations in `origin`. Returns false if they are not coherent, or
@@ -158,7 +163,7 @@ impl PacketRays {
             begins[i] = begin as f32;
             ends[i] = (if end < BEYOND { end } else { BEYOND }) as f32;
         }
-        (self.begin[g], self.range_end[g], self.end[g]) = (begins, ends, ends);
+        (self.begin[g], self.range_end[g], self.limit[g]) = (begins, ends, ends);
         let domain = Ray::DIRECTION_DOMAIN;
         let mut fits = [0.0; LANES];
         for i in 0..LANES {

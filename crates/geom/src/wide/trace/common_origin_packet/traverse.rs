@@ -52,8 +52,8 @@ pub(super) struct PacketTraversal<'a, S: Simd, Q> {
     pub(super) rays: &'a [[Ray; LANES]],
     pub(super) common: CommonOrigin,
     pub(super) memory: &'a mut Packet,
-    /// The depth at which the last of the rays ends.
-    pub(super) end: f32,
+    /// The depth of the farthest limit of a ray.
+    pub(super) limit: f32,
     /// The rays whose any-hit query is answered by a certain hit. They end before everything.
     pub(super) finished: RayMask,
     pub(super) query: PhantomData<Q>,
@@ -77,7 +77,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         self.memory.stack.clear();
         self.test_node(Child::ROOT);
         while let Some(entry) = self.memory.stack.pop() {
-            if entry.near > self.end {
+            if entry.near > self.limit {
                 continue;
             }
             if Child::is_block(entry.child) == 1 {
@@ -93,7 +93,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     #[inline(always)]
     fn test_node(&mut self, index: u32) {
         let node = &self.tree.nodes[index as usize];
-        let (bounds, met) = ChildBounds::of(self.simd, node, &self.common, self.end);
+        let (bounds, met) = ChildBounds::of(self.simd, node, &self.common, self.limit);
         let order = node.orders[usize::from(self.common.octant & 7)];
         let mut places = ChildBounds::places(self.simd, met, order);
         while places != 0 {
@@ -134,18 +134,18 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         }
     }
 
-    /// The rays within slope bounds that do not end before depth `near`.
+    /// The rays within slope bounds whose limit is not before depth `near`.
     #[inline(always)]
     fn within(&self, bounds: &SlopeBounds, near: f32) -> RayMask {
         let (simd, mut met) = (self.simd, 0);
-        let PacketRays { deviation, end, .. } = &self.memory.rays;
+        let PacketRays { deviation, limit, .. } = &self.memory.rays;
         let low = [simd.splat(bounds.low[0]), simd.splat(bounds.low[1])];
         let high = [simd.splat(bounds.high[0]), simd.splat(bounds.high[1])];
         let near = simd.splat(near);
         for g in 0..GROUPS {
             let (x, y) = (simd.load(&deviation[0][g]), simd.load(&deviation[1][g]));
             let across = simd.le(low[0], x) & simd.le(x, high[0]) & simd.le(low[1], y) & simd.le(y, high[1]);
-            met |= RayMask::from(across & simd.le(near, simd.load(&end[g]))) << (g * LANES);
+            met |= RayMask::from(across & simd.le(near, simd.load(&limit[g]))) << (g * LANES);
         }
         met
     }
@@ -165,7 +165,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
                 deviation: [simd.splat(x), simd.splat(y)],
                 begin: simd.splat(rays.begin[g][i]),
                 range_end: simd.splat(rays.range_end[g][i]),
-                end: simd.splat(rays.end[g][i]),
+                limit: simd.splat(rays.limit[g][i]),
             };
             let filtered = test.edges.prefilter(simd, &lanes).among(test.triangles);
             self.memory.filtered[slot % PACKET] = filtered;
@@ -184,8 +184,8 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
             }
             if certain != 0 {
                 let nearest = simd.min_of(simd.load(&end), certain);
-                let end = &mut self.memory.rays.end[g][i];
-                *end = if nearest < *end { nearest } else { *end };
+                let limit = &mut self.memory.rays.limit[g][i];
+                *limit = if nearest < *limit { nearest } else { *limit };
             }
         }
         with_certain != 0
@@ -229,20 +229,20 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         let (simd, rays) = (self.simd, &self.memory.rays);
         let x = simd.load(&rays.deviation[0][g]) - center.deviation[0];
         let y = simd.load(&rays.deviation[1][g]) - center.deviation[1];
-        let before = simd.load(&rays.end[g]);
+        let before = simd.load(&rays.limit[g]);
         let (begin, range_end) = (simd.load(&rays.begin[g]), simd.load(&rays.range_end[g]));
-        let lanes = RayLanes { deviation: [x, y], begin, range_end, end: before };
+        let lanes = RayLanes { deviation: [x, y], begin, range_end, limit: before };
         let Filtered { possible, certain, start, end } = edges.prefilter(simd, &lanes).among(group);
         let nearer = simd.select(certain, simd.load(&end).min(before), before);
-        nearer.store_array(&mut self.memory.rays.end[g]);
+        nearer.store_array(&mut self.memory.rays.limit[g]);
         self.memory.filtered[g].start = start;
         (possible, certain)
     }
 
-    /// Finds where the last of the rays ends.
+    /// Finds the farthest limit of a ray.
     #[inline(always)]
     fn shorten(&mut self) {
-        self.end = self.simd.range(RayMask::MAX, |g| &self.memory.rays.end[g])[1];
+        self.limit = self.simd.range(RayMask::MAX, |g| &self.memory.rays.limit[g])[1];
     }
 
     /// Ends an any-hit query that has a certain hit.
@@ -250,7 +250,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     fn finish(&mut self, g: usize, i: usize) {
         self.finished |= 1 << (g * LANES + i);
         self.memory.candidates[g][i].clear();
-        self.memory.rays.end[g][i] = f32::NEG_INFINITY;
+        self.memory.rays.limit[g][i] = f32::NEG_INFINITY;
     }
 
     /// Adds a candidate, and decides when there are eight.
@@ -268,10 +268,10 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     /// Decides a ray's candidates, and keeps the one that is hit, if any.
     #[cold]
     fn settle(&mut self, g: usize, i: usize) {
-        let (end, ray) = (self.memory.rays.end[g][i], &self.rays[g][i]);
+        let (limit, ray) = (self.memory.rays.limit[g][i], &self.rays[g][i]);
         let mut query = ClosestHit::new(ray);
         let candidates = &mut self.memory.candidates[g][i];
-        candidates.decide(end, ray, &self.tree.triangles, &mut query);
+        candidates.decide(limit, ray, &self.tree.triangles, &mut query);
         let Some(hit) = query.hit() else { return };
         if Q::ANY_HIT {
             self.finish(g, i);
