@@ -46,7 +46,7 @@ enum Kind {
 pub struct DeltaLightSample {
     /// Where the light is; `None` if it is infinitely far away.
     pub position: Option<DVec3>,
-    /// Unit direction from the shading point, world frame.
+    /// Unit direction from the receiver, world frame.
     pub direction: DVec3,
     /// Irradiance on a plane perpendicular to the direction if the light is visible; not black.
     pub irradiance: Rgb,

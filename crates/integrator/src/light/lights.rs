@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_4;
 
 /// The lights of a scene, its triangles that emit and its delta lights.
 ///
-/// A light is chosen at each shading point with a probability about proportional to the irradiance that it brings
+/// A light is chosen at each receiver with a probability about proportional to the irradiance that it brings
 /// there if it is visible, in a light tree (Conty Estevez and Kulla 2018). Up to seven lights are chosen by power
 /// alone, which costs less, unless one of several is directional. A light of less than a 64th of their mean power then counts
 /// as if it had that much.
@@ -28,7 +28,7 @@ pub struct Lights {
 enum Choice {
     /// By power, [raised] for dim lights, the same everywhere.
     Power(AliasTable),
-    /// By the shading point.
+    /// By what they bring to the receiver.
     Tree(LightTree),
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct AreaProb {
     pub(crate) density: PdfArea,
 }
 
-/// A triangle that emits, with what is precomputed for all shading points.
+/// A triangle that emits, with what is precomputed for all receivers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AreaLight {
     pub(crate) triangle: u32,
@@ -155,7 +155,7 @@ impl Lights {
         self.areas.len() + self.deltas.len()
     }
 
-    /// The tree in which lights are chosen at each shading point anew; `None` if they are chosen by power.
+    /// The tree in which lights are chosen at each receiver anew; `None` if they are chosen by power.
     pub(crate) fn tree(&self) -> Option<&LightTree> {
         match &self.choice {
             Choice::Power(_) => None,

@@ -12,16 +12,16 @@ use globillum_material::Rgb;
 pub enum LightSampling {
     /// Uniform by area: cheaper, and as good for small or distant triangles.
     Area,
-    /// Uniform by solid angle as seen from the shading point where [`SphericalTriangle::new`] allows it, and
+    /// Uniform by solid angle as seen from the receiver where [`SphericalTriangle::new`] allows it, and
     /// by area elsewhere.
     #[default]
     SolidAngle,
 }
 
-/// Samples lights and points on them for one shading point, and evaluates the density of such a sample: what a
-/// direct illumination estimator needs. [`Scene::light_sampler`](crate::Scene::light_sampler) returns one.
+/// Samples lights and points on them for one receiver, a surface point with its side, and evaluates the density of such a
+/// sample: what a direct illumination estimator needs. [`Scene::light_sampler`](crate::Scene::light_sampler) returns one.
 ///
-/// Densities are per steradian at the shading point, over all lights together. They ignore visibility. A delta
+/// Densities are per steradian at the receiver, over all lights together. They ignore visibility. A delta
 /// light has no density but a probability of being chosen.
 ///
 /// A direct illumination estimator by next event estimation, on a floor of albedo 1/2 under a square light:
@@ -67,7 +67,6 @@ pub struct LightSampler<'a> {
     pub(crate) lights: &'a Lights,
     pub(crate) triangles: &'a Triangles,
     pub(crate) sampling: LightSampling,
-    /// The shading point.
     pub(crate) receiver: Receiver,
 }
 
@@ -86,16 +85,16 @@ pub enum LightSample {
 pub struct AreaLightSample {
     /// The point.
     pub point: SurfacePoint,
-    /// Unit direction from the shading point, world frame.
+    /// Unit direction from the receiver, world frame.
     pub direction: DVec3,
-    /// Radiance emitted toward the shading point; not black.
+    /// Radiance emitted toward the receiver; not black.
     pub radiance: Rgb,
     /// Density of the direction per steradian, including the choice of the light; positive.
     pub pdf: PdfSolidAngle,
 }
 
 impl LightSample {
-    /// Unit direction from the shading point, world frame.
+    /// Unit direction from the receiver, world frame.
     #[inline(always)]
     pub fn direction(&self) -> DVec3 {
         match self {
@@ -104,7 +103,7 @@ impl LightSample {
         }
     }
 
-    /// The ray to the light from the shading point, on the surface at `from`: the sample counts if it is not
+    /// The ray to the light from the receiver, on the surface at `from`: the sample counts if it is not
     /// occluded. It ends at the light, or nowhere if that is infinitely far away.
     ///
     /// `None` if the light lies in the plane of the surface up to rounding, or the surface in that of the light.
@@ -161,7 +160,7 @@ impl LightSample {
 
 impl LightSampler<'_> {
     /// Samples a light by `choice` in `[0, 1)` and a point on it by `u` in `[0, 1)^2`; the three numbers are
-    /// independent. `None` if there is no light or it does not emit toward the shading point: the sample then
+    /// independent. `None` if there is no light or it does not emit toward the receiver: the sample then
     /// contributes 0.
     #[inline(always)]
     pub fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
@@ -251,7 +250,7 @@ impl LightSampler<'_> {
     }
 }
 
-/// The line from the shading point to a point on a light.
+/// The line from the receiver to a point on a light.
 struct Line {
     /// Unit vector toward the light.
     direction: DVec3,

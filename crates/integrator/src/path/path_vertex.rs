@@ -17,7 +17,7 @@ pub(super) enum PriorChoice<T> {
 
 /// A path vertex that is shaded, with its local frame, whose z axis is on the side from which the path came.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ShadingPoint<'a> {
+pub(super) struct PathVertex<'a> {
     pub(super) at: Interaction<'a>,
     pub(super) frame: Frame,
     /// Unit direction back along the path, in the local frame.
@@ -35,7 +35,7 @@ pub(super) struct ShadingPoint<'a> {
     pub(super) large_mirror_numbers: Option<(f64, [f64; 2])>,
 }
 
-impl<'a> ShadingPoint<'a> {
+impl<'a> PathVertex<'a> {
     #[inline(always)]
     pub(super) fn new(
         at: Interaction<'a>,
@@ -80,7 +80,7 @@ impl<'a> ShadingPoint<'a> {
         Some((sample, ratio))
     }
 
-    /// The density with which [`sample`](ShadingPoint::sample) samples the local direction `wi`.
+    /// The density with which [`sample`](PathVertex::sample) samples the local direction `wi`.
     #[inline(always)]
     pub(super) fn pdf(&self, wi: DVec3) -> PdfSolidAngle {
         let pdf = self.at.material.bsdf.pdf(self.wo, wi);

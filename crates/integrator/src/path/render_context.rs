@@ -1,4 +1,4 @@
-use super::shading_point::ShadingPoint;
+use super::path_vertex::PathVertex;
 use crate::guide::{Guide, PhotonGuide};
 use crate::light::{LargeMirrors, LightSampler, Mirrors, Receiver, SmallMirrors};
 use crate::{
@@ -102,7 +102,7 @@ impl RenderContext<'_> {
     }
 
     /// Whether a vertex samples lights by way of mirrors.
-    pub(super) fn samples_in_mirrors(&self, vertex: &ShadingPoint<'_>) -> bool {
+    pub(super) fn samples_in_mirrors(&self, vertex: &PathVertex<'_>) -> bool {
         self.mirrors.is_some()
             && self.may_sample_mirrors(vertex.bounce)
             && vertex.at.material.bsdf.is_diffuse()

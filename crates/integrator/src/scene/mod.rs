@@ -53,7 +53,7 @@ impl<A: ?Sized> Scene<A> {
         &self.lights
     }
 
-    /// Samples lights and points on them, distributed as `sampling` says, for the shading point `from`.
+    /// Samples lights and points on them, distributed as `sampling` says, for the receiver `from`.
     ///
     /// `side` is the unit normal of the surface there, on the side where light counts
     /// ([`Interaction::side`]). In a light tree, lights in front of it are chosen more often; one behind it has a

@@ -20,7 +20,7 @@ pub(crate) struct LargeMirrors {
     lights: LightBounds,
 }
 
-/// A facet, chosen for a shading point.
+/// A facet, chosen for a receiver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChosenFacet<'a> {
     pub(crate) facet: &'a Facet,

@@ -139,7 +139,7 @@ mod tests {
         heights[0] > 1e-3 * triangle.area().sqrt() && heights[1] > 0.0 && is_hit
     }
 
-    /// No bound is too small: a mirror that reflects a point of a light to the shading point has a probability above
+    /// No bound is too small: a mirror that reflects a point of a light to the receiver has a probability above
     /// zero there, also where the scene is far larger than the mirrors.
     #[test]
     fn every_mirror_that_shows_a_light_is_sampled() {
@@ -220,7 +220,7 @@ mod tests {
         }
     }
 
-    /// Nodes around a shading point do not take all probability from the others.
+    /// Nodes around a receiver do not take all probability from the others.
     #[test]
     fn close_nodes_do_not_crowd_out_mirrors_that_show_a_light() {
         let (triangles, mirrors) = scene(&torus(40, 20).triangles(), 0.5, 1.0);

@@ -32,7 +32,7 @@ pub(crate) struct ChosenMirror {
 pub(crate) struct MirrorPoint {
     pub(crate) triangle: u32,
     pub(crate) point: SurfacePoint,
-    /// Unit direction from the shading point.
+    /// Unit direction from the receiver.
     pub(crate) direction: DVec3,
     /// The density per steradian of all directions sampled at the vertex, for a light of the cluster.
     pub(crate) pdf: PdfSolidAngle,

@@ -15,7 +15,7 @@ pub(super) struct TreeFrame {
 }
 
 impl TreeFrame {
-    /// The largest distance of a shading point. Points beyond count as if they were at this distance, in the same direction.
+    /// The largest distance of a receiver. Points beyond count as if they were at this distance, in the same direction.
     const FARTHEST: f64 = 1e15;
 
     /// Around `lights` in a scene with these bounds.

@@ -1,7 +1,7 @@
 use crate::light::{ChosenLight, ChosenMirror, Receiver};
 use crate::path::path_state::Path;
+use crate::path::path_vertex::PriorChoice;
 use crate::path::render_context::RenderContext;
-use crate::path::shading_point::PriorChoice;
 use crate::sampler::BounceNumbers;
 use globillum_geom::{Hit, Ray};
 

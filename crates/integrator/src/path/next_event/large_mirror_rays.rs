@@ -1,13 +1,13 @@
 use crate::light::{AreaLightSample, LargeMirrors, LightSample};
 use crate::path::path_state::Path;
+use crate::path::path_vertex::PathVertex;
 use crate::path::radiance_sums::{Contribution, Target};
 use crate::path::render_context::RenderContext;
-use crate::path::shading_point::ShadingPoint;
 use crate::sampler::MirrorSize;
 use globillum_geom::{Hit, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Rgb};
 
-/// Light samples by way of large mirrors: points on lights, sampled from the image of the shading point (image method).
+/// Light samples by way of large mirrors: points on lights, sampled from the image of the receiver (image method).
 /// Its buffers are reused.
 #[derive(Debug, Default)]
 pub(in crate::path) struct LargeMirrorRays {
@@ -44,7 +44,7 @@ impl LargeMirrorRays {
         &mut self,
         context: &RenderContext<'_>,
         path: &Path,
-        vertex: &ShadingPoint<'_>,
+        vertex: &PathVertex<'_>,
     ) {
         let Some(mirrors) = context.large_mirrors() else { return };
         let Some((facet, light, seen)) = seen_in(mirrors, context, path, vertex) else { return };
@@ -84,9 +84,9 @@ fn seen_in(
     mirrors: &LargeMirrors,
     context: &RenderContext<'_>,
     path: &Path,
-    vertex: &ShadingPoint<'_>,
+    vertex: &PathVertex<'_>,
 ) -> Option<(u32, SurfacePoint, AreaLightSample)> {
-    let ShadingPoint { at, bounce, .. } = vertex;
+    let PathVertex { at, bounce, .. } = vertex;
     let (triangles, receiver) = (context.scene.triangles(), vertex.receiver());
     let sample_prob = context.large_mirror_prob(path.is_prefix());
     let number = || path.numbers.mirror(MirrorSize::Large, *bounce);

@@ -9,8 +9,8 @@ pub(super) use large_mirror_rays::LargeMirrorRays;
 pub(super) use small_mirror_rays::SmallMirrorRays;
 
 use super::path_state::Path;
+use super::path_vertex::{PathVertex, PriorChoice};
 use super::render_context::RenderContext;
-use super::shading_point::{PriorChoice, ShadingPoint};
 use crate::light::{Light, LightSample, LightSampler};
 use globillum_geom::Ray;
 use globillum_material::Rgb;
@@ -21,8 +21,8 @@ const LIGHTS_AT_ONCE: usize = 4;
 impl RenderContext<'_> {
     /// Samples lights, and calls `add` with each shadow ray and the contribution if it is not occluded.
     #[inline(always)]
-    pub(super) fn next_event(&self, path: &Path, vertex: &ShadingPoint<'_>, mut add: impl FnMut(Ray, Rgb)) {
-        let ShadingPoint { at, numbers, bounce, .. } = vertex;
+    pub(super) fn next_event(&self, path: &Path, vertex: &PathVertex<'_>, mut add: impl FnMut(Ray, Rgb)) {
+        let PathVertex { at, numbers, bounce, .. } = vertex;
         if !self.samples_lights || at.material.bsdf.is_delta() {
             return;
         }
@@ -59,7 +59,7 @@ impl RenderContext<'_> {
     fn light_sample(
         &self,
         path: &Path,
-        vertex: &ShadingPoint<'_>,
+        vertex: &PathVertex<'_>,
         sampler: &LightSampler<'_>,
         (light, point): (Option<Light<'_>>, [f64; 2]),
         count: u32,
@@ -75,7 +75,7 @@ impl RenderContext<'_> {
     pub(super) fn light_contribution(
         &self,
         path: &Path,
-        vertex @ ShadingPoint { at, frame, wo, .. }: &ShadingPoint<'_>,
+        vertex @ PathVertex { at, frame, wo, .. }: &PathVertex<'_>,
         light: &LightSample,
     ) -> Option<Rgb> {
         let wi = frame.to_local(light.direction());

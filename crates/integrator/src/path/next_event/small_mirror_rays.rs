@@ -1,9 +1,9 @@
 use crate::light::{AreaLightSample, ChosenMirror, LightSample, MirrorPoint, SmallMirrors};
 use crate::path::emission_rays::reflected_ray;
 use crate::path::path_state::Path;
+use crate::path::path_vertex::{PathVertex, PriorChoice};
 use crate::path::radiance_sums::{Contribution, Target};
 use crate::path::render_context::RenderContext;
-use crate::path::shading_point::{PriorChoice, ShadingPoint};
 use crate::sampler::{MirrorSize, Numbers};
 use globillum_geom::{Hit, Ray};
 use globillum_material::{Bsdf, Rgb};
@@ -53,7 +53,7 @@ impl SmallMirrorRays {
         &mut self,
         context: &RenderContext<'_>,
         path: &Path,
-        vertex: &ShadingPoint<'_>,
+        vertex: &PathVertex<'_>,
     ) {
         let Some(mirrors) = context.small_mirrors() else { return };
         let count = context.small_mirror_samples(path.is_prefix());
@@ -110,7 +110,7 @@ impl SmallMirrorRays {
 fn choose<const N: usize>(
     context: &RenderContext<'_>,
     mirrors: &SmallMirrors,
-    (path, vertex): (&Path, &ShadingPoint<'_>),
+    (path, vertex): (&Path, &PathVertex<'_>),
     count: u32,
     mut add: impl FnMut(ChosenMirror, [f64; 2]),
 ) {

@@ -3,9 +3,9 @@
 use super::pixel_groups::{Groups, PixelGroup};
 use super::reuse_vertex::{ReuseVertex, Suffix};
 use crate::path::path_state::Path;
+use crate::path::path_vertex::PathVertex;
 use crate::path::radiance_sums::Target;
 use crate::path::render_context::RenderContext;
-use crate::path::shading_point::ShadingPoint;
 use crate::path::tile_samples::TileSamples;
 use glam::DVec3;
 use globillum_material::Rgb;
@@ -107,7 +107,7 @@ impl Prefixes {
 
     /// Ends the prefix of a path at the vertex that scattered it.
     #[inline(always)]
-    pub(in crate::path) fn end(&mut self, path: &Path, vertex: &ShadingPoint<'_>) {
+    pub(in crate::path) fn end(&mut self, path: &Path, vertex: &PathVertex<'_>) {
         let (end, bounce, throughput) =
             (ReuseVertex::at(vertex), vertex.bounce, path.throughput * path.guide_ratio);
         self.all[path.target.sample() as usize] = Some(Prefix {
@@ -145,7 +145,7 @@ impl Prefixes {
     /// Notes the mirror that a path meets after its prefix. What the path finds from here on is added to the sum of its
     /// suffix, but no other prefix has a part in it unless the suffix begins at the next vertex.
     #[inline(always)]
-    pub(in crate::path) fn meet_mirror(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+    pub(in crate::path) fn meet_mirror(&mut self, path: &mut Path, vertex: &PathVertex<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
         prefix.mirror = Some(ReuseVertex::at(vertex));
         path.largest_prefix_throughput = prefix.throughput;
@@ -155,7 +155,7 @@ impl Prefixes {
     /// Begins the suffix of a path at this diffuse vertex, the next one after its prefix or after the mirror there. The
     /// throughput of the suffix includes that of the mirror.
     #[inline(always)]
-    pub(in crate::path) fn begin_suffix(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+    pub(in crate::path) fn begin_suffix(&mut self, path: &mut Path, vertex: &PathVertex<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
         prefix.suffix_start = Some(SuffixStart::Surface(ReuseVertex::at(vertex)));
         path.largest_prefix_throughput = prefix.largest_throughput;

@@ -1,6 +1,6 @@
 use crate::guide::Guide;
 use crate::light::Receiver;
-use crate::path::shading_point::ShadingPoint;
+use crate::path::path_vertex::PathVertex;
 use glam::DVec3;
 use globillum_geom::decide::Shear;
 use globillum_geom::{Frame, Ray, SurfacePoint, Triangles};
@@ -30,7 +30,7 @@ pub(super) enum Suffix<'a> {
 
 impl ReuseVertex {
     #[inline(always)]
-    pub(in crate::path) fn at(vertex: &ShadingPoint<'_>) -> Self {
+    pub(in crate::path) fn at(vertex: &PathVertex<'_>) -> Self {
         let guide_cell = vertex.guide_cell.map(|cell| cell.index);
         Self { point: vertex.at.point, normal: vertex.frame.normal, guide_cell }
     }

@@ -9,10 +9,10 @@ use crate::path::counters::Counters;
 use crate::path::first_vertex::irradiance_vertex;
 use crate::path::mis::MisContext;
 use crate::path::path_state::Path;
+use crate::path::path_vertex::PathVertex;
 use crate::path::radiance_sums::{Contribution, Target};
 use crate::path::render_context::RenderContext;
 use crate::path::reuse_stage::{Met, ReuseEvent, ReuseStage};
-use crate::path::shading_point::ShadingPoint;
 use crate::sampler::{MirrorSize, Numbers};
 use globillum_geom::Ray;
 use globillum_material::{Density, Rgb};
@@ -109,7 +109,7 @@ impl Wavefront {
                 continue;
             }
             let guide_cell = self.guide_cells.get(i).and_then(|&cell| Some(context.guide?.cell(cell)));
-            let mut vertex = ShadingPoint::new(at, guide_cell, bounce, numbers);
+            let mut vertex = PathVertex::new(at, guide_cell, bounce, numbers);
             vertex.light = self.light_choices.of_path(i);
             vertex.small_mirror = self.small_mirror_choices.of_path(i);
             vertex.large_mirror_numbers = self.large_mirror_numbers.get(i).copied();
@@ -153,7 +153,7 @@ impl Wavefront {
 
     /// Updates the stage of a path that has met a vertex. Its suffix may begin there.
     #[inline(always)]
-    fn meet_vertex(&mut self, path: &mut Path, vertex: &ShadingPoint<'_>) {
+    fn meet_vertex(&mut self, path: &mut Path, vertex: &PathVertex<'_>) {
         let met = if vertex.at.material.bsdf.is_delta() { Met::Mirror } else { Met::Diffuse };
         let event;
         (path.stage, event) = path.stage.meet(met);
@@ -195,7 +195,7 @@ impl Wavefront {
             let at = irradiance_vertex(point);
             let guide_cell =
                 context.guide.map(|guide| guide.cell(guide.cells(&[guide_vertex(at.receiver())])[0]));
-            let vertex = ShadingPoint::new(at, guide_cell, 0, numbers);
+            let vertex = PathVertex::new(at, guide_cell, 0, numbers);
             let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, counters) else {
                 continue;
             };
@@ -210,7 +210,7 @@ impl Wavefront {
         &mut self,
         context: &RenderContext<'_>,
         path: &mut Path,
-        vertex: &ShadingPoint<'_>,
+        vertex: &PathVertex<'_>,
         counters: &mut Counters,
     ) -> Option<Ray> {
         context.next_event(
@@ -247,8 +247,8 @@ impl Wavefront {
 impl Path {
     /// Samples the next ray; `None` if nothing is reflected.
     #[inline(always)]
-    fn scatter(&mut self, context: &RenderContext<'_>, vertex: &ShadingPoint<'_>) -> Option<Ray> {
-        let ShadingPoint { at, frame, .. } = vertex;
+    fn scatter(&mut self, context: &RenderContext<'_>, vertex: &PathVertex<'_>) -> Option<Ray> {
+        let PathVertex { at, frame, .. } = vertex;
         let (sample, ratio) = vertex.sample()?;
         self.throughput *= sample.weight;
         self.guide_ratio *= ratio;

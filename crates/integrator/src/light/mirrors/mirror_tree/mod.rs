@@ -214,7 +214,7 @@ impl MirrorTree {
     }
 }
 
-/// The root of a tree as it is seen from a shading point.
+/// The root of a tree as it is seen from a receiver.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     query: Query,

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 /// A number for each child, by lane. Single precision is enough for bounds that only guide sampling.
 type Lanes = [f32; WIDTH];
 
-/// A shading point and the lights, in the tree's frame.
+/// A receiver and the lights, in the tree's frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Query {
     pub(super) from: Vec3,
@@ -16,7 +16,7 @@ pub(super) struct Query {
     pub(super) lights: Vec3,
     pub(super) lights_half_extents: Vec3,
     pub(super) lights_radius: f32,
-    /// The bits of the bodies that the shading point may be within, and of mirrors that are in no body.
+    /// The bits of the bodies that the receiver may be within, and of mirrors that are in no body.
     pub(super) around: u32,
 }
 
@@ -78,9 +78,9 @@ impl Node {
     }
 
     /// The importance of each child, by lane: the solid angle that it takes up, times the share of its normals for which a ray
-    /// goes on to the lights, times the largest cosine at the shading point.
+    /// goes on to the lights, times the largest cosine at the receiver.
     ///
-    /// A facet reflects light from its source to the shading point if its normal is parallel to the half vector
+    /// A facet reflects light from its source to the receiver if its normal is parallel to the half vector
     /// `wi + wo`. Normals, positions and lights vary within their bounds; the difference of normal and half vector is
     /// taken as uniform in the interval that follows from this, for each side of the cone by itself. Where the shading
     /// point or a light is within the sphere of a plane child, all of it counts; of a curved one, in which every
