@@ -30,7 +30,7 @@ const RAY_PROB: f64 = 0.5;
 pub(in crate::path) struct PhotonRays {
     rays: Vec<Ray>,
     /// The sample of each ray.
-    samples: Vec<u32>,
+    of_samples: Vec<u32>,
     hits: Vec<Option<Hit>>,
     emission_rays: EmissionRays,
 }
@@ -77,7 +77,7 @@ impl PhotonRays {
     ) {
         let settings = context.settings;
         self.rays.clear();
-        self.samples.clear();
+        self.of_samples.clear();
         let TileSamples { tile, in_pixel } = samples;
         let all = tile.pixels().flat_map(|pixel| in_pixel.clone().map(move |index| (pixel, index)));
         for (sample, ((x, y), index)) in (0..).zip(all) {
@@ -93,7 +93,7 @@ impl PhotonRays {
             let Some(direction) = photons.sample(end.receiver(), u) else { continue };
             if end.normal.dot(direction) > 0.0 {
                 self.rays.push(end.point.spawn(direction));
-                self.samples.push(sample);
+                self.of_samples.push(sample);
             }
         }
     }
@@ -109,19 +109,19 @@ impl PhotonRays {
     ) {
         let Some(photons) = &context.photons else { return };
         self.begin(context, photons, samples, prefixes);
-        let Self { rays, samples, hits, emission_rays } = self;
+        let Self { rays, of_samples, hits, emission_rays } = self;
         context.scene.accel().intersect_batch(rays, hits);
         for (i, (ray, hit)) in (0..).zip(rays.iter().zip(hits)) {
             let Some(at) = hit.as_ref().map(|hit| context.scene.interaction(ray, hit)) else { continue };
             if !at.point.position.is_finite() {
                 // As for the path of a sample: no ray can leave it.
-                radiance[samples[i as usize] as usize] = Rgb::splat(f64::NAN);
+                radiance[of_samples[i as usize] as usize] = Rgb::splat(f64::NAN);
             } else if let Bsdf::Mirror(reflectance) = at.material.bsdf {
                 emission_rays.push(reflected_ray(&at.point, ray.direction), i, reflectance.rgb());
             }
         }
         let add = |found: FoundEmission<'_>| {
-            let (ray, sample) = (&rays[found.tag as usize], samples[found.tag as usize]);
+            let (ray, sample) = (&rays[found.tag as usize], of_samples[found.tag as usize]);
             let (mirrors, Some(prefix)) = (found.reflections + 1, prefixes.of(sample)) else { return };
             let is_looked_for = mirrors >= MIN_MIRRORS && may_reach(context, prefix.bounce, mirrors);
             if is_looked_for || !found.radiance.is_finite() {
