@@ -8,7 +8,7 @@ use globillum::integrator::{Camera, Monitor, RenderError, Scene, Settings, rende
 /// Degrees from bottom to top: rooms are narrow.
 const FIELD_OF_VIEW: f64 = 65.0;
 
-/// A scene is closed if at least this share of the rays from points throughout its box hits something.
+/// A scene is closed if at least this share of the rays from its eyes, in all directions, hits something.
 const CLOSED: f64 = 0.9;
 
 /// A closed scene is seen from inside if it is at least this bright there, compared with outside.

@@ -63,7 +63,7 @@ impl WideBvh {
         Self::build_with(triangles, &Self::default_options())
     }
 
-    /// Builds a tree in a quarter of the time, without k-d planes: triangles are sorted into the cells of a uniform grid,
+    /// Builds a tree in a fifth to a third of the time, without k-d planes: triangles are sorted into the cells of a uniform grid,
     /// and upper levels are split between cells. Queries take at most about a tenth longer (docs/performance.md).
     ///
     /// Over `n` live triangles a closed mesh takes about `140 n` bytes on one thread, beside the triangles (measured).

@@ -172,7 +172,7 @@ pub enum Guiding {
     /// Half by the cosine, half by what training paths found (path guiding, after Müller, Gross and Novák 2017): for light
     /// that most directions miss, such as that through a door ajar. A sample takes 1.3 to 1.6 times as long.
     ///
-    /// There are about `2^16` to `2^18` training paths, more for a long list of points: at least four for each pixel of tiles
+    /// There are about 50,000 to `2^18` training paths, more for a long list of points: at least four for each pixel of tiles
     /// that are spread over the whole picture, whatever the crop. They are dropped, and not counted; their time is. Each
     /// render trains: one that resumes too, and each part of a picture. Training takes up to some 100 MB.
     Trained = 1,
