@@ -35,25 +35,30 @@ impl AliasTable {
     /// The index for `u` in `[0, 1)`; `None` for an empty table.
     #[inline(always)]
     pub(crate) fn sample(&self, u: f64) -> Option<usize> {
-        let scaled = u * self.columns.len() as f64;
-        // The product may round up to the number of columns.
-        let index = (scaled as usize).min(self.columns.len().checked_sub(1)?);
+        let (index, in_column) = self.column(u)?;
         let Column { threshold, alias } = self.columns[index];
-        Some(if scaled - (index as f64) < threshold { index } else { alias as usize })
+        Some(if in_column < threshold { index } else { alias as usize })
     }
 
     /// The same index, and `u` remapped to another number uniform in `[0, 1)`.
     pub(crate) fn sample_remapped(&self, u: f64) -> Option<(usize, f64)> {
-        let sampled = self.sample(u)?;
-        let scaled = u * self.columns.len() as f64;
-        let index = (scaled as usize).min(self.columns.len() - 1);
-        let (in_column, threshold) = (scaled - index as f64, self.columns[index].threshold.min(1.0));
+        let (sampled, (index, in_column)) = (self.sample(u)?, self.column(u)?);
+        let threshold = self.columns[index].threshold.min(1.0);
         let rest = match in_column < threshold {
             true => in_column / threshold,
             false => (in_column - threshold) / (1.0 - threshold),
         };
         // Where the product rounds up to the number of columns, it may be 1, or NaN if the last one is full.
         Some((sampled, rest.min(1.0_f64.next_down())))
+    }
+
+    /// The column for `u`, and where in it.
+    #[inline(always)]
+    fn column(&self, u: f64) -> Option<(usize, f64)> {
+        let scaled = u * self.columns.len() as f64;
+        // The product may round up to the number of columns.
+        let index = (scaled as usize).min(self.columns.len().checked_sub(1)?);
+        Some((index, scaled - index as f64))
     }
 }
 

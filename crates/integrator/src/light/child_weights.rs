@@ -160,9 +160,9 @@ mod tests {
                 let share = if total > 0.0 { importance / total } else { 1.0 / count as f64 };
                 let expected = (1.0 - ChildWeights::UNIFORM_SHARE) * share + least;
                 assert!((prob - expected).abs() < 1e-15, "{i}, {child}: {prob}, {expected}");
-                for (place, rest) in [(0.001, 0.001), (0.5, 0.5), (0.999, 0.999)] {
-                    let (chosen, left) = weights.choose(start + place * prob);
-                    assert_eq!(chosen, child, "{i}: {place} of {prob}");
+                for (within, rest) in [(0.001, 0.001), (0.5, 0.5), (0.999, 0.999)] {
+                    let (chosen, left) = weights.choose(start + within * prob);
+                    assert_eq!(chosen, child, "{i}: {within} of {prob}");
                     assert!((left - rest).abs() < 1e-15 / prob, "{i}, {child}: {left}, {rest}");
                 }
                 start += prob;

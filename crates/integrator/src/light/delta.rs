@@ -158,7 +158,7 @@ impl DeltaLight {
     }
 
     /// The description of the light in a light tree.
-    pub(super) fn reach(&self) -> TreeLight {
+    pub(super) fn tree_light(&self) -> TreeLight {
         match self.0 {
             Kind::Point { position, intensity } => {
                 TreeLight::Near(LightMoments::of_point(position.as_dvec3(), intensity.luminance()))
@@ -176,14 +176,14 @@ impl DeltaLight {
 
     /// The numbers that determine the light.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let (kind, place, direction, value, shape) = match self.0 {
+        let (kind, position, direction, value, shape) = match self.0 {
             Kind::Point { position, intensity } => (0.0, position, DVec3::ZERO, intensity, [0.0; 2]),
             Kind::Spot { position, axis, intensity, cone } => {
                 (1.0, position, axis, intensity, [cone.cos_outer, cone.width])
             }
             Kind::Directional { direction, irradiance } => (2.0, Vec3::ZERO, direction, irradiance, [0.0; 2]),
         };
-        let vectors = [place.as_dvec3().to_array(), direction.to_array(), value.to_array()];
+        let vectors = [position.as_dvec3().to_array(), direction.to_array(), value.to_array()];
         std::iter::once(kind).chain(vectors.into_iter().flatten()).chain(shape)
     }
 }

@@ -20,12 +20,12 @@ use std::f64::consts::FRAC_PI_4;
 pub struct Lights {
     areas: Vec<AreaLight>,
     deltas: Vec<Delta>,
-    choice: Choice,
+    distribution: LightDistribution,
 }
 
 /// How a light is chosen, by its index in `areas`, then `deltas`.
 #[derive(Clone, Debug)]
-enum Choice {
+enum LightDistribution {
     /// By power, [raised] for dim lights, the same everywhere.
     Power(AliasTable),
     /// By what they bring to the receiver.
@@ -137,17 +137,18 @@ impl Lights {
         let areas: Vec<_> = emitting.into_iter().zip(&weights).map(area).collect();
         let tree_lights =
             areas.iter().map(|light| TreeLight::Near(light.moments(triangles.get(light.triangle))));
-        let tree_lights: Vec<_> = tree_lights.chain(deltas.iter().map(|(light, _)| light.reach())).collect();
+        let tree_lights: Vec<_> =
+            tree_lights.chain(deltas.iter().map(|(light, _)| light.tree_light())).collect();
         let is_far = |light: &TreeLight| matches!(light, TreeLight::Far(_));
         let by_tree =
             weights.len() >= Self::FIRST_IN_TREE || weights.len() > 1 && tree_lights.iter().any(is_far);
-        let choice = match by_tree {
-            true => Choice::Tree(LightTree::new(&tree_lights, &scene)),
-            false => Choice::Power(AliasTable::new(&weights)),
+        let distribution = match by_tree {
+            true => LightDistribution::Tree(LightTree::new(&tree_lights, &scene)),
+            false => LightDistribution::Power(AliasTable::new(&weights)),
         };
         let delta = |((light, _), weight): ((DeltaLight, f64), &f64)| Delta { light, prob: weight / total };
         let deltas = deltas.into_iter().zip(&weights[areas.len()..]).map(delta).collect();
-        Self { areas, deltas, choice }
+        Self { areas, deltas, distribution }
     }
 
     /// The number of lights of both kinds, without degenerate triangles and black delta lights.
@@ -157,9 +158,9 @@ impl Lights {
 
     /// The tree in which lights are chosen at each receiver anew; `None` if they are chosen by power.
     pub(crate) fn tree(&self) -> Option<&LightTree> {
-        match &self.choice {
-            Choice::Power(_) => None,
-            Choice::Tree(tree) => Some(tree),
+        match &self.distribution {
+            LightDistribution::Power(_) => None,
+            LightDistribution::Tree(tree) => Some(tree),
         }
     }
 
@@ -186,9 +187,11 @@ impl Lights {
     /// Chooses a light for the receiver by each of `us`, in `[0, 1)`; `None` if there are none.
     #[inline(always)]
     pub(crate) fn choose<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [Option<Light<'_>>; N] {
-        match &self.choice {
-            Choice::Power(table) => us.map(|u| Some(self.light(table.sample(u)?, None))),
-            Choice::Tree(tree) => tree.choose(receiver, us).map(|chosen| Some(self.chosen(chosen))),
+        match &self.distribution {
+            LightDistribution::Power(table) => us.map(|u| Some(self.light(table.sample(u)?, None))),
+            LightDistribution::Tree(tree) => {
+                tree.choose(receiver, us).map(|chosen| Some(self.chosen(chosen)))
+            }
         }
     }
 
@@ -215,9 +218,9 @@ impl Lights {
     pub(crate) fn prob(&self, receiver: Receiver, index: u32) -> Option<AreaProb> {
         let place = self.areas.binary_search_by_key(&index, |light| light.triangle).ok()?;
         let light = &self.areas[place];
-        Some(match &self.choice {
-            Choice::Power(_) => light.prob,
-            Choice::Tree(tree) => light.chosen_with(tree.prob(receiver, place)),
+        Some(match &self.distribution {
+            LightDistribution::Power(_) => light.prob,
+            LightDistribution::Tree(tree) => light.chosen_with(tree.prob(receiver, place)),
         })
     }
 }

@@ -3,6 +3,7 @@
 mod alias_table;
 mod child_weights;
 mod delta;
+mod descent;
 mod lights;
 mod mirrors;
 mod receiver;

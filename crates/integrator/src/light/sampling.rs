@@ -159,19 +159,19 @@ impl LightSample {
 }
 
 impl LightSampler<'_> {
-    /// Samples a light by `choice` in `[0, 1)` and a point on it by `u` in `[0, 1)^2`; the three numbers are
+    /// Samples a light by `u_light` in `[0, 1)` and a point on it by `u_point` in `[0, 1)^2`; the three numbers are
     /// independent. `None` if there is no light or it does not emit toward the receiver: the sample then
     /// contributes 0.
     #[inline(always)]
-    pub fn sample(&self, choice: f64, u: [f64; 2]) -> Option<LightSample> {
-        let [light] = self.choose([choice]);
-        self.sample_chosen(&light?, u)
+    pub fn sample(&self, u_light: f64, u_point: [f64; 2]) -> Option<LightSample> {
+        let [light] = self.choose([u_light]);
+        self.sample_chosen(&light?, u_point)
     }
 
-    /// Chooses a light by each of `choices`, in `[0, 1)`; `None` if there are none.
+    /// Chooses a light by each of `us`, in `[0, 1)`; `None` if there are none.
     #[inline(always)]
-    pub(crate) fn choose<const N: usize>(&self, choices: [f64; N]) -> [Option<Light<'_>>; N] {
-        self.lights.choose(self.receiver, choices)
+    pub(crate) fn choose<const N: usize>(&self, us: [f64; N]) -> [Option<Light<'_>>; N] {
+        self.lights.choose(self.receiver, us)
     }
 
     /// [`LightSampler::sample`] for a light chosen before.
@@ -231,8 +231,8 @@ impl LightSampler<'_> {
         }
     }
 
-    /// The spherical triangle if points are sampled by solid angle. Depends on the triangle and the shading
-    /// point only, so that sampling and density agree.
+    /// The spherical triangle if points are sampled by solid angle. Depends on the triangle and the
+    /// receiver only, so that sampling and density agree.
     #[inline(always)]
     fn by_solid_angle(&self, triangle: &Triangle) -> Option<SphericalTriangle> {
         match self.sampling {

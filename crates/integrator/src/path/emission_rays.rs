@@ -97,8 +97,6 @@ impl EmissionRays {
             self.rays.truncate(kept);
             self.states.truncate(kept);
         }
-        self.rays.clear();
-        self.states.clear();
         traced
     }
 

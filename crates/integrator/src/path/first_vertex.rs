@@ -3,8 +3,8 @@
 use super::emission_rays::{MAX_REFLECTIONS, reflected_ray};
 use super::render_context::RenderContext;
 use crate::{Interaction, PathStart};
-use globillum_geom::SurfacePoint;
-use globillum_material::{Bsdf, Emission, Material, Reflectance};
+use globillum_geom::{Frame, Ray, SurfacePoint};
+use globillum_material::{Bsdf, Density, Emission, Material, Reflectance};
 
 /// The surface at which a path begins to measure irradiance. A white Lambertian surface: it sends out `E / pi` in all
 /// directions, where `E` is the irradiance.
@@ -41,4 +41,11 @@ pub(super) fn first_diffuse_vertex<'a>(
         }
     }
     None
+}
+
+/// The ray that a diffuse surface scatters by the uniform numbers `u`, and its density; `None` if it reflects nothing.
+pub(super) fn scattered_ray(at: &Interaction<'_>, u: [f64; 2]) -> Option<(Ray, Density)> {
+    let frame = Frame::around(at.side());
+    let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
+    Some((at.point.spawn(frame.to_world(sample.wi)), sample.density))
 }

@@ -43,10 +43,10 @@ impl MisContext {
 
     /// After the ideal mirror of triangle `index` has reflected the path. Lights are sampled by way of one mirror at most.
     pub(super) fn after_mirror(self, context: &RenderContext<'_>, index: u32) -> Self {
-        let is_first_mirror = self.density != Density::Delta && self.mirror.is_none();
-        match context.mirrors.filter(|_| is_first_mirror) {
-            Some(_) => Self { mirror: Some(index), ..self },
-            None => Self { density: Density::Delta, mirror: None, ..self },
+        if context.mirrors.is_some() && !self.is_specular() {
+            Self { mirror: Some(index), ..self }
+        } else {
+            Self { density: Density::Delta, mirror: None, ..self }
         }
     }
 

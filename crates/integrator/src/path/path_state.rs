@@ -36,7 +36,7 @@ impl Path {
         }
     }
 
-    /// Whether no vertex before the present one was diffuse.
+    /// Whether the path has not met a diffuse vertex yet.
     #[inline(always)]
     pub(super) fn is_prefix(&self) -> bool {
         self.stage == ReuseStage::Prefix

@@ -1,6 +1,6 @@
 use crate::Interaction;
 use crate::guide::GuideCell;
-use crate::light::{ChosenLight, ChosenMirror, Receiver};
+use crate::light::{ChosenLight, ChosenMirror};
 use crate::sampler::BounceNumbers;
 use glam::DVec3;
 use globillum_geom::{Frame, PdfSolidAngle};
@@ -25,6 +25,8 @@ pub(super) struct PathVertex<'a> {
     /// By which a diffuse surface scatters; `None` if there is no guide.
     pub(super) guide_cell: Option<GuideCell<'a>>,
     pub(super) bounce: u32,
+    /// Whether no vertex before this one was diffuse.
+    pub(super) is_first: bool,
     /// The random numbers of this bounce.
     pub(super) numbers: BounceNumbers,
     /// The light that `numbers` choose.
@@ -41,6 +43,7 @@ impl<'a> PathVertex<'a> {
         at: Interaction<'a>,
         guide_cell: Option<GuideCell<'a>>,
         bounce: u32,
+        is_first: bool,
         numbers: BounceNumbers,
     ) -> Self {
         let frame = Frame::around(at.side());
@@ -51,17 +54,12 @@ impl<'a> PathVertex<'a> {
             wo: frame.to_local(at.wo),
             guide_cell,
             bounce,
+            is_first,
             numbers,
             light: PriorChoice::Open,
             small_mirror: PriorChoice::Open,
             large_mirror_numbers: None,
         }
-    }
-
-    /// What receives light.
-    #[inline(always)]
-    pub(super) fn receiver(&self) -> Receiver {
-        Receiver { position: self.at.point.position, side: self.frame.normal.as_vec3() }
     }
 
     /// Samples a direction, and returns it with the ratio of its density to that of the BSDF alone; `None` if nothing is

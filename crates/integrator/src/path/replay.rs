@@ -96,17 +96,17 @@ pub fn replay(
 /// [`replay`], given what is done before the first sample and the tile of the pixel.
 fn replay_within(context: &RenderContext<'_>, tile: PixelRect, (x, y): (u32, u32), sample: u32) -> Replay {
     let one = sample..sample + 1;
-    let place = tile.index(x, y) as u32;
+    let pixel = tile.index(x, y) as u32;
     let mut wavefront = Wavefront::default();
     let probes = TileProbes::of(context, tile);
     wavefront.trace(context, &probes, one.clone(), || false);
-    let radiance = wavefront.radiance()[place as usize];
-    let lights = wavefront.lights_seen_by(place);
+    let radiance = wavefront.radiance()[pixel as usize];
+    let lights = wavefront.lights_seen_by(pixel);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
     wavefront.start(context, &probes, one);
     for bounce in 0.. {
-        if !wavefront.step(context, place, bounce, &mut replay) {
+        if !wavefront.step(context, pixel, bounce, &mut replay) {
             break;
         }
     }
@@ -130,9 +130,8 @@ impl Wavefront {
         // Sums that begin at zero hold the radiance of this bounce alone.
         self.radiance.reset(self.radiance.samples.len(), self.radiance.after_prefixes.len());
         self.caustics.clear();
-        self.trace_rays(context);
-        let hit = on_ray.and_then(|i| self.hits[i]);
         self.shade(context, bounce, &mut Counters::default());
+        let hit = on_ray.and_then(|i| self.hits[i]);
         let throughput_before = self.prefixes.throughput_before(path.target) * unit;
         let emitted = self.emission_found(&path, unit);
         replay.alone += emitted;
@@ -144,10 +143,7 @@ impl Wavefront {
                 return true;
             }
         };
-        // Contributions by way of large mirrors follow the direct ones.
-        let direct_count = self.contributions.len();
-        self.trace_mirror_rays(context);
-        self.trace_shadow_rays(context);
+        let direct_count = self.trace_light_samples(context);
         let [direct, mirrored] = self.found_by_light_samples(sample, direct_count, unit);
         replay.alone += direct;
         replay.alone += mirrored;

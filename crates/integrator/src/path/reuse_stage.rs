@@ -29,7 +29,6 @@ pub(super) enum Met {
 /// What path reuse has to record of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ReuseEvent {
-    None,
     /// The prefix ends at this vertex.
     PrefixEnds,
     /// The next vertex after the prefix is on a mirror.
@@ -41,31 +40,34 @@ pub(super) enum ReuseEvent {
 }
 
 impl ReuseStage {
-    /// The stage after a ray has met something.
+    /// Goes on to the stage after a ray has met something.
     #[inline(always)]
-    pub(super) fn meet(self, met: Met) -> (Self, ReuseEvent) {
-        match (self, met) {
-            (Self::PrefixEnded, Met::Environment) => (Self::Settled, ReuseEvent::SuffixIsEnvironment),
-            (Self::PrefixEnded, Met::Mirror) => (Self::Reflected(1), ReuseEvent::FirstMirror),
+    pub(super) fn meet(&mut self, met: Met) -> Option<ReuseEvent> {
+        let (stage, event) = match (*self, met) {
+            (Self::PrefixEnded, Met::Environment) => (Self::Settled, Some(ReuseEvent::SuffixIsEnvironment)),
+            (Self::PrefixEnded, Met::Mirror) => (Self::Reflected(1), Some(ReuseEvent::FirstMirror)),
             (Self::PrefixEnded | Self::Reflected(1), Met::Diffuse) => {
-                (Self::Settled, ReuseEvent::SuffixBegins)
+                (Self::Settled, Some(ReuseEvent::SuffixBegins))
             }
             (Self::Reflected(mirrors), Met::Mirror) if u32::from(mirrors) < MAX_REFLECTIONS => {
-                (Self::Reflected(mirrors + 1), ReuseEvent::None)
+                (Self::Reflected(mirrors + 1), None)
             }
-            (Self::Reflected(_), _) => (Self::Settled, ReuseEvent::None),
-            (Self::Prefix | Self::Settled, _) => (self, ReuseEvent::None),
-        }
+            (Self::Reflected(_), _) => (Self::Settled, None),
+            (Self::Prefix | Self::Settled, _) => return None,
+        };
+        *self = stage;
+        event
     }
 
-    /// The stage after a diffuse vertex has scattered the path; others may reuse the prefix that ends there, or not.
+    /// Goes on to the stage after a diffuse vertex has scattered the path; others may reuse the prefix that ends there, or
+    /// not.
     #[inline(always)]
-    pub(super) fn scatter(self, may_reuse: bool) -> (Self, ReuseEvent) {
-        match self {
-            Self::Prefix if may_reuse => (Self::PrefixEnded, ReuseEvent::PrefixEnds),
-            Self::Prefix => (Self::Settled, ReuseEvent::None),
-            _ => (self, ReuseEvent::None),
+    pub(super) fn scatter(&mut self, may_reuse: bool) -> Option<ReuseEvent> {
+        if *self != Self::Prefix {
+            return None;
         }
+        *self = if may_reuse { Self::PrefixEnded } else { Self::Settled };
+        may_reuse.then_some(ReuseEvent::PrefixEnds)
     }
 }
 
@@ -75,38 +77,33 @@ mod tests {
 
     /// The events of a path from its first diffuse vertex on. It meets `mirrors` mirrors before that vertex, and `then` the
     /// rest.
-    fn events(mirrors: usize, then: &[Met]) -> Vec<ReuseEvent> {
+    fn events(mirrors: usize, then: &[Met]) -> Vec<Option<ReuseEvent>> {
         let mut stage = ReuseStage::Prefix;
         let before = std::iter::repeat_n(Met::Mirror, mirrors).chain([Met::Diffuse]);
         for met in before {
-            assert_eq!(stage.meet(met), (ReuseStage::Prefix, ReuseEvent::None));
+            assert_eq!((stage.meet(met), stage), (None, ReuseStage::Prefix));
         }
-        let mut events = vec![stage.scatter(true).1];
-        stage = stage.scatter(true).0;
-        for &met in then {
-            let event;
-            (stage, event) = stage.meet(met);
-            events.push(event);
-        }
-        events
+        let scattered = stage.scatter(true);
+        std::iter::once(scattered).chain(then.iter().map(|&met| stage.meet(met))).collect()
     }
 
     #[test]
     fn suffixes_begin_after_one_mirror_at_most() {
         use Met::{Diffuse, Environment, Mirror};
-        use ReuseEvent::{FirstMirror, None, PrefixEnds, SuffixBegins, SuffixIsEnvironment};
+        let [ends, first_mirror, begins, is_environment] = [
+            ReuseEvent::PrefixEnds,
+            ReuseEvent::FirstMirror,
+            ReuseEvent::SuffixBegins,
+            ReuseEvent::SuffixIsEnvironment,
+        ]
+        .map(Some);
         for before in [0, 3] {
-            assert_eq!(events(before, &[Diffuse, Diffuse]), [PrefixEnds, SuffixBegins, None]);
-            assert_eq!(events(before, &[Environment]), [PrefixEnds, SuffixIsEnvironment]);
-            assert_eq!(
-                events(before, &[Mirror, Diffuse, Mirror]),
-                [PrefixEnds, FirstMirror, SuffixBegins, None]
-            );
-            assert_eq!(
-                events(before, &[Mirror, Mirror, Diffuse, Diffuse]),
-                [PrefixEnds, FirstMirror, None, None, None]
-            );
-            assert_eq!(events(before, &[Mirror, Environment]), [PrefixEnds, FirstMirror, None]);
+            assert_eq!(events(before, &[Diffuse, Diffuse]), [ends, begins, None]);
+            assert_eq!(events(before, &[Environment]), [ends, is_environment]);
+            assert_eq!(events(before, &[Mirror, Diffuse, Mirror]), [ends, first_mirror, begins, None]);
+            let after_two = events(before, &[Mirror, Mirror, Diffuse, Diffuse]);
+            assert_eq!(after_two, [ends, first_mirror, None, None, None]);
+            assert_eq!(events(before, &[Mirror, Environment]), [ends, first_mirror, None]);
         }
     }
 
@@ -114,15 +111,16 @@ mod tests {
     fn mirrors_are_shared_up_to_the_limit() {
         let mut stage = ReuseStage::PrefixEnded;
         for mirror in 1..=MAX_REFLECTIONS {
-            stage = stage.meet(Met::Mirror).0;
+            stage.meet(Met::Mirror);
             assert_eq!(stage, ReuseStage::Reflected(mirror as u8));
         }
-        assert_eq!(stage.meet(Met::Mirror), (ReuseStage::Settled, ReuseEvent::None));
+        assert_eq!((stage.meet(Met::Mirror), stage), (None, ReuseStage::Settled));
     }
 
     #[test]
     fn without_reuse_the_prefix_ends_unrecorded() {
-        assert_eq!(ReuseStage::Prefix.scatter(false), (ReuseStage::Settled, ReuseEvent::None));
-        assert_eq!(ReuseStage::Settled.scatter(true), (ReuseStage::Settled, ReuseEvent::None));
+        let mut stage = ReuseStage::Prefix;
+        assert_eq!((stage.scatter(false), stage), (None, ReuseStage::Settled));
+        assert_eq!((stage.scatter(true), stage), (None, ReuseStage::Settled));
     }
 }

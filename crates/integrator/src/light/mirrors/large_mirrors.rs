@@ -1,6 +1,7 @@
 use super::facet::Facet;
 use super::light_bounds::LightBounds;
 use super::mirror_tree::{FacetBounds, MirrorTree, Viewpoint};
+use super::triangle_map::TriangleMap;
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 use globillum_geom::{Aabb, Triangles};
@@ -14,8 +15,8 @@ use globillum_geom::{Aabb, Triangles};
 pub(crate) struct LargeMirrors {
     tree: MirrorTree,
     facets: Vec<Facet>,
-    /// The triangles of all facets in ascending order, each with its facet.
-    members: Vec<(u32, u32)>,
+    /// The facet of each triangle.
+    facet_of: TriangleMap,
     /// Around all area lights.
     lights: LightBounds,
 }
@@ -49,15 +50,13 @@ impl LargeMirrors {
         let facets: Vec<_> = order.iter().map(|&facet| facets[facet as usize].clone()).collect();
         let of_facet =
             |(place, facet): (u32, &Facet)| facet.triangles.clone().into_iter().map(move |t| (t, place));
-        let mut members: Vec<_> = (0..).zip(&facets).flat_map(of_facet).collect();
-        members.sort_unstable();
-        Self { tree, facets, members, lights }
+        let facet_of = TriangleMap::new((0..).zip(&facets).flat_map(of_facet));
+        Self { tree, facets, facet_of, lights }
     }
 
     /// The index of the facet that triangle `index` belongs to.
     pub(crate) fn facet_of(&self, index: u32) -> Option<u32> {
-        let place = self.members.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
-        Some(self.members[place].1)
+        self.facet_of.get(index)
     }
 
     /// Chooses a facet that may show a light to the receiver, by a number in `[0, 1)` that `draw` returns; `None` if there is

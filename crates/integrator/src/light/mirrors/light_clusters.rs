@@ -1,5 +1,6 @@
 use super::facets::{connected, neighbours};
 use super::light_bounds::LightBounds;
+use super::triangle_map::TriangleMap;
 use crate::light::alias_table::AliasTable;
 use crate::light::lights::Lights;
 use glam::DVec3;
@@ -10,14 +11,15 @@ use globillum_geom::Triangles;
 pub(super) struct LightClusters {
     clusters: Vec<Cluster>,
     by_power: AliasTable,
-    /// The light triangles in ascending order, each with its cluster.
-    members: Vec<(u32, u32)>,
+    /// The cluster of each light triangle.
+    cluster_of: TriangleMap,
 }
 
+/// A group of lights, with the probability of choosing it.
 #[derive(Clone, Copy, Debug)]
-struct Cluster {
-    bounds: LightBounds,
-    prob: f64,
+pub(super) struct Cluster {
+    pub(super) bounds: LightBounds,
+    pub(super) prob: f64,
 }
 
 impl LightClusters {
@@ -29,34 +31,29 @@ impl LightClusters {
         let emitting: Vec<_> = lights.triangles().collect();
         let powers: Vec<_> = lights.area_powers().collect();
         let mut groups = connected(&neighbours(triangles, &emitting), |_, _| true, 0..emitting.len() as u32);
-        let center = |group: &[u32]| {
-            LightBounds::around(triangles, group.iter().map(|&i| emitting[i as usize])).center
-        };
+        let bounds =
+            |group: &[u32]| LightBounds::around(triangles, group.iter().map(|&i| emitting[i as usize]));
         if groups.len() > Self::MOST {
-            let mut centered: Vec<_> = groups.into_iter().map(|group| (center(&group), group)).collect();
+            let mut centered: Vec<_> =
+                groups.into_iter().map(|group| (bounds(&group).center, group)).collect();
             groups = Vec::new();
             halve(&mut centered, Self::MOST, &mut groups);
         }
         let power = |group: &Vec<u32>| group.iter().map(|&i| powers[i as usize]).sum::<f64>();
         let group_powers: Vec<_> = groups.iter().map(power).collect();
         let total: f64 = group_powers.iter().sum();
-        let cluster = |(group, power): (&Vec<u32>, &f64)| Cluster {
-            bounds: LightBounds::around(triangles, group.iter().map(|&i| emitting[i as usize])),
-            prob: power / total,
-        };
+        let cluster =
+            |(group, power): (&Vec<u32>, &f64)| Cluster { bounds: bounds(group), prob: power / total };
         let clusters = groups.iter().zip(&group_powers).map(cluster).collect();
-        let mut members = Vec::with_capacity(emitting.len());
-        for (cluster, group) in (0..).zip(&groups) {
-            members.extend(group.iter().map(|&i| (emitting[i as usize], cluster)));
-        }
-        members.sort_unstable();
-        Self { clusters, by_power: AliasTable::new(&group_powers), members }
+        let members =
+            (0..).zip(&groups).flat_map(|(cluster, group)| group.iter().map(move |&i| (i, cluster)));
+        let cluster_of = TriangleMap::new(members.map(|(i, cluster)| (emitting[i as usize], cluster)));
+        Self { clusters, by_power: AliasTable::new(&group_powers), cluster_of }
     }
 
     /// The cluster of the light triangle `index`.
     pub(super) fn of_light(&self, index: u32) -> Option<u32> {
-        let place = self.members.binary_search_by_key(&index, |&(light, _)| light).ok()?;
-        Some(self.members[place].1)
+        self.cluster_of.get(index)
     }
 
     pub(super) fn len(&self) -> usize {
@@ -69,10 +66,8 @@ impl LightClusters {
         chosen.map_or((0, u), |(index, rest)| (index as u32, rest))
     }
 
-    /// The probability of a cluster, and its bounds.
-    pub(super) fn bounds(&self, index: u32) -> (f64, LightBounds) {
-        let Cluster { bounds, prob } = self.clusters[index as usize];
-        (prob, bounds)
+    pub(super) fn get(&self, index: u32) -> Cluster {
+        self.clusters[index as usize]
     }
 }
 

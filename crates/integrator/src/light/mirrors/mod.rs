@@ -7,6 +7,7 @@ mod light_bounds;
 mod light_clusters;
 mod mirror_tree;
 mod small_mirrors;
+mod triangle_map;
 mod viewpoints;
 
 pub(crate) use facet::reflection;

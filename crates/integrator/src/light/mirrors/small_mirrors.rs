@@ -1,6 +1,7 @@
 use super::facet::{mirror_image, reflection};
-use super::light_clusters::LightClusters;
+use super::light_clusters::{Cluster, LightClusters};
 use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
+use super::triangle_map::TriangleMap;
 use super::viewpoints::viewpoints;
 use crate::light::receiver::Receiver;
 use glam::DVec3;
@@ -13,8 +14,8 @@ pub(crate) struct SmallMirrors {
     tree: MirrorTree,
     /// By their place in the tree.
     triangles: Vec<u32>,
-    /// The triangles in ascending order, each with its place.
-    places: Vec<(u32, u32)>,
+    /// The place of each triangle.
+    places: TriangleMap,
     clusters: LightClusters,
 }
 
@@ -55,9 +56,9 @@ impl SmallMirrors {
         let bounds: Vec<_> = mirrors.iter().map(|(_, bounds)| *bounds).collect();
         let (tree, order) = MirrorTree::new(triangles, &bounds, bodies);
         let in_order: Vec<_> = order.iter().map(|&mirror| mirrors[mirror as usize].0).collect();
-        let mut places: Vec<_> = in_order.iter().copied().zip(0..).collect();
-        places.sort_unstable();
-        let mirrors: Vec<_> = places.iter().map(|&(triangle, _)| triangle).collect();
+        let mut mirrors = in_order.clone();
+        mirrors.sort_unstable();
+        let places = TriangleMap::new(in_order.iter().copied().zip(0..));
         let tree = tree.calibrated(&viewpoints(triangles, &mirrors, &clusters));
         Self { tree, triangles: in_order, places, clusters }
     }
@@ -76,12 +77,14 @@ impl SmallMirrors {
         count: u32,
         us: [f64; N],
     ) -> [Option<ChosenMirror>; N] {
+        let attempts = Self::ATTEMPTS / f64::from(count);
         let (mut clusters, mut roots, mut rests) = ([0; N], [const { None }; N], us);
         for i in 0..N {
             // The choice of a cluster leaves a number for that of a mirror.
             (clusters[i], rests[i]) = self.clusters.choose(us[i]);
             let is_like_last = i > 0 && (receivers[i], clusters[i]) == (receivers[i - 1], clusters[i - 1]);
-            roots[i] = if is_like_last { roots[i - 1] } else { self.root(receivers[i], count, clusters[i]) };
+            roots[i] =
+                if is_like_last { roots[i - 1] } else { self.root(receivers[i], attempts, clusters[i]) };
         }
         let chosen = self.tree.choose(&roots, rests, |_| true);
         std::array::from_fn(|i| {
@@ -89,10 +92,10 @@ impl SmallMirrors {
         })
     }
 
-    /// The root of the tree, as the receiver sees it for one of `count` samples of this cluster.
-    fn root(&self, receiver: Receiver, count: u32, cluster: u32) -> Option<Root> {
-        let (_, lights) = self.clusters.bounds(cluster);
-        self.tree.root(&Viewpoint { receiver, lights }, Self::ATTEMPTS / f64::from(count), |_| true)
+    /// The root of the tree, as the receiver sees it for a sample of this cluster.
+    fn root(&self, receiver: Receiver, attempts: f64, cluster: u32) -> Option<Root> {
+        let lights = self.clusters.get(cluster).bounds;
+        self.tree.root(&Viewpoint { receiver, lights }, attempts, |_| true)
     }
 
     /// A point on a mirror chosen for one of `count` samples of the receiver, by `point` in `[0, 1)^2`. `None` if it shows no
@@ -106,13 +109,13 @@ impl SmallMirrors {
         ChosenMirror { cluster, place, prob }: ChosenMirror,
         point: [f64; 2],
     ) -> Option<MirrorPoint> {
-        let (cluster_prob, lights) = self.clusters.bounds(cluster);
+        let Cluster { bounds, prob: cluster_prob } = self.clusters.get(cluster);
         let (triangle, from) = (self.triangles[place as usize], receiver.position);
         let (u, v) = Triangle::sample_uniform(point);
         let point = triangles.surface_point(triangle, u, v);
         let direction = (point.position - from).try_normalize()?;
         let reflected = reflection(direction, point.normal);
-        if !lights.may_be_hit_by(point.position, reflected) {
+        if !bounds.may_be_hit_by(point.position, reflected) {
             return None;
         }
         let pdf = pdf(triangles.get(triangle), from, direction)?;
@@ -132,17 +135,16 @@ impl SmallMirrors {
         index: u32,
         light: &SurfacePoint,
     ) -> Option<PdfSolidAngle> {
-        let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
+        let place = self.places.get(index)?;
         let cluster = self.clusters.of_light(light.triangle)?;
-        let (cluster_prob, _) = self.clusters.bounds(cluster);
-        let root = self.root(receiver, count, cluster)?;
-        let prob = self.tree.prob(&root, self.places[place].1, |_| true)?;
+        let root = self.root(receiver, Self::ATTEMPTS / f64::from(count), cluster)?;
+        let prob = self.tree.prob(&root, place, |_| true)?;
         let (triangle, from) = (triangles.get(index), receiver.position);
         let (normal, height) = plane(triangle, from);
         let image = mirror_image(from, normal, height);
         // At the image, the direction has the same angle with the plane.
         let pdf = pdf(triangle, from, (light.position - image).try_normalize()?)?;
-        let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);
+        let pdf = pdf.chosen_with(self.clusters.get(cluster).prob * prob).of_samples(count);
         (pdf.0 > 0.0).then_some(pdf)
     }
 }
@@ -165,8 +167,7 @@ fn pdf(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<PdfSolidAng
 impl SmallMirrors {
     /// The triangle chosen to show the cluster of `light`, with its probability.
     pub(super) fn choice(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<(u32, f64)> {
-        let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
-        let root = self.tree.root(&Viewpoint { receiver, lights }, attempts, |_| true)?;
+        let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
         let [chosen] = self.tree.choose(&[Some(root)], [u], |_| true);
         chosen.map(|(place, prob)| (self.triangles[place as usize], prob))
     }
@@ -179,9 +180,7 @@ impl SmallMirrors {
         light: u32,
         attempts: f64,
     ) -> Option<f64> {
-        let place = self.places.binary_search_by_key(&index, |&(triangle, _)| triangle).ok()?;
-        let (_, lights) = self.clusters.bounds(self.clusters.of_light(light)?);
-        let root = self.tree.root(&Viewpoint { receiver, lights }, attempts, |_| true)?;
-        self.tree.prob(&root, self.places[place].1, |_| true)
+        let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
+        self.tree.prob(&root, self.places.get(index)?, |_| true)
     }
 }

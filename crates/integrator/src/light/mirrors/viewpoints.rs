@@ -31,7 +31,7 @@ pub(super) fn viewpoints(triangles: &Triangles, mirrors: &[u32], clusters: &Ligh
         let point = triangles.surface_point(triangle, u, v);
         let is_turned = point.normal.dot(middle - point.position) < 0.0;
         let side = if is_turned { -point.normal } else { point.normal };
-        let (_, lights) = clusters.bounds(clusters.choose(numbers.uniform(3)).0);
+        let lights = clusters.get(clusters.choose(numbers.uniform(3)).0).bounds;
         Some(Viewpoint { receiver: Receiver { position: point.position, side: side.as_vec3() }, lights })
     };
     (0..COUNT).filter_map(viewpoint).collect()

@@ -24,12 +24,12 @@ struct Pending<'a> {
     path: u64,
 }
 
-/// Builds the nodes of a tree over `lights` in this frame, the root first; none without lights. Calls `place` with each light
+/// Builds the nodes of a tree over `lights` in this frame, the root first; none without lights. Calls `found` with each light
 /// and the path to it.
 pub(super) fn nodes(
     lights: &mut [IndexedLight],
     frame: &TreeFrame,
-    mut place: impl FnMut(u32, u64),
+    mut found: impl FnMut(u32, u64),
 ) -> Vec<Node> {
     let mut nodes = Vec::new();
     if lights.is_empty() {
@@ -45,7 +45,7 @@ pub(super) fn nodes(
             let path = path | child << (CHILD_BITS * level);
             match lights {
                 [(light, _)] => {
-                    place(*light, path);
+                    found(*light, path);
                     children.push((Child::Light(*light), moments));
                 }
                 lights => {

@@ -36,15 +36,15 @@ impl TreeFrame {
         Receiver { position: self.position(position), side }
     }
 
-    /// The place of a position in the world.
+    /// A position in the world.
     #[inline(always)]
     pub(super) fn position(&self, position: DVec3) -> DVec3 {
-        let place = (position - self.origin) * self.scale;
-        let distance_sq = place.length_squared();
+        let in_frame = (position - self.origin) * self.scale;
+        let distance_sq = in_frame.length_squared();
         if distance_sq <= Self::FARTHEST * Self::FARTHEST {
-            place
+            in_frame
         } else {
-            place * (Self::FARTHEST / distance_sq.sqrt())
+            in_frame * (Self::FARTHEST / distance_sq.sqrt())
         }
     }
 

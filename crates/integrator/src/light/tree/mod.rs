@@ -2,7 +2,6 @@
 //! and Kulla 2018). A cluster is described by moments, which say what it brings on average, instead of bounds.
 
 mod build;
-mod descent;
 mod far_lights;
 mod frame;
 mod light_moments;
@@ -12,8 +11,8 @@ pub(super) use far_lights::FarLight;
 pub(super) use light_moments::LightMoments;
 
 use super::child_weights::{CHILD_BITS, WIDTH};
+use super::descent::Descent;
 use super::receiver::Receiver;
-use descent::Descent;
 use far_lights::FarLights;
 use frame::TreeFrame;
 use glam::Vec3;
@@ -108,7 +107,8 @@ impl LightTree {
         self.simd.run(
             #[inline(always)]
             || {
-                let (mut receivers, mut descents) = (receivers, [Descent::new(1.0, 0.0); N]);
+                let (mut receivers, mut descents) =
+                    (receivers, [Descent { at: Child::Node(0), prob: 1.0, u: 0.0 }; N]);
                 for k in 0..N {
                     receivers[k] = self.frame.receiver(receivers[k]);
                     [descents[k]] = self.begin(receivers[k], [us[k]]);
@@ -120,7 +120,7 @@ impl LightTree {
 
     /// The choices at the root for the receiver, in the tree's frame, by each of `us`.
     #[inline(always)]
-    fn begin<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [Descent; N] {
+    fn begin<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [Descent<Child>; N] {
         let Some(root) = self.nodes.first() else { return us.map(|u| self.choose_far(u, 1.0)) };
         let weights = root.weights(&receiver);
         let far_prob = self.far_prob(weights.total(), receiver.side);
@@ -130,7 +130,8 @@ impl LightTree {
                 true => self.choose_far(u / far_prob, far_prob),
                 false => {
                     let rest = ((u - far_prob) / (1.0 - far_prob)).min(1.0_f64.next_down());
-                    Descent::new(1.0 - far_prob, rest).step(root, &weights)
+                    let descent = Descent { at: (), prob: 1.0 - far_prob, u: rest };
+                    descent.step(&weights, |number| root.child(number))
                 }
             },
         )
@@ -142,19 +143,19 @@ impl LightTree {
     fn descend<const N: usize>(
         &self,
         receivers: [Receiver; N],
-        mut descents: [Descent; N],
+        mut descents: [Descent<Child>; N],
     ) -> [ChosenLight; N] {
         loop {
             let mut have_ended = true;
             for (descent, receiver) in descents.iter_mut().zip(&receivers) {
-                if let Child::Node(index) = descent.child {
+                if let Child::Node(index) = descent.at {
                     let node = &self.nodes[index as usize];
-                    *descent = descent.step(node, &node.weights(receiver));
+                    *descent = descent.step(&node.weights(receiver), |number| node.child(number));
                     have_ended = false;
                 }
             }
             if have_ended {
-                return descents.map(|Descent { child, prob, .. }| match child {
+                return descents.map(|Descent { at, prob, .. }| match at {
                     Child::Light(index) | Child::Node(index) => ChosenLight { index, prob },
                 });
             }
@@ -196,11 +197,11 @@ impl LightTree {
         share.clamp(Self::LEAST_PROB, 1.0 - Self::LEAST_PROB)
     }
 
-    fn choose_far(&self, u: f64, far_prob: f64) -> Descent {
+    fn choose_far(&self, u: f64, far_prob: f64) -> Descent<Child> {
         // Without far lights their probability is 0, and this is not called.
         let far = self.far.as_ref().expect("only called if there are far lights");
         let index = far.choose(u.min(1.0_f64.next_down()));
-        Descent::ended(index, self.far_share(index as usize, far_prob))
+        Descent { at: Child::Light(index), prob: self.far_share(index as usize, far_prob), u: 0.0 }
     }
 
     fn far_share(&self, index: usize, far_prob: f64) -> f64 {
@@ -246,10 +247,10 @@ mod tests {
     /// At the lights, between them, and far away, on surfaces of all directions.
     fn receivers() -> impl Iterator<Item = Receiver> {
         let side = |i| vector(Stream::new(12, 0, i), 0).normalize().as_vec3();
-        (0..).zip(addresses()).map(move |(i, position)| Receiver { position, side: side(i) })
+        (0..).zip(positions()).map(move |(i, position)| Receiver { position, side: side(i) })
     }
 
-    fn addresses() -> impl Iterator<Item = DVec3> {
+    fn positions() -> impl Iterator<Item = DVec3> {
         (0..6).map(|i| vector(Stream::new(8, 0, i), 0) * [1.0, 0.1, 3.0][i as usize % 3]).chain([
             DVec3::ZERO,
             DVec3::splat(1e9),
@@ -257,8 +258,8 @@ mod tests {
         ])
     }
 
-    fn near(reach: &TreeLight) -> LightMoments {
-        match reach {
+    fn near(light: &TreeLight) -> LightMoments {
+        match light {
             TreeLight::Near(moments) => *moments,
             TreeLight::Far(light) => panic!("{light:?}"),
         }
@@ -519,8 +520,8 @@ mod tests {
     /// The relative variance of an estimate of irradiance by one light that `tree` over `lights` chooses, exactly; the mean
     /// over points of the walls of a box.
     fn relative_variance(lights: &[LightMoments]) -> f64 {
-        let reaches: Vec<_> = lights.iter().map(|&light| TreeLight::Near(light)).collect();
-        let tree = LightTree::new(&reaches, &Aabb::EMPTY);
+        let tree_lights: Vec<_> = lights.iter().map(|&light| TreeLight::Near(light)).collect();
+        let tree = LightTree::new(&tree_lights, &Aabb::EMPTY);
         let at_point = |i: u32| {
             let (mut position, axis) = (vector(Stream::new(15, 0, i), 0), i as usize % 3);
             position[axis] = 1.0;

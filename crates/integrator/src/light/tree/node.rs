@@ -27,9 +27,9 @@ pub(super) struct Node {
     /// Along one axis, taken for the same along all.
     normal_variance: Lanes,
     variance_along_normal: Lanes,
-    /// The square of the moments's limit, with its sign, less some slack.
+    /// The square of [`LightMoments::limit`], with its sign, less some slack.
     limit: Lanes,
-    /// 1 for a moments that emits on both sides, else 0.
+    /// 1 for a child that emits on both sides, else 0.
     both_sides: Lanes,
     /// By lane; 0 where there is no child.
     intensity: [f64; WIDTH],

@@ -87,8 +87,8 @@ fn seen_in(
     vertex: &PathVertex<'_>,
 ) -> Option<(u32, SurfacePoint, AreaLightSample)> {
     let PathVertex { at, bounce, .. } = vertex;
-    let (triangles, receiver) = (context.scene.triangles(), vertex.receiver());
-    let sample_prob = context.large_mirror_prob(path.is_prefix());
+    let (triangles, receiver) = (context.scene.triangles(), vertex.at.receiver());
+    let sample_prob = context.large_mirror_prob(vertex.is_first);
     let number = || path.numbers.mirror(MirrorSize::Large, *bounce);
     // What the decision to sample leaves of its number chooses the mirror.
     let rest = (sample_prob < 1.0).then(|| number() / sample_prob);
@@ -98,8 +98,9 @@ fn seen_in(
     let chosen = mirrors.choose(triangles, receiver, || rest.unwrap_or_else(number))?;
     let facet = chosen.facet;
     let drawn = vertex.large_mirror_numbers;
-    let (choice, u) = drawn.unwrap_or_else(|| path.numbers.light_in_mirror(MirrorSize::Large, *bounce));
-    let light = match context.light_sampler(facet.image_of(receiver)).sample(choice, u)? {
+    let (u_light, u_point) =
+        drawn.unwrap_or_else(|| path.numbers.light_in_mirror(MirrorSize::Large, *bounce));
+    let light = match context.light_sampler(facet.image_of(receiver)).sample(u_light, u_point)? {
         LightSample::Area(light) => light,
         LightSample::Delta(_) => return None,
     };

@@ -26,8 +26,8 @@ impl RenderContext<'_> {
         if !self.samples_lights || at.material.bsdf.is_delta() {
             return;
         }
-        let sampler = self.light_sampler(vertex.receiver());
-        let count = self.direct_samples(path.is_prefix());
+        let sampler = self.light_sampler(vertex.at.receiver());
+        let count = self.direct_samples(vertex.is_first);
         if count == 1 {
             let light = match vertex.light {
                 PriorChoice::Made(chosen) => chosen.map(|chosen| self.scene.lights().chosen(chosen)),
@@ -42,7 +42,7 @@ impl RenderContext<'_> {
         }
         for first in (0..count).step_by(LIGHTS_AT_ONCE) {
             let drawn: [_; LIGHTS_AT_ONCE] = path.numbers.lights(*bounce, first, count);
-            let lights = sampler.choose(drawn.map(|(choice, _)| choice));
+            let lights = sampler.choose(drawn.map(|(u_light, _)| u_light));
             for (light, (_, point)) in lights.into_iter().zip(drawn).take((count - first) as usize) {
                 if let Some((ray, radiance)) =
                     self.light_sample(path, vertex, &sampler, (light, point), count)

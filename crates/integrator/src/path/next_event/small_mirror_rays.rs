@@ -56,9 +56,9 @@ impl SmallMirrorRays {
         vertex: &PathVertex<'_>,
     ) {
         let Some(mirrors) = context.small_mirrors() else { return };
-        let count = context.small_mirror_samples(path.is_prefix());
+        let count = context.small_mirror_samples(vertex.is_first);
         let mut add = |chosen: ChosenMirror, point: [f64; 2]| {
-            let (triangles, receiver) = (context.scene.triangles(), vertex.receiver());
+            let (triangles, receiver) = (context.scene.triangles(), vertex.at.receiver());
             let Some(sample) = mirrors.sample(triangles, receiver, count, chosen, point) else { return };
             let MirrorPoint { triangle, point, direction, pdf, cluster } = sample;
             let seen = LightSample::Area(AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf });
@@ -121,7 +121,7 @@ fn choose<const N: usize>(
             #[inline(always)]
             || Numbers::mirrors(&parts, size, bounce),
         );
-        let chosen = mirrors.choose([vertex.receiver(); N], count, us);
+        let chosen = mirrors.choose([vertex.at.receiver(); N], count, us);
         if chosen.iter().all(Option::is_none) {
             continue;
         }

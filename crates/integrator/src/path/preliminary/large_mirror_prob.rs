@@ -1,7 +1,7 @@
 //! The probability with which vertices after the first diffuse one sample lights in large mirrors. It follows from what
 //! such samples and those without a mirror contribute to the paths of probes.
 
-use super::path_settings::path_settings;
+use super::path_settings::{SIDE, path_settings, tiles};
 use crate::Settings;
 use crate::path::counters::Counters;
 use crate::path::radiance_sums::Contribution;
@@ -14,9 +14,6 @@ use std::ops::{AddAssign, Range};
 
 /// About how many paths are traced.
 const PATHS: u32 = 1 << 12;
-
-/// Pixels along the side of a tile.
-const SIDE: u32 = 8;
 
 /// The seed of their random numbers.
 const SEED: u64 = 0x6d69_7272_6f72;
@@ -60,10 +57,11 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     let settings = probe_settings(context.settings);
     // Without a guide, which depends on the seed.
     let context = RenderContext { settings: &settings, guide: None, photons: None, ..*context };
-    let of_tile = |wavefront: &mut Wavefront, (tile, sample): (PixelRect, u32)| {
-        wavefront.later_squares(&context, tile, sample..sample + 1)
+    let of_tile = |wavefront: &mut Wavefront, (tile, samples): (PixelRect, Range<u32>)| {
+        wavefront.later_squares(&context, tile, samples)
     };
-    let of_tiles: Vec<_> = tiles(&settings).into_par_iter().map_init(Wavefront::default, of_tile).collect();
+    let tiles = tiles(&settings, distances(&settings), 1);
+    let of_tiles: Vec<_> = tiles.into_par_iter().map_init(Wavefront::default, of_tile).collect();
     let mut squares = Squares::default();
     of_tiles.into_iter().for_each(|of_tile| squares += of_tile);
     let prob = FACTOR * (squares.large / squares.direct).sqrt();
@@ -78,18 +76,14 @@ fn probe_settings(settings: &Settings) -> Settings {
     Settings { max_bounces, ..path_settings(settings, samples, SEED) }
 }
 
-/// The tiles, each with a sample of its pixels. In a large picture there are gaps between tiles.
-fn tiles(settings: &Settings) -> Vec<(PixelRect, u32)> {
-    let Settings { width, height, samples, .. } = *settings;
+/// The distances of tiles, so that a sample of each of their pixels takes about [`PATHS`] paths or fewer.
+fn distances(&Settings { width, height, .. }: &Settings) -> [u32; 2] {
     let most = PATHS / (SIDE * SIDE);
     let by_shape = f64::from(most) * f64::from(width) / f64::from(height);
     let columns = (by_shape.sqrt() as u32).clamp(1, width.div_ceil(SIDE));
     let rows = (most / columns).clamp(1, height.div_ceil(SIDE));
     let columns = (most / rows).clamp(1, width.div_ceil(SIDE));
-    let step = |size: u32, count: u32| size.div_ceil(count).max(SIDE);
-    let places = PixelRect::grid([width, height], [step(width, columns), step(height, rows)]);
-    let tiles = places.map(|place| place.corner(SIDE));
-    tiles.flat_map(|tile| (0..samples).map(move |sample| (tile, sample))).collect()
+    [(width, columns), (height, rows)].map(|(size, count)| size.div_ceil(count).max(SIDE))
 }
 
 impl Wavefront {
@@ -105,11 +99,8 @@ impl Wavefront {
         let mut squares = Squares::default();
         for bounce in 0.. {
             self.paths.iter().for_each(|path| is_later[path.target.sample() as usize] = !path.is_prefix());
-            self.trace_rays(context);
             self.shade(context, bounce, &mut Counters::default());
-            let direct = self.contributions.len();
-            self.trace_mirror_rays(context);
-            self.trace_shadow_rays(context);
+            let direct = self.trace_light_samples(context);
             let large = direct..self.contributions.len();
             squares += Squares {
                 direct: self.square_sum(0..direct, &is_later),
@@ -237,7 +228,8 @@ mod tests {
             [(1, 1), (7, 9), (64, 64), (100, 65), (1920, 1080), (16_384, 3), (16, 1 << 20), (1, 1 << 27)];
         for (width, height) in sizes {
             let settings = probe_settings(&Settings::new(width, height, 1));
-            let paths: usize = tiles(&settings).iter().map(|(tile, _)| tile.pixel_count()).sum();
+            let tiles = tiles(&settings, distances(&settings), 1);
+            let paths: usize = tiles.iter().map(|(tile, _)| tile.pixel_count()).sum();
             let least = PATHS as usize / if width.min(height) < SIDE { 16 } else { 4 };
             assert!((least..=2 * PATHS as usize).contains(&paths), "{width} x {height}: {paths}");
         }

@@ -1,4 +1,9 @@
+use crate::pixel_rect::PixelRect;
 use crate::{PathReuse, Settings, Supersampling};
+use std::ops::Range;
+
+/// Pixels along the side of a tile.
+pub(super) const SIDE: u32 = 8;
 
 /// The settings of paths that precede the first sample of a picture: this many of each pixel, by this seed. Pixels share
 /// nothing, each vertex takes one light sample, and lights are not supersampled.
@@ -12,4 +17,12 @@ pub(super) fn path_settings(settings: &Settings, samples: u32, seed: u64) -> Set
         supersampling: Supersampling::Off,
         ..*settings
     }
+}
+
+/// Tiles at these distances in both directions, each with every range of `at_once` samples of its pixels. Where distances are
+/// larger than [`SIDE`], there are gaps between tiles.
+pub(super) fn tiles(settings: &Settings, distances: [u32; 2], at_once: u32) -> Vec<(PixelRect, Range<u32>)> {
+    let ranges = (0..settings.samples).step_by(at_once as usize).map(|first| first..first + at_once);
+    let cells = PixelRect::grid([settings.width, settings.height], distances);
+    cells.flat_map(|cell| ranges.clone().map(move |range| (cell.corner(SIDE), range))).collect()
 }

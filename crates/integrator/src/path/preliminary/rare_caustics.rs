@@ -2,12 +2,12 @@
 
 use crate::path::caustics::MIN_WEIGHT;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
-use crate::path::first_vertex::first_diffuse_vertex;
+use crate::path::first_vertex::{first_diffuse_vertex, scattered_ray};
 use crate::path::mis::MisContext;
 use crate::path::render_context::RenderContext;
 use crate::sampler::ReservedStream;
 use crate::{PathStart, Stream};
-use globillum_geom::{Frame, Ray};
+use globillum_geom::Ray;
 use globillum_material::Bsdf;
 
 /// Probes along each side of the picture, by which caustics are found to be rare.
@@ -65,11 +65,9 @@ fn scattered_rays(
 ) -> Vec<(Ray, MisContext)> {
     let scatter = |(i, path)| {
         let at = first_diffuse_vertex(context, path)?;
-        let frame = Frame::around(at.side());
         let u = Stream::reserved(ReservedStream::CausticProbes, i).uniform_pair(2 * before);
-        let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
-        let mis = MisContext::scattered(sample.density, at.receiver(), before == 0);
-        Some((at.point.spawn(frame.to_world(sample.wi)), mis))
+        let (ray, density) = scattered_ray(&at, u)?;
+        Some((ray, MisContext::scattered(density, at.receiver(), before == 0)))
     };
     (0..).zip(paths).filter_map(scatter).collect()
 }

@@ -1,6 +1,6 @@
 //! The training of a guide: paths by which it learns, before the picture is rendered.
 
-use super::path_settings::path_settings;
+use super::path_settings::{SIDE, path_settings, tiles};
 use crate::caught::caught;
 use crate::guide::{Guide, GuideRecord, bin_of, guide_vertex};
 use crate::path::counters::Counters;
@@ -20,8 +20,6 @@ const MIN_SAMPLES: u32 = 4;
 const MIN_PATHS: u64 = 1 << 16;
 /// The most, about. A larger picture has gaps between its tiles.
 const MAX_PATHS: u64 = 1 << 18;
-/// Pixels along the side of a tile.
-const SIDE: u32 = 8;
 
 /// The guide for a picture of the whole sensor, whatever the crop; `None` if settings ask for none. Breaks if
 /// `cancelled` before the end.
@@ -39,14 +37,14 @@ pub(crate) fn guide(
     }
     let settings = training_settings(settings);
     let context = RenderContext::new(scene, sensor, &settings);
-    let traced: Result<Vec<Option<Vec<GuideRecord>>>, RenderError> = tiles(&settings)
-        .into_par_iter()
-        .map_init(Wavefront::default, |wavefront, (tile, first)| {
-            let samples = first..first + MIN_SAMPLES;
-            let records = caught(|| wavefront.records(&context, tile, samples, &cancelled));
-            records.map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
-        })
-        .collect();
+    let traced: Result<Vec<Option<Vec<GuideRecord>>>, RenderError> =
+        tiles(&settings, [distance(&settings); 2], MIN_SAMPLES)
+            .into_par_iter()
+            .map_init(Wavefront::default, |wavefront, (tile, samples)| {
+                let records = caught(|| wavefront.records(&context, tile, samples, &cancelled));
+                records.map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
+            })
+            .collect();
     Ok(match traced?.into_iter().collect() {
         Some(parts) => ControlFlow::Continue(Some(Guide::learn(&joined(parts)))),
         None => ControlFlow::Break(()),
@@ -60,16 +58,10 @@ fn training_settings(settings: &Settings) -> Settings {
     path_settings(settings, samples, !settings.seed)
 }
 
-/// The tiles, each with the first of its [`MIN_SAMPLES`] samples. In a large picture there are gaps between
-/// tiles.
-fn tiles(settings: &Settings) -> Vec<(PixelRect, u32)> {
-    let Settings { width, height, samples, .. } = *settings;
-    let paths = settings.pixel_count() * u64::from(samples);
-    let step = (1..).find(|&step: &u64| step * step * MAX_PATHS >= paths).unwrap_or(1) as u32;
-    let places = PixelRect::grid([width, height], [SIDE * step; 2]);
-    let tiles = places.map(|place| place.corner(SIDE));
-    let firsts = (0..samples).step_by(MIN_SAMPLES as usize);
-    tiles.flat_map(|tile| firsts.clone().map(move |first| (tile, first))).collect()
+/// The distance of tiles, so that there are about [`MAX_PATHS`] paths or fewer.
+fn distance(settings: &Settings) -> u32 {
+    let paths = settings.pixel_count() * u64::from(settings.samples);
+    SIDE * (1..).find(|&step: &u64| step * step * MAX_PATHS >= paths).unwrap_or(1) as u32
 }
 
 /// All records; the indices in them count from the first part.

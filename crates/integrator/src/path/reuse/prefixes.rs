@@ -26,16 +26,8 @@ pub(in crate::path) struct Prefix {
     pub(in crate::path) largest_throughput: Rgb,
     /// The next vertex of its own path, if that is on a mirror.
     pub(in crate::path) mirror: Option<ReuseVertex>,
-    /// Where its own suffix begins: at the next vertex, or at the one that the mirror shows.
-    suffix_start: Option<SuffixStart>,
-}
-
-/// Where a suffix begins.
-#[derive(Clone, Copy, Debug)]
-enum SuffixStart {
-    Surface(ReuseVertex),
-    /// Outside of the scene, in this unit direction from the prefix.
-    Environment(DVec3),
+    /// Its own suffix, if that has begun.
+    pub(super) suffix: Option<Suffix>,
 }
 
 /// The prefixes of a wavefront.
@@ -99,7 +91,7 @@ impl Prefixes {
         match target {
             Target::Sample(_) => Rgb::WHITE,
             Target::AfterPrefix(sample) => {
-                let prefix = self.all.get(sample as usize).copied().flatten();
+                let prefix = self.all.get(sample as usize).and_then(Option::as_ref);
                 prefix.map_or(Rgb::WHITE, |prefix| prefix.throughput / prefix.guide_ratio)
             }
         }
@@ -117,7 +109,7 @@ impl Prefixes {
             guide_ratio: path.guide_ratio,
             largest_throughput: throughput,
             mirror: None,
-            suffix_start: None,
+            suffix: None,
         });
         self.have_ended = true;
     }
@@ -157,7 +149,7 @@ impl Prefixes {
     #[inline(always)]
     pub(in crate::path) fn begin_suffix(&mut self, path: &mut Path, vertex: &PathVertex<'_>) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
-        prefix.suffix_start = Some(SuffixStart::Surface(ReuseVertex::at(vertex)));
+        prefix.suffix = Some(Suffix::Surface { start: ReuseVertex::at(vertex), mirror: prefix.mirror });
         path.largest_prefix_throughput = prefix.largest_throughput;
         if prefix.mirror.is_none() {
             path.leave_prefix();
@@ -168,7 +160,7 @@ impl Prefixes {
     #[inline(always)]
     pub(in crate::path) fn leave_scene(&mut self, path: &mut Path, direction: DVec3) {
         let Some(prefix) = &mut self.all[path.target.sample() as usize] else { return };
-        prefix.suffix_start = Some(SuffixStart::Environment(direction.normalize()));
+        prefix.suffix = Some(Suffix::Environment(direction.normalize()));
         path.leave_prefix();
     }
 }
@@ -186,16 +178,5 @@ fn update_largest_throughput(
         if let Some(prefix) = all[sample as usize].as_mut().filter(|prefix| prefix.bounce == bounce) {
             prefix.largest_throughput = largest;
         }
-    }
-}
-
-impl Prefix {
-    /// The suffix, if it has begun.
-    #[inline(always)]
-    pub(super) fn suffix(&self) -> Option<Suffix<'_>> {
-        Some(match self.suffix_start.as_ref()? {
-            SuffixStart::Surface(start) => Suffix::Surface { start, mirror: self.mirror.as_ref() },
-            &SuffixStart::Environment(direction) => Suffix::Environment(direction),
-        })
     }
 }

@@ -17,12 +17,12 @@ pub(in crate::path) struct ReuseVertex {
 
 /// A suffix, as prefixes find it.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Suffix<'a> {
+pub(in crate::path) enum Suffix {
     /// It begins at the diffuse vertex `start`.
     Surface {
-        start: &'a ReuseVertex,
+        start: ReuseVertex,
         /// The vertex on the mirror triangle by way of which prefixes find the start; `None` if they find it directly.
-        mirror: Option<&'a ReuseVertex>,
+        mirror: Option<ReuseVertex>,
     },
     /// It is the environment, in this unit direction.
     Environment(DVec3),
@@ -56,7 +56,7 @@ impl ReuseVertex {
     /// [`density_at`](Self::density_at) the vertex `other`, found directly, and the segment between both.
     #[inline(always)]
     pub(in crate::path) fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
-        let (density, _) = self.density_at(&Suffix::Surface { start: other, mirror: None })?;
+        let (density, _) = self.density_at(&Suffix::Surface { start: *other, mirror: None })?;
         Some((density, self.point.segment_to(&other.point)?))
     }
 
@@ -67,10 +67,10 @@ impl ReuseVertex {
     ///
     /// By way of a mirror, it is the density directly from the image of this vertex: reflection keeps lengths and angles.
     #[inline(always)]
-    pub(super) fn density_at(&self, suffix: &Suffix<'_>) -> Option<(f64, DVec3)> {
-        let (start, mirror) = match *suffix {
+    pub(super) fn density_at(&self, suffix: &Suffix) -> Option<(f64, DVec3)> {
+        let (start, mirror) = match suffix {
             Suffix::Surface { start, mirror } => (start, mirror),
-            Suffix::Environment(direction) => {
+            &Suffix::Environment(direction) => {
                 let cosine = self.normal.dot(direction);
                 return (cosine > 0.0 && cosine.is_normal()).then_some((cosine, direction));
             }
@@ -99,13 +99,13 @@ impl ReuseVertex {
     pub(super) fn push_rays(
         &self,
         triangles: &Triangles,
-        suffix: &Suffix<'_>,
+        suffix: &Suffix,
         direction: DVec3,
         rays: &mut Vec<Ray>,
     ) -> usize {
         let before = rays.len();
-        match *suffix {
-            Suffix::Environment(direction) => rays.push(self.point.spawn(direction)),
+        match suffix {
+            Suffix::Environment(direction) => rays.push(self.point.spawn(*direction)),
             Suffix::Surface { start, mirror: None } => rays.extend(self.point.segment_to(&start.point)),
             Suffix::Surface { start, mirror: Some(mirror) } => {
                 let reflecting = self.point_seen(triangles, mirror.point.triangle, direction);
@@ -215,7 +215,7 @@ mod tests {
             for (k, l) in (0..steps).flat_map(|k| (0..steps).map(move |l| (k, l))) {
                 let at = |cell, step| ((cell * steps + step) as f64 + 0.5) / (CELLS * steps) as f64;
                 let start = setup.start([at(i, k), at(j, l)]);
-                let suffix = Suffix::Surface { start: &start, mirror: Some(&setup.mirror) };
+                let suffix = Suffix::Surface { start, mirror: Some(setup.mirror) };
                 let (density, direction) = setup.from.density_at(&suffix).unwrap();
                 share += density / std::f64::consts::PI * area;
                 let mut rays = Vec::new();
@@ -241,7 +241,7 @@ mod tests {
         let setup = Setup::new();
         let start = setup.start([0.5, 0.5]);
         let by = |from: &ReuseVertex, mirror: &ReuseVertex, start: &ReuseVertex| {
-            let suffix = Suffix::Surface { start, mirror: Some(mirror) };
+            let suffix = Suffix::Surface { start: *start, mirror: Some(*mirror) };
             let (_, direction) = from.density_at(&suffix)?;
             Some(from.push_rays(&setup.triangles, &suffix, direction, &mut Vec::new()))
         };

@@ -1,12 +1,12 @@
 //! Probes that find whether what a square of pixels sees lies in the open.
 
 use crate::path::emission_rays::{MAX_REFLECTIONS, reflected_ray};
-use crate::path::first_vertex::first_diffuse_vertex;
+use crate::path::first_vertex::{first_diffuse_vertex, scattered_ray};
 use crate::path::render_context::RenderContext;
 use crate::pixel_rect::PixelRect;
 use crate::sampler::ReservedStream;
 use crate::{Interaction, Stream};
-use globillum_geom::{Frame, Ray};
+use globillum_geom::Ray;
 
 /// Probes of a square.
 const PROBES: usize = 64;
@@ -21,7 +21,7 @@ pub(super) fn is_open(context: &RenderContext<'_>, square: PixelRect) -> bool {
         let pixel = square.pixel((i * square.pixel_count() / PROBES) as u32);
         let at = first_diffuse_vertex(context, context.path_start(pixel, [0.5, 0.5]))?;
         let numbers = Stream::reserved(ReservedStream::SkyProbes, i as u32);
-        let scattered = scattered_ray(&at, numbers.uniform_pair(0))?;
+        let (scattered, _) = scattered_ray(&at, numbers.uniform_pair(0))?;
         Some(surface_along(context, scattered).is_none())
     };
     let [mut out, mut all] = [0, 0];
@@ -43,11 +43,4 @@ fn surface_along<'a>(context: &RenderContext<'a>, mut ray: Ray) -> Option<Intera
         ray = reflected_ray(&at.point, -at.wo);
     }
     None
-}
-
-/// The ray that a diffuse surface scatters by the uniform numbers `u`; `None` if it reflects nothing.
-fn scattered_ray(at: &Interaction<'_>, u: [f64; 2]) -> Option<Ray> {
-    let frame = Frame::around(at.side());
-    let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
-    Some(at.point.spawn(frame.to_world(sample.wi)))
 }

@@ -120,32 +120,25 @@ impl Wavefront {
 
     /// Advances all paths by one bounce.
     pub(super) fn advance(&mut self, context: &RenderContext<'_>, bounce: u32, counters: &mut Counters) {
-        self.trace_rays(context);
         self.shade(context, bounce, counters);
-        self.trace_mirror_rays(context);
-        self.trace_shadow_rays(context);
+        self.trace_light_samples(context);
         let mirror_rays = self.large_mirror_rays.len() + self.small_mirror_rays.len();
         counters.shadow_rays += (mirror_rays + self.shadow_rays.len()) as u64;
         counters.bounce_rays += self.rays.len() as u64;
     }
 
-    pub(super) fn trace_rays(&mut self, context: &RenderContext<'_>) {
-        context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
-    }
-
-    /// Follows light samples by way of mirrors. Those of large mirrors become contributions with shadow rays.
-    pub(super) fn trace_mirror_rays(&mut self, context: &RenderContext<'_>) {
+    /// Adds the light samples of a bounce that are not occluded. Those by way of large mirrors become contributions, which
+    /// follow the direct ones; returns the number of these.
+    pub(super) fn trace_light_samples(&mut self, context: &RenderContext<'_>) -> usize {
+        let direct_count = self.contributions.len();
         self.large_mirror_rays.trace(context, &mut self.shadow_rays, &mut self.contributions);
         self.small_mirror_rays.trace(context);
-    }
-
-    /// Adds the contributions that are not occluded, and what samples of small mirrors have found.
-    pub(super) fn trace_shadow_rays(&mut self, context: &RenderContext<'_>) {
         context.scene.accel().occluded_batch(&self.shadow_rays, &mut self.occluded);
         let unoccluded = self.contributions.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
         let contributions = unoccluded.map(|(contribution, _)| contribution);
         for contribution in contributions.chain(&self.small_mirror_rays.found) {
             *self.radiance.at(contribution.target) += contribution.radiance;
         }
+        direct_count
     }
 }

@@ -21,13 +21,15 @@ use globillum_material::{Density, Rgb};
 const CELLS_AT_ONCE: usize = 16;
 
 impl Wavefront {
-    /// Shades all hits: adds emission, samples lights, and scatters. Keeps the paths that go on, in order.
+    /// Traces the rays of all paths and shades their hits: adds emission, samples lights, and scatters. Keeps the paths that
+    /// go on, in order.
     pub(in crate::path) fn shade(
         &mut self,
         context: &RenderContext<'_>,
         bounce: u32,
         counters: &mut Counters,
     ) {
+        context.scene.accel().intersect_batch(&self.rays, &mut self.hits);
         let with_roulette = bounce >= context.settings.roulette.start;
         draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
         self.draw_large_mirror_numbers(context, bounce);
@@ -49,7 +51,7 @@ impl Wavefront {
     /// Draws the numbers for lights in large mirrors, if most paths take them.
     fn draw_large_mirror_numbers(&mut self, context: &RenderContext<'_>, bounce: u32) {
         self.large_mirror_numbers.clear();
-        if context.large_mirrors().is_some() && (bounce == 0 || context.large_mirror_prob > 0.5) {
+        if context.large_mirrors().is_some() && context.large_mirror_prob(bounce == 0) > 0.5 {
             draw_numbers(
                 context.simd,
                 &self.paths,
@@ -85,31 +87,14 @@ impl Wavefront {
         self.small_mirror_choices.choose_small_mirrors(context, wave, &self.small_mirror_numbers);
         let mut kept = 0;
         for i in 0..self.paths.len() {
-            let (mut path, ray, numbers) = (self.paths[i], self.rays[i], self.bounce_numbers[i]);
-            let Some(hit) = self.hits[i] else {
-                if path.stage.meet(Met::Environment).1 == ReuseEvent::SuffixIsEnvironment {
-                    self.prefixes.leave_scene(&mut path, ray.direction);
-                }
-                *self.radiance.at(path.target) += path.throughput * context.scene.environment();
-                continue;
-            };
-            let at = context.scene.interaction(&ray, &hit);
-            if !at.point.position.is_finite() {
-                // No ray can leave it: the sample would come out black instead of being an error.
-                *self.radiance.at(path.target) = Rgb::splat(f64::NAN);
-                continue;
-            }
-            if let ReuseStage::Reflected(_) = path.stage {
-                self.add_reflected_emission(context, &path, &at);
-            } else {
-                self.add_emission(context, &path, bounce, &at);
-            }
+            let (mut path, numbers) = (self.paths[i], self.bounce_numbers[i]);
+            let Some(at) = self.find_vertex(context, &mut path, i, bounce) else { continue };
             if context.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
             }
             let guide_cell = self.guide_cells.get(i).and_then(|&cell| Some(context.guide?.cell(cell)));
-            let mut vertex = PathVertex::new(at, guide_cell, bounce, numbers);
+            let mut vertex = PathVertex::new(at, guide_cell, bounce, path.is_prefix(), numbers);
             vertex.light = self.light_choices.of_path(i);
             vertex.small_mirror = self.small_mirror_choices.of_path(i);
             vertex.large_mirror_numbers = self.large_mirror_numbers.get(i).copied();
@@ -122,6 +107,37 @@ impl Wavefront {
         }
         self.paths.truncate(kept);
         self.rays.truncate(kept);
+    }
+
+    /// The vertex that `path`, the one of index `i`, has met; `None` if it has left the scene. Adds the emission there, or of the
+    /// environment.
+    #[inline(always)]
+    fn find_vertex<'a>(
+        &mut self,
+        context: &RenderContext<'a>,
+        path: &mut Path,
+        i: usize,
+        bounce: u32,
+    ) -> Option<Interaction<'a>> {
+        let Some(hit) = self.hits[i] else {
+            if path.stage.meet(Met::Environment) == Some(ReuseEvent::SuffixIsEnvironment) {
+                self.prefixes.leave_scene(path, self.rays[i].direction);
+            }
+            *self.radiance.at(path.target) += path.throughput * context.scene.environment();
+            return None;
+        };
+        let at = context.scene.interaction(&self.rays[i], &hit);
+        if !at.point.position.is_finite() {
+            // No ray can leave it: the sample would come out black instead of being an error.
+            *self.radiance.at(path.target) = Rgb::splat(f64::NAN);
+            return None;
+        }
+        if let ReuseStage::Reflected(_) = path.stage {
+            self.add_reflected_emission(context, path, &at);
+        } else {
+            self.add_emission(context, path, bounce, &at);
+        }
+        Some(at)
     }
 
     /// Adds the emission that a path has met. What a suffix finds by way of mirrors is kept by itself, where it is rare.
@@ -155,11 +171,9 @@ impl Wavefront {
     #[inline(always)]
     fn meet_vertex(&mut self, path: &mut Path, vertex: &PathVertex<'_>) {
         let met = if vertex.at.material.bsdf.is_delta() { Met::Mirror } else { Met::Diffuse };
-        let event;
-        (path.stage, event) = path.stage.meet(met);
-        match event {
-            ReuseEvent::FirstMirror => self.prefixes.meet_mirror(path, vertex),
-            ReuseEvent::SuffixBegins => self.prefixes.begin_suffix(path, vertex),
+        match path.stage.meet(met) {
+            Some(ReuseEvent::FirstMirror) => self.prefixes.meet_mirror(path, vertex),
+            Some(ReuseEvent::SuffixBegins) => self.prefixes.begin_suffix(path, vertex),
             _ => {}
         }
     }
@@ -195,7 +209,7 @@ impl Wavefront {
             let at = irradiance_vertex(point);
             let guide_cell =
                 context.guide.map(|guide| guide.cell(guide.cells(&[guide_vertex(at.receiver())])[0]));
-            let vertex = PathVertex::new(at, guide_cell, 0, numbers);
+            let vertex = PathVertex::new(at, guide_cell, 0, true, numbers);
             let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, counters) else {
                 continue;
             };
@@ -228,12 +242,10 @@ impl Wavefront {
             self.small_mirror_rays.sample(context, path, vertex);
         }
         let next = path.scatter(context, vertex)?;
-        if vertex.at.material.bsdf.is_diffuse() {
-            let event;
-            (path.stage, event) = path.stage.scatter(context.may_reuse_prefix(vertex.bounce));
-            if event == ReuseEvent::PrefixEnds {
-                self.prefixes.end(path, vertex);
-            }
+        if vertex.at.material.bsdf.is_diffuse()
+            && path.stage.scatter(context.may_reuse_prefix(vertex.bounce)) == Some(ReuseEvent::PrefixEnds)
+        {
+            self.prefixes.end(path, vertex);
         }
         let roulette = vertex.numbers.roulette.filter(|_| path.plays_roulette());
         if roulette.is_some_and(|u| !path.survives(context.settings.roulette, u)) {
@@ -254,7 +266,7 @@ impl Path {
         self.guide_ratio *= ratio;
         self.mis = match sample.density {
             Density::SolidAngle(_) => {
-                MisContext::scattered(sample.density, vertex.receiver(), self.is_prefix())
+                MisContext::scattered(sample.density, vertex.at.receiver(), vertex.is_first)
             }
             Density::Delta => self.mis.after_mirror(context, at.point.triangle),
         };

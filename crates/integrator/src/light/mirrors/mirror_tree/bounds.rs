@@ -7,7 +7,7 @@ pub(super) struct Item {
     /// The place of the facet in the list that the tree is built of.
     pub(super) facet: u32,
     /// The center in a frame in which all coordinates of the scene are within `[-1, 1]`.
-    pub(super) place: DVec3,
+    pub(super) center_in_frame: DVec3,
     pub(super) center: DVec3,
     pub(super) radius: f64,
     pub(super) normal: DVec3,

@@ -82,15 +82,15 @@ fn split(items: &mut [Item], count: usize) -> Vec<&mut [Item]> {
 ///
 /// Both parts keep the order of their items: what is summed up over one must not depend on how a library selects.
 fn divide(items: &mut [Item], middle: usize) {
-    let places = |item: &Item| [POSITION_WEIGHT * item.place, item.normal];
+    let keys_of = |item: &Item| [POSITION_WEIGHT * item.center_in_frame, item.normal];
     let extent = |kind: usize| {
-        let places = || items.iter().map(|item| places(item)[kind]);
-        places().fold(DVec3::NEG_INFINITY, DVec3::max) - places().fold(DVec3::INFINITY, DVec3::min)
+        let keys = || items.iter().map(|item| keys_of(item)[kind]);
+        keys().fold(DVec3::NEG_INFINITY, DVec3::max) - keys().fold(DVec3::INFINITY, DVec3::min)
     };
     let extents = [extent(0), extent(1)];
     let kind = usize::from(extents[1].max_element() > extents[0].max_element());
     let axis = extents[kind].max_position();
-    let key = |item: &Item| places(item)[kind][axis];
+    let key = |item: &Item| keys_of(item)[kind][axis];
     let compare = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
     let mut keys: Vec<_> = items.iter().map(|item| (key(item), item.facet)).collect();
     let (_, &mut first_after, _) = keys.select_nth_unstable_by(middle, compare);
@@ -108,8 +108,8 @@ mod tests {
         let item = |facet: u32| {
             let numbers = Stream::new(21, 0, facet);
             let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| numbers.uniform(k + axis) - 0.5));
-            let (place, normal) = (vector(0), vector(3).normalize());
-            Item { facet, place, center: place, radius: 0.1, normal, area: 1.0, body: 1 }
+            let (center, normal) = (vector(0), vector(3).normalize());
+            Item { facet, center_in_frame: center, center, radius: 0.1, normal, area: 1.0, body: 1 }
         };
         for count in [2, 3, 16] {
             let mut items: Vec<_> = (0..1000).map(item).collect();

@@ -7,6 +7,7 @@ mod node;
 
 use super::light_bounds::LightBounds;
 use crate::light::child_weights::{CHILD_BITS, ChildWeights, WIDTH, child_of};
+use crate::light::descent::Descent;
 use crate::light::receiver::Receiver;
 use crate::light::unit_of_length::units_per_length;
 use bounds::Item;
@@ -66,7 +67,7 @@ impl MirrorTree {
         });
         let item = |(facet, of): (u32, &FacetBounds)| Item {
             facet,
-            place: (of.bounds.center() - middle) * scale_of_scene,
+            center_in_frame: (of.bounds.center() - middle) * scale_of_scene,
             center: (of.bounds.center() - origin) * scale,
             radius: 0.5 * of.bounds.extent().length() * scale,
             normal: of.normal,
@@ -119,33 +120,34 @@ impl MirrorTree {
                 }
                 for level in 2..=self.depth {
                     for (descent, root) in descents.iter_mut().zip(roots) {
-                        let (Some(at), Some(root)) = (*descent, root) else { continue };
-                        let weights = self.weights(&root.query, at.index, level, &shows);
+                        let (Some(here), Some(root)) = (*descent, root) else { continue };
+                        let weights = self.weights(&root.query, here.at, level, &shows);
                         *descent = weights.map(
                             #[inline(always)]
-                            |weights| self.step(at, &weights),
+                            |weights| self.step(here, &weights),
                         );
                     }
                 }
-                descents.map(|descent| descent.and_then(Descent::end))
+                // A probability may be too small for a number.
+                let end = |Descent { at: place, prob, .. }| (prob > 0.0).then_some((place, prob));
+                descents.map(|descent: Option<Descent<u32>>| descent.and_then(end))
             },
         )
     }
 
     /// A descent to one of the root's children; `None` if none is chosen.
     #[inline(always)]
-    fn begin(&self, root: &Root, u: f64) -> Option<Descent> {
+    fn begin(&self, root: &Root, u: f64) -> Option<Descent<u32>> {
         let prob = root.attempt_prob;
         let u = (u < prob).then(|| (u / prob).min(1.0_f64.next_down()))?;
-        Some(self.step(Descent { index: 0, prob, u }, &root.weights))
+        Some(self.step(Descent { at: 0, prob, u }, &root.weights))
     }
 
     /// To a child of the node of `descent`, which have these weights.
     #[inline(always)]
-    fn step(&self, Descent { index, prob, u }: Descent, weights: &ChildWeights) -> Descent {
-        let (child, u) = weights.choose(u);
-        let index = self.nodes[index as usize].first + child as u32;
-        Descent { index, prob: prob * weights.prob(child), u }
+    fn step(&self, descent: Descent<u32>, weights: &ChildWeights) -> Descent<u32> {
+        let first = self.nodes[descent.at as usize].first;
+        descent.step(weights, |child| first + child as u32)
     }
 
     /// The probability with which [`MirrorTree::choose`] chooses the facet at `place`, to the bit; `None` if it never
@@ -201,12 +203,12 @@ impl MirrorTree {
 
     #[inline(always)]
     fn query(&self, at: &Viewpoint) -> Query {
-        let place = |position: DVec3| ((position - self.origin) * self.scale).as_vec3();
+        let to_frame = |position: DVec3| ((position - self.origin) * self.scale).as_vec3();
         let within = |body: u32| u32::from(!self.is_outside(body, at.receiver.position)) << body;
         Query {
-            from: place(at.receiver.position),
+            from: to_frame(at.receiver.position),
             side: at.receiver.side,
-            lights: place(at.lights.center),
+            lights: to_frame(at.lights.center),
             lights_half_extents: (at.lights.half_extents * self.scale).as_vec3(),
             lights_radius: (at.lights.radius * self.scale) as f32,
             around: (0..self.bodies.len() as u32).fold(OPEN, |all, body| all | within(body)),
@@ -221,23 +223,4 @@ pub(super) struct Root {
     weights: ChildWeights,
     /// The probability that any facet is chosen.
     attempt_prob: f64,
-}
-
-/// A choice on its way from the root to a facet.
-#[derive(Clone, Copy, Debug)]
-struct Descent {
-    /// Of the node, or of the facet at the end.
-    index: u32,
-    /// The probability of having come here.
-    prob: f64,
-    /// The number in `[0, 1)` that is left for the choices below.
-    u: f64,
-}
-
-impl Descent {
-    /// The facet at the end, with its probability; `None` if that is too small for a number.
-    #[inline(always)]
-    fn end(self) -> Option<(u32, f64)> {
-        (self.prob > 0.0).then_some((self.index, self.prob))
-    }
 }

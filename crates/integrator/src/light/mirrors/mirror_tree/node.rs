@@ -82,9 +82,9 @@ impl Node {
     ///
     /// A facet reflects light from its source to the receiver if its normal is parallel to the half vector
     /// `wi + wo`. Normals, positions and lights vary within their bounds; the difference of normal and half vector is
-    /// taken as uniform in the interval that follows from this, for each side of the cone by itself. Where the shading
-    /// point or a light is within the sphere of a plane child, all of it counts; of a curved one, in which every
-    /// direction to the point occurs, as much as of any half vector.
+    /// taken as uniform in the interval that follows from this, for each side of the cone by itself. Where the
+    /// receiver or a light is within the sphere of a plane child, all of it counts; of a curved one, in which every
+    /// direction to the receiver occurs, as much as of any half vector.
     #[inline(always)]
     pub(super) fn importance(&self, query: &Query) -> [f64; WIDTH] {
         const LEAST: f32 = f32::MIN_POSITIVE;
