@@ -60,17 +60,12 @@ impl Shear {
     #[inline(always)]
     pub(crate) fn of_traceable(ray: &Ray) -> Self {
         let main_axis = main_axis(ray.direction);
-        Self::of_permuted(main_axis, permute(ray.origin, main_axis), permute(ray.direction, main_axis))
+        let DVec3 { x, y, z } = permute(ray.direction, main_axis);
+        Self::of_slopes(main_axis, permute(ray.origin, main_axis), [x / z, y / z], z)
     }
 
-    /// Prepares a traceable ray, given by components [permuted](permute) for `main_axis`.
-    #[inline(always)]
-    pub(crate) fn of_permuted(main_axis: usize, origin: DVec3, direction: DVec3) -> Self {
-        let DVec3 { x, y, z } = direction;
-        Self::of_slopes(main_axis, origin, [x / z, y / z], z)
-    }
-
-    /// [`Shear::of_permuted`] for a direction given by its slopes `x / z` and `y / z`, and `z`.
+    /// Prepares a traceable ray, given by components [permuted](permute) for `main_axis`: its origin, its slopes `x / z`
+    /// and `y / z`, and the `z` of its direction.
     #[inline(always)]
     pub(crate) fn of_slopes(main_axis: usize, origin: DVec3, [x, y]: [f64; 2], direction_z: f64) -> Self {
         let origin = origin.map(flush);

@@ -12,7 +12,7 @@ pub(super) struct Collapse<'a> {
     triangles: &'a Triangles,
     binary: &'a BinaryTree,
     refs: &'a [PrimRef],
-    space: NormalizedSpace,
+    pub(super) space: NormalizedSpace,
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: LeafBlocks,
 }
@@ -28,12 +28,8 @@ enum Treelet {
 
 impl<'a> Collapse<'a> {
     /// `refs` are the contents of the binary tree.
-    pub(super) fn run(
-        triangles: &'a Triangles,
-        binary: &'a BinaryTree,
-        refs: &'a [PrimRef],
-        space: NormalizedSpace,
-    ) -> Self {
+    pub(super) fn run(triangles: &'a Triangles, binary: &'a BinaryTree, refs: &'a [PrimRef]) -> Self {
+        let space = NormalizedSpace::new(&triangles.bounds());
         let (nodes, leaves) = (Vec::new(), LeafBlocks::default());
         let mut this = Self { triangles, binary, refs, space, nodes, leaves };
         this.add_node(0);
@@ -157,7 +153,7 @@ mod tests {
         let options = KdOptions { leaf_size: 1, traversal_cost: 0.0, ..KdOptions::default() };
         let (tree, mut refs) = KdTree::build_with_refs(&triangles, &options).unwrap();
         let binary = BinaryTree::by_kd_tree(&tree, &mut refs);
-        Collapse::run(&triangles, &binary, &refs, NormalizedSpace::new(&triangles.bounds())).nodes
+        Collapse::run(&triangles, &binary, &refs).nodes
     }
 
     /// If one child comes before another, some plane across an axis has it on the nearer side.

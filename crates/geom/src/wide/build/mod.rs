@@ -11,7 +11,6 @@ mod sah;
 
 use super::tree::Tree;
 use super::tree::node::Child;
-use super::tree::normalize::NormalizedSpace;
 use crate::prim_ref::PrimRef;
 use crate::{GeomError, KdOptions, KdTree, Triangles};
 use binary_tree::BinaryTree;
@@ -37,7 +36,6 @@ pub(super) fn build_by_grid(triangles: &Triangles) -> Result<Tree, GeomError> {
 /// The tree of a binary tree with these contents.
 fn collapse(triangles: &Triangles, binary: &BinaryTree, refs: &[PrimRef]) -> Tree {
     let triangles = triangles.clone();
-    let space = NormalizedSpace::new(&triangles.bounds());
-    let Collapse { nodes, leaves, .. } = Collapse::run(&triangles, binary, refs, space);
+    let Collapse { space, nodes, leaves, .. } = Collapse::run(&triangles, binary, refs);
     Tree { triangles, space, nodes, leaves }
 }

@@ -101,10 +101,9 @@ struct Bins {
 impl Bins {
     /// The bins for these boxes.
     fn new(items: &[impl Boxed]) -> Self {
-        let centers = centers(items);
-        let extent = -centers.minus_max - centers.min;
-        let rate = extent.map(|extent| if extent > 0.0 { BINS as f32 / extent } else { 0.0 });
-        Self { start: centers.min, rate }
+        let Aabb { min, max } = center_bounds(items);
+        let rate = (max - min).map(|extent| if extent > 0.0 { BINS as f32 / extent } else { 0.0 });
+        Self { start: min.extend(0.0), rate: rate.extend(0.0) }
     }
 
     /// The bins of a box with this center. Rounding is monotone, so centers along an axis have bins in order.
@@ -169,15 +168,11 @@ pub(super) fn center(item: &impl Boxed) -> Vec4 {
 
 /// The bounds of all centers.
 pub(super) fn center_bounds(items: &[impl Boxed]) -> Aabb {
-    centers(items).bounds()
-}
-
-fn centers(items: &[impl Boxed]) -> MinBox {
     let mut all = MinBox::EMPTY;
     for center in items.iter().map(center) {
         all.unite(&MinBox { min: center, minus_max: -center });
     }
-    all
+    all.bounds()
 }
 
 /// Reorders `items` so that those below the split of least expected cost come first. Returns its axis, and how

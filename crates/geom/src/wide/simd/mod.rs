@@ -92,11 +92,6 @@ pub(super) trait Simd: fearless_simd::Simd {
     fn le(self, a: Self::F, b: Self::F) -> u8 {
         a.simd_le(b).to_bitmask() as u8
     }
-    /// The sign bits.
-    #[inline(always)]
-    fn signs(self, a: Self::F) -> u8 {
-        a.is_sign_negative().to_bitmask() as u8
-    }
     /// Lane `i` is lane `index[i] % 8` of `table`.
     #[inline(always)]
     fn permute(self, table: Self::F, index: Self::I) -> Self::F {

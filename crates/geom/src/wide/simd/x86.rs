@@ -20,16 +20,6 @@ macro_rules! vectors_of_256_bits {
             type I = u32x8<Self>;
 
             #[inline(always)]
-            fn signs(self, a: Self::F) -> u8 {
-                kernel!(
-                    #[inline(always)]
-                    fn kernel(token: $token, a: __m256) -> i32 {
-                        _mm256_movemask_ps(a)
-                    }
-                );
-                kernel(self, a.into()) as u8
-            }
-            #[inline(always)]
             fn permute(self, table: Self::F, index: Self::I) -> Self::F {
                 kernel!(
                     #[inline(always)]

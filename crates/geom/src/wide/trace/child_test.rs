@@ -20,8 +20,8 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
     query: &mut Q,
     probe: &mut P,
 ) {
-    while Child::is_end(traversal.child) == 0 {
-        if Child::is_block(traversal.child) == 0 {
+    while !Child::is_end(traversal.child) {
+        if !Child::is_block(traversal.child) {
             probe.visit();
             traversal.descend::<S, Q>(test_node::<S, Q>(simd, &tree.nodes, traversal));
             continue;
@@ -30,9 +30,9 @@ pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
         let block = tree.leaf_block(traversal.child);
         block.indices().for_each(|index| probe.test(index));
         let Traversal { child, limit, setup, excluded, .. } = traversal;
-        let hits = test_leaf(simd, tree, *child, &setup.shear, *limit, *excluded);
-        if hits.any() {
-            record(simd, tree, ray, &hits, traversal, query);
+        let filtered = test_leaf(simd, tree, *child, &setup.shear, *limit, *excluded);
+        if filtered.possible != 0 {
+            record(simd, tree, ray, &filtered, traversal, query);
         }
         traversal.advance();
     }
@@ -72,28 +72,6 @@ fn crossings<S: Simd>(simd: S, node: &Node, setup: &RaySetup, axis: usize) -> [S
     [simd.load(enter).mul_add(inverse, setup.near[axis]), simd.load(leave).mul_add(inverse, setup.far[axis])]
 }
 
-/// The triangles of a leaf block that a ray may hit.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LeafHits {
-    /// The block.
-    child: u32,
-    filtered: Filtered,
-}
-
-impl LeafHits {
-    /// Whether any hit is possible.
-    #[inline(always)]
-    pub(super) fn any(&self) -> bool {
-        self.filtered.possible != 0
-    }
-
-    /// Whether a hit in the ray's range is certain.
-    #[inline(always)]
-    pub(super) fn any_certain(&self) -> bool {
-        self.filtered.certain != 0
-    }
-}
-
 /// Tests a leaf block. Triangles that the ray excludes are missed; hits beyond `limit` cannot matter.
 #[inline(always)]
 pub(super) fn test_leaf<S: Simd>(
@@ -103,20 +81,21 @@ pub(super) fn test_leaf<S: Simd>(
     ray: &ShearSetup,
     limit: f32,
     excluded: [u32; 2],
-) -> LeafHits {
+) -> Filtered {
     let block = tree.leaf_block(child);
     let vertices = Vertices::load(simd, block, ray.axes.map(usize::from));
     let lanes = block.lanes() & !block.lanes_of(simd, excluded);
-    LeafHits { child, filtered: prefilter(simd, ray, limit, &vertices).among(lanes) }
+    prefilter(simd, ray, limit, &vertices).among(lanes)
 }
 
-/// Adds the possible hits to the candidates, and ends the traversal as soon as a certain one permits.
+/// Adds the possible hits in the current child, a leaf block, to the candidates, and ends the traversal as soon as a
+/// certain one permits.
 #[inline(always)]
 pub(super) fn record<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     ray: &Ray,
-    LeafHits { child, filtered }: &LeafHits,
+    filtered: &Filtered,
     traversal: &mut Traversal,
     query: &mut Q,
 ) {
@@ -125,7 +104,7 @@ pub(super) fn record<S: Simd, Q: Query>(
         traversal.clear();
         return;
     }
-    let block = tree.leaf_block(*child);
+    let block = tree.leaf_block(traversal.child);
     for lane in Bits(filtered.possible.into()) {
         let index = block.index(lane % LANES);
         tree.triangles.prefetch(index);

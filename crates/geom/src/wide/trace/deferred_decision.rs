@@ -78,7 +78,7 @@ fn get(columns: &Columns, lane: usize) -> DVec3 {
 
 /// The [`Shear`]s of eight rays with one main axis, a column for each number. Components are in its order.
 #[repr(align(64))]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shears {
     pub(super) main_axis: usize,
     pub(super) origin: Columns,
@@ -89,7 +89,7 @@ pub(super) struct Shears {
 
 /// The decisions about one candidate of each of eight rays.
 #[repr(align(64))]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Decisions {
     t: [f64; LANES],
     u: [f64; LANES],
@@ -99,11 +99,6 @@ pub(super) struct Decisions {
 }
 
 impl Shears {
-    pub(super) const NONE: Self = {
-        let zero = [0.0; LANES];
-        Self { main_axis: 0, origin: [zero; 3], slopes: [zero; 2], direction_z: zero }
-    };
-
     /// Decides those of each ray's candidates that do not begin beyond `limit`, in their order, one of each ray at a time.
     /// Returns how many of `decisions` were made.
     #[inline(always)]
@@ -175,11 +170,6 @@ impl Shears {
 }
 
 impl Decisions {
-    pub(super) const NONE: Self = {
-        let zero = [0.0; LANES];
-        Self { t: zero, u: zero, v: zero, indices: [0; LANES], is_hit: [false; LANES] }
-    };
-
     /// Offers ray `i` its candidate, if it is hit.
     #[inline(always)]
     pub(super) fn offer<Q: Query>(&self, i: usize, query: &mut Q) {

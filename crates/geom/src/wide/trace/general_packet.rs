@@ -4,7 +4,8 @@
 //! bounds of all rays first (interval arithmetic; Boulos, Wald and Shirley, 2006), then its children with the rays that
 //! have come there. Nodes that few rays meet, and leaf blocks, are tested as for single rays.
 
-use super::child_test::{LeafHits, record, test_leaf, visit_all};
+use super::child_test::{record, test_leaf, visit_all};
+use super::prefilter::Filtered;
 use super::ray_setup::RaySetups;
 use super::traversal_state::Traversal;
 use crate::query::Query;
@@ -13,6 +14,7 @@ use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase, Si
 use crate::wide::tree::Tree;
 use crate::wide::tree::node::{Child, Node};
 use crate::{Aabb, Ray};
+use fearless_simd::SimdMask;
 
 /// By how much bounds of origins are widened, in units of `W` (docs/numerics.md).
 const ORIGIN_ERR: f32 = 20.0;
@@ -36,7 +38,7 @@ pub(super) struct GeneralPacket {
     /// The children still to be visited, the next one last, with the rays that may meet each.
     stack: Vec<(u32, RayMask)>,
     /// The possible hits of the rays in the current leaf block.
-    hits: [LeafHits; PACKET],
+    hits: [Filtered; PACKET],
     /// The number of sets of rays that are left to the stream after the next packet that does not pay.
     next_pause: u32,
     /// The number of sets of rays that are left to the stream from now on.
@@ -46,7 +48,7 @@ pub(super) struct GeneralPacket {
 impl GeneralPacket {
     pub(super) fn idle() -> Self {
         let setups = [const { RaySetups::idle() }; GROUPS];
-        let hits = [LeafHits::default(); PACKET];
+        let hits = [Filtered::default(); PACKET];
         Self { setups, stack: Vec::new(), hits, next_pause: 1, pause: 0 }
     }
 
@@ -69,17 +71,18 @@ impl GeneralPacket {
             return false;
         }
         let Self { setups, stack, hits, .. } = self;
-        let Some((mut left, negative)) = set(simd, tree, rays, setups) else { return false };
+        let Some(mut left) = set(simd, tree, rays, setups) else { return false };
         let queries = std::array::from_fn(
             #[inline(always)]
             |slot| Q::new(&rays[slot]),
         );
         let (begun, alone) = (0, 0);
-        let mut packet = LivePacket { simd, tree, rays, setups, traversals, queries, left, begun, alone };
+        let mut packet =
+            LivePacket { simd, tree, rays, setups, stack, hits, traversals, queries, left, begun, alone };
         while left != 0 {
-            let (octant, of_octant) = first_octant(left, &negative);
+            let (octant, of_octant) = first_octant(simd, setups, left);
             left ^= of_octant;
-            packet.run(octant, of_octant, stack, hits);
+            packet.run(octant, of_octant);
         }
         for (slot, query) in packet.queries.iter_mut().enumerate() {
             if (packet.begun & packet.left) >> slot & 1 != 0 {
@@ -111,16 +114,15 @@ fn may_be_coherent(rays: &[Ray; PACKET], bounds: &Aabb) -> bool {
     [PACKET - 1, PACKET / 3, 2 * PACKET / 3].into_iter().all(is_like_first)
 }
 
-/// Sets up rays. Returns those that may hit anything, and along each axis those whose directions are negative; `None` if
-/// the parameters of any are too uncertain.
+/// Sets up rays. Returns those that may hit anything; `None` if the parameters of any are too uncertain.
 #[inline(always)]
 fn set<S: Simd>(
     simd: S,
     tree: &Tree,
     rays: &[Ray; PACKET],
     setups: &mut [RaySetups<LANES>; GROUPS],
-) -> Option<(RayMask, [RayMask; 3])> {
-    let (mut may_hit, mut certain, mut negative) = (0, 0, [0; 3]);
+) -> Option<RayMask> {
+    let (mut may_hit, mut certain) = (0, 0);
     for (g, (setups, group)) in setups.iter_mut().zip(rays.as_chunks().0).enumerate() {
         setups.set(&simd.columns(group), &tree.triangles.bounds(), &tree.space);
         let at = g * LANES;
@@ -128,23 +130,20 @@ fn set<S: Simd>(
             may_hit |= RayMask::from(may_hit_one) << (at + i);
         }
         certain |= RayMask::from(simd.le(simd.load(&setups.t_err), simd.splat(UNCERTAIN))) << at;
-        for (negative, inverse) in negative.iter_mut().zip(&setups.inverse) {
-            *negative |= RayMask::from(simd.signs(simd.load(inverse))) << at;
-        }
     }
-    (may_hit & !certain == 0).then_some((may_hit, negative))
+    (may_hit & !certain == 0).then_some(may_hit)
 }
 
 /// The octant that the first of `rays` points into, and those of `rays` that do so too.
 #[inline(always)]
-fn first_octant(mut rays: RayMask, negative: &[RayMask; 3]) -> (u8, RayMask) {
-    let (first, mut octant) = (rays & rays.wrapping_neg(), 0);
-    for (axis, &negative) in negative.iter().enumerate() {
-        let descends = negative & first != 0;
-        octant |= u8::from(descends) << axis;
-        rays &= if descends { negative } else { !negative };
+fn first_octant<S: Simd>(simd: S, setups: &[RaySetups<LANES>; GROUPS], rays: RayMask) -> (u8, RayMask) {
+    let (first, mut same) = (rays.trailing_zeros() as usize % PACKET, 0);
+    let octant = setups[first / LANES].octant[first % LANES];
+    for (g, setups) in setups.iter().enumerate() {
+        let lanes = S::I::load_array(simd, setups.octant).simd_eq(octant).to_bitmask() as u8;
+        same |= RayMask::from(lanes) << (g * LANES);
     }
-    (octant, rays)
+    (octant as u8, rays & same)
 }
 
 /// The rays of a packet, whose queries `Q` are any-hit queries.
@@ -153,6 +152,8 @@ struct LivePacket<'a, S, Q> {
     tree: &'a Tree,
     rays: &'a [Ray; PACKET],
     setups: &'a [RaySetups<LANES>; GROUPS],
+    stack: &'a mut Vec<(u32, RayMask)>,
+    hits: &'a mut [Filtered; PACKET],
     traversals: &'a mut [Traversal; PACKET],
     queries: [Q; PACKET],
     /// The rays that may hit something and whose query is not answered.
@@ -166,38 +167,25 @@ struct LivePacket<'a, S, Q> {
 impl<S: Simd, Q: Query> LivePacket<'_, S, Q> {
     /// Visits all that rays toward one octant may meet.
     #[inline(always)]
-    fn run(
-        &mut self,
-        octant: u8,
-        rays: RayMask,
-        stack: &mut Vec<(u32, RayMask)>,
-        hits: &mut [LeafHits; PACKET],
-    ) {
+    fn run(&mut self, octant: u8, rays: RayMask) {
         let bounds = RayBounds::of(self.simd, self.setups, octant, rays);
-        stack.clear();
-        stack.push((Child::ROOT, rays));
-        while let Some((child, rays)) = stack.pop() {
+        self.stack.clear();
+        self.stack.push((Child::ROOT, rays));
+        while let Some((child, rays)) = self.stack.pop() {
             let rays = rays & self.left;
-            if Child::is_block(child) == 1 {
-                self.test_leaf_block(child, rays, hits);
+            if Child::is_block(child) {
+                self.test_leaf_block(child, rays);
             } else if rays.count_ones() <= FEW {
                 self.visit_alone(child, rays);
             } else {
-                self.test_node(child, &bounds, octant, rays, stack);
+                self.test_node(child, &bounds, octant, rays);
             }
         }
     }
 
     /// Pushes those of a node's children that any of `rays` may meet.
     #[inline(always)]
-    fn test_node(
-        &self,
-        child: u32,
-        bounds: &RayBounds,
-        octant: u8,
-        rays: RayMask,
-        stack: &mut Vec<(u32, RayMask)>,
-    ) {
+    fn test_node(&mut self, child: u32, bounds: &RayBounds, octant: u8, rays: RayMask) {
         let (simd, node) = (self.simd, &self.tree.nodes[child as usize]);
         let (some, all) = bounds.meet(simd, node, octant);
         for lane in Bits(some.into()) {
@@ -205,7 +193,7 @@ impl<S: Simd, Q: Query> LivePacket<'_, S, Q> {
             let is_met_by_all = all >> lane & 1 != 0;
             let met = if is_met_by_all { rays } else { self.meet(node, lane, octant, rays) };
             if met != 0 {
-                stack.push((node.children[lane], met));
+                self.stack.push((node.children[lane], met));
                 self.tree.prefetch::<4>(node.children[lane]);
             }
         }
@@ -233,14 +221,14 @@ impl<S: Simd, Q: Query> LivePacket<'_, S, Q> {
     /// Tests a leaf block, as the stream does: all rays before the first hit is recorded. A certain hit answers a
     /// query. A possible one becomes a candidate in the traversal of its ray, which begins if need be.
     #[inline(always)]
-    fn test_leaf_block(&mut self, child: u32, rays: RayMask, hits: &mut [LeafHits; PACKET]) {
+    fn test_leaf_block(&mut self, child: u32, rays: RayMask) {
         let (mut possible, mut certain) = (0, 0);
         for slot in Bits(rays) {
             let (setups, i) = (&self.setups[slot / LANES % GROUPS], slot % LANES);
             let (end, excluded) = (setups.end[i], self.rays[slot].excluded);
-            hits[slot] = test_leaf(self.simd, self.tree, child, &setups.shear(i), end, excluded);
-            possible |= RayMask::from(hits[slot].any()) << slot;
-            certain |= RayMask::from(hits[slot].any_certain()) << slot;
+            self.hits[slot] = test_leaf(self.simd, self.tree, child, &setups.shear(i), end, excluded);
+            possible |= RayMask::from(self.hits[slot].possible != 0) << slot;
+            certain |= RayMask::from(self.hits[slot].certain != 0) << slot;
         }
         self.left &= !certain;
         for slot in Bits(certain) {
@@ -249,7 +237,7 @@ impl<S: Simd, Q: Query> LivePacket<'_, S, Q> {
         for slot in Bits(possible & !certain) {
             self.go_to(slot, child);
             let (traversal, query) = (&mut self.traversals[slot], &mut self.queries[slot]);
-            record(self.simd, self.tree, &self.rays[slot], &hits[slot], traversal, query);
+            record(self.simd, self.tree, &self.rays[slot], &self.hits[slot], traversal, query);
             self.left &= !(RayMask::from(query.is_answered()) << slot);
         }
     }

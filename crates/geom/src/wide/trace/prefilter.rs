@@ -51,40 +51,71 @@ impl Filtered {
 /// Tests eight triangles. Hits beyond `limit` cannot matter.
 #[inline(always)]
 pub(super) fn prefilter<S: Simd>(simd: S, ray: &ShearSetup, limit: f32, v: &Vertices<S>) -> Filtered {
-    let (zero, limit) = (simd.splat(0.0), simd.splat(limit));
-    let [x0, x1, x2] = shear::<S>(ray, 0, &v.x, &v.z);
-    let [y0, y1, y2] = shear::<S>(ray, 1, &v.y, &v.z);
-    let e0 = x2.mul_sub(y1, y2 * x1);
-    let e1 = x0.mul_sub(y2, y0 * x2);
-    let e2 = x1.mul_sub(y0, y1 * x0);
-    let size = simd.max_abs(simd.max_abs(simd.max_abs(x0, y0), simd.max_abs(x1, y1)), simd.max_abs(x2, y2));
-    let err = size.mul_add(ray.edge_err[0], ray.edge_err[1]);
-    let low = e0.min(e1).min(e2);
-    let high = e0.max(e1).max(e2);
+    let x = shear::<S>(ray.slope[0], ray.offset[0], &v.x, &v.z);
+    let y = shear::<S>(ray.slope[1], ray.offset[1], &v.y, &v.z);
+    let edges = [cross::<S>(&x, &y, 2, 1), cross::<S>(&x, &y, 0, 2), cross::<S>(&x, &y, 1, 0)];
+    let err = simd.max_abs(largest(simd, x), largest(simd, y)).mul_add(ray.edge_err[0], ray.edge_err[1]);
+    let depths = [v.z[0], v.z[1] - v.z[0], v.z[2] - v.z[0]];
+    let (depth, inverse) = hit_depth(simd, edges, depths);
+    let t = depth.mul_add(ray.depth_scale, ray.depth_offset);
+    let t_err = (err * 8.0 * inverse.abs()).mul_add(simd.max_abs(depths[1], depths[2]), ray.t_err);
+    let range = HitRange { begin: simd.splat(0.0), end: simd.splat(ray.range_end), limit: simd.splat(limit) };
+    classify(simd, edges, err, [t - t_err, t + t_err], &range)
+}
+
+/// The ranges of rays, lane by lane.
+pub(super) struct HitRange<S: Simd> {
+    pub(super) begin: S::F,
+    pub(super) end: S::F,
+    /// Hits beyond this cannot matter.
+    pub(super) limit: S::F,
+}
+
+/// The result for edge functions that are off by at most `err`, and hits within `start..=end`.
+#[inline(always)]
+pub(super) fn classify<S: Simd>(
+    simd: S,
+    [e0, e1, e2]: [S::F; 3],
+    err: S::F,
+    [start, end]: [S::F; 2],
+    range: &HitRange<S>,
+) -> Filtered {
+    let (low, high) = (e0.min(e1).min(e2), e0.max(e1).max(e2));
     let outside = simd.lt(low, -err) & simd.lt(err, high);
     let inside = simd.lt(err, low) | simd.lt(high, -err);
-
-    // The depth of vertex 0, plus the weighted differences of the other vertices' depths.
-    let (z1, z2) = (v.z[1] - v.z[0], v.z[2] - v.z[0]);
-    let inverse = simd.splat(1.0) / (e0 + e1 + e2);
-    let depth = e1.mul_add(z1, e2 * z2).mul_add(inverse, v.z[0]);
-    let t = depth.mul_add(ray.depth_scale, ray.depth_offset);
-    let t_err = (err * 8.0 * inverse.abs()).mul_add(simd.max_abs(z1, z2), ray.t_err);
-    let (start, end) = (t - t_err, t + t_err);
     // Comparisons with NaN are false: where an error is unbounded, a hit is possible.
-    let beyond = simd.lt(limit, start) | simd.lt(end, zero);
+    let beyond = simd.lt(range.limit, start) | simd.lt(end, range.begin);
     let possible = !(outside | beyond);
-    let certain = possible & inside & simd.lt(zero, start) & simd.lt(end, simd.splat(ray.range_end));
+    let certain = possible & inside & simd.lt(range.begin, start) & simd.lt(end, range.end);
     Filtered { possible, certain, start: start.to_array(), end: end.to_array() }
 }
 
-/// The vertices' offsets from the ray's line, along axis x or y.
+/// The depth of a hit: that of vertex 0, plus the weighted differences `z1` and `z2` of the other vertices' depths. The
+/// weights are edge functions times the inverse of their sum, which comes second.
 #[inline(always)]
-fn shear<S: Simd>(ray: &ShearSetup, axis: usize, x: &[S::F; 3], z: &[S::F; 3]) -> [S::F; 3] {
-    let (slope, offset) = (ray.slope[axis], ray.offset[axis]);
+pub(super) fn hit_depth<S: Simd>(simd: S, [e0, e1, e2]: [S::F; 3], [z0, z1, z2]: [S::F; 3]) -> (S::F, S::F) {
+    let inverse = simd.splat(1.0) / (e0 + e1 + e2);
+    (e1.mul_add(z1, e2 * z2).mul_add(inverse, z0), inverse)
+}
+
+/// The vertices' offsets from a ray's line, along axis x or y.
+#[inline(always)]
+pub(super) fn shear<S: Simd>(slope: f32, offset: f32, x: &[S::F; 3], z: &[S::F; 3]) -> [S::F; 3] {
     [
-        z[0].mul_add(slope, x[0]) - offset,
-        z[1].mul_add(slope, x[1]) - offset,
-        z[2].mul_add(slope, x[2]) - offset,
+        z[0].mul_add(-slope, x[0]) - offset,
+        z[1].mul_add(-slope, x[1]) - offset,
+        z[2].mul_add(-slope, x[2]) - offset,
     ]
+}
+
+/// `a[i] * b[j] - b[i] * a[j]`.
+#[inline(always)]
+pub(super) fn cross<S: Simd>(a: &[S::F; 3], b: &[S::F; 3], i: usize, j: usize) -> S::F {
+    a[i].mul_sub(b[j], b[i] * a[j])
+}
+
+/// The largest magnitude.
+#[inline(always)]
+pub(super) fn largest<S: Simd>(simd: S, [a, b, c]: [S::F; 3]) -> S::F {
+    simd.max_abs(simd.max_abs(a, b), c)
 }

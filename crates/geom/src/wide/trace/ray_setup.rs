@@ -43,7 +43,7 @@ pub(super) struct RaySetup {
 pub(super) struct ShearSetup {
     /// The axes x, y and z of Woop's shear; z is the main axis.
     pub(super) axes: [u8; 3],
-    /// A vertex is sheared to `(x + slope[0] * z - offset[0], y + slope[1] * z - offset[1])`.
+    /// A vertex is sheared to `(x - slope[0] * z - offset[0], y - slope[1] * z - offset[1])`.
     pub(super) slope: [f32; 2],
     pub(super) offset: [f32; 2],
     /// At depth `z` the parameter is `z * depth_scale + depth_offset`.
@@ -125,13 +125,12 @@ impl<const N: usize> RaySetups<N> {
             self.near[axis][i] = near[axis] as f32;
             self.far[axis][i] = far[axis] as f32;
         }
-        let negative = |x: f64| (x.to_bits() >> 63) as u32;
-        self.octant[i] = negative(inverse.x) | negative(inverse.y) << 1 | negative(inverse.z) << 2;
+        self.octant[i] = inverse.is_negative_bitmask();
         self.main_axis[i] = z as u32;
         let (origin, inverse_z) = (permute(origin, z), permute(inverse, z).z);
         for axis in 0..2 {
             let slope = direction[axis] * inverse_z;
-            self.slope[axis][i] = -slope as f32;
+            self.slope[axis][i] = slope as f32;
             self.offset[axis][i] = (origin[axis] - slope * origin.z) as f32;
         }
         self.depth_scale[i] = inverse_z as f32;

@@ -4,7 +4,8 @@
 //! A round has separate loops, over masks of rays, for tests of nodes, tests of leaf blocks and moves to the next child. So a
 //! branch that is predicted wrongly discards little work.
 
-use super::child_test::{LeafHits, record, test_leaf, test_node};
+use super::child_test::{record, test_leaf, test_node};
+use super::prefilter::Filtered;
 use super::ray_setup::RaySetups;
 use super::traversal_state::Traversal;
 use crate::Ray;
@@ -55,7 +56,7 @@ pub(super) fn query_stream<S: Simd, Q: Query>(
 impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
-        let mut hits = [LeafHits::default(); PACKET];
+        let mut hits = [Filtered::default(); PACKET];
         const { assert!(S::IN_FLIGHT <= PACKET) };
         let mut waiting = Waiting { ended: RayMask::MAX >> (PACKET - S::IN_FLIGHT), ..Waiting::default() };
         loop {
@@ -147,12 +148,12 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
     /// All are tested before the first hit is recorded: whether a ray hits anything is
     /// unpredictable, and a mispredicted branch discards the tests that have begun after it.
     #[inline(always)]
-    fn test_leaves<S: Simd>(&mut self, simd: S, blocks: RayMask, hits: &mut [LeafHits; PACKET]) {
+    fn test_leaves<S: Simd>(&mut self, simd: S, blocks: RayMask, hits: &mut [Filtered; PACKET]) {
         let mut with_hits: RayMask = 0;
         for slot in Bits(blocks) {
             let Traversal { child, limit, setup, excluded, .. } = &self.traversals[slot];
             hits[slot] = test_leaf(simd, self.tree, *child, &setup.shear, *limit, *excluded);
-            with_hits |= RayMask::from(hits[slot].any()) << slot;
+            with_hits |= RayMask::from(hits[slot].possible != 0) << slot;
         }
         for slot in Bits(with_hits) {
             let traversal = &mut self.traversals[slot];

@@ -7,7 +7,7 @@ use arrayvec::ArrayVec;
 use fearless_simd::SimdMask;
 
 /// What a vector read at the last row may see beyond the end.
-const PADDING: usize = LeafBlock::ROWS * LANES + LANES;
+const PADDING: usize = (LeafBlock::ROWS + 1) * LANES;
 
 /// All blocks, one after another. A block of `n` triangles is ten rows of `n` words: each vertex's x, each one's y,
 /// each one's z, and the indices. A vector read from a row holds what follows in its excess lanes.
@@ -36,7 +36,7 @@ impl LeafBlocks {
                     rows[(3 * axis + vertex) * count + lane] = x;
                 }
             }
-            rows[(LeafBlock::ROWS - 1) * count + lane] = LeafBlock::word_of(indices[lane]);
+            rows[(LeafBlock::ROWS - 1) * count + lane] = f32::from_bits(indices[lane] | LeafBlock::NORMAL);
         }
         (start / LeafBlock::ROWS) as u32
     }
@@ -60,14 +60,18 @@ impl LeafBlocks {
     /// The block of `count` triangles whose first reference is `first`.
     #[inline(always)]
     pub(crate) fn get(&self, first: usize, count: usize) -> LeafBlock<'_> {
-        LeafBlock::new(&self.words[LeafBlock::ROWS * first..], count)
+        assert!(count <= LANES);
+        // `LeafBlocks::finish` adds as many words after the last block.
+        let words =
+            self.words[LeafBlock::ROWS * first..].first_chunk().expect("a vector follows the last row");
+        LeafBlock { words, count }
     }
 }
 
 /// A block as traversal reads it. A vector may be loaded from the end of its last row.
 #[derive(Clone, Copy)]
 pub(crate) struct LeafBlock<'a> {
-    words: &'a [f32; (LeafBlock::ROWS + 1) * LANES],
+    words: &'a [f32; PADDING],
     count: usize,
 }
 
@@ -77,18 +81,6 @@ impl<'a> LeafBlock<'a> {
     /// This bit makes an index, which has 30, the bits of a normal `f32`: the lanes beyond a row of coordinates may
     /// hold indices, and denormal numbers are slow to compute with.
     const NORMAL: u32 = 1 << 30;
-
-    /// The word that stands for the triangle of this index.
-    pub(crate) fn word_of(index: u32) -> f32 {
-        f32::from_bits(index | Self::NORMAL)
-    }
-
-    #[inline(always)]
-    pub(crate) fn new(words: &'a [f32], count: usize) -> Self {
-        assert!(count <= LANES);
-        // `LeafBlocks::finish` adds as many words after the last block.
-        Self { words: words.first_chunk().expect("a vector follows the last row"), count }
-    }
 
     /// The coordinates along `axis` of the three vertices.
     #[inline(always)]
@@ -116,8 +108,8 @@ impl<'a> LeafBlock<'a> {
 
     /// The lanes that hold one of two triangles. Lanes beyond the block may be among them.
     ///
-    /// Any index may be asked for: `index ^ NORMAL` is [`LeafBlock::word_of`] for the indices of triangles, and the word of no
-    /// triangle for all others.
+    /// Any index may be asked for: `index ^ NORMAL` is the word of the triangle of this index, and no triangle's word if there
+    /// is none.
     #[inline(always)]
     pub(crate) fn lanes_of<S: Simd>(self, simd: S, [a, b]: [u32; 2]) -> u8 {
         let words = simd.load(self.row((Self::ROWS - 1) * self.count)).to_bits();

@@ -44,7 +44,7 @@ impl Tree {
     /// Asks for the first cache lines of a child, without a branch, which would be mispredicted.
     #[inline(always)]
     pub(super) fn prefetch<const LINES: usize>(&self, child: u32) {
-        let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child) == 1);
+        let (place, is_block) = ((child & Child::PLACE) as usize, Child::is_block(child));
         let (nodes, blocks) = (self.nodes[0].faces.as_flattened(), self.leaves.words());
         let start = select_unpredictable(is_block, blocks, nodes);
         let words = select_unpredictable(is_block, LeafBlock::ROWS, size_of::<Node>() / size_of::<f32>());

@@ -80,16 +80,16 @@ impl Child {
         }
     }
 
-    /// 1 for a block, 0 for a node.
+    /// Whether it is a leaf block.
     #[inline(always)]
-    pub(crate) fn is_block(packed: u32) -> u32 {
-        packed >> 31
+    pub(crate) fn is_block(packed: u32) -> bool {
+        packed & Self::BLOCK != 0
     }
 
-    /// 1 for the end of a traversal, 0 for a node.
+    /// Whether it ends the traversal.
     #[inline(always)]
-    pub(crate) fn is_end(packed: u32) -> u32 {
-        packed >> 30 & !(packed >> 31) & 1
+    pub(crate) fn is_end(packed: u32) -> bool {
+        packed == Self::END
     }
 
     /// The first reference of a block and their count.
@@ -116,11 +116,11 @@ mod tests {
         // The last blocks that there may be, and as many nodes.
         for count in 1..=LANES {
             let packed = Child::Block { first: (limit - count) as u32, count: count as u32 }.pack();
-            assert_eq!((Child::is_block(packed), Child::is_end(packed)), (1, 0));
+            assert!(Child::is_block(packed) && !Child::is_end(packed));
             assert_eq!(Child::block(packed), (limit - count, count));
         }
         let packed = Child::Node(limit as u32).pack();
-        assert_eq!((Child::is_block(packed), Child::is_end(packed)), (0, 0));
+        assert!(!Child::is_block(packed) && !Child::is_end(packed));
         assert_eq!((packed & Child::PLACE) as usize, limit);
     }
 }

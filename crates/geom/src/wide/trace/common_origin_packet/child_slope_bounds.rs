@@ -108,7 +108,7 @@ mod tests {
         while met < 50_000 {
             let rays = packet(&mut source);
             let (mut origin, mut packet_rays) =
-                (CommonOrigin::new(&rays, &space).unwrap(), PacketRays::idle());
+                (CommonOrigin::new(&rays, &space).unwrap(), PacketRays::default());
             let (groups, _) = rays.as_chunks();
             assert!(packet_rays.set(portable(), &mut origin, groups));
             for _ in 0..16 {

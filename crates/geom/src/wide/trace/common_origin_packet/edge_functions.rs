@@ -9,7 +9,9 @@ use super::child_slope_bounds::SlopeBounds;
 use super::setup::CommonOrigin;
 use crate::rounding::W;
 use crate::wide::simd::{Simd, SimdBase, SimdFloat};
-use crate::wide::trace::prefilter::{Filtered, Vertices};
+use crate::wide::trace::prefilter::{
+    Filtered, HitRange, Vertices, classify, cross, hit_depth, largest, shear,
+};
 
 /// Error of a hit's depth beyond that of the weights, in units of `W`.
 const HIT_ERR: f32 = 26.0;
@@ -70,17 +72,6 @@ impl CentralRay {
             err,
         }
     }
-
-    /// The distances of vertices from the central ray, along axis x or y.
-    #[inline(always)]
-    fn project<S: Simd>(&self, axis: usize, x: &[S::F; 3], depths: &[S::F; 3]) -> [S::F; 3] {
-        let (slope, offset) = (-self.slope[axis], self.offset[axis]);
-        [
-            depths[0].mul_add(slope, x[0]) - offset,
-            depths[1].mul_add(slope, x[1]) - offset,
-            depths[2].mul_add(slope, x[2]) - offset,
-        ]
-    }
 }
 
 #[inline(always)]
@@ -103,10 +94,7 @@ pub(super) struct EdgeFunctions<S: Simd> {
 /// Rays by their deviation from the central ray.
 pub(super) struct RayLanes<S: Simd> {
     pub(super) deviation: [S::F; 2],
-    pub(super) begin: S::F,
-    pub(super) range_end: S::F,
-    /// Hits at greater depths cannot matter.
-    pub(super) limit: S::F,
+    pub(super) range: HitRange<S>,
 }
 
 impl<S: Simd> EdgeFunctions<S> {
@@ -114,8 +102,8 @@ impl<S: Simd> EdgeFunctions<S> {
     pub(super) fn new(simd: S, center: &CentralRay, v: &Vertices<S>) -> Self {
         let [a, b, c] = [v.z[0] * center.sense, v.z[1] * center.sense, v.z[2] * center.sense];
         let from_origin = [a - center.start, b - center.start, c - center.start];
-        let x = center.project::<S>(0, &v.x, &[a, b, c]);
-        let y = center.project::<S>(1, &v.y, &[a, b, c]);
+        let x = shear::<S>(center.slope[0], center.offset[0], &v.x, &[a, b, c]);
+        let y = shear::<S>(center.slope[1], center.offset[1], &v.y, &[a, b, c]);
         let edges = [
             edge::<S>([&x, &y, &from_origin], 2, 1),
             edge::<S>([&x, &y, &from_origin], 0, 2),
@@ -152,23 +140,10 @@ impl<S: Simd> EdgeFunctions<S> {
     /// The conservative test: in each lane, a triangle and a ray.
     #[inline(always)]
     pub(super) fn prefilter(&self, simd: S, rays: &RayLanes<S>) -> Filtered {
-        let [e0, e1, e2] = [self.edge(rays, 0), self.edge(rays, 1), self.edge(rays, 2)];
-        let err = self.edge_err;
-        let low = e0.min(e1).min(e2);
-        let high = e0.max(e1).max(e2);
-        let outside = simd.lt(low, -err) & simd.lt(err, high);
-        let inside = simd.lt(err, low) | simd.lt(high, -err);
-        // The depth of vertex 0, plus the weighted differences of the other vertices' depths.
-        let inverse = simd.splat(1.0) / (e0 + e1 + e2);
-        let weighted = e1.mul_add(self.depth[1], e2 * self.depth[2]);
-        let depth = weighted.mul_add(inverse, self.depth[0]);
+        let edges = [self.edge(rays, 0), self.edge(rays, 1), self.edge(rays, 2)];
+        let (depth, inverse) = hit_depth(simd, edges, self.depth);
         let depth_err = self.depth_err.mul_add(inverse.abs(), HIT_ERR * W);
-        let (start, end) = (depth - depth_err, depth + depth_err);
-        // Comparisons with NaN are false: where an error is unbounded, a hit is possible.
-        let beyond = simd.lt(rays.limit, start) | simd.lt(end, rays.begin);
-        let possible = !(outside | beyond);
-        let certain = possible & inside & simd.lt(rays.begin, start) & simd.lt(end, rays.range_end);
-        Filtered { possible, certain, start: start.to_array(), end: end.to_array() }
+        classify(simd, edges, self.edge_err, [depth - depth_err, depth + depth_err], &rays.range)
     }
 
     #[inline(always)]
@@ -200,17 +175,6 @@ impl<S: Simd> EdgeFunctions<S> {
 #[inline(always)]
 fn edge<S: Simd>([x, y, depth]: [&[S::F; 3]; 3], i: usize, j: usize) -> [S::F; 3] {
     [cross::<S>(x, y, i, j), cross::<S>(y, depth, i, j), cross::<S>(depth, x, i, j)]
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: &[S::F; 3], b: &[S::F; 3], i: usize, j: usize) -> S::F {
-    a[i].mul_sub(b[j], b[i] * a[j])
-}
-
-/// The largest magnitude.
-#[inline(always)]
-fn largest<S: Simd>(simd: S, [a, b, c]: [S::F; 3]) -> S::F {
-    simd.max_abs(simd.max_abs(a, b), c)
 }
 
 #[cfg(test)]
@@ -266,7 +230,7 @@ mod tests {
         for _ in 0..4000 {
             let rays = packet(&mut source);
             let (mut common, mut packet_rays) =
-                (CommonOrigin::new(&rays, &UNIT).unwrap(), PacketRays::idle());
+                (CommonOrigin::new(&rays, &UNIT).unwrap(), PacketRays::default());
             let (groups, _) = rays.as_chunks();
             assert!(packet_rays.set(simd, &mut common, groups));
             let center = CentralRay::new(&common, &SlopeBounds { low: common.low, high: common.high });
@@ -284,7 +248,7 @@ mod tests {
                     [0, 1].map(|axis| simd.splat(packet_rays.deviation[axis][g][i] - center.deviation[axis]));
                 let [begin, limit] =
                     [packet_rays.begin[g][i], packet_rays.limit[g][i]].map(|x| simd.splat(x));
-                let lanes = RayLanes { deviation, begin, range_end: limit, limit };
+                let lanes = RayLanes { deviation, range: HitRange { begin, end: limit, limit } };
                 let edges = [0, 1, 2].map(|i| functions.edge(&lanes, i));
                 let filtered = functions.prefilter(simd, &lanes);
                 for lane in 0..LANES {

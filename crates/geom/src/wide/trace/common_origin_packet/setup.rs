@@ -57,22 +57,18 @@ impl CommonOrigin {
         let sense = 1.0_f64.copysign(direction.z);
         let mut origin = permute(first.origin - space.center, main_axis) * space.scale;
         origin.z *= sense;
-        let is_near = origin.abs().max_element() <= FAR;
         let other = permute(last.direction, main_axis);
         let (first_slopes, last_slopes) = (direction / direction.z.abs(), other / other.z.abs());
-        if (first_slopes - last_slopes).abs().max_element() > WIDEST {
+        if origin.abs().max_element() > FAR || (first_slopes - last_slopes).abs().max_element() > WIDEST {
             return None;
         }
         let DVec3 { x, y, .. } = 0.5 * (first_slopes + last_slopes);
         let middle = [x as f32, y as f32];
-        let negative = |x: f64| (x.to_bits() >> 63) as u8;
-        let DVec3 { x, y, z } = first.direction;
-        let octant = negative(x) | negative(y) << 1 | negative(z) << 2;
+        let octant = first.direction.is_negative_bitmask() as u8;
         let axes = AXES[main_axis % 3].map(usize::from);
         let ([low, high], scale, begin) = ([[0.0; 2]; 2], space.scale, 0.0);
         let given = first.origin;
-        let origin = Self { main_axis, axes, sense, given, origin, scale, middle, low, high, begin, octant };
-        is_near.then_some(origin)
+        Some(Self { main_axis, axes, sense, given, origin, scale, middle, low, high, begin, octant })
     }
 }
 
@@ -81,7 +77,7 @@ const BEYOND: f64 = 2.0;
 
 /// The rays of a packet, a column for each number.
 #[repr(align(64))]
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct PacketRays {
     /// The deviations along x and y.
     pub(super) deviation: [[[f32; LANES]; GROUPS]; 2],
@@ -94,17 +90,6 @@ pub(super) struct PacketRays {
 }
 
 impl PacketRays {
-    pub(super) fn idle() -> Self {
-        let zero = [[0.0; LANES]; GROUPS];
-        Self {
-            deviation: [zero; 2],
-            begin: zero,
-            range_end: zero,
-            limit: zero,
-            shears: [Shears::NONE; GROUPS],
-        }
-    }
-
     /// Sets up the rays, and bounds their deviations in `origin`. Returns false if they are not coherent, or
     /// not all from that origin.
     #[inline(always)]

@@ -7,7 +7,7 @@ use crate::Ray;
 use crate::query::{ClosestHit, Query};
 use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase};
 use crate::wide::trace::deferred_decision::{CAPACITY, Candidates, Decisions};
-use crate::wide::trace::prefilter::{Filtered, Vertices};
+use crate::wide::trace::prefilter::{Filtered, HitRange, Vertices};
 use crate::wide::tree::Tree;
 use crate::wide::tree::leaf::LeafBlock;
 use crate::wide::tree::node::Child;
@@ -37,9 +37,9 @@ struct StackEntry {
 impl Packet {
     pub(crate) fn idle() -> Self {
         Self {
-            rays: PacketRays::idle(),
+            rays: PacketRays::default(),
             candidates: [[Candidates::default(); LANES]; GROUPS],
-            decisions: [Decisions::NONE; CAPACITY],
+            decisions: [Decisions::default(); CAPACITY],
             filtered: [Filtered::default(); PACKET],
             stack: Vec::new(),
         }
@@ -80,7 +80,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
             if entry.near > self.limit {
                 continue;
             }
-            if Child::is_block(entry.child) == 1 {
+            if Child::is_block(entry.child) {
                 self.test_leaf(&entry);
             } else {
                 self.test_node(entry.child);
@@ -161,12 +161,12 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
             let (g, i) = (slot / LANES % GROUPS, slot % LANES);
             let from_center = |axis: usize| rays.deviation[axis][g][i] - test.center.deviation[axis];
             let (x, y) = (from_center(0), from_center(1));
-            let lanes = RayLanes {
-                deviation: [simd.splat(x), simd.splat(y)],
+            let range = HitRange {
                 begin: simd.splat(rays.begin[g][i]),
-                range_end: simd.splat(rays.range_end[g][i]),
+                end: simd.splat(rays.range_end[g][i]),
                 limit: simd.splat(rays.limit[g][i]),
             };
+            let lanes = RayLanes { deviation: [simd.splat(x), simd.splat(y)], range };
             let filtered = test.edges.prefilter(simd, &lanes).among(test.triangles);
             self.memory.filtered[slot % PACKET] = filtered;
             with_possible |= RayMask::from(filtered.possible != 0) << slot;
@@ -230,8 +230,8 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         let x = simd.load(&rays.deviation[0][g]) - center.deviation[0];
         let y = simd.load(&rays.deviation[1][g]) - center.deviation[1];
         let before = simd.load(&rays.limit[g]);
-        let (begin, range_end) = (simd.load(&rays.begin[g]), simd.load(&rays.range_end[g]));
-        let lanes = RayLanes { deviation: [x, y], begin, range_end, limit: before };
+        let (begin, end) = (simd.load(&rays.begin[g]), simd.load(&rays.range_end[g]));
+        let lanes = RayLanes { deviation: [x, y], range: HitRange { begin, end, limit: before } };
         let Filtered { possible, certain, start, end } = edges.prefilter(simd, &lanes).among(group);
         let nearer = simd.select(certain, simd.load(&end).min(before), before);
         nearer.store_array(&mut self.memory.rays.limit[g]);
