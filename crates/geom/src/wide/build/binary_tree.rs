@@ -24,16 +24,16 @@ pub(super) struct BinaryNode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     /// A leaf block; empty only where the whole tree is.
-    Leaf(MemberRange),
+    Leaf(RefRange),
     /// A node.
     Inner(Split),
     /// A leaf block, or several in lanes of their own.
-    Either(MemberRange, Split),
+    Either(RefRange, Split),
 }
 
 /// The references `first..first + count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct MemberRange {
+pub(super) struct RefRange {
     pub(super) first: u32,
     pub(super) count: u32,
 }
@@ -47,7 +47,7 @@ pub(super) struct Split {
 
 impl Content {
     /// The leaf block that it becomes in one lane; `None` if it becomes a node there.
-    pub(super) fn leaf(self) -> Option<MemberRange> {
+    pub(super) fn leaf(self) -> Option<RefRange> {
         match self {
             Self::Leaf(range) | Self::Either(range, _) => Some(range),
             Self::Inner(_) => None,
@@ -141,7 +141,7 @@ impl BinaryTree {
     /// Adds references for a leaf block; if many rays visit it, with children for smaller blocks that fewer do.
     fn add_leaf(&mut self, first: u32, refs: &mut [PrimRef]) {
         let bounds = refs.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
-        let range = MemberRange { first, count: refs.len() as u32 };
+        let range = RefRange { first, count: refs.len() as u32 };
         let visits = expected_visits(&bounds) * self.area_scale;
         let (at, costs) = (self.nodes.len(), CollapseCosts::of_leaf(visits));
         self.nodes.push(BinaryNode { bounds, content: Content::Leaf(range), costs });
@@ -288,7 +288,7 @@ mod tests {
         let mut cubes = nothing();
         cubes.add_refs(0, &mut [0, 1, 2, 3, 4, 5, 6, 7].map(cube), MAX_LEVELS);
         assert_eq!(cubes.node(0).costs, CollapseCosts([12.0 * UNIT; LANES]));
-        assert_eq!(cubes.node(0).content, Content::Leaf(MemberRange { first: 0, count: 8 }));
+        assert_eq!(cubes.node(0).content, Content::Leaf(RefRange { first: 0, count: 8 }));
         assert_eq!(cubes.nodes.len(), 1);
     }
 

@@ -1,6 +1,6 @@
 //! Collapses the binary tree into a wide one: which of its nodes become the up to eight children of a node.
 
-use super::binary_tree::{BinaryNode, BinaryTree, MemberRange, Split};
+use super::binary_tree::{BinaryNode, BinaryTree, RefRange, Split};
 use crate::prim_ref::PrimRef;
 use crate::wide::simd::LANES;
 use crate::wide::tree::leaf::LeafBlocks;
@@ -88,7 +88,7 @@ impl<'a> Collapse<'a> {
         }
         let child = match content.leaf() {
             None => Child::Node(self.add_node(at)),
-            Some(MemberRange { first, count }) => {
+            Some(RefRange { first, count }) => {
                 let refs = &self.refs[first as usize..][..count as usize];
                 let listed = refs.iter().map(|m| m.index);
                 Child::Block { first: self.leaves.push(self.triangles, &self.space, listed), count }

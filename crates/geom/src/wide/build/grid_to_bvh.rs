@@ -12,13 +12,13 @@ use crate::wide::tree::MAX_LEVELS;
 const DENSITY: f64 = 0.5;
 
 /// Fewer references than this are not sorted into a grid.
-const GRID_MEMBERS: usize = 256;
+const GRID_REFS: usize = 256;
 
 /// Cells with no more references than this are split by references.
-const CELL_MEMBERS: usize = 64;
+const CELL_REFS: usize = 64;
 
 /// Halves with fewer references than this are not built in parallel.
-const PARALLEL_MEMBERS: usize = 4096;
+const PARALLEL_REFS: usize = 4096;
 
 /// A cell with the references whose centers are in it, or a reference larger than a cell.
 #[derive(Clone, Copy, Debug)]
@@ -51,9 +51,9 @@ impl BinaryTree {
         this
     }
 
-    /// Like [`BinaryTree::add_members`], with upper levels split between the cells of a grid.
+    /// Like [`BinaryTree::add_refs`], with upper levels split between the cells of a grid.
     fn add_by_grid(&mut self, first: u32, refs: &mut [PrimRef], levels_left: u32) {
-        if refs.len() <= GRID_MEMBERS || levels_left <= MAX_LEVELS / 2 {
+        if refs.len() <= GRID_REFS || levels_left <= MAX_LEVELS / 2 {
             self.add_refs(first, refs, levels_left);
         } else {
             let (sorted, mut cells) = sort_by_cell(refs);
@@ -61,7 +61,7 @@ impl BinaryTree {
         }
     }
 
-    /// Adds the references of these cells, which are ranges of `sorted`, after writing them to `references`.
+    /// Adds the references of these cells, which are ranges of `sorted`, after writing them to `refs`.
     fn add_cells(
         &mut self,
         first: u32,
@@ -71,7 +71,7 @@ impl BinaryTree {
         levels_left: u32,
     ) {
         let must_balance = levels_left <= MAX_LEVELS / 2;
-        let split = if refs.len() <= CELL_MEMBERS || must_balance { None } else { split_in_bins(cells) };
+        let split = if refs.len() <= CELL_REFS || must_balance { None } else { split_in_bins(cells) };
         let Some((axis, lower)) = split else {
             let mut rest = &mut *refs;
             for cell in &*cells {
@@ -89,7 +89,7 @@ impl BinaryTree {
         let lower = low_cells.iter().map(|cell| cell.count).sum::<u32>();
         let (low, high) = refs.split_at_mut(lower as usize);
         let levels_left = levels_left - 1;
-        if rayon::current_num_threads() == 1 || low.len().min(high.len()) < PARALLEL_MEMBERS {
+        if rayon::current_num_threads() == 1 || low.len().min(high.len()) < PARALLEL_REFS {
             let halves = [(first, low, low_cells), (first + lower, high, high_cells)];
             self.add_inner(axis, halves, |this, (first, refs, cells)| {
                 this.add_cells(first, refs, sorted, cells, levels_left);
@@ -151,7 +151,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn a_member_larger_than_a_cell_is_alone() {
+    fn a_reference_larger_than_a_cell_is_alone() {
         let reference =
             |index: u32, min: Vec3, size: f32| PrimRef { index, bounds: Aabb { min, max: min + size } };
         let corner = |i: u32| Vec3::new((i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32);

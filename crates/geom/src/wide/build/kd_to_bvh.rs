@@ -9,7 +9,7 @@ use crate::wide::tree::MAX_LEVELS;
 use rayon::prelude::*;
 
 impl BinaryTree {
-    /// The binary tree of a k-d tree, in which a cell with an empty half has no node: its other half has. `references`, the
+    /// The binary tree of a k-d tree, in which a cell with an empty half has no node: its other half has. `refs`, the
     /// parts of triangles in the leaves, one for each reference, are reordered within each leaf, so that those of a leaf
     /// block are adjacent.
     ///
@@ -72,7 +72,7 @@ fn is_empty(tree: &KdTree, cell: u32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wide::build::binary_tree::{Content, MemberRange, Split};
+    use crate::wide::build::binary_tree::{Content, RefRange, Split};
     use crate::{Aabb, KdOptions, Triangles};
     use glam::Vec3;
 
@@ -87,7 +87,7 @@ mod tests {
     fn an_empty_half_has_no_node() {
         let split = |axis, upper| KdNode::Split { axis, position: 0.0, upper };
         let leaf = |first, count| KdNode::Leaf { first, count };
-        let block = |first, count| Content::Leaf(MemberRange { first, count });
+        let block = |first, count| Content::Leaf(RefRange { first, count });
         let nodes = vec![
             split(0, 4),
             split(1, 3),

@@ -33,7 +33,7 @@ const LONGEST_PAUSE: u32 = 128;
 
 /// The memory of packets, and a record of how they have paid.
 #[derive(Debug)]
-pub(super) struct GeneralPacket {
+pub(super) struct GeneralPacketScratch {
     setups: [RaySetups<LANES>; GROUPS],
     /// The children still to be visited, the next one last, with the rays that may meet each.
     stack: Vec<(u32, RayMask)>,
@@ -45,7 +45,7 @@ pub(super) struct GeneralPacket {
     pause: u32,
 }
 
-impl GeneralPacket {
+impl GeneralPacketScratch {
     pub(super) fn idle() -> Self {
         let setups = [const { RaySetups::idle() }; GROUPS];
         let hits = [Filtered::default(); PACKET];
@@ -78,7 +78,7 @@ impl GeneralPacket {
         );
         let (begun, alone) = (0, 0);
         let mut packet =
-            LivePacket { simd, tree, rays, setups, stack, hits, traversals, queries, left, begun, alone };
+            GeneralPacket { simd, tree, rays, setups, stack, hits, traversals, queries, left, begun, alone };
         while left != 0 {
             let (octant, of_octant) = first_octant(simd, setups, left);
             left ^= of_octant;
@@ -147,7 +147,7 @@ fn first_octant<S: Simd>(simd: S, setups: &[RaySetups<LANES>; GROUPS], rays: Ray
 }
 
 /// The rays of a packet, whose queries `Q` are any-hit queries.
-struct LivePacket<'a, S, Q> {
+struct GeneralPacket<'a, S, Q> {
     simd: S,
     tree: &'a Tree,
     rays: &'a [Ray; PACKET],
@@ -164,7 +164,7 @@ struct LivePacket<'a, S, Q> {
     alone: u32,
 }
 
-impl<S: Simd, Q: Query> LivePacket<'_, S, Q> {
+impl<S: Simd, Q: Query> GeneralPacket<'_, S, Q> {
     /// Visits all that rays toward one octant may meet.
     #[inline(always)]
     fn run(&mut self, octant: u8, rays: RayMask) {
@@ -351,14 +351,14 @@ mod tests {
         let triangles = Triangles::new(icosphere(5).triangles()).unwrap();
         let tree = build(&triangles, &KdOptions::default()).unwrap();
         let mut traversals = (0..PACKET).map(|_| Traversal::idle()).collect::<Vec<_>>();
-        let mut query = |packet: &mut GeneralPacket, rays: &[Ray; PACKET]| {
+        let mut query = |packet: &mut GeneralPacketScratch, rays: &[Ray; PACKET]| {
             let (mut reported, traversals) = ([0; PACKET], traversals.as_mut_slice().try_into().unwrap());
             let is_packet =
                 packet.query(portable(), &tree, rays, traversals, |i, _: AnyHit| reported[i] += 1);
             assert_eq!(reported, [i32::from(is_packet); PACKET]);
             is_packet
         };
-        let (mut source, mut packet) = (Seeded::new(24), GeneralPacket::idle());
+        let (mut source, mut packet) = (Seeded::new(24), GeneralPacketScratch::idle());
         let through = [DVec3::new(-0.3, 0.2, 3.0), DVec3::new(0.4, 0.6, -3.0)];
         let narrow = beam(&mut source, through, 0.001);
         assert!((0..3).all(|_| query(&mut packet, &narrow)));

@@ -20,8 +20,8 @@ use super::tree::Tree;
 use crate::query::Query;
 use crate::{Probe, Ray};
 use child_test::visit_all;
-use common_origin_packet::Packet;
-use general_packet::GeneralPacket;
+use common_origin_packet::PacketScratch;
+use general_packet::GeneralPacketScratch;
 use prefetch_index::prefetch_index;
 use ray_setup::RaySetups;
 use std::cell::Cell;
@@ -102,8 +102,8 @@ pub(super) fn query_others<S: Simd, Q: Query, T>(
 pub(super) struct Scratch {
     /// One for each ray of a packet, of which streams use the first; on the heap, since they are large.
     traversals: Box<[Traversal; PACKET]>,
-    packet: Packet,
-    general: GeneralPacket,
+    packet: PacketScratch,
+    general: GeneralPacketScratch,
     /// Where in a batch the sets of rays start that go to the stream, [`PACKET`] from each.
     starts: Vec<u32>,
 }
@@ -130,8 +130,8 @@ impl Scratch {
         let traversals = traversals.into_boxed_slice().try_into().expect("as many as were made");
         Box::new(Self {
             traversals,
-            packet: Packet::idle(),
-            general: GeneralPacket::idle(),
+            packet: PacketScratch::idle(),
+            general: GeneralPacketScratch::idle(),
             starts: Vec::new(),
         })
     }

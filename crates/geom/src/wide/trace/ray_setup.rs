@@ -9,7 +9,7 @@ use crate::{Aabb, Ray};
 use glam::DVec3;
 
 /// Half the thickness of a box's faces, in units of `W_F64`.
-const PLANE_ERR: f64 = 8.0;
+const FACE_ERR: f64 = 8.0;
 /// Error of a projected vertex, in units of `W_F64`.
 const VERTEX_ERR: f64 = 7.0;
 /// Error of a depth beyond that of the weights, in units of `W_F64`.
@@ -54,7 +54,7 @@ pub(super) struct ShearSetup {
     pub(super) edge_err: [f32; 2],
     /// Error of a parameter, beyond that of the edge functions.
     pub(super) t_err: f32,
-    /// A hit whose upper bound is below this is certainly within the ray's range.
+    /// A hit whose upper bound is below this is certainly before the end of the ray's range.
     pub(super) range_end: f32,
 }
 
@@ -116,7 +116,7 @@ impl<const N: usize> RaySetups<N> {
         let inside = |x: f64| if lost && x.abs() > 1.0 { 1.0_f64.copysign(x) } else { x };
         let origin = DVec3::new(inside(origin.x), inside(origin.y), inside(origin.z));
 
-        let thick = (PLANE_ERR * W_F64 + slack) * inverse.abs();
+        let thick = (FACE_ERR * W_F64 + slack) * inverse.abs();
         let at = -origin * inverse;
         let (near, far) = (at - thick, at + thick);
         for axis in 0..3 {

@@ -1,6 +1,6 @@
 //! Slope bounds of a box: bounds of the slopes of rays from one origin that may meet it, less the slope of the middle ray.
 
-use super::setup::CommonOrigin;
+use super::setup::PacketSetup;
 use crate::rounding::W;
 use crate::wide::simd::{LANES, Simd, SimdBase};
 use crate::wide::tree::node::Node;
@@ -32,24 +32,24 @@ impl ChildBounds {
     ///
     /// Boxes and slope bounds are widened by more than all rounding errors (docs/numerics.md).
     #[inline(always)]
-    pub(super) fn of<S: Simd>(simd: S, node: &Node, common: &CommonOrigin, limit: f32) -> (Self, u8) {
-        let origin = common.origin.as_vec3();
+    pub(super) fn of<S: Simd>(simd: S, node: &Node, setup: &PacketSetup, limit: f32) -> (Self, u8) {
+        let origin = setup.origin.as_vec3();
         let thick = FACE_ERR * W * (1.0 + origin.abs().max_element());
-        let [low, high] = faces(simd, node, common, 2);
-        let (near, far) = if common.sense < 0.0 { (-high, -low) } else { (low, high) };
+        let [low, high] = faces(simd, node, setup, 2);
+        let (near, far) = if setup.sense < 0.0 { (-high, -low) } else { (low, high) };
         let (near, far) = (near - FACE_ERR * W, far + FACE_ERR * W);
-        let mut met = simd.le(near, simd.splat(limit)) & simd.le(simd.splat(common.begin), far);
+        let mut met = simd.le(near, simd.splat(limit)) & simd.le(simd.splat(setup.begin), far);
         let (near_inverse, far_inverse) =
             (inverse(simd, near, origin.z + thick), inverse(simd, far, origin.z - thick));
         let mut bounds = Self { low: [[0.0; LANES]; 2], high: [[0.0; LANES]; 2], near: [0.0; LANES] };
         near.store_array(&mut bounds.near);
         for axis in 0..2 {
-            let [low, high] = faces(simd, node, common, axis);
+            let [low, high] = faces(simd, node, setup, axis);
             let (low, high) = (low - (origin[axis] + thick), high - (origin[axis] - thick));
             // Each side at the depth where its slope is further out.
-            let low = (low * near_inverse).min(low * far_inverse) - (common.middle[axis] + SIDE_ERR * W);
-            let high = (high * near_inverse).max(high * far_inverse) - (common.middle[axis] - SIDE_ERR * W);
-            let (low, high) = (low.max(common.low[axis]), high.min(common.high[axis]));
+            let low = (low * near_inverse).min(low * far_inverse) - (setup.middle[axis] + SIDE_ERR * W);
+            let high = (high * near_inverse).max(high * far_inverse) - (setup.middle[axis] - SIDE_ERR * W);
+            let (low, high) = (low.max(setup.low[axis]), high.min(setup.high[axis]));
             met &= simd.le(low, high);
             low.store_array(&mut bounds.low[axis]);
             high.store_array(&mut bounds.high[axis]);
@@ -75,8 +75,8 @@ impl ChildBounds {
 
 /// The lower and upper faces of a node's children along one of the packet's axes.
 #[inline(always)]
-fn faces<S: Simd>(simd: S, node: &Node, common: &CommonOrigin, axis: usize) -> [S::F; 2] {
-    let axis = common.axes[axis] % 3;
+fn faces<S: Simd>(simd: S, node: &Node, setup: &PacketSetup, axis: usize) -> [S::F; 2] {
+    let axis = setup.axes[axis] % 3;
     [simd.load(&node.faces[2 * axis]), simd.load(&node.faces[2 * axis + 1])]
 }
 
@@ -108,7 +108,7 @@ mod tests {
         while met < 50_000 {
             let rays = packet(&mut source);
             let (mut origin, mut packet_rays) =
-                (CommonOrigin::new(&rays, &space).unwrap(), PacketRays::default());
+                (PacketSetup::new(&rays, &space).unwrap(), PacketRays::default());
             let (groups, _) = rays.as_chunks();
             assert!(packet_rays.set(portable(), &mut origin, groups));
             for _ in 0..16 {

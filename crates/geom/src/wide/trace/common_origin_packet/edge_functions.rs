@@ -6,7 +6,7 @@
 //! function. The error bounds hold for all of these rays (docs/numerics.md).
 
 use super::child_slope_bounds::SlopeBounds;
-use super::setup::CommonOrigin;
+use super::setup::PacketSetup;
 use crate::rounding::W;
 use crate::wide::simd::{Simd, SimdBase, SimdFloat};
 use crate::wide::trace::prefilter::{
@@ -14,22 +14,20 @@ use crate::wide::trace::prefilter::{
 };
 
 /// Error of a hit's depth beyond that of the weights, in units of `W`.
-const HIT_ERR: f32 = 26.0;
+const DEPTH_ERR: f32 = 26.0;
 /// Error of a vertex projected along the central ray, beyond that of the offset, in units of `W`.
 const VERTEX_ERR: f32 = 8.0;
 /// Error of an edge function of vertices up to `m` across from the central ray and up to a depth of `b - 1` from the
 /// origin, for rays whose slopes deviate by up to `d` from those of the central ray, in units of `W`: the factors of
 /// `m * m`, of `m * b` and of `m * b * d`.
-const ACROSS_ERR: f32 = 13.0;
-const DEPTH_ERR: f32 = 0.5;
-const DEVIATION_ERR: f32 = 37.0;
+const EDGE_ERR: [f32; 3] = [13.0, 0.5, 37.0];
 
 /// The central ray of those that may meet a leaf block.
 pub(super) struct CentralRay {
     /// Its deviation from the packet's middle ray.
     pub(super) deviation: [f32; 2],
     /// How far the other rays' slopes are from its own at most.
-    reach: [f32; 2],
+    max_deviation: [f32; 2],
     slope: [f32; 2],
     offset: [f32; 2],
     sense: f32,
@@ -41,34 +39,34 @@ pub(super) struct CentralRay {
 
 impl CentralRay {
     #[inline(always)]
-    pub(super) fn new(common: &CommonOrigin, bounds: &SlopeBounds) -> Self {
+    pub(super) fn new(setup: &PacketSetup, bounds: &SlopeBounds) -> Self {
         let SlopeBounds { low, high } = *bounds;
         let (mut deviation, mut slope, mut offset) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-        let (mut reach, mut furthest) = ([0.0; 2], 0.0_f32);
+        let (mut max_deviation, mut furthest) = ([0.0; 2], 0.0_f32);
         for axis in 0..2 {
             deviation[axis] = 0.5 * (low[axis] + high[axis]);
-            let exact = f64::from(common.middle[axis]) + f64::from(deviation[axis]);
+            let exact = f64::from(setup.middle[axis]) + f64::from(deviation[axis]);
             slope[axis] = exact as f32;
-            offset[axis] = (common.origin[axis] - exact * common.origin.z) as f32;
-            reach[axis] = larger(high[axis] - deviation[axis], deviation[axis] - low[axis]);
+            offset[axis] = (setup.origin[axis] - exact * setup.origin.z) as f32;
+            max_deviation[axis] = larger(high[axis] - deviation[axis], deviation[axis] - low[axis]);
             furthest = larger(furthest, offset[axis].abs());
         }
-        let furthest_slope = larger(reach[0], reach[1]);
+        let furthest_slope = larger(max_deviation[0], max_deviation[1]);
         let vertex_err = (VERTEX_ERR + furthest) * W;
         let err = [
             4.0 * vertex_err,
-            (DEPTH_ERR + DEVIATION_ERR * furthest_slope) * W,
-            ACROSS_ERR * W,
+            (EDGE_ERR[1] + EDGE_ERR[2] * furthest_slope) * W,
+            EDGE_ERR[0] * W,
             4.1 * furthest_slope * vertex_err,
             2.2 * vertex_err * vertex_err,
         ];
         Self {
             deviation,
-            reach,
+            max_deviation,
             slope,
             offset,
-            sense: common.sense as f32,
-            start: common.origin.z as f32,
+            sense: setup.sense as f32,
+            start: setup.origin.z as f32,
             err,
         }
     }
@@ -100,21 +98,21 @@ pub(super) struct RayLanes<S: Simd> {
 impl<S: Simd> EdgeFunctions<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, center: &CentralRay, v: &Vertices<S>) -> Self {
-        let [a, b, c] = [v.z[0] * center.sense, v.z[1] * center.sense, v.z[2] * center.sense];
-        let from_origin = [a - center.start, b - center.start, c - center.start];
-        let x = shear::<S>(center.slope[0], center.offset[0], &v.x, &[a, b, c]);
-        let y = shear::<S>(center.slope[1], center.offset[1], &v.y, &[a, b, c]);
+        let [z0, z1, z2] = [v.z[0] * center.sense, v.z[1] * center.sense, v.z[2] * center.sense];
+        let from_origin = [z0 - center.start, z1 - center.start, z2 - center.start];
+        let x = shear::<S>(center.slope[0], center.offset[0], &v.x, &[z0, z1, z2]);
+        let y = shear::<S>(center.slope[1], center.offset[1], &v.y, &[z0, z1, z2]);
         let edges = [
             edge::<S>([&x, &y, &from_origin], 2, 1),
             edge::<S>([&x, &y, &from_origin], 0, 2),
             edge::<S>([&x, &y, &from_origin], 1, 0),
         ];
-        let size = simd.max_abs(largest(simd, x), largest(simd, y));
-        let reach = largest(simd, from_origin) + 1.0;
+        let m = simd.max_abs(largest(simd, x), largest(simd, y));
+        let b = largest(simd, from_origin) + 1.0;
         let [e0, e1, e2, e3, e4] = center.err;
-        let rate = size.mul_add(e2, reach.mul_add(e1, e0));
-        let edge_err = size.mul_add(rate, reach.mul_add(e3, e4));
-        let depth = [a, b - a, c - a];
+        let rate = m.mul_add(e2, b.mul_add(e1, e0));
+        let edge_err = m.mul_add(rate, b.mul_add(e3, e4));
+        let depth = [z0, z1 - z0, z2 - z0];
         let depth_err = edge_err * 8.0 * simd.max_abs(depth[1], depth[2]);
         Self { edges, edge_err, depth, depth_err }
     }
@@ -122,8 +120,11 @@ impl<S: Simd> EdgeFunctions<S> {
     /// The triangles that any of the rays may hit.
     #[inline(always)]
     pub(super) fn may_hit(&self, simd: S, center: &CentralRay) -> u8 {
-        let [[a_low, a_high], [b_low, b_high], [c_low, c_high]] =
-            [self.range(center.reach, 0), self.range(center.reach, 1), self.range(center.reach, 2)];
+        let [[a_low, a_high], [b_low, b_high], [c_low, c_high]] = [
+            self.range(center.max_deviation, 0),
+            self.range(center.max_deviation, 1),
+            self.range(center.max_deviation, 2),
+        ];
         // A triangle is missed if one function is negative for all rays and another positive.
         let (negative, positive) = (a_high.min(b_high).min(c_high), a_low.max(b_low).max(c_low));
         !(simd.lt(negative, -self.edge_err) & simd.lt(self.edge_err, positive))
@@ -131,9 +132,9 @@ impl<S: Simd> EdgeFunctions<S> {
 
     /// The least and the greatest value of an edge function.
     #[inline(always)]
-    fn range(&self, reach: [f32; 2], i: usize) -> [S::F; 2] {
+    fn range(&self, max_deviation: [f32; 2], i: usize) -> [S::F; 2] {
         let [at, x, y] = self.edges[i];
-        let growth = x.abs().mul_add(reach[0], y.abs() * reach[1]);
+        let growth = x.abs().mul_add(max_deviation[0], y.abs() * max_deviation[1]);
         [at - growth, at + growth]
     }
 
@@ -142,7 +143,7 @@ impl<S: Simd> EdgeFunctions<S> {
     pub(super) fn prefilter(&self, simd: S, rays: &RayLanes<S>) -> Filtered {
         let edges = [self.edge(rays, 0), self.edge(rays, 1), self.edge(rays, 2)];
         let (depth, inverse) = hit_depth(simd, edges, self.depth);
-        let depth_err = self.depth_err.mul_add(inverse.abs(), HIT_ERR * W);
+        let depth_err = self.depth_err.mul_add(inverse.abs(), DEPTH_ERR * W);
         classify(simd, edges, self.edge_err, [depth - depth_err, depth + depth_err], &rays.range)
     }
 
@@ -193,10 +194,10 @@ mod tests {
     const UNIT: NormalizedSpace = NormalizedSpace { center: DVec3::ZERO, scale: 1.0 };
 
     /// A triangle with a vertex on a ray or near it, in the order of the shear; as small as `10^-5`.
-    fn triangle(source: &mut Seeded, common: &CommonOrigin, ray: &Ray) -> [DVec3; 3] {
+    fn triangle(source: &mut Seeded, setup: &PacketSetup, ray: &Ray) -> [DVec3; 3] {
         let size = 10.0_f64.powf(-5.0 * source.unit());
-        let along = permute(ray.direction, common.main_axis);
-        let from = common.origin * DVec3::new(1.0, 1.0, common.sense);
+        let along = permute(ray.direction, setup.main_axis);
+        let from = setup.origin * DVec3::new(1.0, 1.0, setup.sense);
         let at = from + (source.signed() - from.z) / along.z * along;
         let mut vertex = || {
             let aside = DVec3::new(source.signed(), source.signed(), source.signed());
@@ -206,9 +207,9 @@ mod tests {
     }
 
     /// The edge functions in `f64`, and the depth of the hit if they say that there is one.
-    fn exactly(common: &CommonOrigin, ray: &Ray, vertices: [DVec3; 3]) -> ([f64; 3], Option<f64>) {
+    fn exactly(setup: &PacketSetup, ray: &Ray, vertices: [DVec3; 3]) -> ([f64; 3], Option<f64>) {
         let (origin, direction) =
-            (permute(ray.origin, common.main_axis), permute(ray.direction, common.main_axis));
+            (permute(ray.origin, setup.main_axis), permute(ray.direction, setup.main_axis));
         let project = |v: DVec3| {
             let v = v - origin;
             v - v.z / direction.z * direction
@@ -218,7 +219,7 @@ mod tests {
         let sum: f64 = edges.iter().sum();
         let weighted: f64 = (0..3).map(|i| edges[i] * vertices[i].z).sum();
         let is_hit = edges.iter().all(|e| e / sum >= 0.0);
-        (edges, is_hit.then_some(common.sense * weighted / sum))
+        (edges, is_hit.then_some(setup.sense * weighted / sum))
     }
 
     /// The error of every edge function and depth is within its bound, and the largest is more than a tenth of it,
@@ -229,14 +230,14 @@ mod tests {
         let (mut worst, mut met, mut certain) = (0.0_f64, 0, 0);
         for _ in 0..4000 {
             let rays = packet(&mut source);
-            let (mut common, mut packet_rays) =
-                (CommonOrigin::new(&rays, &UNIT).unwrap(), PacketRays::default());
+            let (mut setup, mut packet_rays) =
+                (PacketSetup::new(&rays, &UNIT).unwrap(), PacketRays::default());
             let (groups, _) = rays.as_chunks();
-            assert!(packet_rays.set(simd, &mut common, groups));
-            let center = CentralRay::new(&common, &SlopeBounds { low: common.low, high: common.high });
+            assert!(packet_rays.set(simd, &mut setup, groups));
+            let center = CentralRay::new(&setup, &SlopeBounds { low: setup.low, high: setup.high });
             let triangles: [_; LANES] = std::array::from_fn(|_| {
                 let ray = &rays[source.below(PACKET)];
-                triangle(&mut source, &common, ray)
+                triangle(&mut source, &setup, ray)
             });
             let column = |i: usize, axis: usize| simd.load(&triangles.map(|t| t[i][axis] as f32));
             let row = |axis: usize| [0, 1, 2].map(|i| column(i, axis));
@@ -252,14 +253,14 @@ mod tests {
                 let edges = [0, 1, 2].map(|i| functions.edge(&lanes, i));
                 let filtered = functions.prefilter(simd, &lanes);
                 for lane in 0..LANES {
-                    let (exact, place) = exactly(&common, &rays[slot], triangles[lane]);
+                    let (exact, place) = exactly(&setup, &rays[slot], triangles[lane]);
                     for (edge, exact) in edges.iter().zip(exact) {
                         let err = (f64::from(edge[lane]) - exact).abs() / f64::from(functions.edge_err[lane]);
                         assert!(err <= 1.0, "{err} of {:?} for {:?}", triangles[lane], rays[slot]);
                         worst = worst.max(err);
                     }
                     let is_certain = filtered.certain >> lane & 1 != 0;
-                    let Some(place) = place.filter(|place| *place >= common.origin.z) else {
+                    let Some(place) = place.filter(|place| *place >= setup.origin.z) else {
                         assert!(!is_certain, "{:?} by {:?}", triangles[lane], rays[slot]);
                         continue;
                     };

@@ -14,12 +14,12 @@ use crate::Ray;
 use crate::query::Query;
 use crate::wide::simd::{LANES, PACKET, Simd};
 use crate::wide::tree::Tree;
-use setup::CommonOrigin;
+use setup::PacketSetup;
 use std::marker::PhantomData;
-pub(super) use traverse::Packet;
+pub(super) use traverse::PacketScratch;
 use traverse::PacketTraversal;
 
-impl Packet {
+impl PacketScratch {
     /// Answers the query of every ray and reports it. If the rays are not coherent, or not from a common
     /// origin, it does nothing and returns false.
     #[inline(always)]
@@ -31,14 +31,14 @@ impl Packet {
         mut report: impl FnMut(usize, Q),
     ) -> bool {
         let (groups, _) = rays.as_chunks::<LANES>();
-        let Some(mut common) = CommonOrigin::new(rays, &tree.space) else { return false };
-        if tree.triangles.bounds().is_empty() || !self.rays.set(simd, &mut common, groups) {
+        let Some(mut setup) = PacketSetup::new(rays, &tree.space) else { return false };
+        if tree.triangles.bounds().is_empty() || !self.rays.set(simd, &mut setup, groups) {
             return false;
         }
         self.candidates.as_flattened_mut().iter_mut().for_each(Candidates::clear);
         let (limit, finished, query) = (f32::INFINITY, 0, PhantomData::<Q>);
         let finished =
-            PacketTraversal { simd, tree, rays: groups, common, memory: self, limit, finished, query }.run();
+            PacketTraversal { simd, tree, rays: groups, setup, scratch: self, limit, finished, query }.run();
         let Self { rays, candidates, decisions, .. } = self;
         for (g, group) in groups.iter().enumerate() {
             let rounds =
@@ -92,8 +92,9 @@ mod tests {
         let triangles = Triangles::new(icosphere(2).triangles()).unwrap();
         let tree = build(&triangles, &KdOptions::default()).unwrap();
         let mut source = Seeded::new(6);
-        let is_packet =
-            |rays: &[Ray; PACKET]| Packet::idle().query(portable(), &tree, rays, |_, _: ClosestHit| {});
+        let is_packet = |rays: &[Ray; PACKET]| {
+            PacketScratch::idle().query(portable(), &tree, rays, |_, _: ClosestHit| {})
+        };
         let rays = packet(&mut source);
         assert!(is_packet(&rays));
         let spoil: [fn(&mut Ray); 12] = [

@@ -18,7 +18,7 @@ const WIDEST: f64 = 0.125;
 /// the main axis, in the rays' sense; slopes are lengths across for each unit of depth. Rays are given by
 /// their *deviation*, which is their slopes minus those of the middle ray.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CommonOrigin {
+pub(super) struct PacketSetup {
     pub(super) main_axis: usize,
     /// The axes x, y and z.
     pub(super) axes: [usize; 3],
@@ -42,7 +42,7 @@ pub(super) struct CommonOrigin {
     pub(super) octant: u8,
 }
 
-impl CommonOrigin {
+impl PacketSetup {
     /// The origin of the first ray, and a ray in the middle of the first and the last; `None` if these two
     /// are not from one point, or not coherent. The bounds of the deviations follow in
     /// [`PacketRays::set`].
@@ -90,32 +90,27 @@ pub(super) struct PacketRays {
 }
 
 impl PacketRays {
-    /// Sets up the rays, and bounds their deviations in `origin`. Returns false if they are not coherent, or
-    /// not all from that origin.
+    /// Sets up the rays, and bounds their deviations in `setup`. Returns false if they are not coherent, or
+    /// not all from its origin.
     #[inline(always)]
-    pub(super) fn set<S: Simd>(
-        &mut self,
-        simd: S,
-        origin: &mut CommonOrigin,
-        groups: &[[Ray; LANES]],
-    ) -> bool {
+    pub(super) fn set<S: Simd>(&mut self, simd: S, setup: &mut PacketSetup, groups: &[[Ray; LANES]]) -> bool {
         let mut fit: RayMask = 0;
         for (g, group) in groups.iter().enumerate() {
-            fit |= RayMask::from(self.set_group(simd, g, origin, group)) << (g * LANES);
+            fit |= RayMask::from(self.set_group(simd, g, setup, group)) << (g * LANES);
         }
         if fit != RayMask::MAX {
             return false;
         }
         let range = |numbers: &[[f32; LANES]; GROUPS]| simd.range(RayMask::MAX, |g| &numbers[g]);
         let [x, y] = [range(&self.deviation[0]), range(&self.deviation[1])];
-        [origin.low, origin.high] = [[x[0], y[0]], [x[1], y[1]]];
-        origin.begin = range(&self.begin)[0];
+        [setup.low, setup.high] = [[x[0], y[0]], [x[1], y[1]]];
+        setup.begin = range(&self.begin)[0];
         [x, y].iter().all(|[least, greatest]| f64::from(greatest - least) <= WIDEST)
     }
 
     /// Sets up eight rays; returns which of them belong to the packet: none if one of them excludes a triangle.
     #[inline(always)]
-    fn set_group<S: Simd>(&mut self, simd: S, g: usize, common: &CommonOrigin, group: &[Ray; LANES]) -> u8 {
+    fn set_group<S: Simd>(&mut self, simd: S, g: usize, setup: &PacketSetup, group: &[Ray; LANES]) -> u8 {
         // `NO_TRIANGLE` has all bits set.
         let excluded =
             group.iter().fold(Ray::NO_TRIANGLE, |all, ray| all & ray.excluded[0] & ray.excluded[1]);
@@ -124,27 +119,27 @@ impl PacketRays {
         }
         let columns = simd.columns(group);
         let Aligned([ox, oy, oz, .., t_min, t_max]) = &columns;
-        let [dx, dy, dz] = common.axes.map(|axis| &columns.0[3 + axis % 3]);
+        let [dx, dy, dz] = setup.axes.map(|axis| &columns.0[3 + axis % 3]);
         let shears = &mut self.shears[g];
-        let origin = permute(common.given, common.main_axis);
-        shears.main_axis = common.main_axis;
+        let origin = permute(setup.given, setup.main_axis);
+        shears.main_axis = setup.main_axis;
         shears.origin = [[origin.x; LANES], [origin.y; LANES], [origin.z; LANES]];
         shears.direction_z = *dz;
         // Without branches, so that the compiler vectorises the loops.
         for (axis, across) in [dx, dy].into_iter().enumerate() {
             let (mut slopes, mut deviation) = ([0.0; LANES], [0.0; LANES]);
-            let middle = f64::from(common.middle[axis]);
+            let middle = f64::from(setup.middle[axis]);
             for i in 0..LANES {
                 slopes[i] = across[i] / dz[i];
-                deviation[i] = (slopes[i] * common.sense - middle) as f32;
+                deviation[i] = (slopes[i] * setup.sense - middle) as f32;
             }
             shears.slopes[axis] = slopes;
             self.deviation[axis][g] = deviation;
         }
         let (mut begins, mut ends) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
-            let rate = dz[i].abs() * common.scale;
-            let (begin, end) = (common.origin.z + t_min[i] * rate, common.origin.z + t_max[i] * rate);
+            let rate = dz[i].abs() * setup.scale;
+            let (begin, end) = (setup.origin.z + t_min[i] * rate, setup.origin.z + t_max[i] * rate);
             begins[i] = begin as f32;
             ends[i] = (if end < BEYOND { end } else { BEYOND }) as f32;
         }
@@ -152,7 +147,7 @@ impl PacketRays {
         let domain = Ray::DIRECTION_DOMAIN;
         let mut fits = [0.0; LANES];
         for i in 0..LANES {
-            let along = dz[i] * common.sense;
+            let along = dz[i] * setup.sense;
             // Comparisons with NaN are false. A ray with two largest components does not fit.
             let fit = (along > dx[i].abs())
                 & (along > dy[i].abs())
@@ -160,9 +155,9 @@ impl PacketRays {
                 & (along <= *domain.end())
                 & (t_min[i] >= 0.0)
                 & (t_min[i] < t_max[i])
-                & (ox[i].to_bits() == common.given.x.to_bits())
-                & (oy[i].to_bits() == common.given.y.to_bits())
-                & (oz[i].to_bits() == common.given.z.to_bits());
+                & (ox[i].to_bits() == setup.given.x.to_bits())
+                & (oy[i].to_bits() == setup.given.y.to_bits())
+                & (oz[i].to_bits() == setup.given.z.to_bits());
             fits[i] = if fit { 1.0 } else { 0.0 };
         }
         simd.lt(simd.splat(0.0), simd.load(&fits))

@@ -2,7 +2,7 @@
 
 use super::child_slope_bounds::{ChildBounds, SlopeBounds};
 use super::edge_functions::{CentralRay, EdgeFunctions, RayLanes};
-use super::setup::{CommonOrigin, PacketRays};
+use super::setup::{PacketRays, PacketSetup};
 use crate::Ray;
 use crate::query::{ClosestHit, Query};
 use crate::wide::simd::{Bits, GROUPS, LANES, PACKET, RayMask, Simd, SimdBase};
@@ -15,7 +15,7 @@ use std::marker::PhantomData;
 
 /// The memory of packet traversal, reused between packets to avoid reallocation.
 #[derive(Debug)]
-pub(crate) struct Packet {
+pub(crate) struct PacketScratch {
     pub(super) rays: PacketRays,
     pub(super) candidates: [[Candidates; LANES]; GROUPS],
     pub(super) decisions: [Decisions; CAPACITY],
@@ -34,7 +34,7 @@ struct StackEntry {
     bounds: SlopeBounds,
 }
 
-impl Packet {
+impl PacketScratch {
     pub(crate) fn idle() -> Self {
         Self {
             rays: PacketRays::default(),
@@ -50,11 +50,11 @@ pub(super) struct PacketTraversal<'a, S: Simd, Q> {
     pub(super) simd: S,
     pub(super) tree: &'a Tree,
     pub(super) rays: &'a [[Ray; LANES]],
-    pub(super) common: CommonOrigin,
-    pub(super) memory: &'a mut Packet,
+    pub(super) setup: PacketSetup,
+    pub(super) scratch: &'a mut PacketScratch,
     /// The depth of the farthest limit of a ray.
     pub(super) limit: f32,
-    /// The rays whose any-hit query is answered by a certain hit. They end before everything.
+    /// The rays whose any-hit query is answered. They end before everything.
     pub(super) finished: RayMask,
     pub(super) query: PhantomData<Q>,
 }
@@ -74,9 +74,9 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     #[inline(always)]
     pub(super) fn run(&mut self) -> RayMask {
         self.shorten();
-        self.memory.stack.clear();
+        self.scratch.stack.clear();
         self.test_node(Child::ROOT);
-        while let Some(entry) = self.memory.stack.pop() {
+        while let Some(entry) = self.scratch.stack.pop() {
             if entry.near > self.limit {
                 continue;
             }
@@ -93,8 +93,8 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     #[inline(always)]
     fn test_node(&mut self, index: u32) {
         let node = &self.tree.nodes[index as usize];
-        let (bounds, met) = ChildBounds::of(self.simd, node, &self.common, self.limit);
-        let order = node.orders[usize::from(self.common.octant & 7)];
+        let (bounds, met) = ChildBounds::of(self.simd, node, &self.setup, self.limit);
+        let order = node.orders[usize::from(self.setup.octant & 7)];
         let mut places = ChildBounds::places(self.simd, met, order);
         while places != 0 {
             // The furthest of them.
@@ -102,7 +102,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
             places ^= 1 << place;
             let lane = (order >> (3 * place)) as usize % LANES;
             let (child, near, bounds) = (node.children[lane], bounds.near[lane], bounds.get(lane));
-            self.memory.stack.push(StackEntry { child, near, bounds });
+            self.scratch.stack.push(StackEntry { child, near, bounds });
             self.tree.prefetch::<4>(child);
         }
     }
@@ -117,8 +117,8 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         let simd = self.simd;
         let groups = (0..GROUPS).filter(|g| group_of(rays, *g) != 0).count();
         let block = self.tree.leaf_block(entry.child);
-        let center = CentralRay::new(&self.common, &entry.bounds);
-        let edges = EdgeFunctions::new(simd, &center, &Vertices::load(simd, block, self.common.axes));
+        let center = CentralRay::new(&self.setup, &entry.bounds);
+        let edges = EdgeFunctions::new(simd, &center, &Vertices::load(simd, block, self.setup.axes));
         let triangles = edges.may_hit(simd, &center) & block.lanes();
         if triangles == 0 {
             return;
@@ -138,7 +138,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     #[inline(always)]
     fn within(&self, bounds: &SlopeBounds, near: f32) -> RayMask {
         let (simd, mut met) = (self.simd, 0);
-        let PacketRays { deviation, limit, .. } = &self.memory.rays;
+        let PacketRays { deviation, limit, .. } = &self.scratch.rays;
         let low = [simd.splat(bounds.low[0]), simd.splat(bounds.low[1])];
         let high = [simd.splat(bounds.high[0]), simd.splat(bounds.high[1])];
         let near = simd.splat(near);
@@ -155,7 +155,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     /// Results are recorded when all rays have been tested: which of them hit something is unpredictable.
     #[inline(always)]
     fn test_by_ray(&mut self, test: &LeafTest<'_, S>) -> bool {
-        let (simd, rays) = (self.simd, &self.memory.rays);
+        let (simd, rays) = (self.simd, &self.scratch.rays);
         let (mut with_possible, mut with_certain) = (0, 0);
         for slot in Bits(test.rays) {
             let (g, i) = (slot / LANES % GROUPS, slot % LANES);
@@ -168,13 +168,13 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
             };
             let lanes = RayLanes { deviation: [simd.splat(x), simd.splat(y)], range };
             let filtered = test.edges.prefilter(simd, &lanes).among(test.triangles);
-            self.memory.filtered[slot % PACKET] = filtered;
+            self.scratch.filtered[slot % PACKET] = filtered;
             with_possible |= RayMask::from(filtered.possible != 0) << slot;
             with_certain |= RayMask::from(filtered.certain != 0) << slot;
         }
         for slot in Bits(with_possible) {
             let (g, i) = (slot / LANES % GROUPS, slot % LANES);
-            let Filtered { possible, certain, start, end } = self.memory.filtered[slot % PACKET];
+            let Filtered { possible, certain, start, end } = self.scratch.filtered[slot % PACKET];
             if Q::ANY_HIT && certain != 0 {
                 self.finish(g, i);
                 continue;
@@ -184,7 +184,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
             }
             if certain != 0 {
                 let nearest = simd.min_of(simd.load(&end), certain);
-                let limit = &mut self.memory.rays.limit[g][i];
+                let limit = &mut self.scratch.rays.limit[g][i];
                 *limit = if nearest < *limit { nearest } else { *limit };
             }
         }
@@ -216,7 +216,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
             }
             for slot in Bits(possible) {
                 let (g, i) = (slot / LANES % GROUPS, slot % LANES);
-                self.add(g, i, self.memory.filtered[g].start[i], index);
+                self.add(g, i, self.scratch.filtered[g].start[i], index);
             }
         }
         is_shorter
@@ -226,7 +226,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     /// possible, and for which it is certain.
     #[inline(always)]
     fn test_group(&mut self, g: usize, group: u8, center: &CentralRay, edges: &EdgeFunctions<S>) -> (u8, u8) {
-        let (simd, rays) = (self.simd, &self.memory.rays);
+        let (simd, rays) = (self.simd, &self.scratch.rays);
         let x = simd.load(&rays.deviation[0][g]) - center.deviation[0];
         let y = simd.load(&rays.deviation[1][g]) - center.deviation[1];
         let before = simd.load(&rays.limit[g]);
@@ -234,23 +234,23 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         let lanes = RayLanes { deviation: [x, y], range: HitRange { begin, end, limit: before } };
         let Filtered { possible, certain, start, end } = edges.prefilter(simd, &lanes).among(group);
         let nearer = simd.select(certain, simd.load(&end).min(before), before);
-        nearer.store_array(&mut self.memory.rays.limit[g]);
-        self.memory.filtered[g].start = start;
+        nearer.store_array(&mut self.scratch.rays.limit[g]);
+        self.scratch.filtered[g].start = start;
         (possible, certain)
     }
 
     /// Finds the farthest limit of a ray.
     #[inline(always)]
     fn shorten(&mut self) {
-        self.limit = self.simd.range(RayMask::MAX, |g| &self.memory.rays.limit[g])[1];
+        self.limit = self.simd.range(RayMask::MAX, |g| &self.scratch.rays.limit[g])[1];
     }
 
-    /// Ends an any-hit query that has a certain hit.
+    /// Ends an any-hit query that is answered.
     #[inline(always)]
     fn finish(&mut self, g: usize, i: usize) {
         self.finished |= 1 << (g * LANES + i);
-        self.memory.candidates[g][i].clear();
-        self.memory.rays.limit[g][i] = f32::NEG_INFINITY;
+        self.scratch.candidates[g][i].clear();
+        self.scratch.rays.limit[g][i] = f32::NEG_INFINITY;
     }
 
     /// Adds a candidate, and decides when there are eight.
@@ -258,7 +258,7 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     fn add(&mut self, g: usize, i: usize, start: f32, index: u32) {
         let triangles = &self.tree.triangles;
         triangles.prefetch(index);
-        let candidates = &mut self.memory.candidates[g][i];
+        let candidates = &mut self.scratch.candidates[g][i];
         candidates.add(start, index);
         if candidates.is_full() {
             self.settle(g, i);
@@ -268,9 +268,9 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     /// Decides a ray's candidates, and keeps the one that is hit, if any.
     #[cold]
     fn settle(&mut self, g: usize, i: usize) {
-        let (limit, ray) = (self.memory.rays.limit[g][i], &self.rays[g][i]);
+        let (limit, ray) = (self.scratch.rays.limit[g][i], &self.rays[g][i]);
         let mut query = ClosestHit::new(ray);
-        let candidates = &mut self.memory.candidates[g][i];
+        let candidates = &mut self.scratch.candidates[g][i];
         candidates.decide(limit, ray, &self.tree.triangles, &mut query);
         let Some(hit) = query.hit() else { return };
         if Q::ANY_HIT {
