@@ -15,6 +15,7 @@ mod equilibrium;
 mod error_bars;
 mod extremes;
 mod farm;
+mod faulty_accelerators;
 mod finite_form_factors;
 mod first_hits;
 mod form_factors;

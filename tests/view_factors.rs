@@ -248,6 +248,13 @@ fn every_factor_of_a_box_of_6000_patches() {
 }
 
 /// Two equal squares at a distance of 1; the upper one is turned away.
+/// It must not be taken for the surroundings, whose column follows those of the patches.
+#[test]
+#[should_panic(expected = "patch 2 of 2")]
+fn a_patch_that_does_not_exist_has_no_factor() {
+    back_to_front().factors(&FactorSettings::new(64)).factor(0, Patch(2));
+}
+
 fn back_to_front() -> Scene {
     let unit = [[0.0, 1.0]; 2];
     Scene::new(&[rectangle(unit, 0.0), rectangle(unit, 1.0)])

@@ -11,6 +11,9 @@ pub enum RenderError {
     /// The triangles are invalid, or the accelerator could not be built.
     #[error(transparent)]
     Geometry(#[from] GeomError),
+    /// The accelerator has other bounds than the triangles that it was to be built over.
+    #[error("the accelerator is not one over the scene's triangles: its bounds differ from theirs")]
+    OtherTriangles,
     /// A radiance or a reflectance is out of range.
     #[error(transparent)]
     Material(#[from] MaterialError),
@@ -54,14 +57,20 @@ pub enum RenderError {
         /// Index of the sample within the pixel.
         sample: u32,
     },
-    /// A panic while a tile was rendered or before the first tile: in an accelerator,
-    /// [`Sensor::start`](crate::Sensor::start), [`Monitor::progress`](crate::Monitor::progress) or
-    /// [`Monitor::cancelled`](crate::Monitor::cancelled). The process and later renders go on.
+    /// A panic before the first tile, while probes and photons are traced: in an accelerator or
+    /// [`Sensor::start`](crate::Sensor::start). The process and later renders go on.
+    #[error("panic before the first tile: {message}")]
+    Preparation {
+        /// The message of the panic.
+        message: String,
+    },
+    /// A panic while a tile was rendered: in an accelerator, [`Sensor::start`](crate::Sensor::start),
+    /// [`Monitor::progress`](crate::Monitor::progress) or [`Monitor::cancelled`](crate::Monitor::cancelled). The process and
+    /// later renders go on.
     #[error("panic in the tile at pixel ({x}, {y}): {message}")]
     Worker {
-        /// Column of the tile's upper left pixel. While a guide is trained, that of the tile that trains; in what else
-        /// precedes the first tile of a render, that of all pixels to be rendered. Of a replay, that of the pixel's tile; of
-        /// first hits, 0, and `y` is their row.
+        /// Column of the tile's upper left pixel. While a guide is trained, that of the tile that trains; of a replay, that of
+        /// the pixel's tile; of first hits, 0, and `y` is their row.
         x: u32,
         /// Row of that pixel, 0 at the top.
         y: u32,

@@ -58,7 +58,7 @@ pub struct FirstHit {
     pub albedo: Rgb,
     /// Index of the triangle in the scene; `None` if the ray hits nothing.
     pub triangle: Option<u32>,
-    /// Index of the triangle's material, in the order in which the model's were added; `None` if the ray hits nothing.
+    /// Index of the triangle's material in [`Scene::materials`]; `None` if the ray hits nothing.
     pub material: Option<u32>,
 }
 

@@ -3,7 +3,10 @@
 //! A [`Model`] holds triangles with materials, and delta lights. [`Scene::build`] turns it into a [`Scene`] with an
 //! accelerator and [`Lights`]. [`render`] traces paths from a [`Camera`] through the scene, one tile of
 //! the picture at a time, with random numbers from a [`Sampler`]. A [`Film`] sums their radiance and
-//! estimates its own error; a [`Stop`] ends the render when that is small enough.
+//! estimates its own error; a [`Stop`] ends the render when that is small enough. Radiance has the unit of the lights'.
+//!
+//! [`Render`] also renders single passes, crops and strips, and continues a [`Picture`]. [`IrradiancePoints`] measure without
+//! a camera, [`FirstHits`] see surfaces without light, and [`view_factors`] need no materials.
 //!
 //! Scene, camera and [`Settings`] determine every bit of a picture. The number of threads, the accelerator
 //! and the instruction set do not change it.
@@ -24,6 +27,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod batch_queries;
 mod bytes;
 mod caught;
 mod comparison;

@@ -160,7 +160,9 @@ mod tests {
 
     fn model(parts: impl IntoIterator<Item = (Material, Vec<Triangle>)>) -> Model {
         let mut model = Model::default();
-        parts.into_iter().for_each(|(material, triangles)| model.add(material, triangles));
+        parts.into_iter().for_each(|(material, triangles)| {
+            model.add(material, triangles);
+        });
         model
     }
 

@@ -31,7 +31,8 @@ use pass_node::insert;
 use std::ops::Range;
 
 /// A picture's pixels, row 0 at the top: mean radiance, and how well it is known. Of a sensor that measures irradiance,
-/// such as [`IrradiancePoints`](crate::IrradiancePoints), every radiance of the film is an irradiance.
+/// such as [`IrradiancePoints`](crate::IrradiancePoints), every radiance of the film is an irradiance, and rows are not in
+/// the order of the list: [`IrradiancePoints::readings`](crate::IrradiancePoints::readings) is.
 ///
 /// A film holds the whole picture or a strip of it ([`Film::rows`]), of which it speaks as if it were a picture of
 /// its own: row 0 is the strip's first.
@@ -102,7 +103,7 @@ impl Film {
         self.path_reuse
     }
 
-    /// Mean radiance of a pixel; black before the first sample.
+    /// Mean radiance of a pixel, in the unit of the lights' radiance; black before the first sample.
     ///
     /// # Panics
     /// If the pixel lies outside the film.

@@ -1,6 +1,7 @@
 //! Rays that find the emission of lights, directly and by way of mirrors.
 
 use super::render_context::RenderContext;
+use crate::batch_queries;
 use crate::light::reflection;
 use crate::{Interaction, PathStart, Scene};
 use glam::DVec3;
@@ -82,7 +83,7 @@ impl EmissionRays {
                 break;
             }
             traced += self.rays.len() as u64;
-            scene.accel().intersect_batch(&self.rays, &mut self.hits);
+            batch_queries::intersect(scene.accel(), &self.rays, &mut self.hits);
             let mut kept = 0;
             for i in 0..self.rays.len() {
                 let next = self.follow(scene, i, reflections, &mut add);

@@ -69,7 +69,9 @@ pub struct Render<'a> {
 }
 
 impl<'a> Render<'a> {
-    /// A render of all samples of `settings`, of a scene with any accelerator.
+    /// A render of all samples of `settings`, of a scene with any accelerator. Settings that are made in the call, as by
+    /// [`IrradiancePoints::settings`](crate::IrradiancePoints::settings), must be bound to a variable if the render outlives
+    /// the statement.
     pub fn new(scene: &'a Scene<dyn Accel + 'a>, sensor: &'a dyn Sensor, settings: &'a Settings) -> Self {
         let stop = Stop::default();
         Self { scene, sensor, settings, stop, passes: None, crop: None, rows: None, before: None }
@@ -142,7 +144,8 @@ impl<'a> Render<'a> {
     /// [`RenderError::SensorSize`] for settings of another size than the sensor's,
     /// [`RenderError::Checkpoint`] for a picture to resume that does not belong to this render,
     /// [`RenderError::Threads`] if no threads can be started, [`RenderError::NonFinite`] for a sample
-    /// that is NaN or infinite. Panics are caught: [`RenderError::Worker`] for one in an accelerator, the sensor,
+    /// that is NaN or infinite. Panics are caught: [`RenderError::Preparation`] and
+    /// [`RenderError::Worker`] for one in an accelerator, the sensor,
     /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
     /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
     pub fn run(mut self, monitor: &dyn Monitor) -> Result<Picture, RenderError> {
@@ -165,8 +168,7 @@ impl<'a> Render<'a> {
                 return Ok(Picture { ending: Ending::Cancelled, ..picture });
             };
             let context = caught(|| prepared(self.scene, self.sensor, &settings, guide.as_ref()));
-            let context =
-                context.map_err(|message| RenderError::Worker { x: window.x, y: window.y, message })?;
+            let context = context.map_err(|message| RenderError::Preparation { message })?;
             let probes = PixelRect::tiles(window).map(|_| OnceLock::new()).collect();
             let meter = Meter::new(start, self.stop.seconds);
             let renderer = PassRenderer { context, monitor, meter: &meter, window, probes };

@@ -18,6 +18,8 @@ use crate::{Film, RenderError};
 /// stop.validate()?;
 /// # Ok::<(), globillum_integrator::RenderError>(())
 /// ```
+///
+/// Made by `default` and then changed, since fields may be added.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Stop {

@@ -48,6 +48,17 @@ impl<A: ?Sized> Scene<A> {
         &self.triangles
     }
 
+    /// The materials, in the order in which the model's were added; [`FirstHit::material`](crate::FirstHit::material) is
+    /// an index into them.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// For each triangle, the index of its material in [`Scene::materials`].
+    pub fn material_ids(&self) -> &[u32] {
+        &self.material_ids
+    }
+
     /// The lights: triangles that emit, and delta lights.
     pub fn lights(&self) -> &Lights {
         &self.lights
@@ -74,10 +85,13 @@ impl<A: ?Sized> Scene<A> {
 }
 
 impl<A: Accel> Scene<A> {
-    /// Checks the model's triangles and calls `build` for their accelerator. Traces no ray.
+    /// Checks the model's triangles and calls `build` for their accelerator: `WideBvh::build`,
+    /// `|triangles| KdTree::build(triangles, &KdOptions::default())`, or `|triangles| Ok(BruteForce::build(triangles))`.
+    /// Traces no ray.
     ///
     /// # Errors
-    /// [`RenderError::Geometry`] for invalid triangles and for an error of `build`.
+    /// [`RenderError::Geometry`] for invalid triangles and for an error of `build`, [`RenderError::OtherTriangles`] for an
+    /// accelerator with other bounds. Other triangles within the same bounds are not noticed, and make a wrong picture.
     pub fn build(
         model: Model,
         build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
@@ -87,6 +101,9 @@ impl<A: Accel> Scene<A> {
         let emission = |index: u32| materials[material_ids[index as usize] as usize].emission;
         let lights = Lights::of(&triangles, emission, &delta_lights);
         let accel = build(&triangles)?;
+        if accel.bounds() != triangles.bounds() {
+            return Err(RenderError::OtherTriangles);
+        }
         Ok(Self {
             triangles,
             material_ids,

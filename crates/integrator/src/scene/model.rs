@@ -32,16 +32,17 @@ pub struct Model {
     pub(super) delta_lights: Vec<DeltaLight>,
 }
 
-/// A material of a [`Model`], returned by [`Model::add_material`] and [`Model::material_id`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A material of a [`Model`], returned by [`Model::add`], [`Model::add_material`] and [`Model::material_id`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(u32);
 
 impl Model {
-    /// Appends `triangles` of one `material`.
-    pub fn add(&mut self, material: Material, triangles: impl IntoIterator<Item = Triangle>) {
-        let MaterialId(id) = self.add_material(material);
+    /// Appends `triangles` of one `material`, and returns this for [`Model::push`] and [`Model::set_material`].
+    pub fn add(&mut self, material: Material, triangles: impl IntoIterator<Item = Triangle>) -> MaterialId {
+        let id = self.add_material(material);
         self.triangles.extend(triangles);
-        self.material_ids.resize(self.triangles.len(), id);
+        self.material_ids.resize(self.triangles.len(), id.0);
+        id
     }
 
     /// Adds a material for use in [`Model::push`].

@@ -32,6 +32,9 @@ pub struct Settings {
     /// Height in pixels, at least 1. At most [`Settings::MAX_PIXELS`] in all.
     pub height: u32,
     /// Samples per pixel, at least 1. The render may be [stopped](crate::Stop) before it has all of them.
+    ///
+    /// With [`Sampler::Sobol`], errors are known from two passes on: with no more samples than those of one pass, margins
+    /// are infinite and no goal is met. A picture can be continued if its samples are a multiple of those of a pass.
     pub samples: u32,
     /// Samples per pixel in one pass, a power of two up to `2^16`. The last pass takes what is left of
     /// `samples`.
@@ -49,7 +52,8 @@ pub struct Settings {
     pub threads: usize,
     /// The largest number of bounces of a path, at most [`Settings::MAX_BOUNCES`]: 0 is emission only, 1 adds
     /// direct light. A limit biases the picture, since light of more bounces is missing. With `None`,
-    /// [`Roulette`] alone ends paths.
+    /// [`Roulette`] alone ends paths. A [point of irradiance](crate::PathStart::Irradiance) is the first bounce of its
+    /// paths: with 0 it measures nothing, with 1 direct irradiance.
     pub max_bounces: Option<u32>,
     /// The technique that finds emission.
     pub estimator: Estimator,

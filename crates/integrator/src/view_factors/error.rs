@@ -13,6 +13,9 @@ pub enum FactorError {
         /// The number of triangles of the scene.
         triangles: usize,
     },
+    /// The accelerator has other bounds than the triangles.
+    #[error("the accelerator is not one over these triangles: its bounds differ from theirs")]
+    OtherTriangles,
     /// No triangle of a patch has an area, so no ray can leave it.
     #[error("patch {patch} has no triangle with an area")]
     EmptyPatch {

@@ -4,7 +4,7 @@ use crate::film::student::{NORMAL_QUANTILE_975, quantile_975};
 use rayon::prelude::*;
 
 /// Where a ray from a patch arrives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Target {
     /// The radiating side of this patch.
     Patch(u32),
@@ -111,7 +111,7 @@ impl ViewFactors {
     /// The view factor of a patch to `target`; 0 if no ray has hit it. Takes time in proportion to the row.
     ///
     /// # Panics
-    /// If `patch` is not below [`ViewFactors::patches`].
+    /// If `patch`, or the patch of `target`, is not below [`ViewFactors::patches`].
     pub fn factor(&self, patch: u32, target: Target) -> Factor {
         self.factor_of(self.entry(patch, target))
     }
@@ -123,7 +123,7 @@ impl ViewFactors {
     /// and which has an upper end for none.
     ///
     /// # Panics
-    /// If `patch` is not below [`ViewFactors::patches`].
+    /// If `patch`, or the patch of `target`, is not below [`ViewFactors::patches`].
     pub fn interval_95(&self, patch: u32, target: Target) -> [f64; 2] {
         self.interval_of(self.entry(patch, target))
     }
@@ -185,7 +185,10 @@ impl ViewFactors {
 
     fn entry(&self, patch: u32, target: Target) -> Entry {
         let column = match target {
-            Target::Patch(patch) => patch,
+            Target::Patch(patch) => {
+                assert!(patch < self.patches(), "patch {patch} of {}", self.patches());
+                patch
+            }
             Target::Surroundings => self.patches(),
             Target::Back => self.patches() + 1,
         };

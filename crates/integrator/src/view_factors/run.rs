@@ -16,7 +16,7 @@ use std::time::Instant;
 /// A pass traces the same number of rays from each patch, which is one task. Counts are integers, so their sums
 /// depend neither on the number of threads nor on when passes were traced; hits are the same in each accelerator.
 #[derive(Debug)]
-pub struct FactorRun<'a, A> {
+pub struct FactorRun<'a, A: ?Sized> {
     triangles: &'a Triangles,
     accel: &'a A,
     patches: &'a Patches,
@@ -24,7 +24,7 @@ pub struct FactorRun<'a, A> {
     before: Option<ViewFactors>,
 }
 
-impl<'a, A: Accel> FactorRun<'a, A> {
+impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
     /// The view factors between `patches` of `triangles`, over which `accel` is built.
     pub fn new(
         triangles: &'a Triangles,
@@ -47,14 +47,18 @@ impl<'a, A: Accel> FactorRun<'a, A> {
     /// [`Progress`](crate::Progress) counts rays as samples.
     ///
     /// # Errors
-    /// [`FactorError::Param`] for settings out of range, [`FactorError::Patches`] and [`FactorError::EmptyPatch`] for
+    /// [`FactorError::Param`] for settings out of range, [`FactorError::OtherTriangles`] for an accelerator of other
+    /// bounds, [`FactorError::Patches`] and [`FactorError::EmptyPatch`] for
     /// patches that do not fit, [`FactorError::OtherRun`] for view factors to resume of other triangles, patches or
     /// settings, [`FactorError::NoneAsLarge`] for a goal that no factor is large enough for,
     /// [`FactorError::Threads`] if no threads can be started. Panics are caught: [`FactorError::Worker`]
     /// for one in an accelerator, [`Monitor::progress`] or [`Monitor::cancelled`], [`FactorError::Monitor`] for one in
     /// [`Monitor::pass_done`].
-    pub fn run(mut self, monitor: &impl Monitor<ViewFactors>) -> Result<ViewFactors, FactorError> {
+    pub fn run(mut self, monitor: &dyn Monitor<ViewFactors>) -> Result<ViewFactors, FactorError> {
         self.settings.validate()?;
+        if self.accel.bounds() != self.triangles.bounds() {
+            return Err(FactorError::OtherTriangles);
+        }
         let start = self.start()?;
         let threads = worker_threads(self.settings.threads).map_err(FactorError::Threads)?;
         threads.install(|| self.add_passes(start, monitor))
@@ -86,7 +90,7 @@ impl<'a, A: Accel> FactorRun<'a, A> {
     fn add_passes(
         &self,
         mut factors: ViewFactors,
-        monitor: &impl Monitor<ViewFactors>,
+        monitor: &dyn Monitor<ViewFactors>,
     ) -> Result<ViewFactors, FactorError> {
         let passes = self.settings.passes;
         let tracer = Tracer::new(self.triangles, self.accel, self.patches, self.settings);
@@ -139,7 +143,7 @@ impl<'a, A: Accel> FactorRun<'a, A> {
         tracer: &Tracer<'a, A>,
         pass: u32,
         meter: &Meter,
-        monitor: &impl Monitor<ViewFactors>,
+        monitor: &dyn Monitor<ViewFactors>,
     ) -> Result<Option<Vec<Row>>, FactorError> {
         let of_patch = |buffers: &mut Buffers, patch: u32| {
             let traced = caught(|| {

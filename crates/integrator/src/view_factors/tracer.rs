@@ -1,5 +1,6 @@
 use super::row::{Entry, Row};
 use super::{FactorSettings, Patches};
+use crate::batch_queries;
 use crate::sampler::{Member, SobolPoint};
 use glam::DVec3;
 use globillum_geom::{Accel, Frame, Hit, Ray, SimdLevel, Triangle, Triangles};
@@ -8,7 +9,7 @@ use globillum_material::warp::CosineHemisphere;
 
 /// Traces the rays of patches.
 #[derive(Debug)]
-pub(super) struct Tracer<'a, A> {
+pub(super) struct Tracer<'a, A: ?Sized> {
     triangles: &'a Triangles,
     accel: &'a A,
     patches: &'a Patches,
@@ -46,7 +47,7 @@ const BATCH: u32 = 1024;
 /// Rays whose random numbers are computed at once.
 const AT_ONCE: usize = 8;
 
-impl<'a, A: Accel> Tracer<'a, A> {
+impl<'a, A: Accel + ?Sized> Tracer<'a, A> {
     /// A tracer for patches that are those of `triangles`, none of which is empty.
     pub(super) fn new(
         triangles: &'a Triangles,
@@ -83,7 +84,7 @@ impl<'a, A: Accel> Tracer<'a, A> {
         for first in (0..pass_rays).step_by(BATCH as usize) {
             rays.clear();
             self.spawn(patch, pass, first..pass_rays.min(first + BATCH), rays);
-            self.accel.intersect_batch(rays, hits);
+            batch_queries::intersect(self.accel, rays, hits);
             for (ray, hit) in rays.iter().zip(hits.iter()) {
                 let column = self.column(ray, hit.as_ref());
                 let count = &mut counts[column as usize];

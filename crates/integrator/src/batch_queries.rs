@@ -1,0 +1,26 @@
+//! Batch queries. The accelerator may be one of the user's, so the number of its answers is checked: too few or too many would
+//! be taken for those of other rays.
+
+use globillum_geom::{Accel, Hit, Ray};
+
+/// The closest hits of `rays`, one for each.
+///
+/// # Panics
+/// If the accelerator stores another number of answers.
+pub(crate) fn intersect(accel: &(impl Accel + ?Sized), rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    accel.intersect_batch(rays, hits);
+    check("intersect_batch", hits.len(), rays.len());
+}
+
+/// Whether each of `rays` hits anything.
+///
+/// # Panics
+/// If the accelerator stores another number of answers.
+pub(crate) fn occluded(accel: &(impl Accel + ?Sized), rays: &[Ray], occluded: &mut Vec<bool>) {
+    accel.occluded_batch(rays, occluded);
+    check("occluded_batch", occluded.len(), rays.len());
+}
+
+fn check(method: &str, answers: usize, rays: usize) {
+    assert_eq!(answers, rays, "Accel::{method} stored {answers} answers for {rays} rays");
+}
