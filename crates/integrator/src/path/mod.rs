@@ -24,6 +24,8 @@ mod render_context;
 mod replay;
 mod reuse;
 mod reuse_stage;
+#[cfg(test)]
+mod test_rooms;
 mod tile_probes;
 mod tile_samples;
 mod wavefront;

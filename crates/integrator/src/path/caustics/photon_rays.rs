@@ -134,3 +134,31 @@ impl PhotonRays {
         counters.shadow_rays += rays.len() as u64 + traced;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Camera;
+    use crate::guide::{Photon, guide_vertex};
+    use crate::light::Receiver;
+    use crate::path::test_rooms::{Setup, TILE, settings, shaft};
+    use glam::Vec3;
+
+    /// In the middle between the walls, a ray toward the height `4 / (2 k)` of a wall reaches the light after `k` mirrors.
+    #[test]
+    fn rays_of_photons_follow_as_many_mirrors_as_paths_do() {
+        let (scene, settings) = (shaft(0.5), settings());
+        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.02).unwrap();
+        for mirrors in [1.0, 2.0, 8.0, 9.0] {
+            let vertex = guide_vertex(Receiver { position: DVec3::ZERO, side: Vec3::Y });
+            let photon = Photon { vertex, exit: Vec3::new(0.5, 2.0 / mirrors, 0.0) };
+            let photons = PhotonGuide::new(&[photon; 64]).unwrap();
+            let setup = Setup { scene: &scene, sensor: &camera, photons, trained: None };
+            let [with_photons, shared, _] = setup.pixels(&settings);
+            let brighter = with_photons.iter().zip(&shared).filter(|(a, b)| a.g > b.g).count();
+            let looked_for = (2.0..=8.0).contains(&mirrors);
+            assert_eq!(brighter > TILE.pixel_count() / 2, looked_for, "{mirrors}: {brighter}");
+            assert_eq!(with_photons == shared, !looked_for, "{mirrors}");
+        }
+    }
+}

@@ -189,111 +189,18 @@ fn shared_radiance(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::guide::{Guide, Photon, PhotonGuide, guide_vertex};
-    use crate::light::Receiver;
-    use crate::path::preliminary::photon_guide;
-    use crate::path::radiance_sums::Target;
-    use crate::path::tile_probes::LightEdges;
-    use crate::path::{TileProbes, Wavefront, guide, prepared};
-    use crate::pixel_rect::PixelRect;
+    use crate::path::test_rooms::{Setup, TILE, advanced, camera, room, room_with_wall, settings, shaft};
+    use crate::path::{TileProbes, Wavefront};
     use crate::{
-        Camera, ElementSample, Estimator, Guiding, MirrorSampling, Model, PathStart, Roulette, Sampler,
-        Scene, Sensor, Settings,
+        Camera, ElementSample, Estimator, Guiding, MirrorSampling, PathStart, Roulette, Scene, Sensor,
+        Settings,
     };
-    use glam::{DVec3, Vec3};
-    use globillum_geom::conformance::shapes::{icosphere, quad};
-    use globillum_geom::{KdOptions, KdTree, Triangle};
-    use globillum_material::{Emission, Material, Sides};
+    use glam::DVec3;
+    use globillum_geom::KdTree;
     use std::hash::Hasher;
     use std::ops::Range;
 
-    const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 13, height: 16 };
     const SEEDS: u64 = 200;
-
-    /// A floor of colours without blue or red between mirrors, flat, curved and emitting, and a light of this size. The
-    /// camera sees parts of the floor in a mirror.
-    fn room(size: f64) -> Scene<KdTree> {
-        built(room_model(size))
-    }
-
-    fn built(model: Model) -> Scene<KdTree> {
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
-    }
-
-    /// The room with a wall that the floor sees, and that sees the light in mirrors.
-    fn room_with_wall() -> Scene<KdTree> {
-        let (p, mut model) = (DVec3::new, room_model(0.6));
-        let wall = quad(p(0.9, 0.0, 1.0), p(0.9, 1.2, 1.0), p(0.9, 1.2, -0.9), p(0.9, 0.0, -0.9));
-        model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), wall);
-        built(model)
-    }
-
-    fn room_model(size: f64) -> Model {
-        let p = DVec3::new;
-        let mut model = Model::default();
-        let mut add = |material, triangles: &[Triangle]| model.add(material, triangles.iter().copied());
-        let lambert = |r, g, b| Material::lambert(Rgb::new(r, g, b)).unwrap();
-        let mirror = |r, g, b| Material::mirror(Rgb::new(r, g, b)).unwrap();
-        let left = quad(p(-1.0, 0.0, 1.0), p(0.1, 0.0, 1.0), p(0.1, 0.0, -1.0), p(-1.0, 0.0, -1.0));
-        add(lambert(0.9, 0.6, 0.0), &left);
-        let right = quad(p(0.1, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(0.1, 0.0, -1.0));
-        add(lambert(0.0, 0.8, 0.7), &right);
-        let back = quad(p(-1.0, 0.0, -1.0), p(1.0, 0.0, -1.0), p(1.0, 2.0, -0.8), p(-1.0, 2.0, -0.8));
-        add(mirror(0.9, 0.5, 0.8), &back);
-        let side = quad(p(-1.0, 0.0, -1.0), p(-1.1, 2.0, -1.0), p(-1.1, 2.0, 1.0), p(-1.0, 0.0, 1.0));
-        add(mirror(0.0, 0.9, 0.8), &side);
-        let glow = Emission::new(Rgb::new(0.2, 0.1, 0.3) * f64::from(size > 0.5), Sides::Front).unwrap();
-        let other = quad(p(1.0, 0.0, 1.0), p(1.1, 2.0, 1.0), p(1.1, 2.0, -1.0), p(1.0, 0.0, -1.0));
-        add(mirror(0.7, 0.9, 0.6).emitting(glow), &other);
-        add(mirror(0.9, 0.8, 0.9), &icosphere(1).placed(0.3, p(0.3, 0.5, 0.1)).triangles());
-        let far = [-0.4, -0.3].map(|near| near + size);
-        let light =
-            quad(p(-0.4, 1.5, -0.3), p(far[0], 1.5, -0.3), p(far[0], 1.5, far[1]), p(-0.4, 1.5, far[1]));
-        add(Material::light(Rgb::new(5.0, 4.0, 3.0)).unwrap(), &light);
-        model
-    }
-
-    fn camera(fov: f64) -> Camera {
-        Camera::look_at(DVec3::new(0.3, 0.9, 2.2), DVec3::new(0.1, 0.0, 0.0), DVec3::Y, fov).unwrap()
-    }
-
-    fn settings() -> Settings {
-        Settings::new(13, 16, 4)
-    }
-
-    /// What is rendered, and what directions at first diffuse vertices follow.
-    struct Setup<'a> {
-        scene: &'a Scene<KdTree>,
-        sensor: &'a dyn Sensor,
-        photons: PhotonGuide,
-        trained: Option<Guide>,
-    }
-
-    impl<'a> Setup<'a> {
-        fn new(scene: &'a Scene<KdTree>, sensor: &'a dyn Sensor, guiding: Guiding) -> Self {
-            let settings = Settings { guiding, ..settings() };
-            let trained = guide(scene, sensor, &settings, || false).unwrap().continue_value().flatten();
-            let context = RenderContext::new(scene, sensor, &settings);
-            let photons = photon_guide(&RenderContext { shares_caustics: true, ..context }).unwrap();
-            Self { scene, sensor, photons, trained }
-        }
-
-        /// The radiance of each pixel's four samples together: with shared caustics and photons, with shared caustics, and
-        /// with neither.
-        fn pixels(&self, settings: &Settings) -> [Vec<Rgb>; 3] {
-            let photons = Some(self.photons.clone());
-            [(true, photons), (true, None), (false, None)].map(|(shares_caustics, photons)| {
-                let context = RenderContext::new(self.scene, self.sensor, settings);
-                let guide = self.trained.as_ref();
-                let context = RenderContext { guide, shares_caustics, photons, ..context };
-                let mut wavefront = Wavefront::default();
-                wavefront.trace(&context, &TileProbes::of(&context, TILE), 0..4, || false);
-                let of_pixels = wavefront.radiance().chunks(4);
-                let sum = |of_pixel: &[Rgb]| of_pixel.iter().fold(Rgb::BLACK, |sum, &sample| sum + sample);
-                of_pixels.map(sum).collect()
-            })
-        }
-    }
 
     /// Points of the floor that measure irradiance.
     #[derive(Debug)]
@@ -376,7 +283,7 @@ mod tests {
     #[test]
     fn pixels_keep_their_mean_between_mirrors_and_beside_walls() {
         let (room, shaft, walled, [wide, near]) =
-            (room(0.6), shaft(), room_with_wall(), [0.9, 0.2].map(camera));
+            (room(0.6), shaft(0.5), room_with_wall(), [0.9, 0.2].map(camera));
         check_means(&[
             (&room, &Floor, settings()),
             (&shaft, &near, settings()),
@@ -406,28 +313,11 @@ mod tests {
         assert!(with_photons < 0.8 * shared, "{with_photons}, {shared}");
     }
 
-    /// A floor between two high mirrors that face each other, below a light: many paths reach it after eight mirrors, and
-    /// many after nine.
-    fn shaft() -> Scene<KdTree> {
-        let p = DVec3::new;
-        let mut model = Model::default();
-        let level = |y| [p(-0.5, y, 9.0), p(0.5, y, 9.0), p(0.5, y, -9.0), p(-0.5, y, -9.0)];
-        let [a, b, c, d] = level(0.0);
-        model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), quad(a, b, c, d));
-        let [a, b, c, d] = level(4.0);
-        model.add(Material::light(Rgb::splat(2.0)).unwrap(), quad(a, d, c, b));
-        for x in [-0.5, 0.5] {
-            let wall = quad(p(x, 0.0, 9.0), p(x, 0.0, -9.0), p(x, 4.0, -9.0), p(x, 4.0, 9.0));
-            model.add(Material::mirror(Rgb::splat(0.95)).unwrap(), wall);
-        }
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
-    }
-
     /// What a pixel finds by way of a mirror that another path has met is what its own path finds there: by way of no
     /// fewer mirrors and of no more, and with the same weight beside photons.
     #[test]
     fn each_path_finds_its_own_caustic_again() {
-        let (scene, settings) = (shaft(), settings());
+        let (scene, settings) = (shaft(0.5), settings());
         let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
         let photons = Setup::new(&scene, &camera, Guiding::Off).photons;
         let [lit, weighted] = [None, Some(photons)].map(|photons| {
@@ -436,88 +326,6 @@ mod tests {
         });
         assert!(lit[0] > 100 && lit[1] == 0, "{lit:?}");
         assert!(weighted[0] == lit[0] && weighted[1] > 100, "{weighted:?}");
-    }
-
-    /// What a suffix finds by way of mirrors reaches many samples of its number in the square, and no other samples. Its
-    /// weights add up to one.
-    #[test]
-    fn caustics_of_suffixes_are_shared_by_the_square() {
-        let (scene, camera) = (room_with_wall(), camera(0.9));
-        let (mut more_than_a_group, mut all) = (0, 0);
-        for seed in 0..4 {
-            let settings = Settings { seed, mirror_sampling: MirrorSampling::Off, ..settings() };
-            let context = RenderContext::new(&scene, &camera, &settings);
-            let context = RenderContext { shares_caustics: true, ..context };
-            let Wavefront { samples, prefixes, mut suffix_sharing, mut radiance, .. } = advanced(&context);
-            for (sample, found) in std::mem::take(&mut radiance.suffix_caustics) {
-                radiance.after_prefixes.fill(Rgb::BLACK);
-                radiance.samples.fill(Rgb::BLACK);
-                radiance.suffix_caustics = vec![(sample, found)];
-                let of_tile = (&samples, &[Rgb::BLACK][..]);
-                suffix_sharing.share(&context, of_tile, &prefixes, &mut radiance, &mut Counters::default());
-                let lit = |number| {
-                    let of_number = radiance.samples.iter().skip(number).step_by(4);
-                    of_number.filter(|radiance| !radiance.is_black()).count()
-                };
-                let (own, others) = (lit(sample as usize % 4), (0..4).map(lit).sum::<usize>());
-                assert_eq!(own, others, "{sample}");
-                let arriving = (0..).zip(&radiance.samples).filter(|(_, radiance)| !radiance.is_black());
-                let arriving =
-                    arriving.map(|(i, radiance)| radiance.g / prefixes.of(i).map_or(1.0, |p| p.throughput.g));
-                assert!((arriving.sum::<f64>() - found.g).abs() <= 1e-12 * found.g, "{sample}");
-                more_than_a_group += usize::from(own > 16);
-                all += 1;
-            }
-        }
-        assert!(all > 20 && 2 * more_than_a_group > all, "{more_than_a_group} of {all}");
-    }
-
-    /// What a path finds by itself is what it finds if none are shared, also if its suffix finds a caustic.
-    #[test]
-    fn sharing_keeps_what_a_path_finds_alone() {
-        let (scene, camera) = (room_with_wall(), camera(0.9));
-        let roulette = Roulette { start: 8, threshold: 0.2 };
-        let settings = Settings { roulette, max_bounces: Some(8), ..settings() };
-        let settings = Settings { sampler: Sampler::Independent, ..settings };
-        let settings = Settings { mirror_sampling: MirrorSampling::Off, ..settings };
-        let mut caustics = 0;
-        for seed in 0..8 {
-            let settings = Settings { seed, ..settings };
-            let context = RenderContext::new(&scene, &camera, &settings);
-            let shared = advanced(&RenderContext { shares_caustics: true, ..context });
-            let settings = Settings { path_reuse: crate::PathReuse::Off, ..settings };
-            let alone = advanced(&RenderContext::new(&scene, &camera, &settings));
-            caustics += shared.radiance.suffix_caustics.len();
-            for (sample, alone) in (0..).zip(alone.radiance()) {
-                let of_suffix = shared.radiance.after_prefix(sample) + shared.caustics.found_by(sample);
-                let throughput = shared.prefixes.throughput_before(Target::AfterPrefix(sample));
-                let found = throughput * of_suffix + shared.radiance()[sample as usize];
-                assert!((found.g - alone.g).abs() <= 1e-12 * alone.g, "{sample}: {found}, {alone}");
-            }
-        }
-        assert!(caustics > 10, "{caustics}");
-    }
-
-    /// Roulette must not end a suffix for certain while a prefix of its square can use what the suffix finds of caustics:
-    /// that prefix counts on it in the balance heuristic. The floor has colours without blue and without red.
-    #[test]
-    fn roulette_goes_by_all_prefixes_that_share_caustics() {
-        let (scene, camera, settings) = (room(0.2), camera(0.9), settings());
-        let context = RenderContext::new(&scene, &camera, &settings);
-        let context = RenderContext { shares_caustics: true, ..context };
-        let Wavefront { samples, prefixes, .. } = advanced(&context);
-        let of = |sample| prefixes.of(sample).map(|prefix| (prefix.bounce, prefix.throughput));
-        let mut pairs = 0;
-        let all = 0..samples.count() as u32;
-        for (sample, own) in all.filter_map(|sample| Some((sample, prefixes.of(sample)?))) {
-            for (bounce, throughput) in samples.of_square(sample).filter_map(of) {
-                if bounce == own.bounce {
-                    assert_eq!(own.largest_throughput.max(throughput), own.largest_throughput, "{sample}");
-                    pairs += u32::from(throughput.r == 0.0 && own.throughput.b == 0.0);
-                }
-            }
-        }
-        assert!(pairs > 1000, "{pairs}");
     }
 
     /// The buffers of a wavefront keep nothing of what it traced before.
@@ -534,20 +342,6 @@ mod tests {
             wavefront.radiance().to_vec()
         };
         assert_eq!(trace(), trace());
-    }
-
-    /// The paths of the tile, advanced to their ends.
-    fn advanced(context: &RenderContext<'_>) -> Wavefront {
-        let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
-        let probes = TileProbes { edges: LightEdges::default(), ..TileProbes::of(context, TILE) };
-        wavefront.start(context, &probes, 0..4);
-        for bounce in 0.. {
-            wavefront.advance(context, bounce, &mut counters);
-            if wavefront.paths.is_empty() {
-                break;
-            }
-        }
-        wavefront
     }
 
     /// How many caustics are found again, and how many of these with a weight less than one.
@@ -571,37 +365,5 @@ mod tests {
             numbers[1] += u32::from(shared < 0.999 * caustics.found_by(sample).g);
         }
         numbers
-    }
-
-    /// In the middle between the walls, a ray toward the height `4 / (2 k)` of a wall reaches the light after `k` mirrors.
-    #[test]
-    fn rays_of_photons_follow_as_many_mirrors_as_paths_do() {
-        let (scene, settings) = (shaft(), settings());
-        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.02).unwrap();
-        for mirrors in [1.0, 2.0, 8.0, 9.0] {
-            let vertex = guide_vertex(Receiver { position: DVec3::ZERO, side: Vec3::Y });
-            let photon = Photon { vertex, exit: Vec3::new(0.5, 2.0 / mirrors, 0.0) };
-            let photons = PhotonGuide::new(&[photon; 64]).unwrap();
-            let setup = Setup { scene: &scene, sensor: &camera, photons, trained: None };
-            let [with_photons, shared, _] = setup.pixels(&settings);
-            let brighter = with_photons.iter().zip(&shared).filter(|(a, b)| a.g > b.g).count();
-            let looked_for = (2.0..=8.0).contains(&mirrors);
-            assert_eq!(brighter > TILE.pixel_count() / 2, looked_for, "{mirrors}: {brighter}");
-            assert_eq!(with_photons == shared, !looked_for, "{mirrors}");
-        }
-    }
-
-    #[test]
-    fn caustics_are_shared_where_they_are_rare() {
-        let (camera, settings) = (camera(0.9), settings());
-        let off = Settings { path_reuse: crate::PathReuse::Off, ..settings };
-        for (size, settings, expected) in
-            [(0.6, &settings, false), (0.2, &settings, true), (0.2, &off, false)]
-        {
-            let scene = room(size);
-            let context = prepared(&scene, &camera, settings, None);
-            assert_eq!(context.shares_caustics, expected, "{size}, {:?}", settings.path_reuse);
-            assert_eq!(context.photons.is_some(), expected, "{size}, {:?}", settings.path_reuse);
-        }
     }
 }

@@ -89,33 +89,13 @@ fn starts(context: &RenderContext<'_>) -> impl Iterator<Item = PathStart> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Camera, ElementSample, Model, Roulette, Scene, Sensor, Settings};
+    use crate::path::prepared;
+    use crate::path::test_rooms::{built, camera, room, settings, shaft, shaft_model};
+    use crate::{Camera, ElementSample, PathReuse, Roulette, Sensor, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
-    use globillum_geom::{KdOptions, KdTree};
     use globillum_material::{Material, Rgb};
     use std::hash::Hasher;
-
-    /// A floor between two mirrors, below a light that takes up all that the mirrors show, or a small part of it.
-    fn shaft_model(half_light: f64) -> Model {
-        let p = DVec3::new;
-        let mut model = Model::default();
-        let level = |y: f64, x: f64, z: f64| [p(-x, y, z), p(x, y, z), p(x, y, -z), p(-x, y, -z)];
-        let [a, b, c, d] = level(0.0, 0.5, 9.0);
-        model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), quad(a, b, c, d));
-        let [a, b, c, d] = level(4.0, half_light, 18.0 * half_light);
-        model.add(Material::light(Rgb::splat(2.0)).unwrap(), quad(a, d, c, b));
-        for x in [-0.5, 0.5] {
-            let wall = quad(p(x, 0.0, 9.0), p(x, 0.0, -9.0), p(x, 4.0, -9.0), p(x, 4.0, 9.0));
-            model.add(Material::mirror(Rgb::splat(0.95)).unwrap(), wall);
-        }
-        model
-    }
-
-    fn shaft(half_light: f64) -> Scene<KdTree> {
-        let model = shaft_model(half_light);
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
-    }
 
     /// Points of the floor that measure irradiance.
     #[derive(Debug)]
@@ -164,12 +144,26 @@ mod tests {
         let mut model = shaft_model(0.5);
         let ceiling = quad(p(-0.5, 2.0), p(-0.5, -2.0), p(0.5, -2.0), p(0.5, 2.0));
         model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), ceiling);
-        let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
+        let scene = built(model);
         let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::Y * 3.9, DVec3::X, 0.1).unwrap();
         let settings = Settings::new(16, 16, 4);
         let context = RenderContext::new(&scene, &camera, &settings);
         let first = scattered_rays(&context, 0, starts(&context));
         assert_eq!(found_from(&context, &first), 0);
         assert!(caustics_found(&context) > 10 * MAX_FOUND);
+    }
+
+    #[test]
+    fn caustics_are_shared_where_they_are_rare() {
+        let (camera, settings) = (camera(0.9), settings());
+        let off = Settings { path_reuse: PathReuse::Off, ..settings };
+        for (size, settings, expected) in
+            [(0.6, &settings, false), (0.2, &settings, true), (0.2, &off, false)]
+        {
+            let scene = room(size);
+            let context = prepared(&scene, &camera, settings, None);
+            assert_eq!(context.shares_caustics, expected, "{size}, {:?}", settings.path_reuse);
+            assert_eq!(context.photons.is_some(), expected, "{size}, {:?}", settings.path_reuse);
+        }
     }
 }

@@ -180,3 +180,32 @@ fn update_largest_throughput(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::Wavefront;
+    use crate::path::test_rooms::{advanced, camera, room, settings};
+
+    /// Roulette must not end a suffix for certain while a prefix of its square can use what the suffix finds of caustics:
+    /// that prefix counts on it in the balance heuristic. The floor has colours without blue and without red.
+    #[test]
+    fn roulette_goes_by_all_prefixes_that_share_caustics() {
+        let (scene, camera, settings) = (room(0.2), camera(0.9), settings());
+        let context = RenderContext::new(&scene, &camera, &settings);
+        let context = RenderContext { shares_caustics: true, ..context };
+        let Wavefront { samples, prefixes, .. } = advanced(&context);
+        let of = |sample| prefixes.of(sample).map(|prefix| (prefix.bounce, prefix.throughput));
+        let mut pairs = 0;
+        let all = 0..samples.count() as u32;
+        for (sample, own) in all.filter_map(|sample| Some((sample, prefixes.of(sample)?))) {
+            for (bounce, throughput) in samples.of_square(sample).filter_map(of) {
+                if bounce == own.bounce {
+                    assert_eq!(own.largest_throughput.max(throughput), own.largest_throughput, "{sample}");
+                    pairs += u32::from(throughput.r == 0.0 && own.throughput.b == 0.0);
+                }
+            }
+        }
+        assert!(pairs > 1000, "{pairs}");
+    }
+}

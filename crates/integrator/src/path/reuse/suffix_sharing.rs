@@ -161,3 +161,72 @@ fn add_control_variate(
         samples[sample] += throughput * control_variate;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::Wavefront;
+    use crate::path::radiance_sums::Target;
+    use crate::path::test_rooms::{advanced, camera, room_with_wall, settings};
+    use crate::{MirrorSampling, PathReuse, Roulette, Sampler, Settings};
+
+    /// What a suffix finds by way of mirrors reaches many samples of its number in the square, and no other samples. Its
+    /// weights add up to one.
+    #[test]
+    fn caustics_of_suffixes_are_shared_by_the_square() {
+        let (scene, camera) = (room_with_wall(), camera(0.9));
+        let (mut more_than_a_group, mut all) = (0, 0);
+        for seed in 0..4 {
+            let settings = Settings { seed, mirror_sampling: MirrorSampling::Off, ..settings() };
+            let context = RenderContext::new(&scene, &camera, &settings);
+            let context = RenderContext { shares_caustics: true, ..context };
+            let Wavefront { samples, prefixes, mut suffix_sharing, mut radiance, .. } = advanced(&context);
+            for (sample, found) in std::mem::take(&mut radiance.suffix_caustics) {
+                radiance.after_prefixes.fill(Rgb::BLACK);
+                radiance.samples.fill(Rgb::BLACK);
+                radiance.suffix_caustics = vec![(sample, found)];
+                let of_tile = (&samples, &[Rgb::BLACK][..]);
+                suffix_sharing.share(&context, of_tile, &prefixes, &mut radiance, &mut Counters::default());
+                let lit = |number| {
+                    let of_number = radiance.samples.iter().skip(number).step_by(4);
+                    of_number.filter(|radiance| !radiance.is_black()).count()
+                };
+                let (own, others) = (lit(sample as usize % 4), (0..4).map(lit).sum::<usize>());
+                assert_eq!(own, others, "{sample}");
+                let arriving = (0..).zip(&radiance.samples).filter(|(_, radiance)| !radiance.is_black());
+                let arriving =
+                    arriving.map(|(i, radiance)| radiance.g / prefixes.of(i).map_or(1.0, |p| p.throughput.g));
+                assert!((arriving.sum::<f64>() - found.g).abs() <= 1e-12 * found.g, "{sample}");
+                more_than_a_group += usize::from(own > 16);
+                all += 1;
+            }
+        }
+        assert!(all > 20 && 2 * more_than_a_group > all, "{more_than_a_group} of {all}");
+    }
+
+    /// What a path finds by itself is what it finds if none are shared, also if its suffix finds a caustic.
+    #[test]
+    fn sharing_keeps_what_a_path_finds_alone() {
+        let (scene, camera) = (room_with_wall(), camera(0.9));
+        let roulette = Roulette { start: 8, threshold: 0.2 };
+        let settings = Settings { roulette, max_bounces: Some(8), ..settings() };
+        let settings = Settings { sampler: Sampler::Independent, ..settings };
+        let settings = Settings { mirror_sampling: MirrorSampling::Off, ..settings };
+        let mut caustics = 0;
+        for seed in 0..8 {
+            let settings = Settings { seed, ..settings };
+            let context = RenderContext::new(&scene, &camera, &settings);
+            let shared = advanced(&RenderContext { shares_caustics: true, ..context });
+            let settings = Settings { path_reuse: PathReuse::Off, ..settings };
+            let alone = advanced(&RenderContext::new(&scene, &camera, &settings));
+            caustics += shared.radiance.suffix_caustics.len();
+            for (sample, alone) in (0..).zip(alone.radiance()) {
+                let of_suffix = shared.radiance.after_prefix(sample) + shared.caustics.found_by(sample);
+                let throughput = shared.prefixes.throughput_before(Target::AfterPrefix(sample));
+                let found = throughput * of_suffix + shared.radiance()[sample as usize];
+                assert!((found.g - alone.g).abs() <= 1e-12 * alone.g, "{sample}: {found}, {alone}");
+            }
+        }
+        assert!(caustics > 10, "{caustics}");
+    }
+}
