@@ -19,7 +19,8 @@ use std::path::{Path, PathBuf};
 pub struct Loaded {
     /// Triangles with materials, and delta lights.
     pub model: Model,
-    /// The file's cameras, if it has any.
+    /// The cameras that can be used, in the order of their nodes. Those that cannot are left out, each with a warning, so
+    /// that an index here need not be the camera's index in the file.
     pub cameras: Vec<Camera>,
     /// Content that is ignored or approximated.
     pub report: LoadReport,

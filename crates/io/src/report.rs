@@ -58,6 +58,8 @@ pub enum WarningKind {
     NoPositions,
     /// A camera that is not a perspective one.
     CameraIgnored,
+    /// A perspective camera whose node, or a node above it, flattens its view by a scale of zero.
+    CameraFlattened,
     /// A spot or directional light of a node that has no direction, such as one with a scale of zero.
     LightIgnored,
     /// Ranges of delta lights, beyond which a renderer may ignore them: they shine at any distance.
@@ -133,6 +135,12 @@ impl fmt::Display for WarningKind {
             }
             Self::NoPositions => write!(f, "primitive without positions is skipped"),
             Self::CameraIgnored => write!(f, "camera is not perspective and is ignored"),
+            Self::CameraFlattened => {
+                write!(
+                    f,
+                    "camera is ignored: the node's transform flattens its view direction or its up vector"
+                )
+            }
             Self::LightIgnored => write!(f, "light has no direction and is ignored"),
             Self::RangeIgnored { count } => write!(f, "ranges of delta lights are ignored: {count}"),
             Self::PoseIgnored => write!(f, "skins and morph targets are ignored"),

@@ -281,6 +281,25 @@ fn perspective_cameras_are_placed_by_their_nodes() {
     assert_eq!(warnings(&loaded), [(Place::Camera(1), WarningKind::CameraIgnored)]);
 }
 
+#[test]
+fn cameras_that_their_nodes_flatten_are_left_out() {
+    let loaded = load(square(&json!({
+        "nodes": [
+            {"mesh": 0},
+            {"camera": 0, "scale": [0, 0, 0]},
+            {"camera": 0, "scale": [1, 0, 1], "translation": [0, 0.3, 3]},
+            {"scale": [1, 1, 0], "children": [4]},
+            {"camera": 0},
+            {"camera": 0, "scale": [0, 1, 1], "translation": [0, 0, 3]},
+        ],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}],
+    })));
+    let expected = Camera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7_f32.into()).unwrap();
+    assert_eq!(loaded.cameras, [expected]);
+    let flattened = [1, 2, 4].map(|node| (Place::Node(node), WarningKind::CameraFlattened));
+    assert_eq!(warnings(&loaded), flattened);
+}
+
 /// The members of a file with these lights, each of them at a node.
 fn lit(lights: &Value, nodes: &[Value]) -> Value {
     let extend = |(i, node): (usize, &Value)| {

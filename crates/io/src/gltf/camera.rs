@@ -9,7 +9,7 @@ use gltf::json::camera::Type;
 use gltf::json::validation::Checked::Valid;
 
 /// Adds the perspective cameras that nodes place. A camera looks along -z of its node. The picture determines
-/// the aspect ratio, not the file.
+/// the aspect ratio, not the file. A camera whose node flattens its view is left out with a warning.
 pub(super) fn add_all(document: &Document, tree: &Tree<'_>, loading: &mut Loading<'_>) -> Result<()> {
     for placed in tree.placed() {
         let Some(camera) = placed.node.camera else { continue };
@@ -22,12 +22,20 @@ pub(super) fn add_all(document: &Document, tree: &Tree<'_>, loading: &mut Loadin
             continue;
         };
         loading.check_count(loading.cameras.len() as u64 + 1, loading.limits.cameras, "cameras")?;
-        let camera = of(&placed, perspective.yfov.into());
-        loading.cameras.push(camera.map_err(|source| IoError::Camera { at: loading.at(place), source })?);
+        match of(&placed, perspective.yfov.into()) {
+            Ok(camera) => loading.cameras.push(camera),
+            Err(RenderError::Camera(_)) => loading.warn(at, WarningKind::CameraFlattened),
+            Err(source) => return Err(IoError::Camera { at: loading.at(place), source }),
+        }
     }
     Ok(())
 }
 
+/// The camera at the node `placed`.
+///
+/// # Errors
+/// [`RenderError::Camera`] if the node flattens the view: coordinates are finite, but its -z axis is zero, or its y axis is
+/// zero or parallel to that. [`RenderError::Param`] for a field of view out of range.
 fn of(placed: &Placed<'_>, field_of_view: f64) -> Result<Camera, RenderError> {
     let world = placed.world;
     let eye = world.translation;
