@@ -32,6 +32,16 @@ pub enum IoError {
         /// The path.
         path: PathBuf,
     },
+    /// A file that the scene refers to could not be read, or is a folder, a FIFO or a device.
+    #[error("{at}: `{}` cannot be read: {source}", plain(name))]
+    Reference {
+        /// The place of the reference.
+        at: Location,
+        /// The name of the file, as the scene gives it.
+        name: String,
+        /// The error of the operating system, or [`InvalidInput`](io::ErrorKind::InvalidInput) for what is no regular file.
+        source: io::Error,
+    },
     /// The extension names no supported scene format.
     #[error("{}: unknown scene format; supported formats are {supported}", plain(path.display()))]
     UnknownScene {

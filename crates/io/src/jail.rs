@@ -36,10 +36,23 @@ impl<'a> Jail<'a> {
             return Err(escape());
         }
         let path = self.scene.with_file_name(name);
-        let canonical = |path: &Path| path.canonicalize().map_err(|source| read_error(path, source));
+        let failed = |source| IoError::Reference { at: at.clone(), name: name.into(), source };
         // Links may lead outside the folder; the canonical path shows where.
-        let within = canonical(&path)?.starts_with(canonical(folder_of(self.scene))?);
+        let folder = folder_of(self.scene).canonicalize().map_err(|source| read_error(self.scene, source))?;
+        let within = path.canonicalize().map_err(failed)?.starts_with(folder);
         if within { Ok(path) } else { Err(escape()) }
+    }
+
+    /// Reads the file `path`, which the location `at` refers to as `name`.
+    pub(crate) fn read_named(&mut self, path: &Path, name: &str, at: &Location) -> Result<Vec<u8>> {
+        let failed = |source| IoError::Reference { at: at.clone(), name: name.into(), source };
+        self.read(path).map_err(|error| match error {
+            IoError::Read { source, .. } => failed(source),
+            IoError::NotRegularFile { .. } => {
+                failed(io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file"))
+            }
+            other => other,
+        })
     }
 
     /// Reads a regular file. Other files are refused, since a FIFO or a device might never end.

@@ -321,6 +321,16 @@ fn json_is_utf_8_also_where_it_is_not_read() {
 }
 
 #[test]
+fn a_missing_buffer_is_named_with_its_scene() {
+    let json = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":1,"uri":"my%20data/gone.bin"}]}"#;
+    let files = Files::new(&[("a.gltf", json.as_bytes())]);
+    let error = files.load("a.gltf").unwrap_err();
+    assert_eq!(kind(&error), "Reference");
+    let message = files.shortened(&error);
+    assert!(message.starts_with("a.gltf: buffers[0]: `my data/gone.bin` cannot be read: "), "{message}");
+}
+
+#[test]
 fn unknown_extensions_and_missing_files_are_named() {
     let message = |name: &str| globillum_io::load(Path::new(name)).unwrap_err().to_string();
     assert_eq!(message("a.stl"), "a.stl: unknown scene format; supported formats are .obj, .gltf and .glb");

@@ -67,7 +67,7 @@ impl Files {
                 if let Some(bytes) = self.0.get(&canonical) {
                     return Ok(Rc::clone(bytes));
                 }
-                let bytes = Rc::new(loading.jail.read(&path)?);
+                let bytes = Rc::new(loading.jail.read_named(&path, &name, &at)?);
                 self.0.insert(canonical, Rc::clone(&bytes));
                 Ok(bytes)
             }

@@ -107,12 +107,12 @@ impl<'a> Palette<'a> {
         loading: &mut Loading<'_>,
     ) -> Result<bool> {
         let path = match loading.jail.resolve(name, &statement.at()) {
-            Err(IoError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+            Err(IoError::Reference { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
                 return Ok(false);
             }
             path => path?,
         };
-        let bytes = loading.jail.read(&path)?;
+        let bytes = loading.jail.read_named(&path, name, &statement.at())?;
         self.define(&Source::of(&path, bytes, loading.limits)?, loading)?;
         Ok(true)
     }

@@ -156,6 +156,7 @@ fn uris() -> Vec<Case> {
         uri(58, "%2e%2e/x.bin", "PathEscape", &outside("../x.bin")),
         uri(59, "/etc/passwd", "PathEscape", &outside("/etc/passwd")),
         uri(60, "file:///etc/hosts", "Scheme", "URI scheme `file:` is not supported"),
+        uri(61, ".", "Reference", "`.` cannot be read: is not a regular file"),
         uri(61, "http://a/b.bin", "Scheme", "URI scheme `http:` is not supported"),
     ]
 }

@@ -81,7 +81,7 @@ fn libraries() -> Vec<Case> {
     let naming = |row, name: &str, outcome| obj(row, format!("mtllib {name}\n{SQUARE}f 1 2 3\n"), outcome);
     let escape =
         |name: &str| refused("PathEscape", format!("a.obj:1: `{name}` is outside the scene's folder"));
-    let no_file = || refused("NotRegularFile", "a.mtl: is not a regular file");
+    let no_file = || refused("Reference", "a.obj:1: `a.mtl` cannot be read: is not a regular file");
     vec![
         naming(26, "none.mtl", loaded(&["a.obj:1: material library `none.mtl` does not exist"])),
         naming(27, "../../x.mtl", escape("../../x.mtl")),
