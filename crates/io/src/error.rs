@@ -74,7 +74,7 @@ pub enum IoError {
         /// Where.
         at: Location,
     },
-    /// A number is outside the range in which a scene can be traced.
+    /// A number is outside the range in which a scene can be traced, or that glTF allows, or a transform is invalid.
     #[error("{at}: {}", plain(message))]
     Domain {
         /// Where.

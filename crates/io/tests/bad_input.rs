@@ -74,6 +74,11 @@ fn rows_97_to_98_delta_lights() {
 }
 
 #[test]
+fn row_99_numbers_that_gltf_forbids() {
+    check_rows(99..=99);
+}
+
+#[test]
 fn line_ends_marks_and_comments_change_nothing() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\n";
     let load = |obj: String| Files::new(&[("a.obj", obj.as_bytes())]).load("a.obj").unwrap().model;

@@ -32,9 +32,9 @@ fn no_lights(file: &str) -> String {
     )
 }
 
-/// What rows 1 to 82, 97 and 98 must print is in one table with what the loaders must return.
+/// What rows 1 to 82 and 97 to 99 must print is in one table with what the loaders must return.
 #[test]
-fn rows_1_to_82_and_97_to_98_bad_scenes_are_one_line_that_names_file_and_place() {
+fn rows_1_to_82_and_97_to_99_bad_scenes_are_one_line_that_names_file_and_place() {
     let size = ["--width", "1", "--height", "1", "--spp", "1", "--threads", "1", "--verbose"];
     for case in bad_input::cases() {
         let (row, folder) = (case.row, tempfile::tempdir().expect("a temporary folder"));

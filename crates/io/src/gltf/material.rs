@@ -37,6 +37,8 @@ pub(super) fn all(document: &Document, loading: &mut Loading<'_>) -> Result<Mate
     for (index, json) in document.materials.iter().enumerate() {
         let place = Place::Material(index);
         let name = json.name.as_ref().map_or_else(|| index.to_string().into(), Cow::from);
+        let domain = |message| IoError::Domain { at: loading.at(place), message };
+        check_factors(json).map_err(domain)?;
         let refused = |source| IoError::Material { at: loading.at(place), name: name.to_string(), source };
         let material = material(json).map_err(refused)?;
         for kind in losses(json).warnings(&name) {
@@ -47,6 +49,18 @@ pub(super) fn all(document: &Document, loading: &mut Loading<'_>) -> Result<Mate
     let refused = |source| IoError::Material { at: loading.at(Place::File), name: "default".into(), source };
     let default = Material::lambert(Rgb::WHITE).map_err(refused)?;
     Ok(Materials { all, default: loading.add_material(default) })
+}
+
+/// Checks the factors that are no colours.
+fn check_factors(json: &json::Material) -> Result<(), String> {
+    let pbr = &json.pbr_metallic_roughness;
+    for (name, x) in [("metallicFactor", pbr.metallic_factor.0), ("roughnessFactor", pbr.roughness_factor.0)]
+    {
+        if !(0.0..=1.0).contains(&x) {
+            return Err(format!("{name} {x} is not within [0, 1]"));
+        }
+    }
+    Ok(())
 }
 
 fn material(json: &json::Material) -> Result<Material, MaterialError> {

@@ -2,9 +2,15 @@ use crate::range;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json::Node;
 
+/// How far the length of a rotation's quaternion may be from 1. Exporters round the components.
+const LENGTH_TOLERANCE: f64 = 1e-3;
+
 /// The transform of a node relative to its parent, or a message that says why it is invalid.
 pub(super) fn local(node: &Node) -> Result<DAffine3, String> {
     let transform = match &node.matrix {
+        Some(_) if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() => {
+            return Err("`matrix` excludes `translation`, `rotation` and `scale`".into());
+        }
         Some(columns) => of_matrix(columns)?,
         None => of_parts(node)?,
     };
@@ -40,8 +46,8 @@ fn of_parts(node: &Node) -> Result<DAffine3, String> {
         Some(parts) => {
             let rotation = DQuat::from_array(parts.0.map(f64::from));
             let length = rotation.length();
-            if !(length.is_finite() && length > 0.0) {
-                return Err("rotation is not a unit quaternion".into());
+            if !(1.0 - LENGTH_TOLERANCE..=1.0 + LENGTH_TOLERANCE).contains(&length) {
+                return Err(format!("rotation is not a unit quaternion: its length is {length}"));
             }
             rotation / length
         }

@@ -1,4 +1,4 @@
-//! Rows 42 to 74, 97 and 98: glTF.
+//! Rows 42 to 74 and 97 to 99: glTF.
 
 use super::{Case, Content, Outcome, loaded, refused};
 use std::fmt::Write;
@@ -164,6 +164,10 @@ fn uris() -> Vec<Case> {
 fn nodes() -> Vec<Case> {
     let nodes = |row, graph: &str, kind, message: &str| bad(row, r#"[{"mesh":0}]"#, graph, kind, message);
     let scaled = |x: &str| format!(r#"[{{"mesh":0,"matrix":[{x},0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}}]"#);
+    let rotated = |w: &str, length: &str| {
+        let message = format!("nodes[0]: rotation is not a unit quaternion: its length is {length}");
+        nodes(65, &format!(r#"[{{"mesh":0,"rotation":[0,0,0,{w}]}}]"#), "Domain", &message)
+    };
     let (own, two) = ("node is its own ancestor", "node has more than one parent");
     let limit = "1.152921504606847e18";
     let mut chain = String::from("[");
@@ -180,6 +184,15 @@ fn nodes() -> Vec<Case> {
         nodes(63, r#"[{"mesh":0},{"children":[0]}]"#, "NotATree", &format!("nodes[0]: {two}")),
         but(64, r#"[{"mesh":0}]"#, &chain, loaded(&[])),
         nodes(65, &scaled("0"), "Domain", "nodes[0]: matrix is singular"),
+        nodes(
+            65,
+            r#"[{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"scale":[2,2,2]}]"#,
+            "Domain",
+            "nodes[0]: `matrix` excludes `translation`, `rotation` and `scale`",
+        ),
+        rotated("0", "0"),
+        rotated("2", "2"),
+        rotated("1.5", "1.5"),
         nodes(
             66,
             &scaled("1e300"),
@@ -198,6 +211,36 @@ fn nodes() -> Vec<Case> {
             "Domain",
             &format!("nodes[1]: transform component 1.999999968613499e18 exceeds {limit} in magnitude"),
         ),
+    ]
+}
+
+/// Row 99: factors and cameras that the specification forbids.
+pub(super) fn ranges() -> Vec<Case> {
+    let domain = |members: &str, message: &str| {
+        bad(
+            99,
+            r#""nodes":[{"mesh":0}]"#,
+            &format!(r#""nodes":[{{"mesh":0,"camera":0}}],{members}"#),
+            "Domain",
+            message,
+        )
+    };
+    let factor = |name: &str, x: &str| {
+        let material = format!(r#""materials":[{{"pbrMetallicRoughness":{{"{name}":{x}}}}}]"#);
+        domain(&material, &format!("materials[0]: {name} {x} is not within [0, 1]"))
+    };
+    let camera = |numbers: &str, message: &str| {
+        let camera = format!(r#""cameras":[{{"type":"perspective","perspective":{{"yfov":1,{numbers}}}}}]"#);
+        domain(&camera, &format!("cameras[0]: {message}"))
+    };
+    vec![
+        factor("metallicFactor", "5"),
+        factor("metallicFactor", "-0.5"),
+        factor("roughnessFactor", "1.5"),
+        camera(r#""znear":1,"aspectRatio":0"#, "aspectRatio 0 is not positive"),
+        camera(r#""znear":0"#, "znear 0 is not positive"),
+        camera(r#""znear":1,"zfar":-1"#, "zfar -1 is not positive"),
+        camera(r#""znear":2,"zfar":2"#, "zfar 2 is not beyond znear 2"),
     ]
 }
 

@@ -110,9 +110,9 @@ fn loaded(warnings: &[&str]) -> Outcome {
     Outcome::Loaded { warnings: warnings.iter().map(|&warning| warning.into()).collect() }
 }
 
-/// All cases of rows 1 to 82, 97 and 98.
+/// All cases of rows 1 to 82 and 97 to 99.
 pub fn cases() -> Vec<Case> {
-    [text::cases(), gltf::cases(), images::cases(), gltf::lights()].concat()
+    [text::cases(), gltf::cases(), images::cases(), gltf::lights(), gltf::ranges()].concat()
 }
 
 #[cfg(test)]
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn no_row_is_missing() {
         let cases = super::cases();
-        for row in (1..=82).chain(97..=98) {
+        for row in (1..=82).chain(97..=99) {
             assert!(cases.iter().any(|case| case.row == row), "row {row}");
         }
     }
