@@ -158,7 +158,7 @@ pub enum IoError {
     /// A material reflects or emits outside the valid range.
     #[error("{at}: material `{}`: {source}", plain(name))]
     Material {
-        /// Where the material begins.
+        /// Its element in glTF; the line of the refused colour in MTL.
         at: Location,
         /// The material's name.
         name: String,

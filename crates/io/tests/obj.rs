@@ -279,12 +279,12 @@ fn impossible_or_malformed_materials_are_named() {
         ("Kd 1 2", "a.mtl:2: Kd: expected 1 or 3 numbers"),
         ("Kd x", "a.mtl:2: Kd: `x` is not a number"),
         ("illum", "a.mtl:2: illum: expected a number"),
-        ("Kd 5 5 5", "a.mtl:1: material `m`: reflectance (5, 5, 5) is not within [0, 1]"),
-        ("Kd -1 0 0", "a.mtl:1: material `m`: reflectance (-1, 0, 0) is not within [0, 1]"),
-        ("Kd nan", "a.mtl:1: material `m`: reflectance (NaN, NaN, NaN) is not within [0, 1]"),
+        ("Kd 5 5 5", "a.mtl:2: material `m`: reflectance (5, 5, 5) is not within [0, 1]"),
+        ("Kd -1 0 0", "a.mtl:2: material `m`: reflectance (-1, 0, 0) is not within [0, 1]"),
+        ("Kd nan", "a.mtl:2: material `m`: reflectance (NaN, NaN, NaN) is not within [0, 1]"),
         (
             "Ke -1",
-            "a.mtl:1: material `m`: radiance (-1, -1, -1) has a component that is neither 0 nor within [1e-50, 1e50]",
+            "a.mtl:2: material `m`: radiance (-1, -1, -1) has a component that is neither 0 nor within [1e-50, 1e50]",
         ),
         ("newmtl", "a.mtl:2: newmtl: expected a name"),
     ];

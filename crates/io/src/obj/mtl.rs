@@ -1,5 +1,6 @@
 use super::lines::{self, write};
 use super::source::{Source, Statement};
+use crate::Location;
 use crate::error::Result;
 use crate::losses::Losses;
 use globillum_material::{Bsdf, Emission, Material, MaterialError, Reflectance, Rgb, Sides};
@@ -9,12 +10,37 @@ use std::str::FromStr;
 pub(super) struct Description<'a> {
     /// The statement that begins it.
     pub(super) begin: Statement<'a>,
-    losses: Losses,
+    notes: Notes,
     read: tobj::Material,
+}
+
+/// What tobj does not return of a material.
+#[derive(Default)]
+struct Notes {
+    losses: Losses,
+    lines: Lines,
+}
+
+/// The lines of the last `Kd`, `Ks` and `Ke` of a material, 0 for none.
+#[derive(Clone, Copy, Default)]
+struct Lines {
+    diffuse: usize,
+    specular: usize,
+    emissive: usize,
+}
+
+/// A colour and the line of its statement, 0 for a default.
+#[derive(Clone, Copy)]
+struct Colour {
+    value: Rgb,
+    line: usize,
 }
 
 /// The albedo of a diffuse surface without `Kd`.
 const GREY: Rgb = Rgb { r: 0.5, g: 0.5, b: 0.5 };
+
+/// [`GREY`] that no statement gives.
+const DEFAULT: Colour = Colour { value: GREY, line: 0 };
 
 /// The roughness of a material with `Pm` and without `Pr`, as in Blender.
 const DEFAULT_ROUGHNESS: f32 = 0.5;
@@ -30,28 +56,31 @@ pub(super) fn read<'a>(
     library: &'a Source,
     mut begin: impl FnMut(&Statement<'a>) -> Result<()>,
 ) -> Result<impl Iterator<Item = Description<'a>>> {
-    let mut begun: Vec<(Statement<'a>, Losses)> = Vec::new();
+    let mut begun: Vec<(Statement<'a>, Notes)> = Vec::new();
     let pass = |statement: &Statement<'a>, line: &mut String| {
         if statement.keyword != "newmtl" {
-            return begun.last_mut().map_or(Ok(()), |(_, losses)| pass(statement, losses, line));
+            return begun.last_mut().map_or(Ok(()), |(_, notes)| pass(statement, notes, line));
         }
         statement.name()?;
         begin(statement)?;
-        begun.push((*statement, Losses::default()));
+        begun.push((*statement, Notes::default()));
         // A name may consist of characters that tobj trims.
         line.push_str("newmtl m\n");
         Ok(())
     };
     let (materials, _) = lines::read(library, pass, |lines| tobj::load_mtl_buf(lines))?;
     let all = begun.into_iter().zip(materials);
-    Ok(all.map(|((begin, losses), read)| Description { begin, losses, read }))
+    Ok(all.map(|((begin, notes), read)| Description { begin, notes, read }))
 }
 
 /// Checks a statement of a material, and writes the line that tobj reads for it or notes what is lost.
-fn pass(statement: &Statement<'_>, losses: &mut Losses, line: &mut String) -> Result<()> {
+fn pass(statement: &Statement<'_>, notes: &mut Notes, line: &mut String) -> Result<()> {
+    let Notes { losses, lines } = notes;
     match statement.keyword {
         "Kd" | "Ks" | "Ke" if statement.words().next() == Some("spectral") => losses.spectral = true,
-        "Kd" | "Ks" | "Ke" => colour(statement, line)?,
+        "Kd" => lines.diffuse = colour(statement, line)?,
+        "Ks" => lines.specular = colour(statement, line)?,
+        "Ke" => lines.emissive = colour(statement, line)?,
         "illum" => number::<u8>(statement, line)?,
         "Pm" | "Pr" => number::<f32>(statement, line)?,
         "d" | "Tr" => losses.transparent |= is_transparent(statement),
@@ -69,44 +98,63 @@ fn pass(statement: &Statement<'_>, losses: &mut Losses, line: &mut String) -> Re
 
 impl Description<'_> {
     /// The material by the table in docs/scenes.md. It emits from the front.
-    pub(super) fn material(&self) -> Result<Material, MaterialError> {
-        let material = match self.mirror() {
-            Some(reflectance) => Material::mirror(reflectance)?,
-            None => Material::lambert(self.base().unwrap_or(GREY))?,
+    ///
+    /// # Errors
+    /// The statement's location, and why its colour is refused.
+    pub(super) fn material(&self) -> Result<Material, (Location, MaterialError)> {
+        let at = |line: usize| if line == 0 { self.begin.at() } else { self.begin.at_line(line) };
+        let (material, line) = match self.mirror() {
+            Some(colour) => (Material::mirror(colour.value), colour.line),
+            None => {
+                let colour = self.base().unwrap_or(DEFAULT);
+                (Material::lambert(colour.value), colour.line)
+            }
         };
+        let material = material.map_err(|error| (at(line), error))?;
         let emitted = rgb(self.read.emissive).unwrap_or_default();
-        Ok(material.emitting(Emission::new(emitted, Sides::Front)?))
+        let emission = Emission::new(emitted, Sides::Front);
+        Ok(material.emitting(emission.map_err(|error| (at(self.notes.lines.emissive), error))?))
     }
 
     /// The properties that its [`material`](Description::material) does not have.
     pub(super) fn losses(self) -> Losses {
-        let visible = |colour: Option<Rgb>| colour.is_some_and(|colour| !colour.is_black());
+        let visible = |colour: Option<Colour>| colour.is_some_and(|colour| !colour.value.is_black());
         let is_glass = self.read.illumination_model.is_some_and(|model| GLASS.contains(&model));
         Losses {
-            transparent: self.losses.transparent || is_glass,
-            approximated: visible(self.base()) && visible(rgb(self.read.specular)),
+            transparent: self.notes.losses.transparent || is_glass,
+            approximated: visible(self.base()) && visible(self.specular()),
             is_mirror: self.mirror().is_some(),
-            ..self.losses
+            ..self.notes.losses
         }
+    }
+
+    /// `Kd`.
+    fn diffuse(&self) -> Option<Colour> {
+        rgb(self.read.diffuse).map(|value| Colour { value, line: self.notes.lines.diffuse })
+    }
+
+    /// `Ks`.
+    fn specular(&self) -> Option<Colour> {
+        rgb(self.read.specular).map(|value| Colour { value, line: self.notes.lines.specular })
     }
 
     /// The colour of the diffuse surface or the metal.
-    fn base(&self) -> Option<Rgb> {
-        let of_texture = self.read.diffuse_texture.is_some().then_some(GREY);
-        rgb(self.read.diffuse).or(of_texture)
+    fn base(&self) -> Option<Colour> {
+        let of_texture = self.read.diffuse_texture.is_some().then_some(DEFAULT);
+        self.diffuse().or(of_texture)
     }
 
     /// Its reflectance if it becomes a mirror.
-    fn mirror(&self) -> Option<Rgb> {
+    fn mirror(&self) -> Option<Colour> {
         let base = self.base();
         if let Some(metallic) = self.parameter("Pm") {
             let roughness = self.parameter("Pr").unwrap_or(DEFAULT_ROUGHNESS);
-            return (metallic > roughness).then_some(base.unwrap_or(GREY));
+            return (metallic > roughness).then_some(base.unwrap_or(DEFAULT));
         }
-        let specular = rgb(self.read.specular)?;
-        let reflects = self.read.illumination_model == Some(MIRROR) && !specular.is_black();
+        let specular = self.specular()?;
+        let reflects = self.read.illumination_model == Some(MIRROR) && !specular.value.is_black();
         let is_mirror = reflects || base.is_none();
-        let metal = rgb(self.read.diffuse).filter(|&metal| !outshines(specular, metal));
+        let metal = self.diffuse().filter(|metal| !outshines(specular.value, metal.value));
         is_mirror.then_some(metal.unwrap_or(specular))
     }
 
@@ -128,8 +176,8 @@ fn outshines(specular: Rgb, base: Rgb) -> bool {
     base == 0.0 || (specular > 0.5 && specular > 2.0 * base)
 }
 
-/// Passes `r g b`, or one number for a grey, which tobj does not expect.
-fn colour(statement: &Statement<'_>, line: &mut String) -> Result<()> {
+/// Passes `r g b`, or one number for a grey, which tobj does not expect. Returns the statement's line.
+fn colour(statement: &Statement<'_>, line: &mut String) -> Result<usize> {
     for word in statement.words() {
         let number: f64 = statement.number(word)?;
         if statement.keyword == "Ke" && number != 0.0 && number as f32 == 0.0 {
@@ -140,7 +188,7 @@ fn colour(statement: &Statement<'_>, line: &mut String) -> Result<()> {
         return Err(statement.malformed("expected 1 or 3 numbers"));
     }
     write(line, statement.keyword, statement.words().cycle().take(3));
-    Ok(())
+    Ok(statement.line)
 }
 
 /// Passes a number of type `T`.

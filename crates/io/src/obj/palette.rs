@@ -126,7 +126,7 @@ impl<'a> Palette<'a> {
         })?;
         for description in descriptions {
             let (begin, name) = (description.begin, description.begin.arguments);
-            let refused = |source| IoError::Material { at: begin.at(), name: name.into(), source };
+            let refused = |(at, source)| IoError::Material { at, name: name.into(), source };
             let material = description.material().map_err(refused)?;
             if !names.insert(name.into()) {
                 loading.warn_of(begin.at(), WarningKind::DuplicateMaterial { name: name.into() });

@@ -89,6 +89,11 @@ impl<'a> Statement<'a> {
         self.place().of(self.path)
     }
 
+    /// Another line of its file.
+    pub(super) fn at_line(&self, line: usize) -> Location {
+        Place::Line(line).of(self.path)
+    }
+
     /// All arguments as one name. A name may contain spaces and `#`.
     pub(super) fn name(&self) -> Result<&'a str> {
         if self.arguments.is_empty() { Err(self.malformed("expected a name")) } else { Ok(self.arguments) }

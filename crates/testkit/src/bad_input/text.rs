@@ -103,9 +103,11 @@ fn materials() -> Vec<Case> {
         obj(row, text, outcome).beside("a.mtl", Content::Bytes(mtl.into()))
     };
     let impossible = |row, line: &str, albedo: &str| {
-        let message = format!("a.mtl:1: material `m`: reflectance {albedo} is not within [0, 1]");
+        let message = format!("a.mtl:2: material `m`: reflectance {albedo} is not within [0, 1]");
         with(row, &format!("newmtl m\n{line}\n"), refused("Material", message))
     };
+    let specular = "a.mtl:4: material `m`: reflectance (5, 5, 5) is not within [0, 1]";
+    let emissive = "a.mtl:4: material `m`: radiance (-1, -1, -1) has a component that is neither 0 nor within [1e-50, 1e50]";
     let again = "a.mtl:3: material `m` is redefined; the last definition is used";
     let unknown = "a.obj:2: material `m` is not defined; grey is used instead";
     let glass = [
@@ -119,6 +121,8 @@ fn materials() -> Vec<Case> {
         impossible(33, "Kd nan 0 0", "(NaN, 0, 0)"),
         impossible(34, "Kd -1 0 0", "(-1, 0, 0)"),
         impossible(35, "Kd 5 5 5", "(5, 5, 5)"),
+        with(35, "newmtl m\nillum 3\nKd 0\nKs 5\n", refused("Material", specular)),
+        with(35, "newmtl m\nKd 0\n# dark\nKe -1\n", refused("Material", emissive)),
         with(36, "newmtl m\nKd 0\nnewmtl m\nKd 1\n", loaded(&[again])),
         with(37, "newmtl other\n", loaded(&[unknown])),
         with(37, "newmtl m\nKd 0.5\nKs 0.5\nd 0.1\nmap_Kd a.png\n", loaded(&glass)),
