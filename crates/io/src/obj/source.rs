@@ -30,6 +30,10 @@ impl Source {
         if let Some(nul) = text.find('\0') {
             return Err(malformed(&text.as_bytes()[..nul], "text contains a NUL byte"));
         }
+        if text.trim_ascii_end().contains('\r') && !text.contains('\n') {
+            let message = "lines end in lone carriage returns; save the file with line feeds".into();
+            return Err(IoError::Parse { at: Place::File.of(path), message });
+        }
         if text.starts_with(BYTE_ORDER_MARK) {
             text.remove(0);
         }

@@ -65,6 +65,7 @@ fn faces() -> Vec<Case> {
 
 fn files() -> Vec<Case> {
     let good = format!("{SQUARE}f 1 2 3\n");
+    let carriage_returns = "a.obj: lines end in lone carriage returns; save the file with line feeds";
     let empty = || refused("Empty", "a.obj: scene has no triangles");
     vec![
         obj(20, "", empty()),
@@ -72,6 +73,7 @@ fn files() -> Vec<Case> {
         obj(20, "v 0 0 0\nf 1 1 1\n", refused("Empty", "a.obj: scene has no triangles (1 degenerate)")),
         obj(21, "# nothing\n", empty()),
         obj(22, good.replace('\n', "\r\n"), loaded(&[])),
+        obj(22, good.replace('\n', "\r"), refused("Parse", carriage_returns)),
         obj(23, format!("\u{feff}{good}"), loaded(&[])),
         obj(24, b"# fine\n# caf\xe9\n", refused("Parse", "a.obj:2: is not UTF-8; save the file as UTF-8")),
     ]
