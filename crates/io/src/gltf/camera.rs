@@ -5,7 +5,7 @@ use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use glam::DVec3;
 use globillum_integrator::{Camera, RenderError};
-use gltf::json::camera::{Perspective, Type};
+use gltf::json::camera::Type;
 use gltf::json::validation::Checked::Valid;
 
 /// Adds the perspective cameras that nodes place. A camera looks along -z of its node. The picture determines
@@ -22,26 +22,11 @@ pub(super) fn add_all(document: &Document, tree: &Tree<'_>, loading: &mut Loadin
             continue;
         };
         loading.check_count(loading.cameras.len() as u64 + 1, loading.limits.cameras, "cameras")?;
-        check_frustum(perspective).map_err(|message| IoError::Domain { at: loading.at(place), message })?;
         match of(&placed, perspective.yfov.into()) {
             Ok(camera) => loading.cameras.push(camera),
             Err(RenderError::Camera(_)) => loading.warn(at, WarningKind::CameraFlattened),
             Err(source) => return Err(IoError::Camera { at: loading.at(place), source }),
         }
-    }
-    Ok(())
-}
-
-/// Checks the numbers that a picture does not depend on.
-fn check_frustum(perspective: &Perspective) -> Result<(), String> {
-    let Perspective { aspect_ratio, znear, zfar, .. } = *perspective;
-    for (name, x) in [("aspectRatio", aspect_ratio), ("znear", Some(znear)), ("zfar", zfar)] {
-        if let Some(x) = x.filter(|&x| x <= 0.0) {
-            return Err(format!("{name} {x} is not positive"));
-        }
-    }
-    if let Some(zfar) = zfar.filter(|&zfar| zfar <= znear) {
-        return Err(format!("zfar {zfar} is not beyond znear {znear}"));
     }
     Ok(())
 }
