@@ -14,10 +14,14 @@ Exit codes:
   3   incomplete: a part is missing or damaged
   4   different: `diff` found a difference
   75  temporary error (EX_TEMPFAIL): the disk is full, a server does not answer; `task` after a signal
+  141 the reader of standard output closed it before all data was written
   129, 130, 143  ended by SIGHUP (the terminal closed), SIGINT (Ctrl-C) or SIGTERM, except `task`";
 
 /// A temporary error: the program may succeed if it is run again (`EX_TEMPFAIL` of sysexits.h).
 pub(crate) const TEMPORARY_FAILURE: u8 = 75;
+
+/// Data went to a pipe whose reader has gone away: 128 and the number of SIGPIPE, as shells say it.
+pub(crate) const CLOSED_PIPE: u8 = 141;
 
 /// Something is missing, and nothing is written.
 #[derive(Debug)]
@@ -51,7 +55,15 @@ pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
     if error.is::<Differs>() {
         return ExitCode::from(4);
     }
+    if causes(error).any(|kind| kind == ErrorKind::BrokenPipe) {
+        return ExitCode::from(CLOSED_PIPE);
+    }
     if is_temporary(error) { ExitCode::from(TEMPORARY_FAILURE) } else { ExitCode::FAILURE }
+}
+
+/// The errors of the operating system that led to an error.
+fn causes(error: &anyhow::Error) -> impl Iterator<Item = ErrorKind> {
+    error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).map(io::Error::kind)
 }
 
 /// Whether an error is temporary; of several errors, whether all are.
@@ -59,8 +71,7 @@ fn is_temporary(error: &anyhow::Error) -> bool {
     if let Some(failures) = error.downcast_ref::<Failures>() {
         return failures.errors().iter().all(is_temporary);
     }
-    let mut causes = error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>());
-    causes.any(|error| is_temporary_kind(error.kind()))
+    causes(error).any(is_temporary_kind)
 }
 
 /// Whether an error of the operating system is temporary.
@@ -94,6 +105,7 @@ mod tests {
             |kind| format!("{:?}", code_of(&Err::<(), _>(write(kind)).context("b").expect_err("it is one")));
         assert_eq!(code(ErrorKind::StorageFull), format!("{:?}", ExitCode::from(75)));
         assert_eq!(code(ErrorKind::PermissionDenied), format!("{:?}", ExitCode::from(1)));
+        assert_eq!(code(ErrorKind::BrokenPipe), format!("{:?}", ExitCode::from(141)));
         let incomplete = anyhow::Error::from(Incomplete("a".into()));
         assert_eq!(format!("{:?}", code_of(&incomplete)), format!("{:?}", ExitCode::from(3)));
     }

@@ -65,7 +65,7 @@ impl Outputs {
             match picture {
                 Target::StandardOutput => {
                     let png = png(self.exposure, |file| file.write_data(data));
-                    failures.keep(png.and_then(|png| console::print(&png)));
+                    failures.keep(png.and_then(|png| console::print_data(&png)));
                 }
                 Target::File(path, file) => {
                     written.extend(failures.keep(file.write_data(data)).map(|()| path));
@@ -95,7 +95,7 @@ impl TextOutput {
 
     pub(crate) fn write(self, text: &str) -> Result<()> {
         match self.0 {
-            Target::StandardOutput => console::print(text.as_bytes()),
+            Target::StandardOutput => console::print_data(text.as_bytes()),
             Target::File(_, file) => Ok(file.commit(|writer| writer.write_all(text.as_bytes()))?),
         }
     }
