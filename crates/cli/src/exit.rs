@@ -13,6 +13,7 @@ Exit codes:
   1   permanent error: bad input, another picture
   3   incomplete: a part is missing or damaged
   4   different: `diff` found a difference
+  5   undecided: `diff` cannot tell
   75  temporary error (EX_TEMPFAIL): the disk is full, a server does not answer; `task` after a signal
   141 the reader of standard output closed it before all data was written
   129, 130, 143  ended by SIGHUP (the terminal closed), SIGINT (Ctrl-C) or SIGTERM, except `task`";
@@ -47,6 +48,18 @@ impl fmt::Display for Differs {
 
 impl Error for Differs {}
 
+/// Whether pictures differ cannot be told.
+#[derive(Debug)]
+pub(crate) struct Undecided(pub(crate) String);
+
+impl fmt::Display for Undecided {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "undecided: {}", self.0)
+    }
+}
+
+impl Error for Undecided {}
+
 /// The exit code of an error other than a signal.
 pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
     if error.is::<Incomplete>() {
@@ -54,6 +67,9 @@ pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
     }
     if error.is::<Differs>() {
         return ExitCode::from(4);
+    }
+    if error.is::<Undecided>() {
+        return ExitCode::from(5);
     }
     if causes(error).any(|kind| kind == ErrorKind::BrokenPipe) {
         return ExitCode::from(CLOSED_PIPE);

@@ -40,6 +40,32 @@ fn seeds_are_equal_and_another_scene_is_different() {
     }
 }
 
+/// A single pass tells no errors. A single tile then tells nothing, 256 of them do.
+#[test]
+fn small_pictures_without_errors_are_undecided() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for (side, name) in [("16", "small"), ("64", "large")] {
+        for seed in ["1", "2"] {
+            let size = ["--width", side, "--height", side, "--spp", "4", "--pass-spp", "4"];
+            let out = format!("{name}{seed}.exr");
+            let reuse = if name == "small" { "sixteens" } else { "off" };
+            let flags = ["--path-reuse", reuse, "--seed", seed, "--out", &out];
+            CORNELL.succeed(folder, &[&size[..], &flags].concat());
+        }
+    }
+    let (code, said, error) = diff(folder, &["small1.exr", "small2.exr"]);
+    assert_eq!(code, Some(5), "{said}{error}");
+    assert!(said.contains("verdict       cannot tell: p = "), "{said}");
+    assert!(
+        error.starts_with("error: undecided: errors are not known") && error.lines().count() == 1,
+        "{error}"
+    );
+    let (code, said, error) = diff(folder, &["large1.exr", "large2.exr"]);
+    assert_eq!((code, error.as_str()), (Some(0), ""), "{said}");
+    assert!(said.contains("verdict       no difference found"), "{said}");
+}
+
 #[test]
 fn the_same_seed_is_warned_of() {
     let folder = tempfile::tempdir().expect("a temporary folder");
