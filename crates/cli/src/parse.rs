@@ -31,6 +31,12 @@ pub(crate) fn probability(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "must be a number above 0 and below 1".into())
 }
 
+/// A number from 0 to 1.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    let number = finite(text).ok().filter(|number| (0.0..=1.0).contains(number));
+    number.ok_or_else(|| "must be a number from 0 to 1".into())
+}
+
 /// Any number but infinities and NaN.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
@@ -73,6 +79,8 @@ mod tests {
         assert_eq!(["0.5", "1e-300"].map(positive), [Ok(0.5), Ok(1e-300)]);
         assert_eq!(["0", "2"].map(not_negative), [Ok(0.0), Ok(2.0)]);
         assert_eq!(["-2", "0"].map(finite), [Ok(-2.0), Ok(0.0)]);
+        assert_eq!(["0", "1e-300", "1"].map(share), [Ok(0.0), Ok(1e-300), Ok(1.0)]);
+        assert!(["-1e-300", "1.001", "2", "nan", "x"].into_iter().all(|text| share(text).is_err()));
         assert!(["0", "-1", "inf", "nan", "x"].into_iter().all(|text| positive(text).is_err()));
         assert!(["-1", "inf", "nan", "x"].into_iter().all(|text| not_negative(text).is_err()));
         assert!(["inf", "-inf", "nan", "x"].into_iter().all(|text| finite(text).is_err()));

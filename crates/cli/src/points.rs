@@ -37,11 +37,12 @@ fn parse(text: &str, name: &str) -> Result<IrradiancePoints> {
     }
     IrradiancePoints::new(points).map_err(|error| match error {
         PointError::Position { index, position } => {
-            anyhow!("{name}:{}: position {position} is not finite or beyond +-2^60", lines[index])
+            let position = position.to_array();
+            anyhow!("{name}:{}: position {position:?} is not finite or beyond +-2^60", lines[index])
         }
         PointError::Normal { index, normal } => {
-            let length = normal.length();
-            anyhow!("{name}:{}: normal {normal} has length {length}, must be 1", lines[index])
+            let (normal, length) = (normal.to_array(), normal.length());
+            anyhow!("{name}:{}: normal {normal:?} has length {length:?}, must be 1", lines[index])
         }
         other => anyhow!("{name}: {other}"),
     })
@@ -97,11 +98,11 @@ mod tests {
             ("0,0,0,0,0,1,2", "a.csv:1: has 7 columns"),
             ("0,0,zero,0,0,1", "a.csv:1: `zero` is not a number"),
             ("x,y,z,u,v,w", "a.csv:1: `x` is not a number"),
-            ("0,0,0,0,0,1\n0,0,0,0,0,0", "a.csv:2: normal [0, 0, 0] has length 0, must be 1"),
-            ("#\n0,0,0,0,3,0", "a.csv:2: normal [0, 3, 0] has length 3, must be 1"),
-            ("0,nan,0,0,0,1", "a.csv:1: position [0, NaN, 0] is not finite"),
-            ("0,0,1e19,0,0,1", "a.csv:1: position [0, 0, 10000000000000000000] is not finite or beyond"),
-            ("0,0,0,0,0,inf", "a.csv:1: normal [0, 0, inf] has length inf"),
+            ("0,0,0,0,0,1\n0,0,0,0,0,0", "a.csv:2: normal [0.0, 0.0, 0.0] has length 0.0, must be 1"),
+            ("#\n0,0,0,0,3,0", "a.csv:2: normal [0.0, 3.0, 0.0] has length 3.0, must be 1"),
+            ("0,nan,0,0,0,1", "a.csv:1: position [0.0, NaN, 0.0] is not finite"),
+            ("0,0,1e19,0,0,1", "a.csv:1: position [0.0, 0.0, 1e19] is not finite or beyond"),
+            ("0,0,0,0,0,inf", "a.csv:1: normal [0.0, 0.0, inf] has length inf"),
         ] {
             let said = format!("{:#}", parse(list, "a.csv").expect_err("it is bad"));
             assert!(said.contains(words), "{said}");

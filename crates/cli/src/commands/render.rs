@@ -46,7 +46,7 @@ pub(crate) struct Options {
     scene: SceneFlags,
     /// Camera: where it stands / what it looks at / up / vertical field of view in degrees
     ///
-    /// Positions are in the scene's units; up is as --up says and the field of view 40 degrees if not given.
+    /// Positions are in the scene's units, at most 1e60 in magnitude; up is as --up says and the field of view 40 degrees if not given.
     /// Without this flag the file's first camera is used. A file without cameras is framed automatically: its
     /// bounding box fills the picture, seen from the front and a little from the right, and from above the
     /// more, the flatter it is. A closed room with light inside is seen from inside. The camera in use is
@@ -56,8 +56,8 @@ pub(crate) struct Options {
     camera: Option<String>,
     /// Type of the camera
     ///
-    /// The fourth part of --camera is the height of the picture in the scene's units for `orthographic`, and is not
-    /// there for `360`. Without --camera, `orthographic` looks as the file's or the automatic camera does and shows as
+    /// The fourth part of --camera is the height of the picture in the scene's units for `orthographic`, at most 1e60, and
+    /// is not there for `360`. Without --camera, `orthographic` looks as the file's or the automatic camera does and shows as
     /// much of the middle of the scene; `360` looks level in the same direction.
     #[arg(long, value_enum, help_heading = "Scene", default_value_t = CameraType::Pinhole)]
     camera_type: CameraType,

@@ -69,10 +69,10 @@ pub(crate) struct Options {
     #[arg(long, value_name = "E", value_parser = parse::positive, help_heading = "When to stop")]
     #[arg(allow_negative_numbers = true)]
     error: Option<f64>,
-    /// Judge the error by the factors of at least F
+    /// Judge the error by the factors of at least F, from 0 to 1
     ///
     /// With --error, a run that finds that no factor is as large ends with an error, and writes no file.
-    #[arg(long, value_name = "F", value_parser = parse::not_negative, help_heading = "When to stop")]
+    #[arg(long, value_name = "F", value_parser = parse::share, help_heading = "When to stop")]
     #[arg(default_value_t = 0.001, allow_negative_numbers = true)]
     at_least: f64,
     /// Seed of the random numbers
@@ -90,8 +90,8 @@ pub(crate) struct Options {
     /// factors; the largest distance is printed.
     #[arg(long, help_heading = "Output")]
     reciprocity: bool,
-    /// Do not write the factors below F; rows then add up to less than 1
-    #[arg(long, value_name = "F", default_value_t = 0.0, value_parser = parse::not_negative)]
+    /// Do not write the factors below F, from 0 to 1; rows then add up to less than 1
+    #[arg(long, value_name = "F", default_value_t = 0.0, value_parser = parse::share)]
     #[arg(help_heading = "Output", allow_negative_numbers = true)]
     omit_below: f64,
     /// List every warning about the scene file, not the first of each kind
@@ -252,7 +252,7 @@ impl Options {
                 anyhow!("{}: patch `{name}` has no triangle with an area", self.scene.display())
             }
             FactorError::NoneAsLarge { least, most } => anyhow!(
-                "--at-least {least}: no factor is as large; they are {most:.4} at most, so --error has nothing to judge"
+                "--at-least {least:?}: no factor is as large; they are {most:.4} at most, so --error has nothing to judge"
             ),
             FactorError::OtherRun => anyhow::Error::from(error).context(self.save.name()),
             error => error.into(),
@@ -288,7 +288,7 @@ impl Options {
              rays          {rays} of each patch in {passes} passes, {million:.2} million in all\n\
              trace         {seconds:.2} s: {rate:.2} million rays a second\n\
              surroundings  factor {sky:.6} in the mean\n\
-             relative RMSE {:.3} % of the {} factors of at least {}\n\
+             relative RMSE {:.3} % of the {} factors of at least {:?}\n\
              largest error {:.2e}, a standard error of these\n\
              row sums      {sums}\n\
              reciprocity   at most {:.2} standard errors of independent rays apart\n\

@@ -17,7 +17,7 @@ pub(crate) struct SceneFlags {
     /// Radiance of the environment from all directions: a number, or one each for red, green and blue
     /// [default: 0, or 1 in a scene without lights]
     ///
-    /// 0 is no environment: a scene without lights is then black.
+    /// Each is 0 or from 1e-50 to 1e50. 0 is no environment: a scene without lights is then black.
     #[arg(long, value_name = "R,G,B")]
     #[arg(allow_hyphen_values = true, value_parser = view::parse_colour)]
     environment: Option<Rgb>,

@@ -3,11 +3,15 @@ use super::axes::Up;
 use super::outside::FIELD_OF_VIEW;
 use globillum::glam::DVec3;
 use globillum::integrator::{Camera, OrthographicCamera, RenderError, SphericalCamera};
-use globillum::material::Rgb;
+use globillum::material::{Emission, Rgb};
+
+/// The largest coordinate and size of a camera. The origins of its rays are then within
+/// [`Ray::MAX_ORIGIN`](globillum::geom::Ray::MAX_ORIGIN), also at the edge of the widest picture.
+const FARTHEST: f64 = 1e60;
 
 /// Parses a camera from `from/to`, `from/to/up` or `from/to/up/degrees`, with three coordinates each and the
 /// vertical field of view in degrees; the up vector is that of `up` and the field of view 40 degrees by
-/// default.
+/// default. Coordinates are at most 1e60 in magnitude, so that rays can be traced.
 ///
 /// # Errors
 /// What is wrong with it, in a few words.
@@ -18,16 +22,20 @@ pub fn parse_camera(text: &str, up: Up) -> Result<Camera, String> {
     Camera::look_at(eye, target, up, degrees.to_radians()).map_err(|error| reason(error, range))
 }
 
-/// Parses a camera of any type. The fourth part of an orthographic one is its height in units of length; by default
-/// it shows as much where it looks as a pinhole camera. A spherical one has no fourth part.
+/// Parses a camera of any type. The fourth part of an orthographic one is its height in units of length, at most 1e60; by
+/// default it shows as much where it looks as a pinhole camera. A spherical one has no fourth part.
 pub(crate) fn parse_any_camera(text: &str, up: Up, camera_type: CameraType) -> Result<AnyCamera, String> {
     match camera_type {
         CameraType::Pinhole => parse_camera(text, up).map(AnyCamera::Pinhole),
         CameraType::Orthographic => {
             let Place { eye, target, up, size } = Place::parse(text, up, "height")?;
             let at_target = || 2.0 * eye.distance(target) * (0.5 * FIELD_OF_VIEW.to_radians()).tan();
+            let range = "the height must be a number above 0, at most 1e60";
+            if size.is_some_and(|height| height > FARTHEST) {
+                return Err(range.into());
+            }
             let camera = OrthographicCamera::look_at(eye, target, up, size.unwrap_or_else(at_target));
-            let camera = camera.map_err(|error| reason(error, "the height must be a number above 0"))?;
+            let camera = camera.map_err(|error| reason(error, range))?;
             Ok(AnyCamera::Orthographic(camera))
         }
         CameraType::Spherical => {
@@ -69,7 +77,15 @@ impl Place {
             [from, to, up, size] => (from, to, Some(up), Some(size)),
             _ => return Err(format!("must have two to four parts: from/to/up/{last}")),
         };
-        let vector = |text| parse_numbers(text).map(DVec3::from_array);
+        let vector = |text| {
+            let vector = DVec3::from_array(parse_numbers(text)?);
+            let is_near = vector.abs().cmple(DVec3::splat(FARTHEST)).all();
+            if is_near {
+                Ok(vector)
+            } else {
+                Err(format!("each coordinate must be from -{FARTHEST:e} to {FARTHEST:e}"))
+            }
+        };
         let up = own_up.map_or(Ok(up.axes().y_axis), vector)?;
         let size = size.map(parse_numbers).transpose()?.map(|[size]| size);
         Ok(Self { eye: vector(from)?, target: vector(to)?, up, size })
@@ -119,7 +135,7 @@ fn short(x: f64, size: f64) -> String {
     format!("{x:.digits$e}").parse().map_or_else(|_| x.to_string(), |x: f64| (x + 0.0).to_string())
 }
 
-/// Parses a radiance from `r,g,b`, or from one number for a grey.
+/// Parses a radiance from `r,g,b`, or from one number for a grey, within the range that [`Emission`] allows.
 ///
 /// # Errors
 /// What is wrong with it, in a few words.
@@ -128,8 +144,13 @@ pub fn parse_colour(text: &str) -> Result<Rgb, String> {
         true => parse_numbers(text)?,
         false => [parse_numbers::<1>(text)?[0]; 3],
     };
-    let valid = numbers.iter().all(|&x| x >= 0.0 && x.is_finite());
-    if valid { Ok(Rgb::from(numbers)) } else { Err("each radiance must be 0 or a number above".into()) }
+    let (radiance, [least, most]) = (Rgb::from(numbers), [Emission::MIN_RADIANCE, Emission::MAX_RADIANCE]);
+    let is_allowed = Emission::allows(radiance);
+    if is_allowed {
+        Ok(radiance)
+    } else {
+        Err(format!("each radiance must be 0 or from {least:e} to {most:e}"))
+    }
 }
 
 fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
@@ -163,7 +184,8 @@ mod tests {
                 text.split('/').nth(1).expect("a target").split(',').flat_map(str::parse).collect();
             assert_eq!(format_camera(&camera, DVec3::from_slice(&to)), text);
         }
-        let parse = |text, camera_type| parse_any_camera(text, Up::Y, camera_type).expect_err("it is bad");
+        let parse =
+            |text: &str, camera_type| parse_any_camera(text, Up::Y, camera_type).expect_err("it is bad");
         assert!(parse("0,0,1/0,0,0/0,1,0/40", CameraType::Spherical).contains("two or three parts"));
         assert!(parse("0,0,1/0,0,0/0,1,0/0", CameraType::Orthographic).contains("height"));
         let high =
@@ -197,6 +219,27 @@ mod tests {
         let camera =
             parse_any_camera("1e-12,3,5/0,1e-12,0", Up::Y, CameraType::Pinhole).expect("it is well-formed");
         assert_eq!(format_camera(&camera, DVec3::ZERO), "0,3,5/0,0,0/0,0.857493,-0.514496/40");
+    }
+
+    #[test]
+    fn numbers_beyond_what_can_be_traced_are_refused() {
+        let parse = |text: &str, camera_type| parse_any_camera(text, Up::Y, camera_type).map(|_| ());
+        let coordinate = Err("each coordinate must be from -1e60 to 1e60".into());
+        for text in ["1e300,0,1/0,0,0", "0,0,1/0,-1.1e60,0", "0,0,1/0,0,0/0,inf,0", "0,nan,1/0,0,0"] {
+            assert_eq!(parse(text, CameraType::Pinhole), coordinate, "{text}");
+        }
+        assert_eq!(parse("1e60,0,1/0,0,0", CameraType::Pinhole), Ok(()));
+        let height = |height: f64| parse(&format!("0,1,0/0,0,0/0,0,1/{height:e}"), CameraType::Orthographic);
+        assert_eq!(height(1e60), Ok(()));
+        assert_eq!(height(1e300), Err("the height must be a number above 0, at most 1e60".into()));
+        assert_eq!(["1e50", "1e-50,0,0"].map(|text| parse_colour(text).is_ok()), [true; 2]);
+        for text in ["1e60", "0,1e-60,0", "-1", "nan", "inf"] {
+            assert_eq!(
+                parse_colour(text),
+                Err("each radiance must be 0 or from 1e-50 to 1e50".into()),
+                "{text}"
+            );
+        }
     }
 
     #[test]

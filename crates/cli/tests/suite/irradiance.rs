@@ -90,8 +90,10 @@ fn what_is_wrong_is_one_line_that_names_file_and_line() {
     refused("", &bad, &["bad.csv: there are no points"]);
     refused("x,y,z,nx,ny,nz\n0,0,0,0,1\n", &bad, &["bad.csv:2: has 5 columns, not the 6 of x,y,z,nx,ny,nz"]);
     refused("0,0,0,0,1,0\n\n0,0,a,0,1,0\n", &bad, &["bad.csv:3: `a` is not a number"]);
-    refused("0,0,0,0,0,0\n", &bad, &["bad.csv:1: normal [0, 0, 0] has length 0, must be 1"]);
-    refused("0,inf,0,0,1,0\n", &bad, &["bad.csv:1: position [0, inf, 0] is not finite"]);
+    refused("0,0,0,0,0,0\n", &bad, &["bad.csv:1: normal [0.0, 0.0, 0.0] has length 0.0, must be 1"]);
+    refused("0,inf,0,0,1,0\n", &bad, &["bad.csv:1: position [0.0, inf, 0.0] is not finite"]);
+    let words = ["bad.csv:1: position [1e300, 0.0, 0.0] is not finite or beyond +-2^60"];
+    refused("1e300,0,0,0,1,0\n", &bad, &words);
     refused(
         "",
         &["--points", "a.csv", "--out", "-", "--stats", "-"],

@@ -102,7 +102,10 @@ fn row_86_field_of_view() {
 #[test]
 fn row_87_a_camera_that_looks_at_itself() {
     assert_refused(&["room.obj", "--camera", "1,2,3/1,2,3"], &["eye and target must be finite and apart"]);
-    assert_refused(&["room.obj", "--camera", "0,0,inf/0,0,0"], &["eye and target must be finite and apart"]);
+    assert_refused(
+        &["room.obj", "--camera", "0,0,inf/0,0,0"],
+        &["each coordinate must be from -1e60 to 1e60"],
+    );
     assert_refused(&["room.obj", "--camera", "0,9/0,0,0"], &["`0,9` is not 3 numbers"]);
 }
 
@@ -162,11 +165,15 @@ fn row_92_no_bounces_leave_what_is_emitted() {
 fn colours_and_exposures_are_numbers() {
     assert_refused(
         &["room.obj", "--environment", "-1"],
-        &["--environment -1: each radiance must be 0 or a number above"],
+        &["--environment -1: each radiance must be 0 or from 1e-50 to 1e50"],
+    );
+    assert_refused(
+        &["room.obj", "--environment", "1e60"],
+        &["--environment 1e60: each radiance must be 0 or from 1e-50 to 1e50"],
     );
     assert_refused(
         &["room.obj", "--environment", "nan"],
-        &["--environment nan: each radiance must be 0 or a number above"],
+        &["--environment nan: each radiance must be 0 or from 1e-50 to 1e50"],
     );
     assert_refused(&["room.obj", "--exposure", "inf"], &["--exposure inf: must be a finite number"]);
 }

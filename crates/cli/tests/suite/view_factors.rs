@@ -162,7 +162,11 @@ fn bad_input_is_one_line() {
     refused(&[&["none.obj", "--patches", "triangle"], &out[..]].concat(), &["none.obj"]);
     refused(
         &[&["a.obj", "--patches", "triangle", "--at-least", "2"], &out[..]].concat(),
-        &["least_factor = 2 is outside [0, 1]"],
+        &["--at-least 2: must be a number from 0 to 1"],
+    );
+    refused(
+        &[&["a.obj", "--patches", "triangle", "--omit-below", "2"], &out[..]].concat(),
+        &["--omit-below 2: must be a number from 0 to 1"],
     );
     refused(
         &[&["a.obj", "--patches", "object", "--error", "0.5", "--at-least", "0.9"], &out[..]].concat(),
