@@ -53,7 +53,7 @@ pub(crate) struct Options {
     expect: Option<PathBuf>,
     /// Only tasks A to B - 1 of the job; B may be larger than their number
     #[arg(long, value_name = "A..B", value_parser = parse::passes, requires = "expect")]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     tasks: Option<Range<u32>>,
     #[command(flatten)]
     output: PictureOutput,

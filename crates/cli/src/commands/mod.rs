@@ -76,3 +76,39 @@ pub fn run() -> ExitCode {
         Command::Diff(options) => diff::run(options),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    /// Otherwise `-1` is told to be an unexpected argument, not a value that is out of range.
+    #[test]
+    fn every_number_may_begin_with_a_minus() {
+        let mut lists = 0;
+        for command in Cli::command().get_subcommands() {
+            let options = command.get_arguments().filter(|option| {
+                !option.is_positional()
+                    && option.get_action().takes_values()
+                    && option.get_possible_values().is_empty()
+            });
+            for option in options {
+                let name = option.get_value_names().unwrap_or_default().concat();
+                let is_path =
+                    ["FILE", "JOB", "CHECKPOINT", "PICTURE"].iter().any(|word| name.starts_with(word));
+                let is_list = name.contains(',') || name.contains("..");
+                let allows = match (is_path, is_list) {
+                    (true, _) => true,
+                    (false, true) => option.is_allow_hyphen_values_set(),
+                    (false, false) => option.is_allow_negative_numbers_set(),
+                };
+                lists += u32::from(is_list && !is_path);
+                assert!(allows, "{} --{:?} <{name}>", command.get_name(), option.get_long());
+            }
+        }
+        assert!(
+            lists >= 8,
+            "--crop, --passes, --camera and --environment, each of several commands: {lists}"
+        );
+    }
+}

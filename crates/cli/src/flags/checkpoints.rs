@@ -74,7 +74,7 @@ pub(crate) struct CheckpointFlags {
     #[serde(flatten)]
     pub(crate) save: SaveFlags,
     /// Render only passes A to B - 1, to be joined with others by `globillum merge`
-    #[arg(long, value_name = "A..B", value_parser = parse::passes, allow_negative_numbers = true)]
+    #[arg(long, value_name = "A..B", value_parser = parse::passes, allow_hyphen_values = true)]
     #[serde(serialize_with = "as_text")]
     pub(crate) passes: Option<Range<u32>>,
 }

@@ -23,7 +23,7 @@ pub(crate) struct PictureFlags {
     ///
     /// Its pixels have the bits of the whole picture. With path reuse, which shares paths within tiles of 16 x 16
     /// pixels, tiles are rendered as a whole: the figures and a checkpoint are of all of them.
-    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = Crop::parse, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = Crop::parse, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,
     /// Replace the pictures of --out while they are rendered, for viewers that load a changed file again
     ///

@@ -48,6 +48,8 @@ fn bad_input_is_one_line_that_names_it() {
     assert_refused(&["--error", "-1"], &["--error -1: must be a number above 0"]);
     assert_refused(&["--seconds", "nan"], &["--seconds nan: must be a number above 0"]);
     assert_refused(&["--passes", "3"], &["--passes 3: must be A..B"]);
+    assert_refused(&["--passes", "-1..3"], &["--passes -1..3: must be A..B"]);
+    assert_refused(&["--crop", "-1,0,2,2"], &["--crop -1,0,2,2: must be X,Y,WIDTH,HEIGHT"]);
     assert_refused(&["--passes", "4..4"], &["--passes 4..4: must be A..B"]);
     assert_refused(&["--spp", "64", "--passes", "0..5"], &["--passes 0..5: --spp 64 has only passes 0..4"]);
     assert_refused(&["--error", "1", "--pilot", "1"], &["--pilot 1: must be an integer from 2"]);
