@@ -1,6 +1,7 @@
 use crate::accel::AccelKind;
 use crate::checkpoint::Checkpoint;
 use crate::console;
+use crate::exr_range;
 use crate::failures::Failures;
 use crate::file_conflicts::{SCENE_FILE, Uses};
 use crate::flags::{RenderFlags, Shown};
@@ -87,6 +88,7 @@ impl Job {
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
         flags.add_to(Uses::default().read(SCENE_FILE, &subject.files)).check()?;
+        exr_range::check(&flags.output.out, subject.environment)?;
         let BuiltSubject { name, scene, build_seconds, camera, camera_by } =
             subject.build(&flags, &interrupt)?;
         let settings = flags.settings();

@@ -11,6 +11,7 @@ mod checkpoint_coverage;
 mod commands;
 mod console;
 mod exit;
+mod exr_range;
 mod failures;
 mod farm;
 mod file_conflicts;

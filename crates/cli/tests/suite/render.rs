@@ -99,6 +99,17 @@ fn row_86_field_of_view() {
     }
 }
 
+/// It is refused before the render, not when its file is written.
+#[test]
+fn an_environment_that_openexr_cannot_hold() {
+    assert_refused(
+        &["room.obj", "--out", "a.png", "--out", "b.exr", "--environment", "0.1,1e50,1e40"],
+        &[
+            "--out b.exr: the environment has a radiance of 1e50, which exceeds 3.4028235e38, the most of OpenEXR",
+        ],
+    );
+}
+
 #[test]
 fn row_87_a_camera_that_looks_at_itself() {
     assert_refused(&["room.obj", "--camera", "1,2,3/1,2,3"], &["eye and target must be finite and apart"]);
