@@ -18,6 +18,8 @@ use std::fmt::Debug;
 /// 6. Queries do not panic. Besides their output they allocate only working memory that the calling thread keeps
 ///    for later queries: none, or with a [`WideBvh`](crate::WideBvh) about 0.6 MB and up to 8 bytes for every 64
 ///    rays of its largest batch.
+/// 7. A batch method leaves exactly one entry per ray in its output, whatever the output held before.
+///    `bounds` returns exactly the bounds of the live triangles.
 ///
 /// Batches are faster than single rays, above all with a [`WideBvh`](crate::WideBvh). By default both batch methods trace
 /// single rays, so a structure that wraps another one should forward them too:

@@ -24,8 +24,8 @@
 //!   Ray/Triangle Intersection" (JCGT 2(1), 2013). docs/numerics.md of the repository contains the proof.
 //! - **Zeros**: a direction component can be zero, of either sign. The quotient of two zeros is NaN; a comparison
 //!   with NaN must not discard a candidate.
-//! - **Other queries**: `occluded` returns `intersect(ray).is_some()`, and a batch returns the answers of its
-//!   rays one by one. No query panics, or allocates more than [`Accel`](crate::Accel) allows.
+//! - **Other queries**: `occluded` returns `intersect(ray).is_some()`. A batch clears its output and stores the
+//!   answers of its rays one by one. `bounds` returns [`Triangles::bounds`](crate::Triangles::bounds). No query panics, or allocates more than [`Accel`](crate::Accel) allows.
 //!
 //! The following accelerator follows the rules. Without slack, the suite rejects it:
 //!
