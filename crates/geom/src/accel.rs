@@ -4,8 +4,9 @@ use std::fmt::Debug;
 /// An accelerator: a structure over triangles that answers closest-hit and any-hit queries.
 ///
 /// # Contract
-/// Every implementation gives the same answers, to the bit. The conformance suite of this crate (feature
-/// `conformance`) checks it.
+/// Every implementation gives the same answers, to the bit. The conformance suite of this crate, the module
+/// `conformance` behind the feature of that name, checks it. The module's documentation says how to write an
+/// accelerator; `cargo doc -p globillum-geom --features conformance --open` shows it.
 ///
 /// 1. A hit is reported iff `t_min < t < t_max`, both strict, with `t` as
 ///    [`decide::Shear::decide`](crate::decide::Shear::decide) computes it, and the ray does not
