@@ -14,8 +14,8 @@
 //! `2^-200`, below which an origin coordinate counts as zero in a decision.
 //!
 //! ```
+//! use globillum_geom::glam::{DVec3, Vec3}; // the crate glam, in the version that this crate takes
 //! use globillum_geom::{Accel, KdOptions, KdTree, Ray, Triangle, Triangles};
-//! use glam::{DVec3, Vec3};
 //!
 //! let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
 //! let tree = KdTree::build(&triangles, &KdOptions::default())?;
@@ -62,6 +62,8 @@ pub use brute::BruteForce;
 pub use cpu::SimdLevel;
 pub use error::GeomError;
 pub use frame::Frame;
+/// The crate of the vectors that this crate takes and returns, in its version.
+pub use glam;
 pub use grid::{GridOptions, UniformGrid};
 pub use hit::Hit;
 pub use kdtree::{KdOptions, KdStats, KdTree, SplitRule};

@@ -29,6 +29,8 @@ pub mod warp;
 pub use bsdf::{Bsdf, BsdfSample, Density};
 pub use emission::{Emission, Sides};
 pub use error::MaterialError;
+/// The crate of the vectors that this crate takes and returns, in its version.
+pub use glam;
 pub use material::Material;
 pub use reflectance::Reflectance;
 pub use rgb::Rgb;
