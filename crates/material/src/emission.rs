@@ -14,6 +14,15 @@ pub enum Sides {
 /// Each component is 0 or within [`Emission::MIN_RADIANCE`] and [`Emission::MAX_RADIANCE`], as every finite
 /// `f32` above zero is. Errors are estimated from fourth powers of radiance, which stay within the range of
 /// `f64` (docs/numerics.md).
+///
+/// ```
+/// use globillum_material::{Emission, Rgb, Sides};
+///
+/// let lamp = Emission::new(Rgb::new(3.0, 2.0, 1.0), Sides::Both)?;
+/// assert_eq!((lamp.radiance(), lamp.sides()), (Rgb::new(3.0, 2.0, 1.0), Sides::Both));
+/// assert_eq!(lamp.toward(-0.5), lamp.radiance());
+/// # Ok::<(), globillum_material::MaterialError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
     radiance: Rgb,
@@ -30,7 +39,8 @@ impl Emission {
     /// The largest radiance of a component.
     pub const MAX_RADIANCE: f64 = 1e50;
 
-    /// Emission of `radiance`, in power per area and steradian, from `sides`.
+    /// Emission of `radiance`, in power per area and steradian (W/(m^2 sr), or the unit of all other lights), from
+    /// `sides`.
     ///
     /// # Errors
     /// [`MaterialError::Emission`] for a component that is neither 0 nor within
@@ -48,6 +58,18 @@ impl Emission {
     pub fn allows(radiance: Rgb) -> bool {
         let range = Self::MIN_RADIANCE..=Self::MAX_RADIANCE;
         radiance.to_array().iter().all(|x| *x == 0.0 || range.contains(x))
+    }
+
+    /// The radiance from each emitting side, in power per area and steradian; black if nothing is emitted.
+    #[inline(always)]
+    pub const fn radiance(self) -> Rgb {
+        self.radiance
+    }
+
+    /// The sides that emit the [radiance](Emission::radiance), also if it is black.
+    #[inline(always)]
+    pub const fn sides(self) -> Sides {
+        self.sides
     }
 
     /// The radiance emitted toward a direction whose cosine with the front normal is `cos`;

@@ -8,11 +8,19 @@
 //! typed by their measure.
 //!
 //! ```
-//! use globillum_material::{Bsdf, Reflectance, Rgb};
-//! use glam::DVec3;
+//! use globillum_material::glam::DVec3; // the crate glam, in the version that this crate takes
+//! use globillum_material::{Emission, Material, Rgb, Sides};
 //!
-//! let grey = Bsdf::Lambert(Reflectance::new(Rgb::splat(0.5))?);
-//! let sample = grey.sample(DVec3::Z, [0.3, 0.7]).expect("seen from above");
+//! let grey = Material::lambert(Rgb::splat(0.5))?;
+//! let silver = Material::mirror(Rgb::new(0.97, 0.96, 0.92))?;
+//! let lamp = Material::light(Rgb::splat(10.0))?; // radiance, W/(m^2 sr)
+//! let glowing = grey.emitting(Emission::new(Rgb::splat(0.1), Sides::Both)?);
+//! assert!(silver.emission.is_black() && glowing.bsdf == grey.bsdf);
+//!
+//! // Toward the front and the back, by the cosine with the normal.
+//! assert_eq!((lamp.emission.toward(0.5), lamp.emission.toward(-0.5)), (Rgb::splat(10.0), Rgb::BLACK));
+//!
+//! let sample = grey.bsdf.sample(DVec3::Z, [0.3, 0.7]).expect("seen from above");
 //! assert_eq!(sample.weight, Rgb::splat(0.5)); // f |cos| / pdf is exactly the albedo
 //! # Ok::<(), globillum_material::MaterialError>(())
 //! ```

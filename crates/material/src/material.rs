@@ -26,7 +26,12 @@ impl Material {
         Ok(Self { bsdf: Bsdf::Mirror(Reflectance::new(reflectance)?), emission: Emission::NONE })
     }
 
-    /// A light: a black surface that emits `radiance` from its front.
+    /// A light: a black surface that emits `radiance` from its front, the side from which its vertices run
+    /// counter-clockwise.
+    ///
+    /// The radiance is in W/(m^2 sr), or in any unit as long as all lights have the same one; the result then has
+    /// it, too. It is not a power: a light of twice the area has twice the power. [`Emission::exitance`] is the
+    /// power per area.
     ///
     /// # Errors
     /// Those of [`Emission::new`].
