@@ -3,6 +3,13 @@ use super::uniform::UniformGrid;
 use crate::{Aabb, GeomError, Triangles};
 
 /// Options for building a [`UniformGrid`].
+///
+/// Made by `default` and then changed, since fields may be added:
+///
+/// ```
+/// let mut options = globillum_geom::GridOptions::default();
+/// options.density = 4.0;
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GridOptions {

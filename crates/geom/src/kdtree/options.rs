@@ -49,10 +49,10 @@ impl SplitRule {
 
 /// Options for building a [`KdTree`].
 ///
-/// ```
-/// use globillum_geom::{KdOptions, SplitRule};
+/// Made by `default` and then changed, since fields may be added:
 ///
-/// let mut options = KdOptions::by_rule(SplitRule::SlidingMidpoint);
+/// ```
+/// let mut options = globillum_geom::KdOptions::default();
 /// options.leaf_size = 4;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
