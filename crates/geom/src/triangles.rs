@@ -1,13 +1,14 @@
 use crate::{Aabb, GeomError, SurfacePoint, Triangle};
 use glam::{DVec3, Vec3};
 use prefetch_index::prefetch_index;
+use std::fmt;
 use std::sync::Arc;
 
 /// Validated triangles, from which every accelerator is built.
 ///
 /// Indices are those of the input. A [degenerate](Triangle::is_degenerate) triangle keeps its index, but it
 /// is not [`live`](Triangles::live) and never hit. Clones share the triangles.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Triangles {
     all: Arc<[Triangle]>,
     live: Arc<[u32]>,
@@ -124,6 +125,18 @@ impl Triangles {
     /// Memory in bytes, counted in full for each clone that shares it.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.all) + size_of_val(&*self.live)
+    }
+}
+
+/// Counts and bounds, not the triangles.
+impl fmt::Debug for Triangles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Triangles")
+            .field("len", &self.len())
+            .field("degenerate", &self.degenerate_count())
+            .field("bounds", &self.bounds)
+            .field("bytes", &self.bytes())
+            .finish_non_exhaustive()
     }
 }
 

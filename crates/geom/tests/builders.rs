@@ -759,32 +759,6 @@ fn what_building_a_wide_bvh_takes_over_long_triangles_and_in_small_cells() {
     }
 }
 
-#[test]
-fn any_number_of_threads_builds_the_same_tree() {
-    let triangles = Triangles::new(statue(60_000).triangles()).unwrap();
-    let tree = |threads: usize, rule| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let tree = pool.install(|| KdTree::build(&triangles, &rule_options(rule)).unwrap());
-        format!("{tree:?}")
-    };
-    for rule in [SplitRule::SurfaceArea, SplitRule::SlidingMidpoint] {
-        let one = tree(1, rule);
-        assert!(one.len() > 1_000_000);
-        for threads in [2, 5] {
-            assert!(one == tree(threads, rule), "{rule:?}, {threads} threads");
-        }
-    }
-    let triangles = Triangles::new(statue(20_000).triangles()).unwrap();
-    for build in [WideBvh::build, WideBvh::build_quickly] {
-        let tree = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            format!("{:?}", pool.install(|| build(&triangles).unwrap()))
-        };
-        let one = tree(1);
-        assert!([2, 5].into_iter().all(|threads| one == tree(threads)));
-    }
-}
-
 /// A grid divides none of the first, and only the furthest of the second.
 #[test]
 fn grids_that_divide_little_build_trees_too() {

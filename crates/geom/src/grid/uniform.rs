@@ -1,6 +1,7 @@
 use super::lattice::Lattice;
 use crate::by_query::accel_by_query;
 use crate::{Accel, Traverse, Triangles};
+use std::fmt;
 
 /// A uniform grid: fast to build; suits triangles of similar size that are evenly distributed.
 ///
@@ -15,7 +16,7 @@ use crate::{Accel, Traverse, Triangles};
 /// assert!(grid.occluded(&Ray::new(DVec3::new(0.2, 0.2, 2.0), -DVec3::Z)));
 /// # Ok::<(), globillum_geom::GeomError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct UniformGrid {
     pub(super) triangles: Triangles,
     pub(super) lattice: Lattice,
@@ -58,5 +59,17 @@ impl Accel for UniformGrid {
 
     fn bytes(&self) -> usize {
         self.triangles.bytes() + size_of_val(&*self.starts) + size_of_val(&*self.references)
+    }
+}
+
+/// Counts, not the cells.
+impl fmt::Debug for UniformGrid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("UniformGrid")
+            .field("triangles", &self.triangles.len())
+            .field("resolution", &self.resolution())
+            .field("references", &self.reference_count())
+            .field("bytes", &self.bytes())
+            .finish_non_exhaustive()
     }
 }

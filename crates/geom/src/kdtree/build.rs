@@ -295,3 +295,27 @@ impl Builder<'_> {
         (sides, parts)
     }
 }
+
+#[cfg(all(test, feature = "conformance"))]
+mod tests {
+    use super::*;
+    use crate::conformance::shapes::statue;
+
+    #[test]
+    fn any_number_of_threads_builds_the_same_tree() {
+        let triangles = Triangles::new(statue(60_000).triangles()).expect("a valid mesh");
+        let tree = |threads: usize, rule| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            let options = KdOptions { lookahead: 1, ..KdOptions::by_rule(rule) };
+            let tree = pool.install(|| KdTree::build(&triangles, &options)).expect("the tree can be built");
+            format!("{:?}, {:?}", tree.nodes, tree.references)
+        };
+        for rule in [SplitRule::SurfaceArea, SplitRule::SlidingMidpoint] {
+            let one = tree(1, rule);
+            assert!(one.len() > 1_000_000);
+            for threads in [2, 5] {
+                assert!(one == tree(threads, rule), "{rule:?}, {threads} threads");
+            }
+        }
+    }
+}

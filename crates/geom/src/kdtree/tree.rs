@@ -1,11 +1,12 @@
 use crate::by_query::accel_by_query;
 use crate::{Accel, Traverse, Triangles};
+use std::fmt;
 
 /// A k-d tree, built by one of the [`SplitRule`](crate::SplitRule)s.
 ///
 /// Both children reference a triangle that straddles their split plane. Cells do not overlap, so traversal
 /// visits them front to back.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct KdTree {
     pub(super) triangles: Triangles,
     /// In depth-first order: an inner node's lower child follows it.
@@ -41,5 +42,17 @@ impl Accel for KdTree {
 
     fn bytes(&self) -> usize {
         self.triangles.bytes() + size_of_val(&*self.nodes) + size_of_val(&*self.references)
+    }
+}
+
+/// Counts, not the nodes.
+impl fmt::Debug for KdTree {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("KdTree")
+            .field("triangles", &self.triangles.len())
+            .field("nodes", &self.nodes.len())
+            .field("references", &self.references.len())
+            .field("bytes", &self.bytes())
+            .finish_non_exhaustive()
     }
 }

@@ -22,6 +22,7 @@ use crate::cpu::{SimdLevel, Token, vectorized};
 use crate::query::{AnyHit, ClosestHit, Query};
 use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, Traverse, Triangles};
 use simd::PACKET;
+use std::fmt;
 use trace::{Scratch, query_one, query_others, query_packets};
 use tree::Tree;
 
@@ -44,7 +45,7 @@ const _: () = assert!(MOST_RAYS.is_multiple_of(PACKET), "packets are counted fro
 /// The tree is traversed with the best vector instructions of the machine; the answers are the same with any.
 ///
 /// [`KdTree`]: crate::KdTree
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct WideBvh {
     tree: Tree,
     token: Token,
@@ -198,10 +199,22 @@ impl Accel for WideBvh {
     }
 }
 
+/// Counts, not the nodes.
+impl fmt::Debug for WideBvh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("WideBvh")
+            .field("triangles", &self.tree.triangles.len())
+            .field("nodes", &self.tree.nodes.len())
+            .field("level", &self.level())
+            .field("bytes", &self.bytes())
+            .finish_non_exhaustive()
+    }
+}
+
 #[cfg(all(test, feature = "conformance"))]
 mod tests {
     use super::*;
-    use crate::conformance::shapes::icosphere;
+    use crate::conformance::shapes::{icosphere, statue};
     use crate::conformance::{Seeded, Source};
     use glam::DVec3;
 
@@ -227,5 +240,20 @@ mod tests {
         tree.query_parts(rays.chunks(3 * PACKET), &mut in_parts, |query: ClosestHit| query.hit());
         assert!(whole.iter().any(Option::is_some) && whole.iter().any(Option::is_none));
         assert_eq!(in_parts, whole);
+    }
+
+    #[test]
+    fn any_number_of_threads_builds_the_same_tree() {
+        let triangles = Triangles::new(statue(20_000).triangles()).expect("a valid mesh");
+        for build in [WideBvh::build, WideBvh::build_quickly] {
+            let tree = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+                let built = pool.install(|| build(&triangles)).expect("the tree can be built");
+                format!("{:?}", built.tree)
+            };
+            let one = tree(1);
+            assert!(one.len() > 1_000_000);
+            assert!([2, 5].into_iter().all(|threads| one == tree(threads)));
+        }
     }
 }
