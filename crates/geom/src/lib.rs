@@ -76,5 +76,6 @@ pub use triangle::Triangle;
 pub use triangles::Triangles;
 pub use wide::WideBvh;
 
-/// A hash of this crate's sources, comments included, in hexadecimal digits. It is part of the [key](https://docs.rs/globillum-integrator) of a picture.
+/// A hash of this crate's sources, comments included, in hexadecimal digits. It is part of the key of a picture,
+/// `Render::key` of the crate `globillum-integrator`.
 pub const SOURCE_HASH: &str = env!("GLOBILLUM_SOURCE_HASH");

@@ -44,5 +44,6 @@ pub use reflectance::Reflectance;
 pub use rgb::Rgb;
 pub use srgb::srgb_encode;
 
-/// A hash of this crate's sources, comments included, in hexadecimal digits. It is part of the [key](https://docs.rs/globillum-integrator) of a picture.
+/// A hash of this crate's sources, comments included, in hexadecimal digits. It is part of the key of a picture,
+/// `Render::key` of the crate `globillum-integrator`.
 pub const SOURCE_HASH: &str = env!("GLOBILLUM_SOURCE_HASH");
