@@ -27,9 +27,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod batch_queries;
 mod bytes;
 mod caught;
+mod checked_accel;
 mod comparison;
 mod error;
 mod film;
@@ -56,6 +56,8 @@ pub use film::{
     ImageError, Merge, Picture, PixelSums,
 };
 pub use first_hits::{FirstHit, FirstHits};
+/// The crate of the vectors that this crate takes and returns, in its version.
+pub use glam;
 pub use light::{
     AreaLightSample, DeltaLight, DeltaLightSample, LightSample, LightSampler, LightSampling, Lights,
 };

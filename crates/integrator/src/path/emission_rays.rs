@@ -1,7 +1,7 @@
 //! Rays that find the emission of lights, directly and by way of mirrors.
 
 use super::render_context::RenderContext;
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::light::reflection;
 use crate::{Interaction, PathStart, Scene};
 use glam::DVec3;
@@ -83,7 +83,7 @@ impl EmissionRays {
                 break;
             }
             traced += self.rays.len() as u64;
-            batch_queries::intersect(scene.accel(), &self.rays, &mut self.hits);
+            checked_accel::intersect(scene.accel(), &self.rays, &mut self.hits);
             let mut kept = 0;
             for i in 0..self.rays.len() {
                 let next = self.follow(scene, i, reflections, &mut add);

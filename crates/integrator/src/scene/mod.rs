@@ -7,6 +7,7 @@ pub use interaction::Interaction;
 pub use model::{MaterialId, Model};
 
 use crate::RenderError;
+use crate::checked_accel;
 use crate::light::{LightSampler, LightSampling, Lights, Mirrors, Receiver};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, Triangles};
@@ -101,7 +102,7 @@ impl<A: Accel> Scene<A> {
         let emission = |index: u32| materials[material_ids[index as usize] as usize].emission;
         let lights = Lights::of(&triangles, emission, &delta_lights);
         let accel = build(&triangles)?;
-        if accel.bounds() != triangles.bounds() {
+        if !checked_accel::is_over(&accel, &triangles) {
             return Err(RenderError::OtherTriangles);
         }
         Ok(Self {

@@ -2,6 +2,7 @@ use super::row::Row;
 use super::tracer::{Buffers, Tracer};
 use super::{FactorAccuracy, FactorError, FactorSettings, Patches, ViewFactors};
 use crate::caught::caught;
+use crate::checked_accel;
 use crate::hash::{fold, sources};
 use crate::run::Meter;
 use crate::worker_threads::worker_threads;
@@ -56,7 +57,7 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
     /// [`Monitor::pass_done`].
     pub fn run(mut self, monitor: &dyn Monitor<ViewFactors>) -> Result<ViewFactors, FactorError> {
         self.settings.validate()?;
-        if self.accel.bounds() != self.triangles.bounds() {
+        if !checked_accel::is_over(self.accel, self.triangles) {
             return Err(FactorError::OtherTriangles);
         }
         let start = self.start()?;

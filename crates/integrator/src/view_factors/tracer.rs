@@ -1,6 +1,6 @@
 use super::row::{Entry, Row};
 use super::{FactorSettings, Patches};
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::sampler::{Member, SobolPoint};
 use glam::DVec3;
 use globillum_geom::{Accel, Frame, Hit, Ray, SimdLevel, Triangle, Triangles};
@@ -84,7 +84,7 @@ impl<'a, A: Accel + ?Sized> Tracer<'a, A> {
         for first in (0..pass_rays).step_by(BATCH as usize) {
             rays.clear();
             self.spawn(patch, pass, first..pass_rays.min(first + BATCH), rays);
-            batch_queries::intersect(self.accel, rays, hits);
+            checked_accel::intersect(self.accel, rays, hits);
             for (ray, hit) in rays.iter().zip(hits.iter()) {
                 let column = self.column(ray, hit.as_ref());
                 let count = &mut counts[column as usize];

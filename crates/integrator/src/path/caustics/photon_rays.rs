@@ -4,7 +4,7 @@
 //! scatters, which pixels [share](super::shared_caustics), and by rays toward the places where photons of the vicinity left their
 //! last mirror.
 
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::guide::PhotonGuide;
 use crate::path::counters::Counters;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
@@ -111,7 +111,7 @@ impl PhotonRays {
         let Some(photons) = &context.photons else { return };
         self.begin(context, photons, samples, prefixes);
         let Self { rays, of_samples, hits, emission_rays } = self;
-        batch_queries::intersect(context.scene.accel(), rays, hits);
+        checked_accel::intersect(context.scene.accel(), rays, hits);
         for (i, (ray, hit)) in (0..).zip(rays.iter().zip(hits)) {
             let Some(at) = hit.as_ref().map(|hit| context.scene.interaction(ray, hit)) else { continue };
             if !at.point.position.is_finite() {

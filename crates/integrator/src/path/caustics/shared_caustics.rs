@@ -9,7 +9,7 @@
 
 use super::photon_rays::bsdf_weight;
 use crate::Interaction;
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::path::counters::Counters;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::mis::MisContext;
@@ -145,7 +145,7 @@ impl SharedCaustics {
         counters: &mut Counters,
     ) {
         let Self { connections, rays, occluded, emission_rays, .. } = self;
-        batch_queries::occluded(context.scene.accel(), rays, occluded);
+        checked_accel::occluded(context.scene.accel(), rays, occluded);
         let Bsdf::Mirror(reflectance) = context.scene.material(mirror.triangle).bsdf else { return };
         for (i, (ray, _)) in
             (1..).zip(rays.iter().zip(occluded.iter())).filter(|(_, (_, occluded))| !**occluded)

@@ -1,4 +1,4 @@
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::light::{AreaLightSample, LargeMirrors, LightSample};
 use crate::path::path_state::Path;
 use crate::path::path_vertex::PathVertex;
@@ -64,7 +64,7 @@ impl LargeMirrorRays {
         contributions: &mut Vec<Contribution>,
     ) {
         let Some(mirrors) = context.large_mirrors() else { return };
-        batch_queries::intersect(context.scene.accel(), &self.rays, &mut self.hits);
+        checked_accel::intersect(context.scene.accel(), &self.rays, &mut self.hits);
         for (sample, hit) in self.samples.iter().zip(&self.hits) {
             let Some(hit) = hit.filter(|hit| mirrors.facet_of(hit.triangle) == Some(sample.facet)) else {
                 continue;

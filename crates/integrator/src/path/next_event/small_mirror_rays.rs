@@ -1,4 +1,4 @@
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::light::{AreaLightSample, ChosenMirror, LightSample, MirrorPoint, SmallMirrors};
 use crate::path::emission_rays::reflected_ray;
 use crate::path::path_state::Path;
@@ -83,7 +83,7 @@ impl SmallMirrorRays {
     pub(in crate::path) fn trace(&mut self, context: &RenderContext<'_>) {
         let Some(mirrors) = context.small_mirrors() else { return };
         let (scene, accel) = (context.scene, context.scene.accel());
-        batch_queries::intersect(accel, &self.rays, &mut self.hits);
+        checked_accel::intersect(accel, &self.rays, &mut self.hits);
         for (sample, (ray, hit)) in self.samples.iter().zip(self.rays.iter().zip(&self.hits)) {
             let Some(hit) = hit.filter(|hit| hit.triangle == sample.triangle) else { continue };
             let Bsdf::Mirror(reflectance) = scene.material(hit.triangle).bsdf else { continue };
@@ -94,7 +94,7 @@ impl SmallMirrorRays {
                 self.reflected.push(Sample { radiance, ..*sample });
             }
         }
-        batch_queries::intersect(accel, &self.reflected_rays, &mut self.hits);
+        checked_accel::intersect(accel, &self.reflected_rays, &mut self.hits);
         for (sample, (ray, hit)) in self.reflected.iter().zip(self.reflected_rays.iter().zip(&self.hits)) {
             let Some(hit) = hit else { continue };
             let emitted = scene.interaction(ray, hit).emitted();

@@ -1,7 +1,7 @@
 //! Paths from lights by way of mirrors: where they reach diffuse surfaces, photons are left (after Jensen 1996).
 
 use crate::Stream;
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::guide::{Photon, PhotonGuide, guide_vertex};
 use crate::light::AliasTable;
 use crate::path::caustics::{MIN_MIRRORS, max_mirrors};
@@ -70,7 +70,7 @@ fn photons_of_chunk(emitters: &Emitters<'_>, chunk: u32) -> Vec<Photon> {
     while !paths.is_empty() {
         rays.clear();
         rays.extend(paths.iter().map(|path| path.ray));
-        batch_queries::intersect(context.scene.accel(), &rays, &mut hits);
+        checked_accel::intersect(context.scene.accel(), &rays, &mut hits);
         let advanced = paths
             .iter()
             .zip(&hits)

@@ -1,6 +1,6 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::path::caustics::MIN_WEIGHT;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
 use crate::path::first_vertex::{first_diffuse_vertex, scattered_ray};
@@ -37,7 +37,7 @@ fn caustics_found(context: &RenderContext<'_>) -> usize {
 fn found_from(context: &RenderContext<'_>, scattered: &[(Ray, MisContext)]) -> usize {
     let rays: Vec<Ray> = scattered.iter().map(|(ray, _)| *ray).collect();
     let mut hits = Vec::new();
-    batch_queries::intersect(context.scene.accel(), &rays, &mut hits);
+    checked_accel::intersect(context.scene.accel(), &rays, &mut hits);
     let mut reflected = EmissionRays::default();
     for (i, (ray, hit)) in (0..).zip(rays.iter().zip(&hits)) {
         let Some(at) = hit.as_ref().map(|hit| context.scene.interaction(ray, hit)) else { continue };

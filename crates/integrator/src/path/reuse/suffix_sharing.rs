@@ -14,7 +14,7 @@
 
 use super::connection::Connection;
 use super::prefixes::Prefixes;
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::path::counters::Counters;
 use crate::path::radiance_sums::RadianceSums;
 use crate::path::render_context::RenderContext;
@@ -70,7 +70,7 @@ impl SuffixSharing {
         for &caustic @ (sample, _) in &radiance.suffix_caustics {
             self.connect(context, prefixes, caustic, samples.of_square(sample));
         }
-        batch_queries::occluded(context.scene.accel(), &self.rays, &mut self.occluded);
+        checked_accel::occluded(context.scene.accel(), &self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
         self.combine(prefixes, &mut radiance.samples);
         for (i, &control_variate) in control_variates.iter().enumerate() {

@@ -14,7 +14,7 @@ use super::render_context::RenderContext;
 use super::reuse::{Prefixes, SuffixSharing};
 use super::tile_probes::TileProbes;
 use super::tile_samples::TileSamples;
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::light::{ChosenLight, ChosenMirror};
 use crate::sampler::BounceNumbers;
 use globillum_geom::{Hit, Ray, SurfacePoint};
@@ -134,7 +134,7 @@ impl Wavefront {
         let direct_count = self.contributions.len();
         self.large_mirror_rays.trace(context, &mut self.shadow_rays, &mut self.contributions);
         self.small_mirror_rays.trace(context);
-        batch_queries::occluded(context.scene.accel(), &self.shadow_rays, &mut self.occluded);
+        checked_accel::occluded(context.scene.accel(), &self.shadow_rays, &mut self.occluded);
         let unoccluded = self.contributions.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
         let contributions = unoccluded.map(|(contribution, _)| contribution);
         for contribution in contributions.chain(&self.small_mirror_rays.found) {

@@ -3,7 +3,7 @@
 use super::Wavefront;
 use super::numbers::{draw_bounce_numbers, draw_numbers};
 use crate::Interaction;
-use crate::batch_queries;
+use crate::checked_accel;
 use crate::guide::{GuideVertex, guide_vertex};
 use crate::path::caustics::MIN_WEIGHT;
 use crate::path::counters::Counters;
@@ -30,7 +30,7 @@ impl Wavefront {
         bounce: u32,
         counters: &mut Counters,
     ) {
-        batch_queries::intersect(context.scene.accel(), &self.rays, &mut self.hits);
+        checked_accel::intersect(context.scene.accel(), &self.rays, &mut self.hits);
         let with_roulette = bounce >= context.settings.roulette.start;
         draw_bounce_numbers(context.simd, &self.paths, bounce, with_roulette, &mut self.bounce_numbers);
         self.draw_large_mirror_numbers(context, bounce);

@@ -1,7 +1,13 @@
-//! Batch queries. The accelerator may be one of the user's, so the number of its answers is checked: too few or too many would
-//! be taken for those of other rays.
+//! What is checked of an accelerator, which may be one of the user's: that it is over the triangles of the scene, and that
+//! batches have an answer for each ray. Too few or too many would be taken for those of other rays.
 
-use globillum_geom::{Accel, Hit, Ray};
+use globillum_geom::{Accel, Hit, Ray, Triangles};
+
+/// Whether the accelerator has the bounds of these triangles. All empty boxes are equal.
+pub(crate) fn is_over(accel: &(impl Accel + ?Sized), triangles: &Triangles) -> bool {
+    let (of_accel, of_triangles) = (accel.bounds(), triangles.bounds());
+    of_accel == of_triangles || of_accel.is_empty() && of_triangles.is_empty()
+}
 
 /// The closest hits of `rays`, one for each.
 ///
