@@ -1,6 +1,6 @@
 //! Checkpoints as files, and when they are written.
 
-use anyhow::{Context, Error, Result, anyhow};
+use anyhow::{Context, Error, Result};
 use globillum::integrator::view_factors::ViewFactors;
 use globillum::integrator::{CheckpointError, Ending, Picture};
 use globillum::io::{AtomicFile, IoError};
@@ -68,7 +68,7 @@ impl Saved for ViewFactors {
 /// Reads a result with its bookkeeping. A message names the file.
 pub(crate) fn read<R: Saved>(path: &Path) -> Result<R> {
     let name = || path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| anyhow!("{}: cannot be read: {error}", name()))?;
+    let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", name()))?;
     R::from_bytes(&bytes).with_context(name)
 }
 

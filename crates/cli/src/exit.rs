@@ -1,6 +1,7 @@
 //! Exit codes.
 
 use crate::failures::Failures;
+use globillum::integrator::CheckpointError;
 use std::error::Error;
 use std::fmt;
 use std::io::{self, ErrorKind};
@@ -79,7 +80,10 @@ pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
 
 /// The errors of the operating system that led to an error.
 fn causes(error: &anyhow::Error) -> impl Iterator<Item = ErrorKind> {
-    error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).map(io::Error::kind)
+    error.chain().filter_map(|cause| match cause.downcast_ref() {
+        Some(CheckpointError::Read(kind)) => Some(*kind),
+        _ => cause.downcast_ref::<io::Error>().map(io::Error::kind),
+    })
 }
 
 /// Whether an error is temporary; of several errors, whether all are.
@@ -122,6 +126,10 @@ mod tests {
         assert_eq!(code(ErrorKind::StorageFull), format!("{:?}", ExitCode::from(75)));
         assert_eq!(code(ErrorKind::PermissionDenied), format!("{:?}", ExitCode::from(1)));
         assert_eq!(code(ErrorKind::BrokenPipe), format!("{:?}", ExitCode::from(141)));
+        let read = |kind| anyhow::Error::from(CheckpointError::Read(kind)).context("a");
+        let code = |kind| format!("{:?}", code_of(&read(kind)));
+        assert_eq!(code(ErrorKind::StaleNetworkFileHandle), format!("{:?}", ExitCode::from(75)));
+        assert_eq!(code(ErrorKind::UnexpectedEof), format!("{:?}", ExitCode::from(1)));
         let incomplete = anyhow::Error::from(Incomplete("a".into()));
         assert_eq!(format!("{:?}", code_of(&incomplete)), format!("{:?}", ExitCode::from(3)));
     }

@@ -74,7 +74,7 @@ impl fmt::Display for Use<'_> {
 
 /// The canonical path of a regular file, which may not exist yet. `None` of what is written through, of folders, and if
 /// its folder does not exist.
-fn regular_file(path: &Path) -> Option<PathBuf> {
+pub(crate) fn regular_file(path: &Path) -> Option<PathBuf> {
     if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
         return None;
     }

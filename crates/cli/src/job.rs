@@ -109,8 +109,8 @@ impl Job {
         let data_on_stdout = outputs.fill_stdout();
         let mut data = picture_data(&picture, &settings, &camera, shown);
         if flags.picture.buffers {
-            let hits = FirstHits::of(&scene, camera.sensor(), &settings)?;
-            data.first_hits = Some(shown.cut_hits(hits));
+            let hits = failures.keep(FirstHits::of(&scene, camera.sensor(), &settings));
+            data.first_hits = hits.map(|hits| shown.cut_hits(hits));
         }
         let written = outputs.write(&data, || summary.to_json(), &mut failures);
         let table = console::print_table(&summary.to_table(&written), data_on_stdout);

@@ -3,8 +3,8 @@
 use crate::console;
 use crate::failures::Failures;
 use crate::flags::PictureOutput;
-use anyhow::{Context, Result, ensure};
-use globillum::io::{AtomicFile, IoError, PictureData, PictureFile};
+use anyhow::{Result, ensure};
+use globillum::io::{AtomicFile, IoError, PictureData, PictureFile, PictureFormat};
 use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 
@@ -64,7 +64,8 @@ impl Outputs {
         for picture in self.pictures {
             match picture {
                 Target::StandardOutput => {
-                    let png = png(self.exposure, |file| file.write_data(data));
+                    let png = PictureFormat::Png.encode(data, self.exposure.exp2());
+                    let png = png.map_err(|source| IoError::Encode { path: STDOUT.into(), source }.into());
                     failures.keep(png.and_then(|png| console::print_data(&png)));
                 }
                 Target::File(path, file) => {
@@ -112,12 +113,4 @@ impl<F> Target<F> {
     fn is_stdout(&self) -> bool {
         matches!(self, Self::StandardOutput)
     }
-}
-
-/// The bytes of a PNG file that `write` writes.
-fn png(exposure: f64, write: impl FnOnce(PictureFile) -> Result<(), IoError>) -> Result<Vec<u8>> {
-    let folder = tempfile::tempdir().context("folder for temporary files")?;
-    let path = folder.path().join("picture.png");
-    write(PictureFile::create(&path)?.exposed(exposure))?;
-    std::fs::read(&path).with_context(|| path.display().to_string())
 }

@@ -19,7 +19,7 @@ pub(crate) fn read(path: &Path) -> Result<IrradiancePoints> {
         return parse(&read_to_string(std::io::stdin()).context("standard input")?, "standard input");
     }
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| anyhow!("{name}: cannot be read: {error}"))?;
+    let bytes = std::fs::read(path).with_context(|| format!("{name}: cannot be read"))?;
     parse(&String::from_utf8(bytes).map_err(|_| anyhow!("{name}: is not UTF-8 text"))?, &name)
 }
 

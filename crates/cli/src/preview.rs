@@ -1,7 +1,9 @@
 //! Pictures of a render that is not finished, for viewers that load a file again when it changes.
 
 use crate::console;
+use crate::file_conflicts::regular_file;
 use crate::flags::PictureOutput;
+use crate::output::STDOUT;
 use globillum::integrator::Picture;
 use globillum::io::{IoError, PictureData, PictureFile};
 use std::path::{Path, PathBuf};
@@ -28,9 +30,7 @@ pub(crate) struct Preview<'a> {
 impl<'a> Preview<'a> {
     /// Previews in the files of `output` that are, or will be, regular ones; `data_of` a picture is written.
     pub(crate) fn new(output: &PictureOutput, data_of: impl Fn(&Picture) -> PictureData + Send + 'a) -> Self {
-        let is_file = |path: &&PathBuf| {
-            std::fs::metadata(path).map_or(path.as_os_str() != "-", |found| found.is_file())
-        };
+        let is_file = |path: &&PathBuf| path.as_path() != Path::new(STDOUT) && regular_file(path).is_some();
         let paths = output.out.iter().filter(is_file).cloned().collect();
         let data_of = Box::new(data_of);
         Self { paths, exposure: output.exposure, data_of, start: Instant::now(), last: None }

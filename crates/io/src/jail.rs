@@ -72,7 +72,7 @@ impl<'a> Jail<'a> {
         let reserved = bytes.try_reserve_exact(metadata.len() as usize);
         reserved.map_err(|_| failed(io::ErrorKind::OutOfMemory.into()))?;
         // The file may grow while it is being read.
-        let mut file = File::open(path).map_err(failed)?.take(self.bytes_left + 1);
+        let mut file = File::open(path).map_err(failed)?.take(self.bytes_left.saturating_add(1));
         file.read_to_end(&mut bytes).map_err(failed)?;
         check_size(bytes.len() as u64)?;
         self.bytes_left -= bytes.len() as u64;

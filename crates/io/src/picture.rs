@@ -33,7 +33,11 @@ impl PictureFormat {
     }
 
     /// The content of a file, with radiance multiplied by `gain` if it is a PNG.
-    fn encode(self, data: &PictureData, gain: f64) -> Result<Vec<u8>, Box<dyn Error + Send + Sync>> {
+    ///
+    /// # Errors
+    /// What the encoder cannot write: a radiance beyond [`f32::MAX`] in OpenEXR, lists of other lengths than the
+    /// [`Estimates`] say.
+    pub fn encode(self, data: &PictureData, gain: f64) -> Result<Vec<u8>, Box<dyn Error + Send + Sync>> {
         let Estimates { width, height, means, .. } = &data.estimates;
         match self {
             Self::Exr => openexr::encode(data),

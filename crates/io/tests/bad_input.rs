@@ -149,6 +149,8 @@ fn every_limit_can_be_lowered() {
     let expected = "a.obj:2: too many material libraries (limit: 1)";
     assert_limited(&obj, "a.obj", change(|l| l.materials = 1), expected);
     assert!(Loader::new().limits(change(|l| l.materials = 2)).load(&obj.path("a.obj")).is_ok());
+    let no_limit = change(|l| l.bytes = u64::MAX);
+    assert_eq!(Loader::new().limits(no_limit).load(&obj.path("a.obj")).unwrap().model.triangles().len(), 2);
 }
 
 fn change(change: impl FnOnce(&mut Limits)) -> Limits {

@@ -108,7 +108,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         }
         outputs.write(&data, || Ok(String::new()), &mut failures);
     }
-    failures.keep(console::print_table(&summary::of_merged(&header, error), data_on_stdout));
+    failures.keep(interrupt.shown(console::print_table(&summary::of_merged(&header, error), data_on_stdout)));
     failures.into_result()
 }
 

@@ -16,7 +16,8 @@ const FARTHEST: f64 = 1e60;
 /// # Errors
 /// What is wrong with it, in a few words.
 pub fn parse_camera(text: &str, up: Up) -> Result<Camera, String> {
-    let Place { eye, target, up, size } = Place::parse(text, up, "degrees")?;
+    let CameraParts { eye, target, up, size } =
+        CameraParts::parse(text, up, "two to four parts: from/to/up/degrees")?;
     let degrees = size.unwrap_or(FIELD_OF_VIEW);
     let range = "the field of view must be above 0 and below 180 degrees";
     Camera::look_at(eye, target, up, degrees.to_radians()).map_err(|error| reason(error, range))
@@ -28,7 +29,8 @@ pub(crate) fn parse_any_camera(text: &str, up: Up, camera_type: CameraType) -> R
     match camera_type {
         CameraType::Pinhole => parse_camera(text, up).map(AnyCamera::Pinhole),
         CameraType::Orthographic => {
-            let Place { eye, target, up, size } = Place::parse(text, up, "height")?;
+            let CameraParts { eye, target, up, size } =
+                CameraParts::parse(text, up, "two to four parts: from/to/up/height")?;
             let at_target = || 2.0 * eye.distance(target) * (0.5 * FIELD_OF_VIEW.to_radians()).tan();
             let range = "the height must be a number above 0, at most 1e60";
             if size.is_some_and(|height| height > FARTHEST) {
@@ -39,9 +41,10 @@ pub(crate) fn parse_any_camera(text: &str, up: Up, camera_type: CameraType) -> R
             Ok(AnyCamera::Orthographic(camera))
         }
         CameraType::Spherical => {
-            let Place { eye, target, up, size } = Place::parse(text, up, "up")?;
+            let form = "two or three parts: from/to/up";
+            let CameraParts { eye, target, up, size } = CameraParts::parse(text, up, form)?;
             if size.is_some() {
-                return Err("must have two or three parts: from/to/up".into());
+                return Err(format!("must have {form}"));
             }
             let camera = SphericalCamera::look_at(eye, target, up).map_err(|error| reason(error, ""))?;
             Ok(AnyCamera::Spherical(camera))
@@ -59,7 +62,7 @@ fn reason(error: RenderError, range: &str) -> String {
 }
 
 /// The parts of a camera on the command line.
-struct Place {
+struct CameraParts {
     eye: DVec3,
     target: DVec3,
     up: DVec3,
@@ -67,15 +70,15 @@ struct Place {
     size: Option<f64>,
 }
 
-impl Place {
-    /// Parses the parts, of which the fourth is called `last`.
-    fn parse(text: &str, up: Up, last: &str) -> Result<Self, String> {
+impl CameraParts {
+    /// Parses the parts; `form` says how many there are, and which.
+    fn parse(text: &str, up: Up, form: &str) -> Result<Self, String> {
         let parts: Vec<_> = text.split('/').collect();
         let (from, to, own_up, size) = match parts[..] {
             [from, to] => (from, to, None, None),
             [from, to, up] => (from, to, Some(up), None),
             [from, to, up, size] => (from, to, Some(up), Some(size)),
-            _ => return Err(format!("must have two to four parts: from/to/up/{last}")),
+            _ => return Err(format!("must have {form}")),
         };
         let vector = |text| {
             let vector = DVec3::from_array(parse_numbers(text)?);
@@ -186,7 +189,10 @@ mod tests {
         }
         let parse =
             |text: &str, camera_type| parse_any_camera(text, Up::Y, camera_type).expect_err("it is bad");
-        assert!(parse("0,0,1/0,0,0/0,1,0/40", CameraType::Spherical).contains("two or three parts"));
+        for text in ["0,0,1", "0,0,1/0,0,0/0,1,0/40", "0,0,1/0,0,0/0,1,0/40/9"] {
+            let expected = "must have two or three parts: from/to/up";
+            assert_eq!(parse(text, CameraType::Spherical), expected, "{text}");
+        }
         assert!(parse("0,0,1/0,0,0/0,1,0/0", CameraType::Orthographic).contains("height"));
         let high =
             parse_any_camera("0,0,5/0,0,0", Up::Y, CameraType::Orthographic).expect("it is well-formed");
