@@ -47,7 +47,7 @@ fn frames_are_orthonormal_and_right_handed() {
 
 #[test]
 fn an_area_density_becomes_a_solid_angle_density() {
-    let pdf = PdfArea(0.25).chosen_with(0.5);
+    let pdf = PdfArea(0.125);
     assert_eq!(pdf.to_solid_angle(4.0, -0.5), Some(PdfSolidAngle(1.0)));
     assert_eq!(pdf.to_solid_angle(4.0, 0.0), None);
 }

@@ -12,6 +12,7 @@
 //! that a traversal compiled for FMA instructions uses them here too; the bits are the same without.
 
 use crate::exact::difference_of_products;
+use crate::ray::power_of_two;
 use crate::{Ray, Triangle};
 use glam::DVec3;
 
@@ -47,7 +48,7 @@ struct Sheared {
 
 /// Slopes and origin coordinates below this become zero, so that no product in [`Shear::decide`] underflows.
 /// The difference is far below `2^-149`, the spacing of the smallest `f32` coordinates.
-const NEGLIGIBLE: f64 = f64::from_bits((1023 - 200) << 52);
+const NEGLIGIBLE: f64 = power_of_two(-200);
 
 impl Shear {
     /// Prepares `ray`; `None` if it is not [traceable](Ray::is_traceable).

@@ -19,12 +19,6 @@ impl PdfArea {
         let pdf = self.0 * distance_sq / cos_light.abs();
         pdf.is_finite().then_some(PdfSolidAngle(pdf))
     }
-
-    /// The density times the probability `choice_prob`, in `[0, 1]`, of choosing this sampling domain.
-    #[must_use]
-    pub fn chosen_with(self, choice_prob: f64) -> Self {
-        Self(self.0 * choice_prob)
-    }
 }
 
 impl PdfSolidAngle {

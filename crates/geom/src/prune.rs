@@ -6,6 +6,7 @@
 //! [`Ray::pruning_slack`], which also covers the rounding of the parameter at which the ray crosses the
 //! plane.
 
+use crate::ray::power_of_two;
 use crate::rounding::EPS;
 use crate::{Aabb, Ray};
 use glam::DVec3;
@@ -30,9 +31,9 @@ pub(crate) struct Pruner {
 /// The slack in units of `eps * reach`: 24 for the hit point, the rest for the rounding of accelerators.
 const SLACK_ULPS: f64 = 64.0;
 
-/// Direction components below this fraction of the largest are replaced by it, so that no quotient is NaN.
+/// Direction components smaller in magnitude than this fraction of the largest become that fraction, so that no quotient is NaN.
 /// The effect within the scene is far below the slack.
-pub(crate) const PARALLEL: f64 = f64::from_bits((1023 - 200) << 52);
+pub(crate) const PARALLEL: f64 = power_of_two(-200);
 
 impl Ray {
     /// The length, in units of the scene, by which an accelerator over triangles within `bounds` widens its

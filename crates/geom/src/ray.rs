@@ -92,6 +92,6 @@ impl Ray {
 }
 
 /// `2^exponent` for the normal range of exponents.
-const fn power_of_two(exponent: i64) -> f64 {
+pub(crate) const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }

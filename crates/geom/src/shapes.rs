@@ -49,10 +49,9 @@ pub fn quad(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> [Triangle; 2] {
 pub fn cuboid(center: DVec3, half: DVec3, yaw: f64) -> Vec<Triangle> {
     let (sin, cos) = libm::sincos(0.5 * yaw);
     let turn = DQuat::from_xyzw(0.0, sin, 0.0, cos);
-    let corner = |x, y, z| center + turn * (half * DVec3::new(x, y, z));
     let corners: Vec<DVec3> = (0..8)
         .map(|i| [i >> 2 & 1, i >> 1 & 1, i & 1].map(|bit| f64::from(2 * bit - 1)))
-        .map(|[x, y, z]| corner(x, y, z))
+        .map(|signs| center + turn * (half * DVec3::from(signs)))
         .collect();
     let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     faces.into_iter().flat_map(|f| quad(corners[f[0]], corners[f[1]], corners[f[2]], corners[f[3]])).collect()

@@ -138,7 +138,8 @@ impl SphericalTriangle {
         ((cos - sin * self.cos_arc / self.sin_arc).max(0.0), sin / self.sin_arc)
     }
 
-    /// The inverse of [`SphericalTriangle::sample`]: the random numbers that give the barycentrics `(u, v)`.
+    /// The inverse of [`SphericalTriangle::sample`]: the random numbers, in `[0, 1]` up to rounding, that give
+    /// the barycentrics `(u, v)`.
     pub fn invert(&self, u: f64, v: f64) -> [f64; 2] {
         let [a, b, c] = self.towards;
         let barycentrics = [1.0 - u - v, u, v];

@@ -171,20 +171,15 @@ pub fn directions_close_to_an_axis() -> Case {
 
 /// Rays at every vertex, edge midpoint and boundary point of 8 x 8 quadrilaterals.
 pub fn a_lattice_of_shared_vertices() -> Case {
-    let whole = || (0..=8).map(f64::from);
-    let halves = || (0..8).map(|i| f64::from(i) + 0.5);
-    let grid = |xs: Vec<f64>, ys: Vec<f64>| {
-        xs.into_iter().flat_map(move |x| ys.clone().into_iter().map(move |y| (x, y))).collect::<Vec<_>>()
+    let whole: Vec<f64> = (0..=8).map(f64::from).collect();
+    let halves: Vec<f64> = (0..8).map(|i| f64::from(i) + 0.5).collect();
+    let grid = |xs: &[f64], ys: &[f64]| -> Vec<(f64, f64)> {
+        xs.iter().flat_map(|&x| ys.iter().map(move |&y| (x, y))).collect()
     };
-    let quads = grid((0..8).map(f64::from).collect(), (0..8).map(f64::from).collect());
-    let triangles = quads.into_iter().flat_map(|(x, y)| {
+    let triangles = grid(&whole[..8], &whole[..8]).into_iter().flat_map(|(x, y)| {
         quad(p(x, y, 0.0), p(x + 1.0, y, 0.0), p(x + 1.0, y + 1.0, 0.0), p(x, y + 1.0, 0.0))
     });
-    let points = [
-        grid(whole().collect(), whole().collect()),
-        grid(halves().collect(), whole().collect()),
-        grid(whole().collect(), halves().collect()),
-    ];
+    let points = [grid(&whole, &whole), grid(&halves, &whole), grid(&whole, &halves)];
     let rays = points.concat().into_iter().map(|(x, y)| at(p(x, y, 1.0), -DVec3::Z, 1.0));
     Case::new("a lattice of shared vertices", triangles.collect(), rays)
 }

@@ -13,8 +13,8 @@ use crate::{Aabb, GeomError, Triangles};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GridOptions {
-    /// The number of cells per live triangle if `resolution` is `None`; finite and `> 0`. The default is
-    /// measured (docs/accelerators.md).
+    /// The number of cells per live triangle if `resolution` is `None`; finite and `> 0`. The default, 2,
+    /// is measured (docs/accelerators.md).
     pub density: f64,
     /// The number of cells along each axis, each at least 1; `None` derives it from `density`. An axis along
     /// which the scene is flat always has one cell.
@@ -40,7 +40,7 @@ impl UniformGrid {
     pub fn build(triangles: &Triangles, options: &GridOptions) -> Result<Self, GeomError> {
         let lattice = choose_lattice(triangles, options)?;
         let live = triangles.live();
-        let mut starts = vec![0_u32; cell_count(lattice.resolution) as usize + 1];
+        let mut starts = vec![0_u32; lattice.cell_count() + 1];
         for &index in live {
             lattice.for_each_cell(triangles.get(index), |cell| starts[cell] += 1);
         }
@@ -100,8 +100,4 @@ fn check_resolution(given: [u32; 3], bounds: &Aabb) -> Result<[u32; 3], GeomErro
     }
     let extent = bounds.extent();
     Ok([0, 1, 2].map(|axis| if extent[axis] > 0.0 { given[axis] } else { 1 }))
-}
-
-fn cell_count(resolution: [u32; 3]) -> u64 {
-    resolution.map(u64::from).into_iter().product()
 }

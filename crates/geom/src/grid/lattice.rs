@@ -102,13 +102,12 @@ impl Lattice {
 /// The resolution with nearly cubic cells, `density` for each of `count` triangles.
 pub(super) fn resolution_for(bounds: &Aabb, count: usize, density: f64) -> [u32; 3] {
     let most = (8 * count as u64 + 64).min(MAX_CELLS) as f64;
-    let wanted = (density * count as f64).clamp(1.0, most);
+    let mut left = (density * count as f64).clamp(1.0, most);
     // Shortest axes first: an axis too short for two cells leaves its share to the others.
     let extent = bounds.extent();
     let mut axes = [0, 1, 2];
     axes.sort_by(|&a, &b| extent[a].total_cmp(&extent[b]));
     let mut resolution = [1; 3];
-    let mut left = wanted;
     for (done, &axis) in axes.iter().enumerate() {
         let remaining = &axes[done..];
         let longest = extent[axes[2]];

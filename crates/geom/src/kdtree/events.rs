@@ -106,7 +106,7 @@ impl Events {
         let [x, y, _] = events.ends;
         let (xy, z) = events.all.split_at_mut(y);
         let (x, y) = xy.split_at_mut(x);
-        // Members ascend, and the sort is stable, so their bits need no pass.
+        // References ascend, and the sort is stable, so the bits of their indices need no pass.
         [x, y, z].into_par_iter().for_each(|axis| radsort::sort_by_key(axis, |event| event.key()));
         events
     }

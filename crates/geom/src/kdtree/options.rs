@@ -60,11 +60,12 @@ impl SplitRule {
 pub struct KdOptions {
     /// The choice of split planes.
     pub rule: SplitRule,
-    /// The largest number of planes above a leaf, at most [`KdTree::MAX_DEPTH`]; larger values count as that.
+    /// The largest number of planes above a leaf, at most [`KdTree::MAX_DEPTH`]; larger values count as that, which is the
+    /// default.
     pub max_depth: u32,
-    /// A cell with at most this many triangles becomes a leaf.
+    /// A cell with at most this many triangles, 1 by default, becomes a leaf.
     pub leaf_size: u32,
-    /// The number of consecutive planes that are tried although they do not pay. A plane pays if it lowers
+    /// The number of consecutive planes, 0 by default, that are tried although they do not pay. A plane pays if it lowers
     /// the expected cost of a ray. If the finished subtree is not cheaper than a leaf, it is replaced by the
     /// leaf.
     ///
@@ -72,12 +73,13 @@ pub struct KdOptions {
     /// heuristic does not gain from it; the other rules gain much in scenes aligned with their planes
     /// (docs/accelerators.md). On curved meshes, 3 lowers the expected cost by at most 1 % more than 1.
     pub lookahead: u32,
-    /// The cost of visiting an inner node, in units of one triangle test; finite and `>= 0`. The default is
-    /// measured (docs/accelerators.md).
+    /// The cost of visiting an inner node, in units of one triangle test; finite and `>= 0`. The default, 2,
+    /// is measured (docs/accelerators.md).
     pub traversal_cost: f64,
-    /// The factor on the cost of a split with an empty half, in `(0, 1]`.
+    /// The factor on the cost of a split with an empty half, in `(0, 1]`; 0.9 by default.
     pub empty_factor: f64,
-    /// The bound of the fair rules on the ratio of a cell's longest to its shortest side; finite and `>= 2`.
+    /// The bound of the fair rules on the ratio of a cell's longest to its shortest side; finite and `>= 2`; 3 by
+    /// default.
     pub max_aspect: f64,
 }
 

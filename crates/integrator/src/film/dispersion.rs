@@ -2,7 +2,6 @@
 
 use super::moments::{Moments, Tally};
 use crate::pixel_rect::{BLOCK_SIDE, PixelRect, TILE_SIDE};
-use globillum_material::Rgb;
 use std::slice::Chunks;
 
 /// The width of a film, and the side of blocks of pixels, by which it is divided from its upper left corner.
@@ -31,11 +30,11 @@ pub(crate) struct Dispersion {
 /// observations, or if no pixel varied.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Halves {
-    /// Squared deviations of both halves, all pixels together.
+    /// The sum of squared deviations of both halves, all pixels together.
     pub(crate) spread: f64,
-    /// Squared differences of the blocks' variances, relative to the variance of the row.
+    /// The sum of squared differences of the blocks' variances, relative to the variance of the row.
     pub(crate) squared: f64,
-    /// Their squares.
+    /// The sum of the squares of these.
     pub(crate) fourths: f64,
 }
 
@@ -98,8 +97,7 @@ impl Dispersion {
 
 /// A pixel's squared deviations, the mean of the components.
 fn spread(moments: &Moments) -> f64 {
-    let Moments { spread, .. } = *moments;
-    Rgb::mean(spread)
+    moments.spread.mean()
 }
 
 impl Blocks {
@@ -143,6 +141,7 @@ impl Blocks {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+    use globillum_material::Rgb;
 
     const ROW: Blocks = Blocks { width: 4, side: 2 };
 

@@ -50,11 +50,11 @@ const LEAST_EQUAL: u64 = 64;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct PixelSums {
-    /// The number of pixels.
+    /// The number of pixels added.
     pub pixels: u64,
-    /// Of [`Film::mean`].
+    /// The sum of [`Film::mean`].
     pub mean: Rgb,
-    /// Of [`Film::variance_of_mean`]; infinite before there are two observations.
+    /// The sum of [`Film::variance_of_mean`]; infinite before there are two observations.
     pub variance: Rgb,
 }
 
@@ -66,18 +66,15 @@ impl PixelSums {
         self.pixels += film.pixel_count() as u64;
     }
 
-    /// Mean squared error of a pixel.
-    fn mse(&self) -> f64 {
-        (self.variance / self.pixels as f64).mean()
-    }
-
-    /// [`ImageError::relative_rmse`].
+    /// [`ImageError::relative_rmse`] of the pixels added; infinite if there are none.
     pub fn relative_rmse(&self) -> f64 {
-        let mse = self.mse();
-        match mse.is_finite() {
-            true if mse == 0.0 => 0.0,
-            true => mse.sqrt() / (self.mean / self.pixels as f64).mean(),
-            false => f64::INFINITY,
+        let mse = (self.variance / self.pixels as f64).mean();
+        if mse == 0.0 {
+            0.0
+        } else if mse.is_finite() {
+            mse.sqrt() / (self.mean / self.pixels as f64).mean()
+        } else {
+            f64::INFINITY
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::dispersion::Blocks;
+use super::moments::mean;
 use super::{Film, margin};
 use crate::PathReuse;
 use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
@@ -155,9 +156,7 @@ impl Estimates {
     pub fn margins_95(&self) -> Vec<Rgb> {
         assert!(self.are_whole(), "every list has one entry for each pixel or block");
         let variances: Vec<Rgb> = self.standard_errors.iter().map(|&error| error * error).collect();
-        let mut sum = Rgb::BLACK;
-        variances.iter().for_each(|&variance| sum += variance);
-        let picture = sum / variances.len() as f64;
+        let picture = mean(variances.iter().copied());
         let whole = PixelRect { x: 0, y: 0, width: self.width, height: self.height };
         let margin = |(at, pixel): (usize, (u32, u32))| {
             let around = PixelRect::pixels_near(pixel, self.width, self.height);

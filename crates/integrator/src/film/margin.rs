@@ -1,5 +1,6 @@
 //! Intervals of single pixels.
 
+use super::moments::mean;
 use super::student;
 use globillum_material::Rgb;
 
@@ -23,12 +24,7 @@ pub(super) fn margin_95(
     if observations < 2 {
         return Rgb::splat(f64::INFINITY);
     }
-    let (mut sum, mut count) = (Rgb::BLACK, 0.0);
-    for variance in around {
-        sum += variance;
-        count += 1.0;
-    }
-    let mut around = (sum / count).to_array();
+    let mut around = mean(around).to_array();
     if around.contains(&0.0) {
         for (around, picture) in around.iter_mut().zip(picture().to_array()) {
             *around = if *around == 0.0 { picture } else { *around };

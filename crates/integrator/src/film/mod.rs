@@ -20,14 +20,14 @@ pub use estimates::Estimates;
 pub(crate) use estimates::{assert_crop, crop};
 #[cfg(any(test, feature = "fuzz"))]
 pub use fuzz::check_checkpoint;
-pub(crate) use moments::{Moments, Tally};
+pub(crate) use moments::{Moments, Tally, mean};
 pub(crate) use pass_node::PassNode;
 pub use picture::{Ending, Picture};
 
 use crate::pixel_rect::{PixelRect, TILE_SIDE};
 use crate::{CheckpointError, PathReuse};
 use globillum_material::Rgb;
-use pass_node::insert;
+use pass_node::{insert, passes_of};
 use std::ops::Range;
 
 /// A picture's pixels, row 0 at the top: mean radiance, and how well it is known. Of a sensor that measures irradiance,
@@ -158,11 +158,7 @@ impl Film {
 
     /// The passes held, as ranges in ascending order that neither meet nor overlap.
     pub fn passes(&self) -> Vec<Range<u32>> {
-        let mut ranges: Vec<Range<u32>> = Vec::new();
-        for node in &self.nodes {
-            node.header.append_to(&mut ranges);
-        }
-        ranges
+        passes_of(&self.nodes)
     }
 
     /// Mean radiance of every pixel, row by row from the top.
@@ -306,15 +302,6 @@ impl Film {
         assert!(x < self.width && y < self.height(), "pixel ({x}, {y}) is outside the film");
         y as usize * self.width as usize + x as usize
     }
-}
-
-fn mean(values: impl Iterator<Item = Rgb>) -> Rgb {
-    let (mut sum, mut count) = (Rgb::BLACK, 0.0);
-    for value in values {
-        sum += value;
-        count += 1.0;
-    }
-    sum / count
 }
 
 #[cfg(test)]

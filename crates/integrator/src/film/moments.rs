@@ -64,6 +64,16 @@ impl Moments {
     }
 }
 
+/// The mean; NaN of no values.
+pub(crate) fn mean(values: impl Iterator<Item = Rgb>) -> Rgb {
+    let (mut sum, mut count) = (Rgb::BLACK, 0.0);
+    for value in values {
+        sum += value;
+        count += 1.0;
+    }
+    sum / count
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

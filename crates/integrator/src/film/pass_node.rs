@@ -38,15 +38,6 @@ impl PassNodeHeader {
         full.checked_sub(self.tally.samples).filter(|&lacking| lacking < u64::from(pass_samples))
     }
 
-    /// Appends the passes to ascending ranges of passes before them.
-    pub(crate) fn append_to(&self, ranges: &mut Vec<Range<u32>>) {
-        let end = self.first + self.passes;
-        match ranges.last_mut() {
-            Some(last) if last.end == self.first => last.end = end,
-            _ => ranges.push(self.first..end),
-        }
-    }
-
     /// With the other half.
     pub(crate) fn joined(self, next: Self) -> Self {
         Self { passes: 2 * self.passes, tally: self.tally.joined(next.tally), ..self }
@@ -118,6 +109,19 @@ impl AsRef<PassNodeHeader> for PassNodeHeader {
     fn as_ref(&self) -> &Self {
         self
     }
+}
+
+/// The passes of `nodes`, as ranges in ascending order that neither meet nor overlap.
+pub(crate) fn passes_of<B: AsRef<PassNodeHeader>>(nodes: &[B]) -> Vec<Range<u32>> {
+    let mut ranges: Vec<Range<u32>> = Vec::new();
+    for node in nodes {
+        let &PassNodeHeader { first, passes, .. } = node.as_ref();
+        match ranges.last_mut() {
+            Some(last) if last.end == first => last.end += passes,
+            _ => ranges.push(first..first + passes),
+        }
+    }
+    ranges
 }
 
 /// Adds a node of passes that are not in `nodes` yet, and joins what makes up a larger node.

@@ -1,4 +1,4 @@
-//! Scenes between mirrors and their paths, for tests of caustics and path reuse.
+//! Scenes for tests, above all of caustics and path reuse between mirrors, and their paths.
 
 use super::counters::Counters;
 use super::preliminary::photon_guide;

@@ -44,9 +44,9 @@ pub trait Monitor<R = Picture>: Sync {
     /// Called after each tile.
     fn progress(&self, _progress: Progress) {}
 
-    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far. It is not called
-    /// before the first tile while probes, some ten thousand paths, and photons are traced, by eight paths for each pixel,
-    /// `2^14` to `2^20` in all.
+    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far. Before
+    /// the first tile, two kinds of paths are traced without calling it: some ten thousand probes, and for photons eight
+    /// paths for each pixel, `2^14` to `2^20` in all.
     fn cancelled(&self) -> bool {
         false
     }

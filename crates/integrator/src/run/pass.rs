@@ -1,7 +1,7 @@
 use super::meter::Meter;
 use super::monitor::Monitor;
 use crate::caught::caught;
-use crate::film::{Blocks, Moments, PassNode, Tally};
+use crate::film::{Blocks, Moments, PassNode, Tally, mean};
 use crate::path::{RenderContext, TileProbes, Wavefront};
 use crate::pixel_rect::PixelRect;
 use crate::{Counters, RenderError, Sampler};
@@ -147,8 +147,7 @@ fn add_means(
 ) {
     let places: Vec<usize> = block.collect();
     for (i, sample) in samples.clone().enumerate() {
-        let mut sum = Rgb::BLACK;
-        places.iter().for_each(|place| sum += radiance[place * samples.len() + i]);
-        moments.add(sum / places.len() as f64, u64::from(sample - start));
+        let of_sample = places.iter().map(|place| radiance[place * samples.len() + i]);
+        moments.add(mean(of_sample), u64::from(sample - start));
     }
 }

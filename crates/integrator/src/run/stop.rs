@@ -23,7 +23,7 @@ use crate::{Film, RenderError};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Stop {
-    /// Limit: seconds from the start of this run. No pass begins that is expected to end later, judged by the
+    /// Limit, above 0 and finite: seconds from the start of this run. No pass begins that is expected to end later, judged by the
     /// passes of this run, and one that does is dropped.
     ///
     /// The first pass that this run adds is always finished, so a run adds at least one pass,
@@ -32,7 +32,7 @@ pub struct Stop {
     /// its first pass (the [training of a guide](crate::Guiding), probes, photons) and of that pass. With a
     /// [pilot](Stop::pilot), whose first pass is finished too, the second is the time of two passes.
     pub seconds: Option<f64>,
-    /// Goal: the upper end of the 95 % interval of the picture's relative error
+    /// Goal, above 0 and finite: the upper end of the 95 % interval of the picture's relative error
     /// ([`ImageError`](crate::ImageError)) is at most this. A picture in which no pixel has varied meets it only from 64
     /// observations on, as does one whose variances are so small that they underflow, at a radiance below 1e-154. The error
     /// is relative to the mean over all pixels: a small bright object on a black background takes many more samples than one
@@ -57,7 +57,7 @@ pub struct Stop {
 /// A goal for the errors of single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGoal {
-    /// The largest standard error of a component, relative to the mean radiance of the picture. A pixel whose
+    /// The largest standard error of a component, above 0 and finite, relative to the mean radiance of the picture. A pixel whose
     /// samples have all missed its light has standard error 0 and meets the goal.
     pub error: f64,
     /// The share of all pixels that must meet it, in `(0, 1]`.
@@ -113,7 +113,8 @@ impl Stop {
 
     /// The number of passes that the goals need, estimated from those of a film that is then dropped, as
     /// [`Stop::pilot`] does; at least 2, infinite if the film does not say. `None` without a goal. If none of the film's
-    /// pixels varied, it is the number of its passes.
+    /// pixels varied, it is the number of its passes for [`Stop::pixels`], and for [`Stop::relative_rmse`] from 64
+    /// observations on; before, it is infinite.
     ///
     /// For a picture whose passes are rendered elsewhere: these many, none of them the film's, are averaged
     /// without a stopping bias.

@@ -13,7 +13,7 @@ pub(super) struct NestedPermutations<const N: usize> {
 }
 
 /// Digits whose random bits are in one hash.
-const LEVELS: u32 = 6;
+pub(super) const LEVELS: u32 = 6;
 
 impl<const N: usize> NestedPermutations<N> {
     /// A permutation for each key; keys have independent permutations for each `purpose`.
@@ -30,7 +30,7 @@ impl<const N: usize> NestedPermutations<N> {
             let mut words = [0; N];
             if root > 0 {
                 for i in 0..N {
-                    words[i] = below(x[i], digits) >> (digits - root);
+                    words[i] = tail_after_one(x[i], digits) >> (digits - root);
                 }
             }
             let coins = self.hashes(words);
@@ -41,7 +41,7 @@ impl<const N: usize> NestedPermutations<N> {
 
     /// 64 random bits for each image `x`.
     #[inline(always)]
-    pub(super) fn below(&self, x: [u64; N]) -> [u64; N] {
+    pub(super) fn random_after(&self, x: [u64; N]) -> [u64; N] {
         self.hashes(x.map(|x| x + (1 << 32)))
     }
 
@@ -68,7 +68,7 @@ pub(super) fn permuted<const N: usize>(coins: [u64; N], x: [u64; N], digits: u32
 fn append_flips<const N: usize>(flips: &mut [u64; N], coins: [u64; N], x: [u64; N], root: u32, digits: u32) {
     let mut tails = x;
     for tail in &mut tails {
-        *tail = below(*tail, digits - root);
+        *tail = tail_after_one(*tail, digits - root);
     }
     for level in root..digits.min(root + LEVELS) {
         for i in 0..N {
@@ -88,7 +88,7 @@ fn flipped<const N: usize>(mut x: [u64; N], flips: [u64; N]) -> [u64; N] {
 /// A one followed by the last `digits` of `x`. Without its own last digits it is the heap index of the node of a digit,
 /// in the tree below the digits that are left out.
 #[inline(always)]
-fn below(x: u64, digits: u32) -> u64 {
+fn tail_after_one(x: u64, digits: u32) -> u64 {
     let first = 1 << digits;
     first | x & (first - 1)
 }

@@ -1,7 +1,7 @@
 use super::decision::Decision;
 use super::digits::{Axis, FAURE, SOBOL, backward};
 use super::member::Member;
-use super::nested::{NestedPermutations, permuted};
+use super::nested::{LEVELS, NestedPermutations, permuted};
 use crate::hash::{fold, nth, unit};
 
 /// A point of a replicate: a net for each decision of a path, stratified in all dimensions of the decision.
@@ -190,7 +190,7 @@ impl<const N: usize> SobolPoints<N> {
         let permutations = NestedPermutations::new(keys, axis as u64);
         let count = self.shape.digits;
         let prefixes = permutations.apply(digits, count);
-        let random = permutations.below(prefixes);
+        let random = permutations.random_after(prefixes);
         let mut uniform = [0.0; N];
         for i in 0..N {
             uniform[i] = unit((prefixes[i] << (63 - count) << 1) | random[i] >> count);
@@ -235,7 +235,7 @@ fn by_blocks<const N: usize>(mut members: [u64; N], digits: u32) -> [u64; N] {
 /// A random nested order of the members, whose numbers have up to eight digits.
 #[inline(always)]
 fn in_random_order<const N: usize>(keys: [u64; N], members: [u64; N], digits: u32) -> [u64; N] {
-    let last = digits.min(6);
+    let last = digits.min(LEVELS);
     let (mut firsts, mut lasts) = (members, members);
     for i in 0..N {
         firsts[i] >>= last;

@@ -135,8 +135,7 @@ impl IrradiancePoints {
             let (irradiance, variance) = (film.mean(0, row - start), film.variance_of_mean(0, row - start));
             let [r, g, b] = variance.to_array().map(f64::sqrt);
             let std_err = Rgb::new(r, g, b);
-            let margin_95 = if quantile.is_finite() { std_err * quantile } else { std_err };
-            Reading { position, normal, irradiance, std_err, margin_95 }
+            Reading { position, normal, irradiance, std_err, margin_95: std_err * quantile }
         })
     }
 }

@@ -290,9 +290,8 @@ impl Settings {
         if let Some(sensor) = sensor.size().filter(|&size| size != settings) {
             return Err(RenderError::SensorSize { settings, sensor });
         }
-        let path_reuse = if sensor.has_neighbours() { self.path_reuse } else { PathReuse::Off };
-        let supersampling = if sensor.has_neighbours() { self.supersampling } else { Supersampling::Off };
-        Ok(Self { path_reuse, supersampling, ..*self })
+        let alone = Self { path_reuse: PathReuse::Off, supersampling: Supersampling::Off, ..*self };
+        Ok(if sensor.has_neighbours() { *self } else { alone })
     }
 
     /// Checks every setting against its range; [`render`](crate::render) does so too.

@@ -33,11 +33,12 @@ pub struct Factor {
 pub struct FactorAccuracy {
     /// The number of these factors, of all rows and targets.
     pub count: u64,
-    /// The root of the mean of their squared standard errors over their mean; infinite if there are none.
+    /// The root of the mean of their squared standard errors over their mean; infinite if there are none, and
+    /// before there are two passes.
     pub relative_rmse: f64,
-    /// The root of the mean square of their relative standard errors. Dominated by the smallest of them.
+    /// The root of the mean square of their relative standard errors, infinite like `relative_rmse`. Dominated by the smallest of them.
     pub rms_of_relative: f64,
-    /// The largest standard error.
+    /// The largest standard error; 0 if there are none.
     pub largest_std_err: f64,
 }
 

@@ -38,16 +38,15 @@ impl<'a> Reciprocity<'a> {
         let factors = self.factors;
         self.pairs(patch).map(move |(column, [there, back])| {
             let target = factors.target(column);
-            let (weight, hits) = match target {
+            let (weight, hits, variance) = match target {
                 // Both directions of a patch to itself are the same rays.
                 Target::Patch(other) if other != patch => {
                     let [own, other] = [patch, other].map(|patch| factors.area(patch));
-                    (other / (own + other), there.hits + back.hits)
+                    let variance = factors.variance(there) + factors.variance(back);
+                    (other / (own + other), there.hits + back.hits, variance)
                 }
-                _ => (1.0, there.hits),
+                _ => (1.0, there.hits, factors.variance(there)),
             };
-            let back = if weight == 1.0 { Entry { hits: 0, squares: 0, ..back } } else { back };
-            let variance = factors.variance(there) + factors.variance(back);
             (target, Factor { hits, value: weight * factors.value(hits), std_err: weight * variance.sqrt() })
         })
     }

@@ -128,7 +128,10 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
         let least = self.settings.least_factor;
         let FactorAccuracy { count, relative_rmse: reached, .. } = factors.accuracy(least);
         if count == 0 {
-            check_can_reach(factors, least)?;
+            let most = factors.largest_upper_end();
+            if most < least {
+                return Err(FactorError::NoneAsLarge { least, most });
+            }
         }
         meter.set_error(reached);
         Ok((reached / goal).powi(2))
@@ -161,10 +164,4 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
         };
         (0..self.patches.len() as u32).into_par_iter().map_init(Buffers::default, of_patch).collect()
     }
-}
-
-/// Fails if no factor is plausibly as large as `least`.
-fn check_can_reach(factors: &ViewFactors, least: f64) -> Result<(), FactorError> {
-    let most = factors.largest_upper_end();
-    if most < least { Err(FactorError::NoneAsLarge { least, most }) } else { Ok(()) }
 }

@@ -1,7 +1,7 @@
 use super::bytes::{self, Numbers, sealed};
 use crate::error::CHECKPOINT_VERSION;
 use crate::film::moments::Tally;
-use crate::film::pass_node::PassNodeHeader;
+use crate::film::pass_node::{PassNodeHeader, passes_of};
 use crate::film::{Film, Picture};
 use crate::pixel_rect::TILE_SIDE;
 use crate::{CheckpointError, Counters, PathReuse, Settings};
@@ -56,9 +56,7 @@ impl CheckpointStrip {
 
     /// The passes that each pixel holds, as ranges in ascending order that neither meet nor overlap.
     pub fn passes(&self) -> Vec<Range<u32>> {
-        let mut ranges = Vec::new();
-        self.nodes.iter().for_each(|node| node.append_to(&mut ranges));
-        ranges
+        passes_of(&self.nodes)
     }
 
     /// The samples that each pixel holds.

@@ -9,7 +9,7 @@ use globillum_geom::{Triangle, Triangles};
 /// How many there are. Four times as many change no variance by more than chance.
 const COUNT: u32 = 1024;
 
-/// The seed of their random numbers.
+/// The seed of their random numbers: `mirror` in ASCII.
 const SEED: u64 = 0x6d69_7272_6f72;
 
 /// From where a tree of `mirrors`, given in ascending order, is calibrated: random points of all other triangles, on the

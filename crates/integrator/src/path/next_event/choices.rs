@@ -115,12 +115,13 @@ mod tests {
     use super::*;
     use crate::path::mis::MisContext;
     use crate::path::reuse_stage::ReuseStage;
+    use crate::path::test_rooms::built;
     use crate::sampler::Member;
     use crate::sampler::MirrorSize;
     use crate::{Camera, Model, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
-    use globillum_geom::{Accel, KdOptions, KdTree};
+    use globillum_geom::{Accel, KdTree};
     use globillum_material::{Material, Rgb};
 
     /// A diffuse floor, a mirror beside it, a mirror ball above it and a row of lights.
@@ -137,7 +138,7 @@ mod tests {
             let light = quad(p(x, 1.5, 0.0), p(x + 0.2, 1.5, 0.0), p(x + 0.2, 1.5, 0.2), p(x, 1.5, 0.2));
             model.add(Material::light(Rgb::splat(1.0 + x)).unwrap(), light);
         }
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+        built(model)
     }
 
     #[test]

@@ -90,13 +90,12 @@ fn seen_in(
     let PathVertex { at, bounce, .. } = vertex;
     let (triangles, receiver) = (context.scene.triangles(), vertex.at.receiver());
     let sample_prob = context.large_mirror_prob(vertex.is_first);
-    let number = || path.numbers.mirror(MirrorSize::Large, *bounce);
     // What the decision to sample leaves of its number chooses the mirror.
-    let rest = (sample_prob < 1.0).then(|| number() / sample_prob);
-    if rest.is_some_and(|rest| rest >= 1.0) {
+    let rest = || path.numbers.mirror(MirrorSize::Large, *bounce) / sample_prob;
+    if sample_prob < 1.0 && rest() >= 1.0 {
         return None;
     }
-    let chosen = mirrors.choose(triangles, receiver, || rest.unwrap_or_else(number))?;
+    let chosen = mirrors.choose(triangles, receiver, rest)?;
     let facet = chosen.facet;
     let drawn = vertex.large_mirror_numbers;
     let (u_light, u_point) =

@@ -126,10 +126,11 @@ impl PhotonPath {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::test_rooms::built;
     use crate::{Camera, Model, Scene, Settings};
     use glam::DVec3;
+    use globillum_geom::KdTree;
     use globillum_geom::conformance::shapes::quad;
-    use globillum_geom::{KdOptions, KdTree};
     use globillum_material::{Emission, Material, Rgb, Sides};
 
     /// The first of two floors, or both, each below a light and beside mirrors at these distances. The lights have a radiance
@@ -154,7 +155,7 @@ mod tests {
                 model.add(mirror, quad(at(0.0, 1.0), at(0.0, -1.0), at(4.0, -1.0), at(4.0, 1.0)));
             }
         }
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+        built(model)
     }
 
     fn photons_in(scene: &Scene<KdTree>) -> Vec<Photon> {

@@ -15,7 +15,7 @@ use std::ops::{AddAssign, Range};
 /// About how many paths are traced.
 const PATHS: u32 = 1 << 12;
 
-/// The seed of their random numbers.
+/// The seed of their random numbers: `mirror` in ASCII.
 const SEED: u64 = 0x6d69_7272_6f72;
 
 /// Their paths end after this many bounces, whatever the settings say of roulette.
@@ -130,10 +130,11 @@ impl Wavefront {
 mod tests {
     use super::*;
     use crate::path::preliminary::prepared;
+    use crate::path::test_rooms::built;
     use crate::{Camera, Model, PathReuse, Scene};
     use glam::DVec3;
+    use globillum_geom::KdTree;
     use globillum_geom::conformance::shapes::{icosphere, quad};
-    use globillum_geom::{KdOptions, KdTree};
     use globillum_material::{Material, Rgb};
 
     const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 12, height: 12 };
@@ -161,7 +162,7 @@ mod tests {
                 model.add(white, quad(from + up, to + up, to + down, from + down));
             }
         }
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+        built(model)
     }
 
     fn camera() -> Camera {

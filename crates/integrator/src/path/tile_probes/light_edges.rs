@@ -167,9 +167,10 @@ impl Probes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::test_rooms::built;
     use crate::{Camera, ElementSample, Model, OrthographicCamera, Scene, Sensor};
     use globillum_geom::conformance::shapes::{icosphere, quad};
-    use globillum_geom::{KdOptions, KdTree, Ray, Triangle};
+    use globillum_geom::{KdTree, Ray, Triangle};
     use globillum_material::Material;
     use std::hash::Hasher;
 
@@ -182,7 +183,7 @@ mod tests {
         model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), mirror);
         let light = quad(p(1.0, 1.0), p(1.0, 1.6), p(1.6, 1.6), p(1.6, 1.0));
         model.add(Material::light(Rgb::splat(3.0)).unwrap(), light);
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+        built(model)
     }
 
     /// Balls in rows, between which light is reflected several times.

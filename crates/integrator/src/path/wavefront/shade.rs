@@ -278,12 +278,13 @@ impl Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::test_rooms::built;
     use crate::path::tile_probes::TileProbes;
     use crate::pixel_rect::PixelRect;
     use crate::{Camera, Estimator, Model, Sampler, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
-    use globillum_geom::{KdOptions, KdTree, SimdLevel};
+    use globillum_geom::{KdTree, SimdLevel};
     use globillum_material::Material;
 
     /// A floor and a wall, a mirror beside them, and a light above.
@@ -298,7 +299,7 @@ mod tests {
         model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), mirror);
         let light = quad(p(-0.5, 1.5, -0.5), p(0.5, 1.5, -0.5), p(0.5, 1.5, 0.5), p(-0.5, 1.5, 0.5));
         model.add(Material::light(Rgb::splat(5.0)).unwrap(), light);
-        Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+        built(model)
     }
 
     #[test]

@@ -78,11 +78,11 @@ impl SupersamplingRays {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::test_rooms::built;
     use crate::pixel_rect::PixelRect;
-    use crate::{Camera, Model, Scene, Settings};
+    use crate::{Camera, Model, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
-    use globillum_geom::{KdOptions, KdTree};
     use globillum_material::Material;
 
     /// A light that the camera sees, and a mirror ball that shows it.
@@ -94,7 +94,7 @@ mod tests {
         model.add(Material::light(Rgb::WHITE).unwrap(), light);
         let ball = icosphere(4).placed(0.3, DVec3::new(-0.4, 0.0, 0.5)).triangles();
         model.add(Material::mirror(Rgb::WHITE).unwrap(), ball);
-        let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
+        let scene = built(model);
         let camera = Camera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
         let settings = Settings::new(16, 16, 3);
         let context = RenderContext::new(&scene, &camera, &settings);
