@@ -2,10 +2,9 @@
 
 use crate::failures::Failures;
 use globillum::integrator::CheckpointError;
-use std::error::Error;
-use std::fmt;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
+use thiserror::Error;
 
 /// What the exit codes mean, for `--help`.
 pub(crate) const CODES: &str = "\
@@ -26,40 +25,19 @@ pub(crate) const TEMPORARY_FAILURE: u8 = 75;
 pub(crate) const CLOSED_PIPE: u8 = 141;
 
 /// Something is missing, and nothing is written.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("incomplete: {0}")]
 pub(crate) struct Incomplete(pub(crate) String);
 
-impl fmt::Display for Incomplete {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "incomplete: {}", self.0)
-    }
-}
-
-impl Error for Incomplete {}
-
 /// Pictures differ.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("different: {0}")]
 pub(crate) struct Differs(pub(crate) String);
 
-impl fmt::Display for Differs {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "different: {}", self.0)
-    }
-}
-
-impl Error for Differs {}
-
 /// Whether pictures differ cannot be told.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("undecided: {0}")]
 pub(crate) struct Undecided(pub(crate) String);
-
-impl fmt::Display for Undecided {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "undecided: {}", self.0)
-    }
-}
-
-impl Error for Undecided {}
 
 /// The exit code of an error other than a signal.
 pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {

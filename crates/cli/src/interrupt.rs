@@ -1,14 +1,14 @@
 //! Signals that ask the program to end.
 
 use crate::exit::TEMPORARY_FAILURE;
+use globillum::integrator::Ending;
 use globillum::io::LoadMonitor;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
-use std::error::Error;
-use std::fmt;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use thiserror::Error;
 
 /// Whether the program was asked to end, by SIGINT (Ctrl-C), SIGTERM or [SIGHUP](hangup). The second SIGINT or SIGTERM ends
 /// it at once.
@@ -54,8 +54,8 @@ impl Interrupt {
         self.signal.load(Ordering::Relaxed) != 0
     }
 
-    /// What came of showing something: after SIGHUP nobody is left to see it, and that is no error.
-    pub(crate) fn shown(&self, result: anyhow::Result<()>) -> anyhow::Result<()> {
+    /// The result of showing something: after SIGHUP nobody is left to see it, so a failure is no error.
+    pub(crate) fn ignore_after_hangup(&self, result: anyhow::Result<()>) -> anyhow::Result<()> {
         let signal = self.signal.load(Ordering::Relaxed);
         if self.hangup.is_some_and(|number| number as usize == signal) { Ok(()) } else { result }
     }
@@ -69,6 +69,14 @@ impl Interrupt {
     pub(crate) fn error(&self, kept: impl Into<String>) -> Interrupted {
         let signal = self.signal.load(Ordering::Relaxed) as i32;
         Interrupted { code: (self.code)(signal) as u8, kept: kept.into() }
+    }
+
+    /// Fails if a computation was cancelled; `kept` says what is left of its work.
+    pub(crate) fn check_ending(&self, ending: Ending, kept: impl Into<String>) -> anyhow::Result<()> {
+        match ending {
+            Ending::Cancelled => Err(self.error(kept).into()),
+            _ => Ok(()),
+        }
     }
 
     /// Fails if there was a signal. To be asked while there is nothing yet to keep.
@@ -102,7 +110,8 @@ impl LoadMonitor for Interrupt {
 }
 
 /// The program ends because a signal asked it to.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("interrupted: {kept}")]
 pub(crate) struct Interrupted {
     code: u8,
     kept: String,
@@ -113,11 +122,3 @@ impl Interrupted {
         ExitCode::from(self.code)
     }
 }
-
-impl fmt::Display for Interrupted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "interrupted: {}", self.kept)
-    }
-}
-
-impl Error for Interrupted {}

@@ -6,6 +6,7 @@ use crate::failures::Failures;
 use crate::file_conflicts::{SCENE_FILE, Uses};
 use crate::flags::{RenderFlags, Shown};
 use crate::interrupt::Interrupt;
+use crate::json::to_json;
 use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::preview::Preview;
@@ -13,7 +14,7 @@ use crate::summary::{self, PictureSummary, Timing};
 use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
-use globillum::integrator::{Ending, FirstHits, Model, Picture, Scene, Settings};
+use globillum::integrator::{FirstHits, Model, Picture, Scene, Settings};
 use globillum::io::PictureData;
 use globillum::material::Rgb;
 use std::path::PathBuf;
@@ -100,23 +101,25 @@ impl Job {
             .then(|| Preview::new(&flags.output, |picture| picture_data(picture, &settings, &camera, shown)));
         let monitor = RenderMonitor::new(checkpoint, &interrupt).with_preview(preview);
         let mut failures = Failures::default();
-        let (picture, render_seconds, traced) =
-            monitor.run(render, &mut failures).map_err(|error| flags.checkpoints.save.explain(error))?;
+        let (picture, render_seconds, traced) = monitor
+            .run(|monitor| render.run(monitor), &mut failures)
+            .map_err(|error| flags.checkpoints.save.explain(error))?;
         let ended_by = summary::reason(picture.ending, &interrupt);
         let timing = Timing { build_seconds, render_seconds, traced, ended_by };
         let by = (camera, camera_by);
         let summary = PictureSummary::new(&name, &flags, &settings, &scene, by, &picture, timing);
-        let data_on_stdout = outputs.fill_stdout();
+        let data_on_stdout = outputs.use_stdout();
         let mut data = picture_data(&picture, &settings, &camera, shown);
         if flags.picture.buffers {
             let hits = failures.keep(FirstHits::of(&scene, camera.sensor(), &settings));
             data.first_hits = hits.map(|hits| shown.cut_hits(hits));
         }
-        let written = outputs.write(&data, || summary.to_json(), &mut failures);
+        let written = outputs.write(&data, || to_json(&summary), &mut failures);
         let table = console::print_table(&summary.to_table(&written), data_on_stdout);
-        failures.keep(interrupt.shown(table));
+        failures.keep(interrupt.ignore_after_hangup(table));
         failures.into_result()?;
-        report_interrupt(&picture, &interrupt, "pixel")
+        let kept = format!("complete passes are kept, {} samples per pixel", picture.samples);
+        interrupt.check_ending(picture.ending, kept)
     }
 }
 
@@ -126,15 +129,4 @@ fn picture_data(picture: &Picture, settings: &Settings, camera: &AnyCamera, show
     shown.cut(&mut data.estimates);
     data.whole = shown.is_crop_of(settings).then_some([settings.width, settings.height]);
     data
-}
-
-/// Fails if a signal ended the render, and says how many samples `of` each element were kept.
-pub(crate) fn report_interrupt(picture: &Picture, interrupt: &Interrupt, of: &str) -> Result<()> {
-    match picture.ending {
-        Ending::Cancelled => {
-            let kept = format!("complete passes are kept, {} samples per {of}", picture.samples);
-            Err(interrupt.error(kept).into())
-        }
-        _ => Ok(()),
-    }
 }

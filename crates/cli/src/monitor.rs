@@ -4,7 +4,7 @@ use crate::interrupt::Interrupt;
 use crate::preview::Preview;
 use crate::progress::ProgressBar;
 use anyhow::Result;
-use globillum::integrator::{Ending, Monitor, Picture, Progress, Render};
+use globillum::integrator::{Ending, Monitor, Progress};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -43,22 +43,29 @@ impl<'a> RenderMonitor<'a> {
         Self { preview: Mutex::new(preview), ..self }
     }
 
-    /// Renders; returns the picture, the seconds that it took, and what was traced. Fails if a signal came before the
-    /// first pass was complete. A checkpoint that cannot be saved is among the `failures`.
-    pub(crate) fn run(self, render: Render<'_>, failures: &mut Failures) -> Result<(Picture, f64, Traced)> {
+    /// Computes a result, and returns it with the seconds that it took and what was traced. Fails if a signal came before
+    /// the first pass was complete. A checkpoint that cannot be saved is among the `failures`.
+    pub(crate) fn run<R: Saved, E>(
+        self,
+        compute: impl FnOnce(&dyn Monitor<R>) -> Result<R, E>,
+        failures: &mut Failures,
+    ) -> Result<(R, f64, Traced)>
+    where
+        anyhow::Error: From<E>,
+    {
         let (interrupt, start) = (self.interrupt, Instant::now());
-        let picture = render.run(&self)?;
+        let result = compute(&self)?;
         let seconds = start.elapsed().as_secs_f64();
-        let traced = self.finish(&picture, failures);
-        if picture.samples == 0 {
+        let traced = self.finish(&result, failures);
+        if result.is_empty() {
             interrupt.check()?;
         }
-        Ok((picture, seconds, traced))
+        Ok((result, seconds, traced))
     }
 
     /// Takes the bar off the terminal, and saves the checkpoint the last time if the result has any pass. An error is
     /// among the `failures`, so that the result is still written.
-    pub(crate) fn finish(self, result: &impl Saved, failures: &mut Failures) -> Traced {
+    fn finish(self, result: &impl Saved, failures: &mut Failures) -> Traced {
         self.bar.finish();
         let checkpoint = self.checkpoint.into_inner().unwrap_or_else(PoisonError::into_inner);
         if let Some(checkpoint) = checkpoint.filter(|_| !result.is_empty()) {

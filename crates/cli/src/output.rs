@@ -41,8 +41,8 @@ impl Outputs {
         })
     }
 
-    /// Whether standard output takes a file.
-    pub(crate) fn fill_stdout(&self) -> bool {
+    /// Whether one of them is written to standard output.
+    pub(crate) fn use_stdout(&self) -> bool {
         let stats = self.stats.as_ref().is_some_and(TextOutput::is_stdout);
         stats || self.pictures.iter().any(Target::is_stdout)
     }

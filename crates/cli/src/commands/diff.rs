@@ -71,7 +71,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let [pixel_map, block_map] = maps;
     let (pixel_map, block_map) = (pixel_map?, block_map?);
     let [a, b] = options.sides()?;
-    let [a, b] = [Loaded::read(a)?, Loaded::read(b)?];
+    let [a, b] = [Side::read(a)?, Side::read(b)?];
     a.check_size(&b)?;
     a.warn_if_dependent(&b);
     let comparison = Comparison::between(&a.pictures, &b.pictures).context("pictures have other sizes")?;
@@ -106,7 +106,7 @@ impl Options {
 }
 
 /// The pictures of a side, with their files.
-struct Loaded<'a> {
+struct Side<'a> {
     paths: &'a [PathBuf],
     pictures: Vec<Estimates>,
     /// The size of the picture that each is a crop of, if that is known.
@@ -114,7 +114,7 @@ struct Loaded<'a> {
     attributes: Vec<BTreeMap<String, String>>,
 }
 
-impl<'a> Loaded<'a> {
+impl<'a> Side<'a> {
     fn read(paths: &'a [PathBuf]) -> Result<Self> {
         let (mut pictures, mut wholes, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
         for path in paths {
@@ -123,9 +123,9 @@ impl<'a> Loaded<'a> {
             wholes.push(data.whole);
             attributes.push(data.attributes);
         }
-        let loaded = Self { paths, pictures, wholes, attributes };
-        loaded.check_size(&loaded)?;
-        Ok(loaded)
+        let side = Self { paths, pictures, wholes, attributes };
+        side.check_size(&side)?;
+        Ok(side)
     }
 
     /// Whether all pictures of both sides have the size of the first.
@@ -180,7 +180,7 @@ impl<'a> Loaded<'a> {
     }
 }
 
-fn table(comparison: &Comparison, sides: [&Loaded; 2], verdict: &Verdict) -> String {
+fn table(comparison: &Comparison, sides: [&Side; 2], verdict: &Verdict) -> String {
     let Comparison { width, height, ratio, ratio_95: [low, high], mean, neighbours, .. } = comparison;
     let [a, b] = sides.map(|side| side.paths.len());
     let [red, green, blue] = comparison.component_ratios.to_array();

@@ -3,7 +3,8 @@ use crate::failures::Failures;
 use crate::file_conflicts::{SCENE_FILE, Uses};
 use crate::flags::{LoadedScene, MeasureFlags, SceneFlags};
 use crate::interrupt::Interrupt;
-use crate::job::{build, report_interrupt};
+use crate::job::build;
+use crate::json::to_json;
 use crate::monitor::RenderMonitor;
 use crate::output::TextOutput;
 use crate::summary::{PointsSummary, Timing, reason};
@@ -92,17 +93,21 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let render = flags.render(&scene, &points, &settings)?;
     let monitor = RenderMonitor::new(checkpoint, &interrupt);
     let mut failures = Failures::default();
-    let (picture, render_seconds, traced) =
-        monitor.run(render, &mut failures).map_err(|error| flags.checkpoints.save.explain(error))?;
+    let (picture, render_seconds, traced) = monitor
+        .run(|monitor| render.run(monitor), &mut failures)
+        .map_err(|error| flags.checkpoints.save.explain(error))?;
     let ended_by = reason(picture.ending, &interrupt);
     let timing = Timing { build_seconds, render_seconds, traced, ended_by };
     let summary = PointsSummary::new(&name, &flags, &scene, &picture, timing);
     let data_on_stdout = out.is_stdout() || stats_output.as_ref().is_some_and(TextOutput::is_stdout);
     let name = (!out.is_stdout()).then(|| format!("readings      {}\n", options.out.display()));
     let written = failures.keep(out.write(&points::format(points.readings(&picture.film)))).and(name);
-    failures.keep(stats_output.map_or(Ok(()), |stats| stats.write(&summary.to_json()?)));
+    failures.keep(stats_output.map_or(Ok(()), |stats| stats.write(&to_json(&summary)?)));
     let table = format!("{summary}{}", written.unwrap_or_default());
-    failures.keep(interrupt.shown(console::print_table(&table, data_on_stdout)));
+    failures.keep(interrupt.ignore_after_hangup(console::print_table(&table, data_on_stdout)));
     failures.into_result()?;
-    report_interrupt(&picture, &interrupt, "point")
+    interrupt.check_ending(
+        picture.ending,
+        format!("complete passes are kept, {} samples per point", picture.samples),
+    )
 }

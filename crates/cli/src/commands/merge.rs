@@ -1,6 +1,5 @@
-use super::picture::Picture;
-use crate::exit::CODES;
-use crate::exit::Incomplete;
+use super::picture_command::PictureCommand;
+use crate::exit::{CODES, Incomplete};
 use crate::failures::Failures;
 use crate::farm::{Part, Plan, Task, part_file};
 use crate::file_conflicts::Uses;
@@ -99,7 +98,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         _ => error,
     })?;
     let Merged { header, error, estimates } = merged;
-    let data_on_stdout = outputs.fill_stdout();
+    let data_on_stdout = outputs.use_stdout();
     let mut failures = Failures::default();
     if let Some(estimates) = estimates {
         let mut data = PictureData::of_merged(&header, estimates);
@@ -108,7 +107,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         }
         outputs.write(&data, || Ok(String::new()), &mut failures);
     }
-    failures.keep(interrupt.shown(console::print_table(&summary::of_merged(&header, error), data_on_stdout)));
+    failures.keep(
+        interrupt
+            .ignore_after_hangup(console::print_table(&summary::of_merged(&header, error), data_on_stdout)),
+    );
     failures.into_result()
 }
 
@@ -166,8 +168,9 @@ impl Expected {
 
     /// Says of the picture what its checkpoints do not hold, as the render in one run does.
     fn describe(&self, data: &mut PictureData) -> Result<()> {
-        let picture = Picture::parse(&self.plan.picture).with_context(|| self.job.display().to_string())?;
-        data.set_settings(&picture.flags().settings());
+        let command =
+            PictureCommand::parse(&self.plan.picture).with_context(|| self.job.display().to_string())?;
+        data.set_settings(&command.flags().settings());
         data.camera = self.plan.camera;
         Ok(())
     }

@@ -4,7 +4,7 @@ mod cornell;
 mod diff;
 mod irradiance;
 mod merge;
-mod picture;
+mod picture_command;
 mod plan;
 mod render;
 mod status;

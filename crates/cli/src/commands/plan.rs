@@ -1,12 +1,14 @@
-use super::picture::{Picture, Staged};
+use super::picture_command::PictureCommand;
 use crate::exit::CODES;
-use crate::farm::{Arrays, Division, Plan, parts_folder};
+use crate::farm::{Division, Plan, arrays, parts_folder};
 use crate::file_conflicts::Uses;
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
+use crate::job::BuiltSubject;
+use crate::json::to_json;
 use crate::{checkpoint, console, parse};
 use anyhow::{Context, Result, ensure};
-use globillum::integrator::{Picture as Rendered, Render, Settings, Stop};
+use globillum::integrator::{Picture, Render, Settings, Stop};
 use globillum::io::AtomicFile;
 use std::fs;
 use std::ops::Range;
@@ -63,33 +65,35 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let job = &options.job;
     ensure!(!job.exists(), "{}: exists already", job.display());
     let interrupt = Interrupt::catch()?;
-    let picture = Picture::parse(&options.picture)?;
-    picture.flags().check_for_farm()?;
+    let command = PictureCommand::parse(&options.picture)?;
+    let flags = command.flags();
+    flags.check_for_farm()?;
     let parts = parts_folder(job);
     Uses::default().written("the job", [job]).written("the folder of its parts", [&parts]).check()?;
     let has_parts = fs::read_dir(&parts).is_ok_and(|mut files| files.next().is_some());
     ensure!(!has_parts, "{}: is not empty: move it away, or give the job another name", parts.display());
     let file = AtomicFile::create(job)?;
-    let Staged { scene, camera, settings } = picture.stage(&interrupt)?;
+    let BuiltSubject { scene, camera, .. } = command.build(&interrupt)?;
+    let settings = flags.settings();
     let key = Render::new(&scene, camera.sensor(), &settings).key();
     let (passes, samples) = match options.error.zip(options.pilot.as_ref()) {
         Some((error, pilot)) => {
-            let passes = passes_after(pilot, error, key, picture.flags())?;
+            let passes = passes_after(pilot, error, key, flags)?;
             let samples = passes.end.saturating_mul(settings.pass_samples);
-            (passes, picture.flags().samples_asked_for().map_or(samples, |asked| asked.min(samples)))
+            (passes, flags.samples_asked_for().map_or(samples, |asked| asked.min(samples)))
         }
         None => (0..settings.passes(), settings.samples),
     };
     let division = Division::new(settings.width, settings.height, passes, options.tasks);
     let plan = Plan::new(key, options.picture.clone(), camera.pinhole(), samples, division);
-    let json = plan.to_json()?;
+    let json = to_json(&plan)?;
     file.commit(|writer| writer.write_all(json.as_bytes()))?;
     console::print(table(job, &plan, &settings, options.max_array_size).as_bytes())
 }
 
 /// The passes after those of the pilot that its error asks for.
 fn passes_after(pilot: &Path, error: f64, key: u64, flags: &RenderFlags) -> Result<Range<u32>> {
-    let picture = checkpoint::read::<Rendered>(pilot)?;
+    let picture = checkpoint::read::<Picture>(pilot)?;
     let name = pilot.display();
     ensure!(picture.key == key, "{name}: is of another picture or build");
     ensure!(picture.film.height() == picture.height, "{name}: holds a strip of the picture");
@@ -122,7 +126,7 @@ fn table(job: &Path, plan: &Plan, settings: &Settings, max_array_size: u32) -> S
         table += &format!("of a task     {passes} passes, {samples} samples a pixel, of {rows} rows\n");
         table += &format!("its part      {megabytes:.1} MB at most, in {}\n", parts_folder(job).display());
     }
-    for (offset, indices) in Arrays::new(&tasks, max_array_size).expressions() {
+    for (offset, indices) in arrays(&tasks, max_array_size) {
         table += &format!("array         {indices}, offset {offset}\n");
     }
     table

@@ -1,5 +1,5 @@
 use crate::exit::CODES;
-use crate::farm::{Arrays, Part, Parts, Plan, Task};
+use crate::farm::{Part, Parts, Plan, Task, arrays};
 use crate::{console, exit, parse};
 use anyhow::Result;
 use globillum::integrator::PixelSums;
@@ -44,16 +44,16 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let tasks: Vec<Task> = plan.tasks().collect();
     let missing: Vec<&Task> = tasks.iter().filter(|task| parts.complete(task).next().is_none()).collect();
     let indices: Vec<u32> = missing.iter().map(|task| task.index).collect();
-    let arrays = Arrays::new(&indices, options.max_array_size);
+    let arrays = arrays(&indices, options.max_array_size);
     if options.arrays {
-        let lines = arrays.expressions().map(|(offset, indices)| format!("{offset} {indices}\n"));
+        let lines = arrays.iter().map(|(offset, indices)| format!("{offset} {indices}\n"));
         return console::print(lines.collect::<String>().as_bytes());
     }
     let mut table = progress(&plan, &parts, &tasks, missing.len());
     missing.iter().for_each(|task| table += &format!("missing       {task}\n"));
     table += &files(job, &plan, &parts);
     table += &duplicates(&parts, &tasks);
-    for (offset, indices) in arrays.expressions() {
+    for (offset, indices) in arrays {
         table += &format!("submit        {indices}, offset {offset}\n");
     }
     console::print(table.as_bytes())?;

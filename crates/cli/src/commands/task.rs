@@ -1,14 +1,15 @@
-use super::picture::{Picture, Staged};
+use super::picture_command::PictureCommand;
 use crate::checkpoint::{self, Checkpoint, SaveEvery};
 use crate::exit::CODES;
 use crate::failures::Failures;
 use crate::farm::{Part, Plan, Task, part_file, parts_folder};
 use crate::file_conflicts::Uses;
 use crate::interrupt::Interrupt;
+use crate::job::BuiltSubject;
 use crate::monitor::RenderMonitor;
 use crate::{checkpoint_coverage, console, parse};
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use globillum::integrator::{CheckpointError, Ending, Picture as Rendered, Render, Settings};
+use globillum::integrator::{CheckpointError, Picture, Render, Settings};
 use std::iter;
 use std::path::{Path, PathBuf};
 
@@ -60,12 +61,13 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let path = part_file(job, task.index);
     Uses::default().read("the job", [job]).written("the part", [&path]).check()?;
     let before = read_or_set_aside(&path, plan.key(), &task)?;
-    let tasks_passes = task.passes.len() as u64;
-    if before.as_ref().is_some_and(|picture| passes_of(picture) == tasks_passes) {
+    let passes = task.passes.len() as u64;
+    if before.as_ref().is_some_and(|picture| passes_of(picture) == passes) {
         return console::print(format!("{task}: is complete\n").as_bytes());
     }
-    let picture = Picture::parse(&plan.picture).with_context(|| job.display().to_string())?;
-    let Staged { scene, camera, mut settings } = picture.stage(&interrupt)?;
+    let command = PictureCommand::parse(&plan.picture).with_context(|| job.display().to_string())?;
+    let BuiltSubject { scene, camera, .. } = command.build(&interrupt)?;
+    let mut settings = command.flags().settings();
     (settings.samples, settings.threads) = (plan.samples, options.threads()?.unwrap_or(settings.threads));
     let render =
         Render::new(&scene, camera.sensor(), &settings).rows(task.rows.clone()).passes(task.passes.clone());
@@ -76,18 +78,15 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let checkpoint = Checkpoint::new(&path, SaveEvery::Hundredth)?;
     let resumed = before.as_ref().map_or(0, passes_of);
     if resumed > 0 {
-        console::note(format_args!("{task}: goes on after {resumed} of {tasks_passes} passes"));
+        console::note(format_args!("{task}: goes on after {resumed} of {passes} passes"));
     }
     let render = before.into_iter().fold(render, Render::resume);
     let monitor = RenderMonitor::new(Some(checkpoint), &interrupt);
-    let rendered = render.run(&monitor)?;
     let mut failures = Failures::default();
-    monitor.finish(&rendered, &mut failures);
+    let (picture, ..) = monitor.run(|monitor| render.run(monitor), &mut failures)?;
     failures.into_result()?;
-    let kept = format!("{task}: {} of {tasks_passes} passes are kept", passes_of(&rendered));
-    if rendered.ending == Ending::Cancelled {
-        return Err(interrupt.error(kept).into());
-    }
+    let kept = format!("{task}: {} of {passes} passes are kept", passes_of(&picture));
+    interrupt.check_ending(picture.ending, kept)?;
     console::print(format!("{task}: is complete\n").as_bytes())
 }
 
@@ -120,12 +119,12 @@ fn number<T: std::str::FromStr>(name: &str, value: &str) -> Result<T> {
     value.parse().map_err(|_| anyhow!("{name}={value}: must be an integer from 0"))
 }
 
-fn passes_of(picture: &Rendered) -> u64 {
+fn passes_of(picture: &Picture) -> u64 {
     picture.film.passes().iter().map(|range| range.len() as u64).sum()
 }
 
 /// The part that was saved before; one that is damaged or another's gets another name, so that the task begins again.
-fn read_or_set_aside(path: &Path, key: u64, task: &Task) -> Result<Option<Rendered>> {
+fn read_or_set_aside(path: &Path, key: u64, task: &Task) -> Result<Option<Picture>> {
     if !path.exists() {
         return Ok(None);
     }

@@ -5,20 +5,17 @@ use crate::flags::{SaveFlags, SpeedFlags};
 use crate::interrupt::Interrupt;
 use crate::load::{self, Warnings};
 use crate::monitor::RenderMonitor;
+use crate::patches::{NamedPatches, PatchKind};
 use crate::{console, parse};
 use anyhow::{Result, anyhow, bail};
-use clap::ValueEnum;
 use globillum::geom::Triangles;
-use globillum::integrator::Ending;
 use globillum::integrator::view_factors::{
-    FactorError, FactorFormat, FactorRun, FactorSettings, FactorTable, Patches, Reciprocity, Target,
-    ViewFactors,
+    FactorError, FactorFormat, FactorRun, FactorSettings, FactorTable, Reciprocity, Target, ViewFactors,
 };
-use globillum::io::{AtomicFile, Loaded, Loader, Object};
+use globillum::integrator::{Ending, Monitor};
+use globillum::io::{AtomicFile, Loader};
 use globillum::material::Sides;
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 const LONG_ABOUT: &str = "\
 Computes view factors: the fraction of the diffuse radiation that leaves one patch and arrives directly at \
@@ -101,17 +98,6 @@ pub(crate) struct Options {
     speed: SpeedFlags,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum PatchKind {
-    /// All triangles of a material, numbered from 0 as a glTF file lists them, or from 1 in the order of their first use in
-    /// an OBJ file. The material of triangles without one has 0 in an OBJ file, and in a glTF file the next number
-    Material,
-    /// All triangles of the objects of a name: `o` or `g` of OBJ, nodes of glTF
-    Object,
-    /// Each triangle, numbered from 0
-    Triangle,
-}
-
 pub(crate) fn run(options: &Options) -> Result<()> {
     let format = format_of(&options.out)?;
     let interrupt = Interrupt::catch()?;
@@ -128,40 +114,31 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let warnings = if options.verbose { Warnings::All } else { Warnings::FirstOfEachKind };
     let loaded = load::load(&options.scene, loader, warnings, &interrupt)?;
     check_files(Uses::default().read(SCENE_FILE, &loaded.files))?;
-    let NamedPatches { patches, names } = NamedPatches::of(&loaded, options.patches);
+    let patches = NamedPatches::of(&loaded, options.patches);
     let triangles = Triangles::new(loaded.model.triangles().to_vec())?;
     let accel = options.speed.accel.build(&triangles)?;
     interrupt.check()?;
 
     let settings = options.settings();
-    let run = FactorRun::new(&triangles, &accel, &patches, &settings);
+    let run = FactorRun::new(&triangles, &accel, &patches.patches, &settings);
     let run = before.into_iter().fold(run, FactorRun::resume);
     let monitor = RenderMonitor::new(checkpoint, &interrupt);
-    let start = Instant::now();
-    let factors = run.run(&monitor).map_err(|error| options.explain(error, &names))?;
-    let seconds = start.elapsed().as_secs_f64();
     let mut failures = Failures::default();
-    let traced = monitor.finish(&factors, &mut failures);
-    if factors.passes() == 0 {
-        interrupt.check()?;
-    }
+    let compute =
+        |monitor: &dyn Monitor<_>| run.run(monitor).map_err(|error| options.explain(error, &patches));
+    let (factors, seconds, traced) = monitor.run(compute, &mut failures)?;
 
     let reciprocity = Reciprocity::of(&factors);
-    let table = FactorTable::new(&factors, |patch| name_of(&names, patch)).at_least(options.omit_below);
+    let table = FactorTable::new(&factors, |patch| patches.name(patch)).at_least(options.omit_below);
     let table = if options.reciprocity { table.combined(&reciprocity) } else { table };
     let written = failures.keep(file.commit(|writer| table.write(format, writer)));
     let rate = traced.rays as f64 / seconds / 1e6;
     let name = written.map(|()| format!("factors       {}\n", options.out.display())).unwrap_or_default();
     let summary = options.summary(&factors, &reciprocity, seconds, rate, &interrupt) + &name;
-    failures.keep(interrupt.shown(console::print(summary.as_bytes())));
+    failures.keep(interrupt.ignore_after_hangup(console::print(summary.as_bytes())));
     failures.into_result()?;
-    match factors.ending() {
-        Ending::Cancelled => {
-            let kept = format!("complete passes are kept, {} rays of each patch", factors.rays());
-            Err(interrupt.error(kept).into())
-        }
-        _ => Ok(()),
-    }
+    let kept = format!("complete passes are kept, {} rays of each patch", factors.rays());
+    interrupt.check_ending(factors.ending(), kept)
 }
 
 fn format_of(out: &Path) -> Result<FactorFormat> {
@@ -171,67 +148,6 @@ fn format_of(out: &Path) -> Result<FactorFormat> {
         Some("mtx") => Ok(FactorFormat::MatrixMarket),
         _ => bail!("--out {}: must end in .csv or .mtx", out.display()),
     }
-}
-
-/// Patches, and what they are called; a triangle has its number.
-struct NamedPatches {
-    patches: Patches,
-    names: Option<Vec<String>>,
-}
-
-impl NamedPatches {
-    fn of(loaded: &Loaded, kind: PatchKind) -> Self {
-        let count = loaded.model.triangles().len();
-        match kind {
-            PatchKind::Triangle => Self { patches: Patches::of_triangles(count as u32), names: None },
-            PatchKind::Material => {
-                // Materials without triangles are no patches.
-                let mut used = loaded.model.material_ids().to_vec();
-                used.sort_unstable();
-                used.dedup();
-                let index = |id: &u32| used.partition_point(|used| used < id) as u32;
-                let patches =
-                    Patches::new(used.len() as u32, loaded.model.material_ids().iter().map(index).collect());
-                Self { patches, names: Some(used.iter().map(|id| format!("material {id}")).collect()) }
-            }
-            PatchKind::Object => Self::of_objects(&loaded.objects, count),
-        }
-    }
-
-    fn of_objects(objects: &[Object], triangles: usize) -> Self {
-        let (mut names, mut numbers, mut ids) = (Vec::new(), HashMap::new(), vec![0; triangles]);
-        for object in objects {
-            let patch = *numbers.entry(&object.name).or_insert_with(|| {
-                names.push(object.name.clone());
-                names.len() as u32 - 1
-            });
-            ids[object.triangles.clone()].fill(patch);
-        }
-        rename_reserved(&mut names);
-        Self { patches: Patches::new(names.len() as u32, ids), names: Some(names) }
-    }
-}
-
-/// The names of targets that are no patches.
-const RESERVED_NAMES: [&str; 2] = ["surroundings", "back"];
-
-/// Gives other names to objects that are called as targets that are no patches.
-fn rename_reserved(names: &mut [String]) {
-    for reserved in RESERVED_NAMES {
-        let Some(place) = names.iter().position(|name| name == reserved) else { continue };
-        let mut name = format!("object {reserved}");
-        while names.contains(&name) {
-            name.insert_str(0, "object ");
-        }
-        console::warn(format_args!(
-            "object `{reserved}` is written as `{name}`: `{reserved}` is another target"
-        ));
-        names[place] = name;
-    }
-}
-
-fn name_of(names: &Option<Vec<String>>, patch: u32) -> String {
-    names.as_ref().map_or_else(|| patch.to_string(), |names| names[patch as usize].clone())
 }
 
 impl Options {
@@ -245,10 +161,10 @@ impl Options {
     }
 
     /// The error with the name of a patch or of the checkpoint.
-    fn explain(&self, error: FactorError, names: &Option<Vec<String>>) -> anyhow::Error {
+    fn explain(&self, error: FactorError, patches: &NamedPatches) -> anyhow::Error {
         match error {
             FactorError::EmptyPatch { patch } => {
-                let name = name_of(names, patch);
+                let name = patches.name(patch);
                 anyhow!("{}: patch `{name}` has no triangle with an area", self.scene.display())
             }
             FactorError::NoneAsLarge { least, most } => anyhow!(

@@ -5,7 +5,7 @@ mod division;
 mod parts;
 mod plan;
 
-pub(crate) use arrays::Arrays;
+pub(crate) use arrays::arrays;
 pub(crate) use division::Division;
 pub(crate) use parts::{Part, Parts};
 pub(crate) use plan::{Plan, Task, part_file, parts_folder};

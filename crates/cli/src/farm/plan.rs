@@ -70,11 +70,6 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The content of a job file.
-    pub(crate) fn to_json(&self) -> Result<String> {
-        Ok(serde_json::to_string_pretty(self)? + "\n")
-    }
-
     /// The picture's key.
     pub(crate) fn key(&self) -> u64 {
         u64::from_str_radix(&self.key, 16).unwrap_or_default()

@@ -1,7 +1,6 @@
 use super::run::{RunFigures, Timing};
 use crate::flags::RenderFlags;
 use crate::view::{AnyCamera, CameraBy, CameraType, format_camera, format_vector};
-use anyhow::Result;
 use globillum::geom::Accel;
 use globillum::glam::DVec3;
 use globillum::integrator::{Picture, Scene, Settings};
@@ -64,11 +63,6 @@ impl<'a> PictureSummary<'a> {
             samples_per_second: timing.traced.samples as f64 / timing.render_seconds,
             image_mean: picture.film.image_mean().to_array(),
         }
-    }
-
-    /// The figures as JSON.
-    pub(crate) fn to_json(&self) -> Result<String> {
-        Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
     /// The figures as a table, with the names of the pictures.

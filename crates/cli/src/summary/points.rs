@@ -1,6 +1,5 @@
 use super::run::{RunFigures, Timing};
 use crate::flags::MeasureFlags;
-use anyhow::Result;
 use globillum::geom::Accel;
 use globillum::integrator::{Picture, Scene};
 use serde::Serialize;
@@ -34,11 +33,6 @@ impl<'a> PointsSummary<'a> {
             samples_per_point: picture.samples,
             irradiance_mean: picture.film.image_mean().to_array(),
         }
-    }
-
-    /// The figures as JSON.
-    pub(crate) fn to_json(&self) -> Result<String> {
-        Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 }
 
