@@ -3,7 +3,7 @@ use crate::DeltaLightError;
 use glam::{DAffine3, DVec3, Vec3};
 use globillum_geom::Triangle;
 use globillum_material::{Emission, Rgb};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 /// A light without extent: a point, spot or directional light. [`Model::add_delta_light`] adds one to a model.
 ///
@@ -148,13 +148,12 @@ impl DeltaLight {
         (!is_black).then_some(DeltaLightSample { position, direction, irradiance, choice_prob })
     }
 
-    /// The emitted power as luminance; of a directional light what passes through `cross_section`, an area.
-    pub(crate) fn power(&self, cross_section: f64) -> f64 {
-        match self.0 {
-            Kind::Point { intensity, .. } => intensity.luminance() * (4.0 * PI),
-            Kind::Spot { intensity, cone, .. } => intensity.luminance() * cone.solid_angle(),
-            Kind::Directional { irradiance, .. } => irradiance.luminance() * cross_section,
-        }
+    /// Whether it emits nothing.
+    pub(super) fn is_black(&self) -> bool {
+        let (Kind::Point { intensity: value, .. }
+        | Kind::Spot { intensity: value, .. }
+        | Kind::Directional { irradiance: value, .. }) = self.0;
+        value.is_black()
     }
 
     /// The description of the light in a light tree.
@@ -211,13 +210,6 @@ impl Cone {
     /// The share of the intensity at an angle of this cosine from the axis.
     fn falloff(&self, cos: f64) -> f64 {
         ((cos - self.cos_outer) / self.width).clamp(0.0, 1.0).powi(2)
-    }
-
-    /// The integral of [`Cone::falloff`] over all directions.
-    fn solid_angle(&self) -> f64 {
-        let height = 1.0 - self.cos_outer;
-        let (falling, full) = (height.min(self.width), (height - self.width).max(0.0));
-        2.0 * PI * (falling * (falling / self.width).powi(2) / 3.0 + full)
     }
 }
 

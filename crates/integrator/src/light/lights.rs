@@ -5,28 +5,27 @@ use super::tree::{ChosenLight, LightMoments, LightTree, TreeLight};
 use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
-use std::f64::consts::FRAC_PI_4;
 
 /// The lights of a scene, its triangles that emit and its delta lights.
 ///
 /// A light is chosen at each receiver with a probability about proportional to the irradiance that it brings
-/// there if it is visible, in a light tree (Conty Estevez and Kulla 2018). Up to seven lights are chosen by power
-/// alone, which costs less, unless one of several is directional. A light of less than a 64th of their mean power then counts
-/// as if it had that much.
+/// there if it is visible, in a light tree (Conty Estevez and Kulla 2018). A light alone, and two triangles without
+/// delta lights, such as a square, are chosen by power, which costs less. A light of less than a 64th of their mean power
+/// then counts as if it had that much.
 ///
 /// Each light has a positive probability, a normal number, for any size and radiance. A
 /// [`LightSampler`](crate::LightSampler) samples points on lights.
 #[derive(Clone, Debug)]
 pub struct Lights {
     areas: Vec<AreaLight>,
-    deltas: Vec<Delta>,
+    deltas: Vec<DeltaLight>,
     distribution: LightDistribution,
 }
 
 /// How a light is chosen, by its index in `areas`, then `deltas`.
 #[derive(Clone, Debug)]
 enum LightDistribution {
-    /// By power, [raised] for dim lights, the same everywhere.
+    /// The same everywhere: of up to two triangles by power, [raised] for a dim one; or the only delta light.
     Power(AliasTable),
     /// By what they bring to the receiver.
     Tree(LightTree),
@@ -58,13 +57,6 @@ pub(crate) struct AreaLight {
     area: f64,
     middle: DVec3,
     reach_sq: f64,
-}
-
-/// A delta light, with its probability if lights are chosen by power.
-#[derive(Clone, Copy, Debug)]
-struct Delta {
-    light: DeltaLight,
-    prob: f64,
 }
 
 impl AreaLight {
@@ -107,8 +99,8 @@ impl AreaLight {
 }
 
 impl Lights {
-    /// From this number of lights on, a light tree costs less than it brings.
-    const FIRST_IN_TREE: usize = 8;
+    /// Up to this number of triangles, two of a square, a light tree costs more than it brings.
+    const MOST_BY_POWER: usize = 2;
 
     /// The triangles whose `emission`, asked by index, is not black, and those of `deltas` that are not.
     pub(crate) fn of(
@@ -116,38 +108,29 @@ impl Lights {
         emission: impl Fn(u32) -> Emission,
         deltas: &[DeltaLight],
     ) -> Self {
-        let (emitting, mut powers): (Vec<_>, Vec<_>) = triangles
+        let (emitting, powers): (Vec<_>, Vec<_>) = triangles
             .live()
             .iter()
             .map(|&index| (index, power(triangles.get(index), &emission(index))))
             .filter(|(_, power)| *power > 0.0)
             .unzip();
-        let scene = triangles.bounds();
-        // Any scale serves directional lights where there is nothing that they could light.
-        let extent_sq = if scene.is_empty() { 1.0 } else { scene.extent().length_squared() };
-        let cross_section = FRAC_PI_4 * extent_sq;
-        let deltas = deltas.iter().map(|&light| (light, light.power(cross_section)));
-        let deltas: Vec<_> = deltas.filter(|(_, power)| *power > 0.0).collect();
-        powers.extend(deltas.iter().map(|(_, power)| power));
+        let deltas: Vec<_> = deltas.iter().filter(|light| !light.is_black()).copied().collect();
         let weights = raised(powers);
         let total: f64 = weights.iter().sum();
         let area = |(index, &weight): (u32, &f64)| {
             AreaLight::new(index, triangles.get(index), emission(index), weight, total)
         };
         let areas: Vec<_> = emitting.into_iter().zip(&weights).map(area).collect();
-        let tree_lights =
-            areas.iter().map(|light| TreeLight::Near(light.moments(triangles.get(light.triangle))));
-        let tree_lights: Vec<_> =
-            tree_lights.chain(deltas.iter().map(|(light, _)| light.tree_light())).collect();
-        let is_far = |light: &TreeLight| matches!(light, TreeLight::Far(_));
-        let by_tree =
-            weights.len() >= Self::FIRST_IN_TREE || weights.len() > 1 && tree_lights.iter().any(is_far);
-        let distribution = match by_tree {
-            true => LightDistribution::Tree(LightTree::new(&tree_lights, &scene)),
-            false => LightDistribution::Power(AliasTable::new(&weights)),
+        let distribution = match (areas.len(), deltas.len()) {
+            (0..=Self::MOST_BY_POWER, 0) => LightDistribution::Power(AliasTable::new(&weights)),
+            (0, 1) => LightDistribution::Power(AliasTable::new(&[1.0])),
+            _ => {
+                let near =
+                    areas.iter().map(|light| TreeLight::Near(light.moments(triangles.get(light.triangle))));
+                let lights: Vec<_> = near.chain(deltas.iter().map(DeltaLight::tree_light)).collect();
+                LightDistribution::Tree(LightTree::new(&lights, &triangles.bounds()))
+            }
         };
-        let delta = |((light, _), weight): ((DeltaLight, f64), &f64)| Delta { light, prob: weight / total };
-        let deltas = deltas.into_iter().zip(&weights[areas.len()..]).map(delta).collect();
         Self { areas, deltas, distribution }
     }
 
@@ -181,7 +164,7 @@ impl Lights {
 
     /// The delta lights that are not black, in the order of the model.
     pub fn delta_lights(&self) -> impl Iterator<Item = &DeltaLight> {
-        self.deltas.iter().map(|delta| &delta.light)
+        self.deltas.iter()
     }
 
     /// Chooses a light for the receiver by each of `us`, in `[0, 1)`; `None` if there are none.
@@ -206,10 +189,7 @@ impl Lights {
     fn light(&self, index: usize, prob: Option<f64>) -> Light<'_> {
         match self.areas.get(index) {
             Some(light) => Light::Area(light, prob.map_or(light.prob, |prob| light.chosen_with(prob))),
-            None => {
-                let Delta { light, prob: by_power } = &self.deltas[index - self.areas.len()];
-                Light::Delta(light, prob.unwrap_or(*by_power))
-            }
+            None => Light::Delta(&self.deltas[index - self.areas.len()], prob.unwrap_or(1.0)),
         }
     }
 
