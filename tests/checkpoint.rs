@@ -1,13 +1,13 @@
 //! Checkpoints: saving, resuming and merging parts of a picture.
 
 use glam::{DVec3, Vec3};
-use globillum::geom::Accel;
+use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
     Camera, CheckpointError, CheckpointReader, CheckpointWriter, DeltaLight, Ending, Estimator, Guiding,
-    ImageError, Merge, MergeError, Monitor, PathReuse, Picture, PixelFilter, Render, RenderError, Sampler,
-    Scene, Settings, render,
+    ImageError, LightSampling, Merge, MergeError, MirrorSampling, Model, Monitor, PathReuse, Picture,
+    PixelFilter, Render, RenderError, Sampler, Scene, Settings, Supersampling, render,
 };
-use globillum::material::Rgb;
+use globillum::material::{Bsdf, Emission, Material, Reflectance, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::{cornell, scenes};
 use std::ops::Range;
@@ -115,13 +115,57 @@ fn a_render_can_be_resumed_with_more_samples() {
     }
 }
 
+/// The box with another vertex, another albedo, another radiance, and a light on both sides.
+fn nearly_the_box() -> [Model; 4] {
+    let model = cornell::with_blocks(false).expect("the box is good");
+    let light = (0..).find(|&index| !model.material(index).emission.is_black()).expect("there is a light");
+    let with = |change: &dyn Fn(usize, &mut Triangle, &mut Material)| {
+        let mut changed = Model::default();
+        for (index, triangle) in model.triangles().iter().enumerate() {
+            let (mut triangle, mut material) = (*triangle, *model.material(index));
+            change(index, &mut triangle, &mut material);
+            changed.add(material, [triangle]);
+        }
+        changed
+    };
+    let radiance = model.material(light).emission.radiance();
+    let emitting = |material: &mut Material, radiance, sides| {
+        material.emission = Emission::new(radiance, sides).expect("in range");
+    };
+    [
+        with(&|index, triangle, _| {
+            if index == 7 {
+                triangle.vertices[2].x = triangle.vertices[2].x.next_up();
+            }
+        }),
+        with(&|index, _, material| {
+            if index == 7 {
+                let Bsdf::Lambert(albedo) = material.bsdf else { panic!("it is diffuse") };
+                let Rgb { r, g, b } = albedo.rgb();
+                material.bsdf =
+                    Bsdf::Lambert(Reflectance::new(Rgb::new(r, g.next_up(), b)).expect("below one"));
+            }
+        }),
+        with(&|index, _, material| {
+            if index == light {
+                emitting(material, Rgb::new(radiance.r, radiance.g.next_up(), radiance.b), Sides::Front);
+            }
+        }),
+        with(&|index, _, material| {
+            if index == light {
+                emitting(material, radiance, Sides::Both);
+            }
+        }),
+    ]
+}
+
 #[test]
 fn another_picture_is_refused() {
     let (scene, camera) = the_box();
     let base = settings(Sampler::Sobol);
     let picture = passes(0..2, &base);
     type Change = fn(&mut Settings);
-    let changes: [Change; 11] = [
+    let changes: [Change; 15] = [
         |s| s.seed += 1,
         |s| s.pass_samples = 4,
         |s| s.sampler = Sampler::Independent,
@@ -132,6 +176,10 @@ fn another_picture_is_refused() {
         |s| s.path_reuse = PathReuse::Off,
         |s| s.guiding = Guiding::Trained,
         |s| s.roulette.threshold = 0.5,
+        |s| s.light_sampling = LightSampling::Area,
+        |s| s.mirror_sampling = MirrorSampling::Off,
+        |s| s.supersampling = Supersampling::Off,
+        |s| s.light_samples = 2,
         |s| (s.width, s.height) = (s.height, s.width),
     ];
     let refused = |result: Result<Picture, RenderError>| {
@@ -148,6 +196,10 @@ fn another_picture_is_refused() {
     let mirror = cornell::with_blocks(true).expect("the box is good");
     let mirror = scenes::scene(&mirror, STRUCTURES[0].1);
     refused(Render::new(&mirror, &camera, &base).resume(picture.clone()).run(&()));
+    for other in nearly_the_box() {
+        let other = scenes::scene(&other, STRUCTURES[0].1);
+        refused(Render::new(&other, &camera, &base).resume(picture.clone()).run(&()));
+    }
     let with_light = |intensity: f64| {
         let mut model = cornell::with_blocks(false).expect("the box is good");
         model.add_delta_light(DeltaLight::point(Vec3::ZERO, Rgb::splat(intensity)).expect("in range"));

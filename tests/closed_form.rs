@@ -9,6 +9,7 @@ use globillum::integrator::{
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
@@ -99,7 +100,7 @@ fn a_square_light_above_a_floor() {
         let mut s = settings(if estimator == Estimator::Bsdf { 320 } else { 64 });
         s.estimator = estimator;
         let estimate = estimate(&scenes::light_over_floor(), &camera, &s);
-        estimate.assert_is(0.277_063_212, &format!("{estimator:?}"));
+        estimate.assert_is(LIGHT_OVER_FLOOR, &format!("{estimator:?}"));
     }
 }
 
@@ -112,7 +113,7 @@ fn a_square_light_sampled_by_area() {
         let mut s = settings(128);
         (s.estimator, s.light_sampling) = (estimator, LightSampling::Area);
         let film = film(&scene, &camera, &s);
-        Estimate::of_film(&film, |c| c.g).assert_is(0.277_063_212, &format!("{estimator:?}"));
+        Estimate::of_film(&film, |c| c.g).assert_is(LIGHT_OVER_FLOOR, &format!("{estimator:?}"));
     }
 }
 

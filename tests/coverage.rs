@@ -1,5 +1,5 @@
-//! Coverage of 95 % confidence intervals where samples are skewed and pixels differ. Seeds are fixed. A share
-//! may deviate by 5.85 of its standard deviations (docs/testing.md).
+//! Coverage of 95 % confidence intervals where samples are skewed and pixels differ. Seeds are fixed. A share is accepted
+//! from 93 to 97 %, and 5.85 of its standard deviations beyond.
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
@@ -217,8 +217,8 @@ fn the_interval_of_a_pictures_error_contains_it_and_is_narrow() {
             / count;
         println!("{path_reuse:?}, {side}: median width {width:.2}");
         assert_near_95(share, estimates.len(), &format!("{path_reuse:?}, {side}"));
-        // One tile has one degree of freedom: the interval is wide.
-        let most = if (path_reuse, side) == (PathReuse::Sixteens, 16) { f64::INFINITY } else { 1.3 };
+        // One tile has one degree of freedom, for which Student's interval is 6.48 times as wide.
+        let most = if (path_reuse, side) == (PathReuse::Sixteens, 16) { 1.5 * 6.48 } else { 1.3 };
         assert!((0.8..most).contains(&width), "{path_reuse:?}, {side}: {width}");
     }
 }

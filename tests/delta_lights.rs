@@ -9,6 +9,7 @@ use globillum::integrator::{
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
 use globillum_testkit::cornell;
+use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{cuboid, inside_out, quad};
 use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels};
@@ -201,7 +202,7 @@ fn a_square_light_and_delta_lights_over_a_floor() {
     let [by_point, by_spot] = [0.75, 0.8125].map(|distance_sq| 0.5 / f64::powf(distance_sq, 1.5));
     let by_sun = f64::sqrt(0.2);
     let of_deltas = INTENSITY * (0.5 / PI * (0.5 * by_point + by_spot + 0.5 * by_sun));
-    let truth = Rgb::splat(0.277_063_212) + of_deltas;
+    let truth = Rgb::splat(LIGHT_OVER_FLOOR) + of_deltas;
     let model = with(scenes::light_over_floor(), &beside_the_square());
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     for light_sampling in [LightSampling::Area, LightSampling::SolidAngle] {

@@ -3,8 +3,10 @@
 
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
-use globillum::integrator::{Camera, Film, Model, Scene, Settings, render};
-use globillum_testkit::accelerators::ACCELERATORS;
+use globillum::integrator::{
+    Camera, Film, Guiding, IrradiancePoints, Model, Scene, Sensor, Settings, render,
+};
+use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
 use globillum_testkit::{cornell, scenes, shapes};
 
 fn settings(samples: u32) -> Settings {
@@ -73,6 +75,26 @@ fn scaling_by_powers_of_two_changes_no_bit() {
         assert_eq!(films[0], films[1], "2^40, {name}");
         assert_eq!(films[0], films[2], "2^-40, {name}");
     }
+}
+
+/// The films of a guided picture and of points of irradiance.
+#[test]
+fn scaling_by_powers_of_two_changes_no_bit_of_guides_and_irradiance() {
+    let model = cornell::with_blocks(true).expect("the box is good");
+    let films = [0, 40, -40].map(|exponent| {
+        let scale = 2.0_f32.powi(exponent);
+        let scene = scenes::scene(&scaled(&model, scale), STRUCTURES[0].1);
+        let [eye, point] =
+            [DVec3::new(0.0, 0.0, 3.9), DVec3::new(0.1, -0.9, 0.4)].map(|p| p * f64::from(scale));
+        let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("the camera is good");
+        let points = IrradiancePoints::new([(point, DVec3::Y)]).expect("a point");
+        let sensors: [(&dyn Sensor, Settings); 2] = [(&camera, settings(8)), (&points, points.settings(64))];
+        sensors.map(|(sensor, mut settings)| {
+            settings.guiding = Guiding::Trained;
+            render(&scene, sensor, &settings, &()).expect("the scene is good").film
+        })
+    });
+    assert!(films[0] == films[1] && films[0] == films[2]);
 }
 
 fn scaled(model: &Model, scale: f32) -> Model {

@@ -1,7 +1,6 @@
 //! Path reuse of the environment: every pixel keeps its mean, in rooms with an opening and in the open, and varies less.
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
-use crate::path_reuse::{PIXEL_LIMIT, largest_z};
 use glam::DVec3;
 use globillum::geom::Accel;
 use globillum::integrator::{
@@ -10,6 +9,7 @@ use globillum::integrator::{
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::pixels::{PIXEL_LIMIT, largest_z};
 use globillum_testkit::scenes;
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
 

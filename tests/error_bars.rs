@@ -1,5 +1,5 @@
 //! A picture's estimate of its error against its true error. The scene is a square light above a floor, whose
-//! radiance is known. Seeds are fixed; docs/testing.md derives the limits.
+//! radiance is known. Seeds are fixed; each limit is derived where it is used.
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;

@@ -8,6 +8,7 @@ use globillum::integrator::{
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
@@ -15,7 +16,7 @@ use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
 /// The radiance at the middle of the floor under a square light of radiance 1.
-const TRUTH: f64 = 0.277_063_212;
+const TRUTH: f64 = LIGHT_OVER_FLOOR;
 
 /// `model` with lengths multiplied by `size` and emission by `radiance`; an error if the emission is refused.
 fn scaled(model: &Model, size: f32, radiance: f64) -> Result<Model, RenderError> {

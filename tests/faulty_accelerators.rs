@@ -7,7 +7,7 @@ use globillum::integrator::view_factors::{FactorError, FactorRun, FactorSettings
 use globillum::integrator::{Model, RenderError, Scene, Settings, Supersampling, render};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::scenes::{light_over_floor, stare};
-use globillum_testkit::shapes::cuboid;
+use globillum_testkit::shapes::{cuboid, inside_out};
 
 /// Brute force with one fault.
 #[derive(Debug)]
@@ -22,6 +22,10 @@ enum Fault {
     AppendedHits,
     /// Any-hit answers are appended to those of the last batch.
     AppendedOccluded,
+    /// The last hit of a batch is missing.
+    MissingHit,
+    /// The last any-hit answer of a batch is missing.
+    MissingOccluded,
     /// Every hit names a triangle that the scene has not.
     UnknownTriangle,
 }
@@ -41,6 +45,9 @@ impl Accel for Faulty {
             hits.clear();
         }
         hits.extend(rays.iter().map(|ray| self.intersect(ray)));
+        if self.fault == Fault::MissingHit {
+            hits.pop();
+        }
     }
 
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
@@ -48,6 +55,9 @@ impl Accel for Faulty {
             occluded.clear();
         }
         occluded.extend(rays.iter().map(|ray| self.occluded(ray)));
+        if self.fault == Fault::MissingOccluded {
+            occluded.pop();
+        }
     }
 
     fn bounds(&self) -> Aabb {
@@ -71,12 +81,32 @@ fn error_of(model: Model, fault: Fault, supersampling: Supersampling) -> RenderE
 
 #[test]
 fn answers_of_another_number_than_rays_are_an_error() {
-    for (fault, method) in
-        [(Fault::AppendedHits, "intersect_batch"), (Fault::AppendedOccluded, "occluded_batch")]
-    {
+    for (fault, method) in [
+        (Fault::AppendedHits, "intersect_batch"),
+        (Fault::MissingHit, "intersect_batch"),
+        (Fault::AppendedOccluded, "occluded_batch"),
+        (Fault::MissingOccluded, "occluded_batch"),
+    ] {
         let error = error_of(light_over_floor(), fault, Supersampling::default());
         assert!(matches!(error, RenderError::Worker { .. }), "{error:?}");
         assert!(error.to_string().contains(&format!("Accel::{method} stored ")), "{error}");
+    }
+}
+
+#[test]
+fn view_factors_name_the_patch() {
+    let triangles = Triangles::new(inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0))).expect("good triangles");
+    let (patches, settings) = (Patches::of_triangles(triangles.len() as u32), FactorSettings::new(1 << 14));
+    for (fault, said) in [
+        (Fault::AppendedHits, "Accel::intersect_batch stored "),
+        (Fault::MissingHit, "Accel::intersect_batch stored "),
+        (Fault::UnknownTriangle, "999"),
+    ] {
+        let accel = Faulty { inner: BruteForce::build(&triangles), fault };
+        let error =
+            FactorRun::new(&triangles, &accel, &patches, &settings).run(&()).expect_err("it is faulty");
+        assert!(matches!(error, FactorError::Worker { .. }), "{fault:?}: {error:?}");
+        assert!(error.to_string().contains(said), "{fault:?}: {error}");
     }
 }
 

@@ -9,7 +9,7 @@ use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::polygon;
 use globillum_testkit::scenes::{self, disc, stare};
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
-use globillum_testkit::stats::{Estimate, independent_pixels};
+use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
 use Estimator::{Bsdf, Light, Mis};
 
@@ -101,7 +101,7 @@ fn form_factors_of_whole_squares_and_discs() {
     let truth = std::f64::consts::FRAC_PI_4 * 0.381_966_011;
     for estimator in [Light, Mis] {
         let found = estimate(&model, &above_square(1.0, 0.5), estimator, 128);
-        let (error, margin) = (found.mean / truth - 1.0, 5.85 * found.std_err / truth);
+        let (error, margin) = (found.mean / truth - 1.0, Z_LIMIT * found.std_err / truth);
         assert!(
             margin < 0.005 && error.abs() < margin + 3e-4,
             "discs, {estimator:?}: {found:?}, not {truth}"
@@ -141,6 +141,6 @@ fn an_integrating_sphere() {
     settings.estimator = Mis;
     let film = render(&scene, &stare(DVec3::ZERO, middle), &settings, &()).expect("the scene is good").film;
     let found = Estimate::of_film(&film, |c| c.g);
-    assert!(5.85 * found.std_err < 0.005 * 1.5, "{found:?}");
+    assert!(Z_LIMIT * found.std_err < 0.005 * 1.5, "{found:?}");
     assert!((found.mean / 1.5 - 1.0).abs() < 0.005, "{found:?}");
 }

@@ -7,13 +7,10 @@ use globillum::integrator::{Settings, render};
 use globillum::io::{Loaded, load};
 use globillum::material::{Bsdf, Reflectance, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
-use globillum_testkit::reference::Reference;
+use globillum_testkit::reference::{MEAN_LIMIT, Reference};
+use globillum_testkit::stats::Z_LIMIT;
 use globillum_testkit::{cornell, scenes};
 use std::path::{Path, PathBuf};
-
-/// Largest deviation of a block in standard errors. Six pictures of 256 blocks and three channels together
-/// have a false-alarm probability of 3e-5.
-const Z_LIMIT: f64 = 5.85;
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference").join(name)
@@ -41,6 +38,7 @@ fn check(name: &str, samples: [u32; 2]) {
         let film = render(&scene, &loaded.cameras[0], &settings, &()).expect("the scene is good").film;
         let blocks = if max_bounces.is_some() { &reference.direct } else { &reference.path };
         let deviation = reference.deviation(&film, blocks);
+        assert!(deviation.image_mean < MEAN_LIMIT, "{name}, bounces {max_bounces:?}: {deviation:?}");
         assert!(deviation.largest_z < Z_LIMIT, "{name}, bounces {max_bounces:?}: {deviation:?}");
     }
 }

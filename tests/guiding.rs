@@ -2,24 +2,23 @@
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
-use globillum::geom::Accel;
+use globillum::geom::{Aabb, Accel, Hit, KdOptions, KdTree, Ray};
 use globillum::integrator::{
     Camera, Ending, Estimator, Film, Guiding, IrradiancePoints, Model, Monitor, PathReuse, Render, Sampler,
-    Scene, Sensor, Settings, render, replay,
+    Scene, Sensor, Settings, Supersampling, render, replay,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
+use globillum_testkit::pixels::{PIXEL_LIMIT, largest_difference, largest_z};
 use globillum_testkit::shapes::{cuboid, inside_out, quad};
+use globillum_testkit::stats::Z_LIMIT;
 use globillum_testkit::{cornell, scenes};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Pixels along each side of a picture.
 const SIDE: u32 = 16;
 /// Passes of a picture whose pixels are compared.
 const PASSES: u32 = 256;
-/// Largest deviation of a component of a pixel, in standard errors: as in `path_reuse.rs`, any of all components of all
-/// pixels exceeds it with a probability of 5e-9.
-const PIXEL_LIMIT: f64 = 7.2;
-
 fn lambert(albedo: Rgb) -> Material {
     Material::lambert(albedo).expect("an albedo")
 }
@@ -73,19 +72,8 @@ fn film(scene: &Scene<Box<dyn Accel>>, sensor: &dyn Sensor, settings: &Settings)
     render(scene, sensor, settings, &()).expect("the scene is good").film
 }
 
-/// Largest difference of a component of a pixel, in standard errors.
-fn largest_z(a: &Film, b: &Film) -> f64 {
-    let pixels = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
-    let z = |(x, y): (u32, u32)| {
-        let difference = a.mean(x, y) + b.mean(x, y) * -1.0;
-        let variance = a.variance_of_mean(x, y) + b.variance_of_mean(x, y);
-        let component = |(d, v): (f64, f64)| if d == 0.0 { 0.0 } else { d.abs() / v.sqrt() };
-        difference.to_array().into_iter().zip(variance.to_array()).map(component).fold(0.0, f64::max)
-    };
-    pixels.map(z).fold(0.0, f64::max)
-}
-
-/// Asserts that each pixel has the same mean with and without a guide. `margin` is what the mean of all may differ by.
+/// Asserts that each pixel has the same mean with and without a guide. `max_margin` bounds the tolerance of the picture's
+/// mean, relative to it.
 fn assert_same_mean(
     what: &str,
     (model, sensor): (&Model, &dyn Sensor),
@@ -98,14 +86,22 @@ fn assert_same_mean(
     let z = largest_z(&without, &with);
     let [before, after] = [&without, &with].map(|film| film.error().relative_rmse);
     let mean = with.image_mean().mean() / without.image_mean().mean() - 1.0;
-    // The errors of the mean, which of the pixels of a group may be correlated. A group is one pixel of sixteen.
+    // Errors of the sixteen pixels of a group may be fully correlated, which multiplies the error of the mean by up to 4.
     let group = f64::from(with.path_reuse().dependent_pixels().isqrt());
     let count = (f64::from(without.width()) * f64::from(without.height())).sqrt();
-    let margin = 5.85 * group.sqrt() * before.hypot(after) / count;
+    let margin = Z_LIMIT * group.sqrt() * before.hypot(after) / count;
     println!("{what}: z {z:.2}, error {before:.4} becomes {after:.4}, mean {:+.4} %", 100.0 * mean);
     assert!(z < PIXEL_LIMIT, "{what}: {z}");
     assert!(mean.abs() < margin && margin < max_margin, "{what}: {mean}, margin {margin}");
-    assert_ne!(before, after, "{what}: there was no guide");
+    // With equal random numbers, only a guide makes a difference.
+    let [off, on] = [Guiding::Off, Guiding::Trained].map(|guiding| {
+        let settings = settings(guiding, |s| {
+            change(s);
+            (s.seed, s.samples, s.sampler) = (9, s.pass_samples, Sampler::Independent);
+        });
+        film(&scene, sensor, &settings)
+    });
+    assert!(largest_difference(&off, &on) > 0.0, "{what}: there was no guide");
 }
 
 #[test]
@@ -179,10 +175,37 @@ fn guided_pictures_have_the_same_bits_in_parts() {
     assert_eq!((sum(0) + sum(4)) / 8.0, whole.mean(9, 14));
 }
 
-/// Wants nothing.
-struct Unwilling;
+/// A k-d tree that counts its rays.
+#[derive(Debug)]
+struct CountsRays {
+    inner: KdTree,
+    rays: AtomicU64,
+}
 
-impl Monitor for Unwilling {
+impl Accel for CountsRays {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.rays.fetch_add(1, Ordering::Relaxed);
+        self.inner.intersect(ray)
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.rays.fetch_add(1, Ordering::Relaxed);
+        self.inner.occluded(ray)
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.inner.bounds()
+    }
+
+    fn bytes(&self) -> usize {
+        self.inner.bytes()
+    }
+}
+
+/// Cancels at once.
+struct CancelsAtOnce;
+
+impl Monitor for CancelsAtOnce {
     fn cancelled(&self) -> bool {
         true
     }
@@ -191,7 +214,12 @@ impl Monitor for Unwilling {
 #[test]
 fn training_can_be_cancelled() {
     let (model, camera) = two_rooms();
-    let settings = settings(Guiding::Trained, |_| {});
-    let picture = Render::new(&scene(&model), &camera, &settings).run(&Unwilling).expect("the scene is good");
+    let settings = settings(Guiding::Trained, |s| s.supersampling = Supersampling::Off);
+    let scene = Scene::build(model, |triangles| {
+        Ok(CountsRays { inner: KdTree::build(triangles, &KdOptions::default())?, rays: AtomicU64::new(0) })
+    });
+    let scene = scene.expect("the model is good");
+    let picture = Render::new(&scene, &camera, &settings).run(&CancelsAtOnce).expect("the scene is good");
     assert_eq!((picture.ending, picture.samples), (Ending::Cancelled, 0));
+    assert_eq!(scene.accel().rays.load(Ordering::Relaxed), 0, "training began");
 }

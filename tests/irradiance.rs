@@ -9,6 +9,7 @@ use globillum::integrator::{
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
+use globillum_testkit::effort;
 use globillum_testkit::form_factor::corner;
 use globillum_testkit::scenes;
 use globillum_testkit::shapes::quad;
@@ -18,11 +19,6 @@ use std::f64::consts::PI;
 
 const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
-
-/// `GLOBILLUM_EFFORT` multiplies the number of points; 50 makes it ten thousand.
-fn effort() -> u32 {
-    std::env::var("GLOBILLUM_EFFORT").map_or(1, |effort| effort.parse().expect("an integer"))
-}
 
 fn first_structure(model: &Model) -> Scene<Box<dyn Accel>> {
     scenes::scene(model, STRUCTURES[0].1)

@@ -8,6 +8,8 @@ use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{Camera, Estimator, Film, Model, Scene, Settings, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::ACCELERATORS;
+use globillum_testkit::effort;
+use globillum_testkit::form_factor::corner;
 use globillum_testkit::furnace::truncated_series;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{self, Mesh, cuboid, inside_out, quad};
@@ -16,11 +18,6 @@ use globillum_testkit::stats::{Estimate, independent_pixels};
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
 const RHO: f64 = 0.8;
-
-fn effort() -> u64 {
-    let effort = std::env::var("GLOBILLUM_EFFORT").ok();
-    effort.map_or(1, |effort| effort.parse().expect("GLOBILLUM_EFFORT is a whole number"))
-}
 
 fn lambert(albedo: f64) -> Material {
     Material::lambert(Rgb::splat(albedo)).expect("an albedo below one")
@@ -85,7 +82,7 @@ fn assert_no_escape(model: &Model, camera: &Camera, what: &str) {
     settings.roulette.start = u32::MAX;
     let (truth, scenes) = (Rgb::splat(truncated_series(RHO, 64)), scenes_of(model));
     for seed in 0..effort() {
-        settings.seed = seed;
+        settings.seed = seed.into();
         let film = one_film(&scenes, camera, &settings, what);
         let escapes = film.means().filter(|&mean| mean != truth).count();
         assert_eq!(
@@ -175,7 +172,7 @@ fn no_light_enters_a_closed_box() {
         let scenes = under_the_sky(albedo);
         let mut settings = Settings::new(128, 128, samples);
         for seed in 0..effort() {
-            settings.seed = seed;
+            settings.seed = seed.into();
             let what = format!("albedo {albedo}, seed {seed}");
             assert_black(&one_film(&scenes, &camera, &settings, &what), &what);
         }
@@ -241,7 +238,7 @@ fn cover(size: f64, gap: f64, spread: f64, axes: usize) -> (Model, Model) {
 fn assert_covered(lit: &Model, covered: &Model, size: f64, axes: usize, what: &str) {
     let at = |x: f64, y: f64, z: f64| size * DVec3::from([0, 1, 2].map(|i| [x, y, z][(i + axes) % 3]));
     let floor = wide(at(0.3, -0.5, 0.2), at(0.1, -1.0, 0.3));
-    let mut settings = Settings::new(32, 32, effort() as u32);
+    let mut settings = Settings::new(32, 32, effort());
     for estimator in ALL {
         settings.estimator = estimator;
         let what = format!("{what}, {estimator:?}");
@@ -250,23 +247,11 @@ fn assert_covered(lit: &Model, covered: &Model, size: f64, axes: usize, what: &s
     }
 }
 
-/// The form factor of a parallel rectangle of sides `a` and `b` at height 1 with a corner above the point. It
-/// is odd in each side, so that any rectangle is a sum of four.
-fn corner_factor(a: f64, b: f64) -> f64 {
-    let part = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
-    (part(a, b) + part(b, a)) / std::f64::consts::TAU
-}
-
 /// The radiance at `x`, `z` of a floor of albedo 0.5 under a light of half side 1 and radiance 1 at height 1.
 fn under_a_square_light(x: f64, z: f64) -> f64 {
     let sides = |x: f64| [1.0 - x, 1.0 + x];
-    let corners = sides(x).into_iter().flat_map(|a| sides(z).map(|b| corner_factor(a, b)));
+    let corners = sides(x).into_iter().flat_map(|a| sides(z).map(|b| corner(a, b)));
     0.5 * corners.sum::<f64>()
-}
-
-#[test]
-fn the_form_factor_has_the_tabulated_value() {
-    assert!((under_a_square_light(0.0, 0.0) - 0.277_063_212).abs() < 1e-9);
 }
 
 /// A light of half side 1 above a floor, without and with a black ceiling of half side `half` at height 0.
@@ -293,7 +278,7 @@ fn toward_floor((x, z): (f64, f64)) -> Camera {
 /// Asserts that the floor has the same radiance with and without the ceiling, to the bit.
 fn assert_hides_nothing(models: &(Model, Model), estimator: Estimator, what: &str) {
     for place in PLACES {
-        let mut settings = Settings::new(64, 64, 4 * effort() as u32);
+        let mut settings = Settings::new(64, 64, 4 * effort());
         settings.estimator = estimator;
         let what = format!("{what}, {estimator:?}, at {place:?}");
         let [open, closed] = [&models.0, &models.1]
@@ -391,7 +376,7 @@ fn no_light_crosses_between_boxes_that_touch() {
 }
 
 fn assert_boxes_are_apart(model: &Model, at: impl Fn(DVec3) -> DVec3, estimator: Estimator, what: &str) {
-    let mut settings = Settings::new(32, 32, 2 * effort() as u32);
+    let mut settings = Settings::new(32, 32, 2 * effort());
     settings.estimator = estimator;
     let scenes = scenes_of(model);
     let within = |x: f64| wide(at(DVec3::new(x, 0.2, 0.3)), at(DVec3::new(x + 0.5, 0.1, 0.2)));

@@ -8,9 +8,10 @@ use globillum::integrator::{
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::cornell;
+use globillum_testkit::pixels::{PIXEL_LIMIT, largest_difference, largest_z};
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
-use globillum_testkit::stats::Estimate;
+use globillum_testkit::stats::{Estimate, Z_LIMIT};
 
 use Estimator::{Bsdf, Light, Mis};
 
@@ -18,28 +19,11 @@ use Estimator::{Bsdf, Light, Mis};
 /// surfaces.
 const SIDE: u32 = 16;
 
-/// Largest deviation of a component of a pixel, in standard errors. With 256 passes of each of two pictures,
-/// any of all components of all pixels exceeds it with a probability of 5e-9 (Student's distribution, as many
-/// degrees of freedom).
-pub(crate) const PIXEL_LIMIT: f64 = 7.2;
-
 const PASSES: u32 = 256;
 
 fn film(model: &Model, camera: &Camera, settings: &Settings) -> Film {
     let scene = scenes::scene(model, STRUCTURES[0].1);
     render(&scene, camera, settings, &()).expect("the scene is good").film
-}
-
-/// Largest difference of a component of a pixel, in standard errors.
-pub(crate) fn largest_z(a: &Film, b: &Film) -> f64 {
-    let pixels = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
-    let z = |(x, y): (u32, u32)| {
-        let difference = a.mean(x, y) + b.mean(x, y) * -1.0;
-        let variance = a.variance_of_mean(x, y) + b.variance_of_mean(x, y);
-        let component = |(d, v): (f64, f64)| if d == 0.0 { 0.0 } else { d.abs() / v.sqrt() };
-        difference.to_array().into_iter().zip(variance.to_array()).map(component).fold(0.0, f64::max)
-    };
-    pixels.map(z).fold(0.0, f64::max)
 }
 
 /// A picture of `3 * PASSES` passes of four samples per pixel.
@@ -65,16 +49,23 @@ fn assert_same_mean_as(
     camera: &Camera,
     change: impl Fn(&mut Settings),
 ) {
-    let with = picture(model, camera, PathReuse::Sixteens, change);
+    let with = picture(model, camera, PathReuse::Sixteens, &change);
     let z = largest_z(without, &with);
     let [before, after] = [without, &with].map(|film| film.error().relative_rmse);
     let mean = with.image_mean().mean() / without.image_mean().mean() - 1.0;
     println!("{what}: z {z:.2}, error {before:.4} becomes {after:.4}, mean {:+.4} %", 100.0 * mean);
     assert!(z < PIXEL_LIMIT, "{what}: {z}");
-    // The errors of the mean, which of sixteen pixels may be correlated.
-    let margin = 5.85 * before.hypot(4.0 * after) / f64::from(SIDE);
+    // Errors of the sixteen pixels of a group may be fully correlated, which multiplies the error of the mean by up to 4.
+    let margin = Z_LIMIT * before.hypot(4.0 * after) / f64::from(SIDE);
     assert!(mean.abs() < margin && margin < 0.015, "{what}: {mean}, margin {margin}");
-    assert_ne!(before, after, "{what}: no path was reused");
+    // With equal random numbers, only path reuse makes a difference.
+    let [alone, reused] = [PathReuse::Off, PathReuse::Sixteens].map(|path_reuse| {
+        picture(model, camera, path_reuse, |s| {
+            change(s);
+            (s.seed, s.samples, s.sampler) = (9, s.pass_samples, Sampler::Independent);
+        })
+    });
+    assert!(largest_difference(&alone, &reused) > 0.0, "{what}: no path was reused");
 }
 
 #[test]
@@ -298,7 +289,7 @@ fn variance_ratio(path_reuse: PathReuse) -> f64 {
 }
 
 /// A variance by 256 observations has a relative standard deviation of 8.9 %. The tolerance is 5.85 of them. The pixels of
-/// a group are apart, so that not all could have found a suffix as easily; groups of four would have 4 at most.
+/// a group are apart, so that not all could have found a suffix as easily.
 #[test]
 fn the_errors_of_sixteen_pixels_are_alike() {
     let [without, with] = [PathReuse::Off, PathReuse::Sixteens].map(variance_ratio);

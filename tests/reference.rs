@@ -2,18 +2,12 @@
 
 use globillum::integrator::{Estimator, PathReuse, Settings, render};
 use globillum_testkit::accelerators::STRUCTURES;
-use globillum_testkit::reference::{Deviation, Reference};
+use globillum_testkit::reference::{Deviation, MEAN_LIMIT, Reference};
+use globillum_testkit::stats::Z_LIMIT;
 use globillum_testkit::{cornell, scenes};
 
 use Estimator::{Bsdf, Light, Mis};
 use PathReuse::{Off, Sixteens};
-
-/// Largest deviation of a block in standard errors. Eight pictures of 256 blocks and three channels together
-/// have a false-alarm probability of 3.0e-5.
-const Z_LIMIT: f64 = 5.85;
-
-/// Largest relative error of the image mean.
-const MEAN_LIMIT: f64 = 0.003;
 
 /// The deviation of the box from `reference`. Asserts that its mean is within [`MEAN_LIMIT`].
 fn deviation(
@@ -45,7 +39,7 @@ fn check(
     samples: u32,
 ) {
     let deviation = deviation(reference, specular, how, max_bounces, samples);
-    assert!(deviation.largest_told_z < Z_LIMIT, "{deviation:?}");
+    assert!(deviation.largest_z_by_film < Z_LIMIT, "{deviation:?}");
 }
 
 const BOX: &str = include_str!("reference/box.json");

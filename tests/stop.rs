@@ -8,8 +8,10 @@ use globillum::integrator::{
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
+use globillum_testkit::stats::Z_LIMIT;
 use std::f64::consts::PI;
 use std::hash::Hasher;
 use std::sync::Mutex;
@@ -22,7 +24,7 @@ fn light_over_floor() -> (Scene<Box<dyn Accel>>, Camera) {
     (scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1), camera)
 }
 
-const TRUTH: f64 = 0.277_063_212;
+const TRUTH: f64 = LIGHT_OVER_FLOOR;
 
 fn stop(set: impl FnOnce(&mut Stop)) -> Stop {
     let mut stop = Stop::default();
@@ -261,8 +263,8 @@ fn a_pilot_avoids_stopping_bias() {
         "{mean} +- {std_err} is not biased: a pilot is not needed"
     );
     let (mean, std_err) = mean_of_stopped(Some(8), 20_000);
-    assert!((mean - TRUTH).abs() < 5.85 * std_err, "{mean} +- {std_err}");
-    assert!(5.85 * std_err < 0.01 * TRUTH, "{mean} +- {std_err}");
+    assert!((mean - TRUTH).abs() < Z_LIMIT * std_err, "{mean} +- {std_err}");
+    assert!(Z_LIMIT * std_err < 0.01 * TRUTH, "{mean} +- {std_err}");
 }
 
 #[test]

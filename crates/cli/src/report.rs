@@ -6,10 +6,10 @@ use std::process::ExitCode;
 
 /// Runs a program with its parsed `options`, and returns its exit code.
 ///
-/// Help and version go to standard output, with code 0. What goes wrong goes to standard error as one line
-/// that begins with `error: `, with code 1, that includes arguments that cannot be parsed; 75 if it may not go
-/// wrong again, such as a full disk; 3 if something is incomplete; 4 if pictures differ; 5 if that cannot be told;
-/// 141 if the reader of data on standard output has gone away; and 128 plus its number after a signal.
+/// Help and version go to standard output, with code 0. An error goes to standard error as one line that begins with
+/// `error: `. Its code is 75 if it is temporary, such as a full disk; 3 if something is incomplete; 4 if pictures differ;
+/// 5 if that cannot be told; 141 if the reader of data on standard output has gone away; 128 plus the number of a signal
+/// that ended the run; and 1 otherwise, also for arguments that cannot be parsed.
 pub fn report_and_exit<O>(
     options: clap::error::Result<O>,
     run: impl FnOnce(&O) -> anyhow::Result<()>,

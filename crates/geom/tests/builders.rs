@@ -16,6 +16,7 @@ use globillum_geom::{
     Triangles, UniformGrid, WideBvh,
 };
 use globillum_testkit::accelerators::rule_options;
+use globillum_testkit::effort;
 use proptest::prelude::*;
 
 /// All structures over the same triangles.
@@ -216,10 +217,6 @@ fn point_of(triangle: &Triangle, source: &mut Seeded) -> DVec3 {
 
 fn in_cube(source: &mut Seeded) -> Vec3 {
     DVec3::new(source.signed(), source.signed(), source.signed()).as_vec3()
-}
-
-fn effort() -> usize {
-    std::env::var("GLOBILLUM_EFFORT").ok().and_then(|e| e.parse().ok()).unwrap_or(1)
 }
 
 const CORNER: Triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
@@ -430,7 +427,7 @@ fn long_diagonal_needles() {
 }
 
 fn coincident_count() -> usize {
-    100_000 * effort()
+    100_000 * effort() as usize
 }
 
 #[test]

@@ -8,12 +8,9 @@ use globillum_geom::conformance::shapes::{Mesh, icosphere, statue, torus};
 use globillum_geom::conformance::{Regime, Seeded, Source, Suite, Tally, Target, cases, check_bytes, leaks};
 use globillum_geom::{Accel, BruteForce, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
 use globillum_testkit::accelerators::{self, Unanimous};
+use globillum_testkit::effort;
 use proptest::prelude::*;
 use rayon::prelude::*;
-
-fn effort() -> u64 {
-    std::env::var("GLOBILLUM_EFFORT").ok().and_then(|e| e.parse().ok()).unwrap_or(1)
-}
 
 macro_rules! hard_cases {
     ($($name:ident)*) => {
@@ -77,7 +74,7 @@ fn every_family_hits_and_misses() {
 #[test]
 fn random_scenes_of_six_families() {
     [1, 2].into_par_iter().for_each(|seed| {
-        let suite = Suite { rays: 200_000 * effort(), seed };
+        let suite = Suite { rays: 200_000 * u64::from(effort()), seed };
         match suite.check(Unanimous::build) {
             Ok(tally) => {
                 // A suite that hits nothing, or everything, compares little.
@@ -121,7 +118,7 @@ fn no_ray_leaks_at_edges_or_vertices() {
     let far = DVec3::new(1e5, -1e5, 1e5);
     let placements = [(1e-6, DVec3::ZERO), (1.0, DVec3::ZERO), (1e6, DVec3::ZERO), (1.0, far)];
     let meshes: [fn() -> Mesh; 3] = [|| icosphere(3), || torus(24, 12), || statue(2000)];
-    let rays = 8_000 * effort();
+    let rays = 8_000 * u64::from(effort());
     let placed = meshes.iter().flat_map(|mesh| placements.map(|placement| (mesh(), placement)));
     placed.collect::<Vec<_>>().into_par_iter().enumerate().for_each(|(seed, (mesh, (scale, offset)))| {
         let mut source = Seeded::new(seed as u64);

@@ -9,15 +9,11 @@ use globillum_geom::conformance::{Seeded, Source};
 use globillum_geom::{Frame, Hit, Ray, Triangle, Triangles};
 
 use globillum_testkit::accelerators::ACCELERATORS;
+use globillum_testkit::effort;
 use std::f64::consts::TAU;
 
 /// Sizes of scenes.
 const SIZES: [f64; 5] = [1e-6, 1e-3, 1.0, 1e3, 1e6];
-
-fn effort() -> usize {
-    let effort = std::env::var("GLOBILLUM_EFFORT").ok();
-    effort.map_or(1, |effort| effort.parse().expect("GLOBILLUM_EFFORT is a whole number"))
-}
 
 /// A number in `(0, 1]`.
 fn positive(source: &mut Seeded) -> f64 {
@@ -133,7 +129,7 @@ fn no_ray_escapes_from_the_edges_inside_a_tetrahedron() {
                 let point = scene.surface_point(from as u32, u, v);
                 Departure { ray: excluding_none(point.spawn(leaving(&mut source, -point.normal))), from }
             };
-            let departures: Vec<_> = (0..10_000 * effort()).map(|_| depart()).collect();
+            let departures: Vec<_> = (0..10_000 * effort() as usize).map(|_| depart()).collect();
             let lands = |d: &Departure, hit: Option<Hit>| hit.is_some_and(|h| h.triangle as usize != d.from);
             assert_all(&faces, &departures, lands, &format!("size {size}"));
         }
@@ -162,7 +158,7 @@ fn rays_leave_the_edges_and_vertices_of_boxes() {
         let center = in_cube(&mut source) * (100.0 * size * source.unit());
         let half = in_cube(&mut source).abs() * size;
         let what = format!("a box around {center}, {half}");
-        assert_none_returns(&mut source, &cuboid(center, half, 0.0), 100 * effort(), &what);
+        assert_none_returns(&mut source, &cuboid(center, half, 0.0), 100 * effort() as usize, &what);
     }
 }
 
@@ -171,7 +167,7 @@ fn rays_leave_the_edges_and_vertices_of_a_ball() {
     let mut source = Seeded::new(491);
     for size in SIZES {
         let ball = icosphere(4).placed(size, DVec3::ZERO).triangles();
-        assert_none_returns(&mut source, &ball, 6_000 * effort(), &format!("size {size}"));
+        assert_none_returns(&mut source, &ball, 6_000 * effort() as usize, &format!("size {size}"));
     }
 }
 
@@ -197,7 +193,7 @@ fn rays_leave_the_edges_and_vertices_of_a_plane() {
     for _ in 0..1_500 {
         let sheet = coplanar_neighbours(&mut source);
         if !sheet.iter().any(Triangle::is_degenerate) {
-            assert_none_returns(&mut source, &sheet, 20 * effort(), &format!("{sheet:?}"));
+            assert_none_returns(&mut source, &sheet, 20 * effort() as usize, &format!("{sheet:?}"));
         }
     }
 }
@@ -231,7 +227,7 @@ fn apart(source: &mut Seeded, size: f64) -> [Triangle; 2] {
 fn two_triangles_apart_never_shade_each_other() {
     let mut source = Seeded::new(50);
     for size in SIZES {
-        for _ in 0..2_000 * effort() {
+        for _ in 0..2_000 * effort() as usize {
             let pair = apart(&mut source, size);
             let triangles = Triangles::new(pair.to_vec()).expect("the triangles are good");
             let mut point = |index| {
@@ -255,7 +251,7 @@ fn a_surface_does_not_shade_itself_from_a_point() {
     let mut source = Seeded::new(502);
     let mut count = 0;
     for size in SIZES {
-        for _ in 0..500 * effort() {
+        for _ in 0..500 * effort() as usize {
             let center = size * in_cube(&mut source);
             let triangle = triangle_around(&mut source, center, size);
             let triangles = Triangles::new(vec![triangle]).expect("the triangle is good");
@@ -280,7 +276,7 @@ fn a_surface_does_not_shade_itself_from_a_point() {
             }
         }
     }
-    assert!(count > 1000 * effort(), "{count}");
+    assert!(count > 1000 * effort() as usize, "{count}");
 }
 
 /// A triangle of half `size` around `center`, facing anywhere.
@@ -296,7 +292,7 @@ fn a_small_triangle_far_away_does_not_shade_itself() {
     for (ratio, distance) in
         [1.0, 1e-1, 1e-3, 1e-6].into_iter().flat_map(|r| [3.0, 10.0, 1e2, 1e4, 1e6].map(|d| (r, d)))
     {
-        for _ in 0..300 * effort() {
+        for _ in 0..300 * effort() as usize {
             let toward = in_cube(&mut source).normalize() * distance;
             // Where it is small, it is at the origin: elsewhere f32 could not hold it.
             let [small, large] = [(DVec3::ZERO, ratio), (toward, 1.0)]
@@ -360,7 +356,7 @@ fn what_shares_a_lamps_plane_does_not_shade_it_from_far_away() {
     for sides in [axes, oblique] {
         let [open, covered] = [None, Some(1e-4)].map(|in_front| lamp_in_ceiling(sides, in_front));
         for times in [1.0, 30.0, 100.0, 1000.0, 1e6, 1e9] {
-            let count = 3000 * effort();
+            let count = 3000 * effort() as usize;
             let free = segments_from_afar(&open, times, 0.0, count);
             let blocked = segments_from_afar(&covered, times, 0.01, count);
             assert!(free.len() > count / 2 && blocked.len() == count, "{} and {}", free.len(), blocked.len());

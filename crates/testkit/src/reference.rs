@@ -34,13 +34,16 @@ pub struct Blocks {
 /// Pixels along each side of the squares whose variances a film knows.
 const SQUARE: u32 = 4;
 
+/// Largest accepted relative error of the image mean.
+pub const MEAN_LIMIT: f64 = 0.003;
+
 /// The deviation of a film from a reference.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deviation {
-    /// Largest distance of a block in standard errors of the difference.
+    /// Largest distance of a block in standard errors of the difference. That of the film is not below the reference's.
     pub largest_z: f64,
-    /// The same with the standard errors of the film.
-    pub largest_told_z: f64,
+    /// Largest distance of a block, with the film's own estimate of its error only.
+    pub largest_z_by_film: f64,
     /// Largest relative difference of the image mean.
     pub image_mean: f64,
 }
@@ -80,7 +83,7 @@ impl Reference {
                         z
                     };
                     deviation.largest_z = deviation.largest_z.max(z(variance[c].max(independent)));
-                    deviation.largest_told_z = deviation.largest_told_z.max(z(variance[c]));
+                    deviation.largest_z_by_film = deviation.largest_z_by_film.max(z(variance[c]));
                 }
             }
         }

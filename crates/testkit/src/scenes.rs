@@ -46,6 +46,9 @@ pub fn furnace(rho: f64, half: f64, center: DVec3) -> Model {
     model
 }
 
+/// The radiance below the middle of the light of [`light_over_floor`]: the albedo times the form factor of the square.
+pub const LIGHT_OVER_FLOOR: f64 = 0.277_063_212;
+
 /// A light of 2 x 2 and radiance 1, at height 1, centered above a floor of albedo 0.5 at
 /// height 0.
 pub fn light_over_floor() -> Model {

@@ -1,6 +1,6 @@
 //! Statistics with a stated risk of false alarm.
 //!
-//! The whole suite may raise a false alarm with probability 1e-6. Over 200 tests that leaves
+//! All tests of a single mean together may raise a false alarm with probability 1e-6. Over 200 tests that leaves
 //! 5e-9 each (Sidak), which a normal variate exceeds at 5.85 standard deviations. A test of a
 //! mean must also be precise: with too few samples any mean would pass.
 

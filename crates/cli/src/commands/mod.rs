@@ -59,10 +59,8 @@ enum Command {
 
 /// Runs the program with the arguments of this process, and returns its exit code.
 ///
-/// Errors are one line on standard error, with code 1, 75 if they are temporary, 3 if something is
-/// incomplete, 4 if pictures differ, 5 if that cannot be told, or 141 if the reader of data on standard output has gone
-/// away. After SIGINT, SIGTERM or SIGHUP the complete passes of a picture are written, and the code is 128 and the
-/// number of the signal; the second SIGINT or SIGTERM ends the process at once.
+/// Errors are reported as [`report_and_exit`] does. After SIGINT, SIGTERM or SIGHUP the complete passes of a picture are
+/// written; the second SIGINT or SIGTERM ends the process at once.
 pub fn run() -> ExitCode {
     report_and_exit(Cli::try_parse(), |cli| match &cli.command {
         Command::Render(options) => render::run(options),

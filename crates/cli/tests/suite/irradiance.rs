@@ -1,6 +1,7 @@
 //! `globillum irradiance`: what it writes, and what it says if it cannot.
 
 use crate::GLOBILLUM;
+use globillum_testkit::stats::Z_LIMIT;
 use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;
@@ -42,7 +43,7 @@ fn readings_are_written_with_their_errors_and_figures() {
     for (channel, radiance) in [1.0, 2.0, 4.0].into_iter().enumerate() {
         let (found, error) = (rows[0][6 + channel], rows[0][9 + channel]);
         let truth = std::f64::consts::PI * radiance * 0.554_126_424;
-        assert!((found - truth).abs() < 5.85 * error && error < 0.005 * truth, "{rows:?}");
+        assert!((found - truth).abs() < Z_LIMIT * error && error < 0.005 * truth, "{rows:?}");
         assert_eq!((rows[1][6 + channel], rows[1][9 + channel]), (0.0, 0.0), "the floor hides the light");
     }
     let stats = std::fs::read(folder.path().join("b.json")).expect("it was written");

@@ -42,4 +42,15 @@ mod tests {
         assert_eq!((tent(0.0), tent(0.5)), (-1.0, 0.0));
         assert!(tent(1.0_f64.next_down()) < 1.0);
     }
+
+    #[test]
+    fn filters_are_centred_on_the_pixel() {
+        for (filter, first) in [(PixelFilter::Box, [0.0, 0.0]), (PixelFilter::Tent, [-0.5, -0.5])] {
+            assert_eq!(
+                (filter.place([0.5, 0.5]), filter.place([0.0, 0.0])),
+                ([0.5, 0.5], first),
+                "{filter:?}"
+            );
+        }
+    }
 }
