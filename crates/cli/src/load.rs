@@ -58,10 +58,12 @@ fn lines(report: &LoadReport, warnings: Warnings) -> Vec<String> {
     groups.into_iter().map(line).collect()
 }
 
-/// Whether two warnings differ in names, counts and places at most.
+/// Whether two warnings differ in names of materials, counts and places at most.
 fn is_same_kind(a: &WarningKind, b: &WarningKind) -> bool {
     match (a, b) {
         (WarningKind::Approximated { by: a, .. }, WarningKind::Approximated { by: b, .. }) => a == b,
+        // Few extensions are ignored in a file, and one may matter more than another.
+        (WarningKind::ExtensionIgnored { name: a }, WarningKind::ExtensionIgnored { name: b }) => a == b,
         _ => discriminant(a) == discriminant(b),
     }
 }
@@ -116,5 +118,9 @@ mod tests {
         assert!(is_same_kind(&by("a", "an ideal mirror"), &by("b", "an ideal mirror")));
         assert!(!is_same_kind(&by("a", "an ideal mirror"), &by("a", "an ideal diffuse surface")));
         assert!(!is_same_kind(&by("a", "an ideal mirror"), &WarningKind::NoLight));
+        let extension = |name: &str| WarningKind::ExtensionIgnored { name: name.into() };
+        assert!(
+            is_same_kind(&extension("a"), &extension("a")) && !is_same_kind(&extension("a"), &extension("b"))
+        );
     }
 }

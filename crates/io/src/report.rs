@@ -2,6 +2,9 @@ use crate::Location;
 use crate::plain::plain;
 use std::fmt;
 
+/// The extension that places a mesh several times, so that triangles are missing without it.
+const INSTANCES: &str = "EXT_mesh_gpu_instancing";
+
 /// File content that a loader ignored or approximated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -48,6 +51,8 @@ pub enum WarningKind {
     NonConvex { count: usize },
     /// Vertex normals: every triangle has its geometric normal.
     NormalsIgnored { count: usize },
+    /// Vertex colours of glTF, which multiply `baseColorFactor`.
+    ColorsIgnored { count: usize },
     /// Points and lines, which have no area.
     NotTriangles { count: usize },
     /// Curves and surfaces of free form: Bézier, B-spline and others.
@@ -126,6 +131,7 @@ impl fmt::Display for WarningKind {
                 write!(f, "non-convex polygons are triangulated as fans: {count}")
             }
             Self::NormalsIgnored { count } => write!(f, "vertex normals are ignored: {count}"),
+            Self::ColorsIgnored { count } => write!(f, "vertex colours are ignored: {count}"),
             Self::NotTriangles { count } => write!(f, "primitives of points or lines are skipped: {count}"),
             Self::FreeFormIgnored { count } => {
                 write!(f, "free-form curves and surfaces are skipped: {count}")
@@ -145,6 +151,9 @@ impl fmt::Display for WarningKind {
             Self::RangeIgnored { count } => write!(f, "ranges of delta lights are ignored: {count}"),
             Self::PoseIgnored => write!(f, "skins and morph targets are ignored"),
             Self::AnimationsIgnored { count } => write!(f, "animations are ignored: {count}"),
+            Self::ExtensionIgnored { name } if name == INSTANCES => {
+                write!(f, "extension `{name}` is ignored: copies of meshes are missing")
+            }
             Self::ExtensionIgnored { name } => write!(f, "extension `{name}` is ignored"),
             Self::Degenerate { count } => write!(f, "degenerate triangles are dropped: {count}"),
             Self::LeftOut { count } => write!(f, "further warnings are omitted: {count}"),

@@ -115,6 +115,26 @@ fn interleaved_vertices_are_read_by_their_stride() {
 }
 
 #[test]
+fn colors_of_vertices_and_missing_copies_are_named() {
+    let file = square(&json!({
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 0}, "mode": 6}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
+        "extensionsUsed": ["EXT_mesh_gpu_instancing", "KHR_materials_specular"],
+    }));
+    let loaded = load(file);
+    let place = Place::Primitive { mesh: 0, primitive: 0 };
+    assert!(warnings(&loaded).contains(&(place, WarningKind::ColorsIgnored { count: 4 })), "{loaded:?}");
+    let texts: Vec<_> = loaded.report.warnings.iter().map(|warning| warning.kind.to_string()).collect();
+    for text in [
+        "vertex colours are ignored: 4",
+        "extension `EXT_mesh_gpu_instancing` is ignored: copies of meshes are missing",
+        "extension `KHR_materials_specular` is ignored",
+    ] {
+        assert!(texts.iter().any(|found| found == text), "{texts:?}");
+    }
+}
+
+#[test]
 fn sparse_accessors_replace_single_elements() {
     // Vertex 2 has a sparse replacement. Without a buffer view the other vertices are zero.
     let sparse = json!({

@@ -266,6 +266,25 @@ fn mirrors_are_those_of_the_table_in_the_documentation() {
     }
 }
 
+/// `Pm` and `Pr` decide alone, as in glTF; without them `Kd` beside `Ks`.
+#[test]
+fn only_ideal_materials_are_not_approximated() {
+    for (mtl, approximated) in [
+        ("Kd 0.75\nKs 0.5\nillum 3\nPr 0\nPm 1", false),
+        ("Kd 0.75\nKs 0.5\nPr 1\nPm 0", false),
+        ("Kd 0.75\nKs 0\nillum 1\nPr 0.25\nPm 1", true),
+        ("Kd 0.75\nKs 0\nPr 0.125\nPm 0", true),
+        ("Kd 0\nPr 0.125\nPm 0", false),
+        ("Pr 0.125\nPm 0", true),
+        ("Kd 0.75\nKs 0.5", true),
+        ("Kd 0.75\nKs 0", false),
+    ] {
+        let loaded = load_with(&format!("newmtl m\n{mtl}\n")).unwrap();
+        let is_it = |(_, kind): &(Place, WarningKind)| matches!(kind, WarningKind::Approximated { .. });
+        assert_eq!(warnings(&loaded).iter().any(is_it), approximated, "{mtl}");
+    }
+}
+
 #[test]
 fn a_light_too_dim_for_f32_is_not_lost() {
     let message = message(load_with("newmtl m\nKe 0 1e-46 0\n"));

@@ -76,14 +76,15 @@ struct Meshes<'a> {
     not_triangles: Occurrences,
     left_over: Occurrences,
     normals: Occurrences,
+    colors: Occurrences,
     posed: Option<Place>,
 }
 
 impl<'a> Meshes<'a> {
     fn new(document: &'a Document, accessors: Accessors<'a>) -> Self {
         let opened = document.meshes.iter().map(|_| None).collect();
-        let [not_triangles, left_over, normals] = [(); 3].map(|()| Occurrences::default());
-        Self { document, accessors, opened, not_triangles, left_over, normals, posed: None }
+        let [not_triangles, left_over, normals, colors] = [(); 4].map(|()| Occurrences::default());
+        Self { document, accessors, opened, not_triangles, left_over, normals, colors, posed: None }
     }
 
     /// Opens mesh `index` of the node `placed` and returns the number of its triangles.
@@ -127,6 +128,9 @@ impl<'a> Meshes<'a> {
         if json.attributes.contains_key(&Valid(Semantic::Normals)) {
             self.normals.add(place, primitive.vertex_count() as usize);
         }
+        if json.attributes.contains_key(&Valid(Semantic::Colors(0))) {
+            self.colors.add(place, primitive.vertex_count() as usize);
+        }
         if json.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
             self.posed.get_or_insert(place);
         }
@@ -142,6 +146,7 @@ impl<'a> Meshes<'a> {
         self.not_triangles.warn(loading, |count| WarningKind::NotTriangles { count });
         self.left_over.warn(loading, |count| WarningKind::LeftOver { count });
         self.normals.warn(loading, |count| WarningKind::NormalsIgnored { count });
+        self.colors.warn(loading, |count| WarningKind::ColorsIgnored { count });
         if let Some(place) = self.posed {
             loading.warn(place, WarningKind::PoseIgnored);
         }

@@ -122,7 +122,12 @@ impl Description<'_> {
         let is_glass = self.read.illumination_model.is_some_and(|model| GLASS.contains(&model));
         Losses {
             transparent: self.notes.losses.transparent || is_glass,
-            approximated: visible(self.base()) && visible(self.specular()),
+            approximated: match self.metal() {
+                Some(metal) => {
+                    !matches!(metal, (0.0, 1.0) | (1.0, 0.0)) && visible(self.base().or(Some(DEFAULT)))
+                }
+                None => visible(self.base()) && visible(self.specular()),
+            },
             is_mirror: self.mirror().is_some(),
             ..self.notes.losses
         }
@@ -147,8 +152,7 @@ impl Description<'_> {
     /// Its reflectance if it becomes a mirror.
     fn mirror(&self) -> Option<Colour> {
         let base = self.base();
-        if let Some(metallic) = self.parameter("Pm") {
-            let roughness = self.parameter("Pr").unwrap_or(DEFAULT_ROUGHNESS);
+        if let Some((metallic, roughness)) = self.metal() {
             return (metallic > roughness).then_some(base.unwrap_or(DEFAULT));
         }
         let specular = self.specular()?;
@@ -156,6 +160,12 @@ impl Description<'_> {
         let is_mirror = reflects || base.is_none();
         let metal = self.diffuse().filter(|metal| !outshines(specular.value, metal.value));
         is_mirror.then_some(metal.unwrap_or(specular))
+    }
+
+    /// How metallic and how rough it is, by the extension for physically based materials. It is ideally diffuse for 0 and 1,
+    /// an ideal mirror for 1 and 0.
+    fn metal(&self) -> Option<(f32, f32)> {
+        Some((self.parameter("Pm")?, self.parameter("Pr").unwrap_or(DEFAULT_ROUGHNESS)))
     }
 
     /// A number of the extension for physically based materials.
