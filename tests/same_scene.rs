@@ -105,7 +105,7 @@ fn both_formats_give_the_same_triangles_materials_and_image_bits() {
         std::fs::write(folder.path().join(name), content).expect("the folder is writable");
     }
     let [obj, gltf] =
-        ["scene.obj", "scene.gltf"].map(|name| load(&folder.path().join(name)).expect("it is good"));
+        ["scene.obj", "scene.gltf"].map(|name| load(folder.path().join(name)).expect("it is good"));
     assert_eq!(obj.report.warnings, []);
     assert_eq!(gltf.report.warnings, []);
     assert_eq!(obj.model.triangles(), gltf.model.triangles());

@@ -20,7 +20,7 @@ pub(crate) struct Case {
 pub(crate) fn cases() -> Vec<Case> {
     let mut subjects = procedural().expect("the meshes are good");
     if let Ok(path) = std::env::var("GLOBILLUM_MESH") {
-        let mesh = load_obj(path.as_ref()).expect("GLOBILLUM_MESH names an OBJ file").model;
+        let mesh = load_obj(&path).expect("GLOBILLUM_MESH names an OBJ file").model;
         subjects.push(Subject::new(path, mesh.triangles().to_vec()).expect("the mesh is good"));
     }
     let with_rays =

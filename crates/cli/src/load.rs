@@ -80,7 +80,7 @@ mod tests {
         for (name, content) in [("a.obj", obj), ("a.mtl", mtl)] {
             std::fs::write(folder.join(name), content).expect("an empty folder can be filled");
         }
-        globillum::io::load(&folder.join("a.obj")).expect("it is well-formed").report
+        globillum::io::load(folder.join("a.obj")).expect("it is well-formed").report
     }
 
     #[test]

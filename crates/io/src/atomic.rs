@@ -25,7 +25,7 @@ use tempfile::NamedTempFile;
 ///
 /// ```no_run
 /// # fn save(picture: &globillum_integrator::Picture) -> Result<(), globillum_io::IoError> {
-/// let file = globillum_io::AtomicFile::create("picture.checkpoint".as_ref())?;
+/// let file = globillum_io::AtomicFile::create("picture.checkpoint")?;
 /// file.commit(|writer| writer.write_all(&picture.to_bytes()))
 /// # }
 /// ```
@@ -54,7 +54,8 @@ impl AtomicFile {
     /// # Errors
     /// [`IoError::Write`] if the folder or the target cannot be written to, or if the target is a
     /// directory or a socket.
-    pub fn create(target: &Path) -> Result<Self, IoError> {
+    pub fn create(target: impl AsRef<Path>) -> Result<Self, IoError> {
+        let target = target.as_ref();
         let sink = Sink::open(target).map_err(|source| write_error(target, source))?;
         Ok(Self { path: target.into(), sink })
     }

@@ -88,6 +88,6 @@ pub use report::{LoadReport, Warning, WarningKind};
 ///
 /// # Errors
 /// Those of [`Loader::load`].
-pub fn load(path: &std::path::Path) -> Result<Loaded, IoError> {
+pub fn load(path: impl AsRef<std::path::Path>) -> Result<Loaded, IoError> {
     Loader::new().load(path)
 }

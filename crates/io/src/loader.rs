@@ -17,7 +17,7 @@ use std::path::Path;
 /// }
 /// let mut limits = Limits::default();
 /// limits.bytes = 1 << 20;
-/// let loaded = Loader::new().limits(limits).monitor(&Percent).load("bunny.obj".as_ref())?;
+/// let loaded = Loader::new().limits(limits).monitor(&Percent).load("bunny.obj")?;
 /// # Ok::<(), globillum_io::IoError>(())
 /// ```
 #[derive(Clone, Copy)]
@@ -69,7 +69,8 @@ impl<'a> Loader<'a> {
     /// # Errors
     /// [`IoError::UnknownScene`] for any extension but those of the enabled formats; otherwise the errors
     /// of the format's own function.
-    pub fn load(&self, path: &Path) -> Result<Loaded, IoError> {
+    pub fn load(&self, path: impl AsRef<Path>) -> Result<Loaded, IoError> {
+        let path = path.as_ref();
         match extension_of(path).to_str() {
             #[cfg(feature = "obj")]
             Some("obj") => self.load_obj(path),
@@ -84,7 +85,8 @@ impl<'a> Loader<'a> {
     /// # Errors
     /// Those of [`load_obj`](crate::load_obj).
     #[cfg(feature = "obj")]
-    pub fn load_obj(&self, path: &Path) -> Result<Loaded, IoError> {
+    pub fn load_obj(&self, path: impl AsRef<Path>) -> Result<Loaded, IoError> {
+        let path = path.as_ref();
         self.load_by(path, crate::obj::read)
     }
 
@@ -93,7 +95,8 @@ impl<'a> Loader<'a> {
     /// # Errors
     /// Those of [`load_gltf`](crate::load_gltf).
     #[cfg(feature = "gltf")]
-    pub fn load_gltf(&self, path: &Path) -> Result<Loaded, IoError> {
+    pub fn load_gltf(&self, path: impl AsRef<Path>) -> Result<Loaded, IoError> {
+        let path = path.as_ref();
         self.load_by(path, |bytes, loading| crate::gltf::read(&bytes, self.luminous_efficacy, loading))
     }
 
@@ -156,14 +159,14 @@ impl fmt::Debug for Loader<'_> {
 /// [`Warning`](crate::Warning).
 ///
 /// ```no_run
-/// let loaded = globillum_io::load_obj("bunny.obj".as_ref())?;
+/// let loaded = globillum_io::load_obj("bunny.obj")?;
 /// for warning in &loaded.report.warnings {
 ///     eprintln!("{warning}");
 /// }
 /// println!("{} triangles", loaded.model.triangles().len());
 /// # Ok::<(), globillum_io::IoError>(())
 /// ```
-pub fn load_obj(path: &Path) -> Result<Loaded, IoError> {
+pub fn load_obj(path: impl AsRef<Path>) -> Result<Loaded, IoError> {
     Loader::new().load_obj(path)
 }
 
@@ -194,10 +197,10 @@ pub fn load_obj(path: &Path) -> Result<Loaded, IoError> {
 /// [`Material`](globillum_material::Material).
 ///
 /// ```no_run
-/// let loaded = globillum_io::load_gltf("box.glb".as_ref())?;
+/// let loaded = globillum_io::load_gltf("box.glb")?;
 /// println!("{} triangles, {} cameras", loaded.model.triangles().len(), loaded.cameras.len());
 /// # Ok::<(), globillum_io::IoError>(())
 /// ```
-pub fn load_gltf(path: &Path) -> Result<Loaded, IoError> {
+pub fn load_gltf(path: impl AsRef<Path>) -> Result<Loaded, IoError> {
     Loader::new().load_gltf(path)
 }

@@ -173,7 +173,8 @@ impl PictureData {
     /// [`IoError::Read`] if the file cannot be read; [`IoError::Decode`] if it is not an OpenEXR file, is damaged,
     /// has no such channels, too many pixels ([`Settings::MAX_PIXELS`]), or a radiance that is not finite or an
     /// error that is not a number.
-    pub fn read(path: &Path) -> Result<Self, IoError> {
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, IoError> {
+        let path = path.as_ref();
         let bytes = fs::read(path).map_err(|source| IoError::Read { path: path.into(), source })?;
         decode(&bytes).map_err(|source| IoError::Decode { path: path.into(), source })
     }

@@ -24,7 +24,8 @@ impl PictureFormat {
     ///
     /// # Errors
     /// [`IoError::UnknownFormat`] for any extension but `png` and `exr`.
-    pub fn of(path: &Path) -> Result<Self, IoError> {
+    pub fn of(path: impl AsRef<Path>) -> Result<Self, IoError> {
+        let path = path.as_ref();
         match extension_of(path).to_str() {
             Some("png") => Ok(Self::Png),
             Some("exr") => Ok(Self::Exr),
@@ -60,8 +61,8 @@ impl PictureFormat {
 /// use globillum_io::{IoError, PictureFile};
 ///
 /// fn save(film: &globillum_integrator::Film) -> Result<(), IoError> {
-///     PictureFile::create("picture.png".as_ref())?.exposed(1.0).write(film)?; // twice as bright
-///     PictureFile::create("picture.exr".as_ref())?.write(film)
+///     PictureFile::create("picture.png")?.exposed(1.0).write(film)?; // twice as bright
+///     PictureFile::create("picture.exr")?.write(film)
 /// }
 /// ```
 #[derive(Debug)]
@@ -79,7 +80,8 @@ impl PictureFile {
     /// # Errors
     /// [`IoError::UnknownFormat`] for any extension but `png` and `exr`; [`IoError::Write`] if the folder
     /// is missing or cannot be written to, or if `path` is a directory or a socket.
-    pub fn create(path: &Path) -> Result<Self, IoError> {
+    pub fn create(path: impl AsRef<Path>) -> Result<Self, IoError> {
+        let path = path.as_ref();
         let format = PictureFormat::of(path)?;
         Ok(Self { format, path: path.into(), file: AtomicFile::create(path)?, gain: 1.0 })
     }

@@ -50,7 +50,7 @@ fn a_complete_file_takes_the_place_of_the_old_one() {
 #[test]
 fn nothing_is_left_of_an_abandoned_file() {
     let folder = tempdir().unwrap();
-    drop(AtomicFile::create(&folder.path().join("picture")).unwrap());
+    drop(AtomicFile::create(folder.path().join("picture")).unwrap());
     assert!(names_in(folder.path()).is_empty());
 }
 
@@ -58,7 +58,7 @@ fn nothing_is_left_of_an_abandoned_file() {
 fn leftovers_of_the_dead_are_removed_and_files_of_the_living_stay() {
     let folder = tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let living = AtomicFile::create(&at("a.png")).unwrap();
+    let living = AtomicFile::create(at("a.png")).unwrap();
     let strangers = [".a.png.x.tmp", ".a.png.123456.TMP", ".b.png.123456.tmp", "a.png.123456.tmp"];
     for name in strangers.iter().chain(&[".a.png.123456.tmp", ".a.png.abcXYZ.tmp"]) {
         fs::write(at(name), "left").unwrap();

@@ -93,7 +93,7 @@ fn line_ends_marks_and_comments_change_nothing() {
 /// Asserts that loading `name` within `limits` is the error `expected`, and within the default limits is not
 /// an error.
 fn assert_limited(files: &Files, name: &str, limits: Limits, expected: &str) {
-    let error = Loader::new().limits(limits).load(&files.path(name)).unwrap_err();
+    let error = Loader::new().limits(limits).load(files.path(name)).unwrap_err();
     assert_eq!([kind(&error), files.shortened(&error)], ["TooLarge", expected]);
     assert!(files.load(name).is_ok(), "{expected}");
 }
@@ -148,9 +148,9 @@ fn every_limit_can_be_lowered() {
     let obj = Files::new(&[("a.obj", libraries.as_bytes())]);
     let expected = "a.obj:2: too many material libraries (limit: 1)";
     assert_limited(&obj, "a.obj", change(|l| l.materials = 1), expected);
-    assert!(Loader::new().limits(change(|l| l.materials = 2)).load(&obj.path("a.obj")).is_ok());
+    assert!(Loader::new().limits(change(|l| l.materials = 2)).load(obj.path("a.obj")).is_ok());
     let no_limit = change(|l| l.bytes = u64::MAX);
-    assert_eq!(Loader::new().limits(no_limit).load(&obj.path("a.obj")).unwrap().model.triangles().len(), 2);
+    assert_eq!(Loader::new().limits(no_limit).load(obj.path("a.obj")).unwrap().model.triangles().len(), 2);
 }
 
 fn change(change: impl FnOnce(&mut Limits)) -> Limits {

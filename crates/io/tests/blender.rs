@@ -14,7 +14,7 @@ fn path(name: &str) -> PathBuf {
 }
 
 fn loaded(name: &str) -> Loaded {
-    load(&path(name)).unwrap_or_else(|error| panic!("{error}"))
+    load(path(name)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The objects of a scene in Blender.

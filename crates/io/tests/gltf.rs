@@ -363,10 +363,10 @@ fn delta_lights_shine_along_their_nodes() {
 fn the_luminous_efficacy_scales_delta_lights_only() {
     let (json, binary) = square(&lit(&json!([{"type": "point", "intensity": 100}]), &[json!({})]));
     let files = Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]);
-    let loaded = Loader::new().luminous_efficacy(50.0).load(&files.path("a.glb")).unwrap();
+    let loaded = Loader::new().luminous_efficacy(50.0).load(files.path("a.glb")).unwrap();
     assert_eq!(loaded.model.delta_lights(), [DeltaLight::point(Vec3::ZERO, Rgb::splat(2.0)).unwrap()]);
     for efficacy in [0.0, -1.0, f64::NAN] {
-        let error = Loader::new().luminous_efficacy(efficacy).load(&files.path("a.glb")).unwrap_err();
+        let error = Loader::new().luminous_efficacy(efficacy).load(files.path("a.glb")).unwrap_err();
         assert!(matches!(error, IoError::Light { .. }), "{error}");
     }
 }
@@ -412,7 +412,7 @@ impl LoadMonitor for StopAfter {
 fn loading_is_watched_and_can_be_stopped() {
     let (json, binary) = square(&json!({}));
     let files = Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]);
-    let load = |monitor| Loader::new().monitor(monitor).load(&files.path("a.glb"));
+    let load = |monitor| Loader::new().monitor(monitor).load(files.path("a.glb"));
     let patient = StopAfter(Cell::new(100));
     assert!(load(&patient).is_ok());
     assert!(patient.0.get() < 100, "nothing was reported");
@@ -460,7 +460,7 @@ fn objects_are_the_nodes_that_place_meshes() {
         square(&json!({"nodes": [{"mesh": 0}, {"name": "b", "children": [2]}, {"mesh": 0, "name": "c"}],
         "scene": 0, "scenes": [{"nodes": [0, 1]}]}));
     let files = Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]);
-    let loaded = Loader::new().keep_objects().load(&files.path("a.glb")).unwrap();
+    let loaded = Loader::new().keep_objects().load(files.path("a.glb")).unwrap();
     let objects: Vec<_> = loaded.objects.into_iter().map(|object| (object.name, object.triangles)).collect();
     assert_eq!(objects, [("node 0".to_owned(), 0..1), ("c".to_owned(), 1..2)]);
     assert_eq!(files.load("a.glb").unwrap().objects, []);

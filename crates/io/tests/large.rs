@@ -38,7 +38,7 @@ fn overhead(name: &str, content: &[u8], triangles: usize) -> f64 {
     let reports = Reports::default();
     let (mut loaded, start) = (None, Instant::now());
     let allocated = allocation_counter::measure(|| {
-        loaded = Some(Loader::new().monitor(&reports).load(&files.path(name)).unwrap());
+        loaded = Some(Loader::new().monitor(&reports).load(files.path(name)).unwrap());
     });
     assert_eq!(loaded.unwrap().model.triangles().len(), triangles);
     assert!(reports.count.get() > 2, "{name}: hardly a report");

@@ -32,7 +32,7 @@ impl Files {
     }
 
     fn load(&self) -> Result<Loaded, IoError> {
-        load_obj(&self.path("a.obj"))
+        load_obj(self.path("a.obj"))
     }
 }
 
@@ -200,7 +200,7 @@ fn text_must_be_utf8() {
 
 #[test]
 fn a_missing_file_is_named() {
-    let error = load_obj("no/such.obj".as_ref()).unwrap_err();
+    let error = load_obj("no/such.obj").unwrap_err();
     assert!(error.to_string().starts_with("no/such.obj: cannot be read: "), "{error}");
 }
 
@@ -465,7 +465,7 @@ fn lights_that_overlap_a_triangle_in_their_plane_are_reported() {
 /// The names and triangles of the objects of an OBJ file, and the number of its triangles.
 fn objects(obj: &str) -> (Vec<(String, std::ops::Range<usize>)>, usize) {
     let files = Files::new(&[("a.obj", obj.as_bytes())]);
-    let loaded = Loader::new().keep_objects().load(&files.path("a.obj")).unwrap();
+    let loaded = Loader::new().keep_objects().load(files.path("a.obj")).unwrap();
     let count = loaded.model.triangles().len();
     assert!(files.load().unwrap().objects.is_empty(), "they are kept if asked for");
     (loaded.objects.into_iter().map(|object| (object.name, object.triangles)).collect(), count)

@@ -194,7 +194,7 @@ fn files_that_are_no_such_picture_are_named() {
     let at = huge.windows(chunks.len()).position(|bytes| bytes == chunks).unwrap() + chunks.len();
     huge[at..at + 4].copy_from_slice(&512_i32.to_le_bytes()); // of 16 lines each
     assert_eq!(refused(&huge), "has more pixels than it can hold");
-    let error = PictureData::read(&folder.path().join("none.exr")).unwrap_err();
+    let error = PictureData::read(folder.path().join("none.exr")).unwrap_err();
     assert!(matches!(error, IoError::Read { .. }));
 }
 

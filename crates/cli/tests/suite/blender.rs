@@ -22,7 +22,7 @@ impl Shot {
         let out = ["--out", "a.exr", "--stats", "a.json"];
         RENDER.succeed(folder.path(), &[&[path], &out[..], flags].concat());
         let stats = std::fs::read(folder.path().join("a.json")).expect("it was written");
-        let pixels = PictureData::read(&folder.path().join("a.exr")).expect("a picture").estimates;
+        let pixels = PictureData::read(folder.path().join("a.exr")).expect("a picture").estimates;
         Self { pixels, stats: serde_json::from_slice(&stats).expect("it is JSON") }
     }
 }

@@ -19,7 +19,7 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
     let folder = folder.path();
     let render = |arguments: &[&str]| CORNELL.succeed(folder, &[&SMALL[..], arguments].concat());
     render(&["--spp", "12", "--checkpoint", "whole"]);
-    let data = |name: &str| PictureData::read(&folder.join(name)).expect("a picture");
+    let data = |name: &str| PictureData::read(folder.join(name)).expect("a picture");
     let whole = data("a.exr");
     for (part, passes) in [("1", "0..3"), ("2", "3..4"), ("3", "4..6")] {
         render(&["--passes", passes, "--checkpoint", part]);

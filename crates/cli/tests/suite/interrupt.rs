@@ -60,7 +60,7 @@ fn assert_signals_keep_passes(start: impl Fn(&Path, &[&str]) -> Child, signals: 
     assert_eq!((said, &stats["ended_by"]), (kept, &"a signal".into()));
     assert!(String::from_utf8_lossy(&output.stdout).contains("ended by      a signal"));
     MERGE.succeed(folder, &["parts", "--out", "b.exr"]);
-    let [a, b] = ["a.exr", "b.exr"].map(|name| PictureData::read(&folder.join(name)).expect("a picture"));
+    let [a, b] = ["a.exr", "b.exr"].map(|name| PictureData::read(folder.join(name)).expect("a picture"));
     assert!(a.estimates == b.estimates, "picture and checkpoint hold the same passes");
     assert_eq!(names(folder), ["a.exr", "b.exr", "parts", "stats.json"]);
 }
@@ -131,7 +131,7 @@ fn a_picture_is_there_before_its_render_ends() {
     let files = ["--out", "a.exr", "--out", "a.png", "--preview"];
     let mut child = start(folder, &[&ENDLESS[..], &files, &["--pass-spp", "1"]].concat());
     wait_for(folder, "a.png", &mut child);
-    let samples = || PictureData::read(&folder.join("a.exr")).expect("a picture").estimates.samples[0];
+    let samples = || PictureData::read(folder.join("a.exr")).expect("a picture").estimates.samples[0];
     let before = samples();
     send("-INT", &child);
     let (output, said) = end(child);

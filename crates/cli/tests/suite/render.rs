@@ -272,7 +272,7 @@ fn a_scene_becomes_several_pictures_and_figures() {
     let stats: serde_json::Value = serde_json::from_slice(&read("stats.json")).expect("it is JSON");
     assert_eq!(stats["triangles"], 4);
     assert_eq!(stats["camera_rays"], 24 * 16 * 4);
-    let exr = PictureData::read(&folder.path().join("a.exr")).expect("a picture");
+    let exr = PictureData::read(folder.path().join("a.exr")).expect("a picture");
     let hits = exr.first_hits.expect("they were asked for").pixels;
     assert_eq!((hits[0].depth, hits[0].triangle), (f64::INFINITY, None));
     assert!(hits.iter().any(|hit| hit.depth.is_finite() && hit.triangle.is_some() && hit.material.is_some()));

@@ -60,7 +60,7 @@ pub fn render(
 pub struct Render<'a> {
     scene: &'a Scene<dyn Accel + 'a>,
     sensor: &'a dyn Sensor,
-    settings: &'a Settings,
+    settings: Settings,
     stop: Stop,
     passes: Option<Range<u32>>,
     crop: Option<[Range<u32>; 2]>,
@@ -69,11 +69,9 @@ pub struct Render<'a> {
 }
 
 impl<'a> Render<'a> {
-    /// A render of all samples of `settings`, of a scene with any accelerator. Settings that are made in the call, as by
-    /// [`IrradiancePoints::settings`](crate::IrradiancePoints::settings), must be bound to a variable if the render outlives
-    /// the statement.
-    pub fn new(scene: &'a Scene<dyn Accel + 'a>, sensor: &'a dyn Sensor, settings: &'a Settings) -> Self {
-        let stop = Stop::default();
+    /// A render of all samples of `settings`, of a scene with any accelerator.
+    pub fn new(scene: &'a Scene<dyn Accel + 'a>, sensor: &'a dyn Sensor, settings: &Settings) -> Self {
+        let (settings, stop) = (*settings, Stop::default());
         Self { scene, sensor, settings, stop, passes: None, crop: None, rows: None, before: None }
     }
 
@@ -124,11 +122,12 @@ impl<'a> Render<'a> {
         Self { rows: Some(rows), ..self }
     }
 
-    /// A hash of all that determines the picture's bits: scene, sensor, crop, settings without the numbers of samples
-    /// and threads, and the sources of the library. Parts of a picture have the same one, whatever their passes
-    /// and rows; different pictures have equal ones with a probability of `2^-64`.
+    /// A hash of what determines the picture's bits: scene, sensor, crop, settings without the numbers of samples and
+    /// threads, and the sources of `geom`, `material` and `integrator`, comments and tests included, but not the versions of
+    /// other crates. Parts of a picture have the same one, whatever their passes and rows; different pictures have equal
+    /// ones with a probability of `2^-64`.
     pub fn key(&self) -> u64 {
-        picture_key(self.scene, self.sensor, self.settings, self.crop.as_ref())
+        picture_key(self.scene, self.sensor, &self.settings, self.crop.as_ref())
     }
 
     /// Continues `picture`: the passes that it holds are not rendered again.

@@ -48,12 +48,6 @@ impl Sampler {
     /// The most parts of a sample.
     pub(crate) const MAX_PARTS: u32 = 16;
 
-    /// The number of camera rays that supersample lights for one sample, in a pixel that sees no curved mirror.
-    pub(crate) const RAYS: usize = 16;
-
-    /// The same where it sees one, in which lights are often much smaller than the pixel.
-    pub(crate) const RAYS_IN_CURVED_MIRRORS: usize = 32;
-
     /// The numbers of sample `sample` of a member. The samples `pass` are stratified together. Independent numbers have no
     /// nets: each member must be [alone](Member::alone).
     pub(crate) fn numbers(self, seed: u64, member: Member, sample: u32, pass: &Range<u32>) -> Numbers {
@@ -68,8 +62,7 @@ impl Sampler {
     }
 
     /// The positions in a pixel of the `N` rays that supersample lights for `sample`, one of the samples `pass`: uniform in
-    /// the unit square. By Sobol' points, those of all samples of the pass are one net. `N` is
-    /// [`RAYS`](Self::RAYS) or [`RAYS_IN_CURVED_MIRRORS`](Self::RAYS_IN_CURVED_MIRRORS).
+    /// the unit square. By Sobol' points, those of all samples of the pass are one net. `N` is 16 or 32.
     #[inline(always)]
     pub(crate) fn ray_positions<const N: usize>(
         self,
@@ -375,8 +368,8 @@ mod tests {
                 [&[light, x, y, u, v, roulette][..], &large, &small].concat()
             };
             let [film] = Numbers::films(&[numbers]);
-            let few = rays::<{ Sampler::RAYS }>(sampler, 5).concat();
-            let many = rays::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(sampler, 5).concat();
+            let few = rays::<16>(sampler, 5).concat();
+            let many = rays::<32>(sampler, 5).concat();
             let all = (0..1000).flat_map(of_bounce).chain(film).chain(few).chain(many);
             let mut all: Vec<f64> = all.collect();
             all.sort_by(f64::total_cmp);
@@ -463,12 +456,9 @@ mod tests {
 
     #[test]
     fn the_rays_of_all_samples_are_one_net() {
-        let few: Vec<_> =
-            (0..PASS).flat_map(|sample| rays::<{ Sampler::RAYS }>(Sampler::Sobol, sample)).collect();
+        let few: Vec<_> = (0..PASS).flat_map(|sample| rays::<16>(Sampler::Sobol, sample)).collect();
         assert_one_net(few.into_iter());
-        let many: Vec<_> = (0..PASS)
-            .flat_map(|sample| rays::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(Sampler::Sobol, sample))
-            .collect();
+        let many: Vec<_> = (0..PASS).flat_map(|sample| rays::<32>(Sampler::Sobol, sample)).collect();
         assert_one_net(many.into_iter());
     }
 
@@ -532,7 +522,7 @@ mod tests {
                     let numbers =
                         sampler.numbers(u64::MAX, Member::alone(u64::MAX), sample, &(first..first + length));
                     let scatter: [f64; 2] = numbers.uniform(Decision::scatter(1 << 28));
-                    let rays: [_; Sampler::RAYS_IN_CURVED_MIRRORS] =
+                    let rays: [_; 32] =
                         sampler.ray_positions(u64::MAX, u64::MAX, sample, &(first..first + length));
                     assert!(scatter.iter().chain(rays.as_flattened()).all(|u| (0.0..1.0).contains(u)));
                 }

@@ -90,6 +90,9 @@ impl<A: Accel> Scene<A> {
     /// `|triangles| KdTree::build(triangles, &KdOptions::default())`, or `|triangles| Ok(BruteForce::build(triangles))`.
     /// Traces no ray.
     ///
+    /// To change materials or lights alone, share the accelerator: build it once over [`Scene::triangles`] or
+    /// [`Triangles::new`], keep it in an [`Arc`](std::sync::Arc), and return a clone of that from `build`.
+    ///
     /// # Errors
     /// [`RenderError::Geometry`] for invalid triangles and for an error of `build`, [`RenderError::OtherTriangles`] for an
     /// accelerator with other bounds. Other triangles within the same bounds are not noticed, and make a wrong picture.

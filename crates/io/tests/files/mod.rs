@@ -23,7 +23,7 @@ impl Files {
     }
 
     pub(crate) fn load(&self, name: &str) -> Result<Loaded, IoError> {
-        Loader::new().load(&self.path(name))
+        Loader::new().load(self.path(name))
     }
 
     /// A message without the path of this folder.

@@ -1,9 +1,14 @@
-use crate::Sampler;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, max_reflections};
 use crate::path::render_context::RenderContext;
 use crate::path::tile_probes::LightEdges;
 use crate::path::tile_samples::TileSamples;
 use globillum_material::Rgb;
+
+/// The number of rays of one sample, in a pixel that sees no curved mirror.
+const PLAIN: usize = 16;
+
+/// The same where it sees one, in which lights are often much smaller than the pixel.
+const IN_CURVED_MIRRORS: usize = 32;
 
 /// Rays that are traced at once.
 const BATCH: usize = 1024;
@@ -26,8 +31,8 @@ impl SupersamplingRays {
         samples: &TileSamples,
     ) -> u64 {
         self.found.clear();
-        self.find_by::<{ Sampler::RAYS }>(context, &edges.plain, samples)
-            + self.find_by::<{ Sampler::RAYS_IN_CURVED_MIRRORS }>(context, &edges.in_curved_mirrors, samples)
+        self.find_by::<PLAIN>(context, &edges.plain, samples)
+            + self.find_by::<IN_CURVED_MIRRORS>(context, &edges.in_curved_mirrors, samples)
     }
 
     /// The same for some pixels, by `N` rays for each sample.
