@@ -68,11 +68,12 @@ pub(crate) fn render(options: &Options) -> Result<(), Box<dyn Error>> {
     let settings = Settings::new(options.width, options.height, options.spp);
 
     let (bar, start) = (Bar(ProgressBar::no_length()), Instant::now());
-    let picture = Render::new(&scene, &camera, &settings).run(&bar)?;
+    let picture = Render::new(&scene, &camera, &settings).run(&bar);
     bar.0.finish_and_clear();
+    let (picture, seconds) = (picture?, start.elapsed().as_secs_f64());
     file.write(&picture.film)?;
 
-    let (samples, seconds) = (picture.samples, start.elapsed().as_secs_f64());
+    let samples = picture.samples;
     let error = match picture.film.error().relative_rmse {
         error if error.is_finite() => format!("error {:.2} % of the mean", 100.0 * error),
         _ => "error unknown: one pass is too few to tell".into(),

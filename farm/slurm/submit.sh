@@ -7,19 +7,25 @@
 # sbatch of the tasks: --cpus-per-task=8 --time=1:00:00. Submit again to complete what failed.
 # GLOBILLUM is the program (globillum), FAN_IN how many parts one merge reads (64).
 set -euo pipefail
+[ $# -ge 2 ] || { echo "usage: submit.sh JOB.json PICTURE [OPTION...]" >&2; exit 1; }
 job=$1 picture=$2
 shift 2
+case $job in
+  *.json) ;;
+  *) echo "submit.sh: $job: must end in .json" >&2; exit 1 ;;
+esac
 case ${picture,,} in
   *.png | *.exr) ;;
   *) echo "submit.sh: $picture: must end in .png or .exr" >&2; exit 1 ;;
 esac
 here=$(dirname "$0")
 export GLOBILLUM=${GLOBILLUM:-globillum} JOB=$job PICTURE=$picture FAN_IN=${FAN_IN:-64}
+[[ $FAN_IN =~ ^[1-9][0-9]*$ ]] || { echo "submit.sh: FAN_IN=$FAN_IN: must be a number above 0" >&2; exit 1; }
 size=$(scontrol show config | sed -n 's/^MaxArraySize *= *//p')
 arrays=$("$GLOBILLUM" status "$job" --arrays --max-array-size "$size")
 tasks=$(sed -n 's/^ *"tasks": *\([0-9]*\).*/\1/p' "$job")
 groups=$(((tasks + FAN_IN - 1) / FAN_IN))
-[ "$groups" -le "$size" ] || { echo "FAN_IN=$FAN_IN: more than $size merges" >&2; exit 1; }
+[ "$groups" -le "$size" ] || { echo "submit.sh: FAN_IN=$FAN_IN: more than $size merges" >&2; exit 1; }
 logs=${job%.*}.logs
 mkdir -p "$logs"
 

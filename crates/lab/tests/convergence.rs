@@ -74,6 +74,8 @@ fn only_the_combination_that_is_biased_on_purpose_is_found_biased() {
 fn a_file_is_measured_and_all_accelerators_have_one_hash() {
     let (folder, report) = report(&["dark.obj"], &["--environment", "1", "--side", "16"]);
     assert!(report.contains("## dark"), "{report}");
+    // With path reuse, all pixels of a tile depend on each other.
+    assert_eq!(report.matches("none: a single tile").count(), 1, "{report}");
     let csv = std::fs::read_to_string(folder.path().join("convergence/samples.csv")).expect("a table");
     let mut rows = csv::Reader::from_reader(csv.as_bytes());
     let rows: Vec<csv::StringRecord> = rows.records().map(|row| row.expect("a row")).collect();

@@ -1,4 +1,4 @@
-//! Built-in scenes: the Cornell box, and what can stand in it.
+//! Built-in scenes: the Cornell box, what can stand in it, and a hall of statues.
 //!
 //! ```
 //! use globillum_scenes::cornell;

@@ -9,9 +9,9 @@
 //! }
 //! ```
 //!
-//! In the hash are the names and the contents of all files below `src`, in the order of their names, without
-//! carriage returns. Not in it are paths outside the crate, times, features, the compiler and dependencies: equal
-//! checkouts have equal hashes on every machine.
+//! The hash covers the names and contents of all files below `src`, sorted by name, without carriage returns. It does not
+//! cover paths outside the crate, times, features, the compiler or dependencies, so equal checkouts have equal hashes on
+//! every machine.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};

@@ -85,6 +85,8 @@ fn what_cannot_be_submitted_is_an_error() {
         assert!(!folder.join("calls").exists(), "something is submitted");
     };
     refused("a.jpg", "a.jpg: must end in .png or .exr");
+    let (code, _, error) = submit(folder, "a.png", "0");
+    assert_eq!((code, error.as_str()), (Some(1), "submit.sh: FAN_IN=0: must be a number above 0\n"));
     fs::write(folder.join("sbatch-fails"), "").expect("it can be written");
     refused("a.PNG", "no partition");
     for index in 0..8 {

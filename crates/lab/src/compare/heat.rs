@@ -25,7 +25,7 @@ fn costs(structure: &'static str, accel: &impl Traverse, rays: &[Ray]) -> Costs 
     Costs { structure, of_pixels: rays.iter().map(cost).collect() }
 }
 
-/// The costs of the default k-d tree, of the sliding midpoint tree (the best other rule) and of the grid.
+/// The costs of the default k-d tree, of the sliding midpoint tree and of the grid.
 fn all_costs(subject: &Subject, side: u32, structures: &Structures) -> Result<[Costs; 3]> {
     let triangles = &subject.triangles;
     let kd = KdTree::build(triangles, &structures.usual_kd())?;

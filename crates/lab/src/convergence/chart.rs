@@ -29,7 +29,7 @@ struct Chart<'s> {
 
 impl Drawing for Chart<'_> {
     fn size(&self) -> (u32, u32) {
-        (SIZE.0 * self.study.ladders_by_accel().len().max(2) as u32, SIZE.1 + BELOW)
+        (SIZE.0 * self.study.ladders_by_accel().len().max(3) as u32, SIZE.1 + BELOW)
     }
 
     fn draw<'a, B: DrawingBackend + 'a>(&self, area: &DrawingArea<B, Shift>) -> Result<()> {
@@ -167,7 +167,7 @@ fn draw_legend<'a, B: DrawingBackend + 'a>(area: &DrawingArea<B, Shift>) -> Resu
     let combinations = Combination::unbiased().chain([Combination::TRUNCATED]);
     for (i, combination) in combinations.enumerate() {
         let style = Style::of(combination);
-        // A column for each estimator, a row for each sampler.
+        // A column for each estimator, and one for path reuse and the truncated paths; a row for each sampler.
         let (x, y) = (20 + 210 * (i as i32 / 2), 36 + 20 * (i as i32 % 2));
         let ends = vec![(x, y), (x + 44, y)];
         let dashes: Vec<_> = style.line(ends).into_iter().collect();

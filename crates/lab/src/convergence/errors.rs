@@ -83,7 +83,8 @@ fn blocks_of_pixels(width: u32, height: u32, side: u32) -> impl Iterator<Item = 
     (0..height).flat_map(move |y| (0..width).map(move |x| y / side * width.div_ceil(side) + x / side))
 }
 
-/// The mean of some numbers, each with its block, and its standard error, if blocks are independent of each other.
+/// The mean of some numbers, each with its block, and its standard error, if blocks are independent of each other; NaN for
+/// a single block.
 fn mean_of_blocks(numbers: impl Iterator<Item = (u32, f64)>) -> (f64, f64) {
     let numbers: Vec<(u32, f64)> = numbers.collect();
     let (mean, _) = mean(numbers.iter().map(|(_, x)| *x));
@@ -95,7 +96,8 @@ fn mean_of_blocks(numbers: impl Iterator<Item = (u32, f64)>) -> (f64, f64) {
     }
     let squares: f64 = deviations.values().map(|deviation: &f64| deviation * deviation).sum();
     let blocks = deviations.len() as f64;
-    (mean, (squares * blocks / (blocks - 1.0)).sqrt() / count)
+    let std_err = if blocks > 1.0 { (squares * blocks / (blocks - 1.0)).sqrt() / count } else { f64::NAN };
+    (mean, std_err)
 }
 
 /// The mean of some numbers and its standard error, by their sample variance.

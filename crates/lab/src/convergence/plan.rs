@@ -26,7 +26,7 @@ pub struct Options {
     /// Sample counts double from 1 up to this; 256 by default, 64 with --quick
     #[arg(long, value_parser = clap::value_parser!(u32).range(4..=65536))]
     spp: Option<u32>,
-    /// Samples per pixel of the two reference runs of a scene without closed form; 16 times --spp by default
+    /// Samples per pixel of the two reference runs of a scene without closed form; 16 times --spp by default, at least 128
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(128..))]
     reference_spp: Option<u32>,
     /// Rays for each figure of ray-triangle tests; 200,000 by default, 20,000 with --quick
@@ -85,7 +85,7 @@ impl Options {
             accels: self.accel.clone(),
             side: or(self.side, 64, 96),
             samples: (0..=most.ilog2()).map(|level| 1 << level).collect(),
-            reference_samples: self.reference_spp.unwrap_or(16 * most),
+            reference_samples: self.reference_spp.unwrap_or((16 * most).max(128)),
             seconds: self.time.unwrap_or(if self.quick { 0.5 } else { 2.0 }),
             rays: or(self.rays, 20_000, 200_000),
             seed: self.seed,
@@ -100,16 +100,22 @@ impl Options {
     pub(crate) fn subjects(&self) -> Result<Vec<Subject>> {
         let usual = ["corner", "cornell"].map(str::to_owned);
         let scenes = if self.scenes.is_empty() { &usual[..] } else { &self.scenes };
+        let mut with_files = false;
         let mut subjects: Vec<Subject> = Vec::new();
         for scene in scenes {
             let subject = match Subject::built_in(scene)? {
                 Some(subject) => subject,
-                None => Subject::load(scene.as_ref(), self.camera, self.environment)?,
+                None => {
+                    with_files = true;
+                    Subject::load(scene.as_ref(), self.camera, self.environment)?
+                }
             };
             let twice = subjects.iter().any(|other| other.name == subject.name);
             ensure!(!twice, "two scenes are named {}; their pictures would collide", subject.name);
             subjects.push(subject);
         }
+        let is_for_files = self.camera.is_some() || !self.environment.is_black();
+        ensure!(with_files || !is_for_files, "--camera and --environment: only files take them");
         Ok(subjects)
     }
 }

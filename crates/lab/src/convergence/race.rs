@@ -11,7 +11,7 @@ use globillum::integrator::{Film, Render, Scene};
 use globillum_cli::AccelKind;
 use std::time::Instant;
 
-/// A picture rendered for the given time. The pass in which the time ends is completed.
+/// A picture rendered for at most the given time; the first pass is always completed.
 pub(crate) struct Race {
     pub(crate) accel: AccelKind,
     pub(crate) combination: Combination,

@@ -20,6 +20,8 @@ pub(crate) enum Verdict {
     HeavyTail,
     /// The error of the reference is too large for a slope.
     ReferenceTooNoisy,
+    /// All pixels depend on each other.
+    OneBlock,
 }
 
 impl Verdict {
@@ -28,6 +30,9 @@ impl Verdict {
 
     /// The verdict by `errors`, those of the level with most samples, and `slope`, that over all levels.
     pub(crate) fn of(sampler: Sampler, slope: Option<Slope>, errors: &Errors) -> Self {
+        if errors.z.is_nan() {
+            return Self::OneBlock;
+        }
         if errors.z.abs() > Z_LIMIT {
             return Self::BiasedMean;
         }
@@ -55,6 +60,7 @@ impl fmt::Display for Verdict {
             Self::TooSteep => "**not independent**",
             Self::HeavyTail => "none: heavy tail",
             Self::ReferenceTooNoisy => "none: reference too noisy",
+            Self::OneBlock => "none: a single tile",
         })
     }
 }

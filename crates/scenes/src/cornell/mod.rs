@@ -111,7 +111,7 @@ pub fn stand(mesh: &[Triangle], size: f64, place: DVec3, yaw: f64) -> Vec<Triang
     let bounds = Aabb::around(mesh.iter().flat_map(|t| t.vertices));
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let (middle, scale) = ((min + max) / 2.0, size / (max - min).max_element());
-    // Not the platform's functions: the same triangles on every machine.
+    // `libm` gives the same bits on every platform.
     let (sin, cos) = libm::sincos(0.5 * yaw);
     let turn = DQuat::from_xyzw(0.0, sin, 0.0, cos);
     let lift = place + DVec3::Y * (scale * (middle.y - min.y));

@@ -1,4 +1,4 @@
-//! Closed meshes that are pleasant to look at, of any fineness.
+//! Two closed meshes with any number of triangles: a trefoil knot and a pine cone.
 
 use glam::DVec3;
 use globillum_geom::Triangle;
@@ -38,7 +38,7 @@ fn rounded(x: f64) -> f64 {
 pub fn pine_cone(triangles: usize) -> Vec<Triangle> {
     let around = ((triangles as f64 / 1.4).sqrt() as usize).max(3);
     let along = (triangles / (2 * around)).max(3);
-    // Spirals that way and the other way round: neighbours in Fibonacci's sequence, as in nature.
+    // The numbers of spirals in either direction are neighbours in Fibonacci's sequence.
     let (p, q) = (13.0, 8.0);
     let point = |i: usize, j: usize| {
         let angle = TAU * j as f64 / around as f64;
