@@ -40,10 +40,11 @@ pub(crate) struct SamplingFlags {
     /// How next event estimation chooses a point on a light
     #[arg(long, value_enum, default_value_t = LightSamplingKind::SolidAngle)]
     light_sampling: LightSamplingKind,
-    /// Light samples at the first diffuse vertex of a path, where lights or small mirrors are many
+    /// Light samples at the first diffuse vertex of a path, where there are several lights or small mirrors
     ///
-    /// A power of two up to 16. It counts for eight lights and more, a directional light beside another, and mirrors
-    /// that are small beside the lights, as the triangles of a curved mirror are. Elsewhere there is one.
+    /// A power of two up to 16. It counts for three emitting triangles and more, a point, spot or directional light beside
+    /// another light, and mirrors that are small beside the lights, as the triangles of a curved mirror are. Elsewhere
+    /// there is one.
     #[arg(long, value_name = "N", default_value_t = 4)]
     #[arg(value_parser = parse::power_of_two(Settings::MAX_LIGHT_SAMPLES), allow_negative_numbers = true)]
     light_samples: u32,

@@ -59,9 +59,9 @@ pub struct Settings {
     pub estimator: Estimator,
     /// The distribution of light samples on a triangle.
     pub light_sampling: LightSampling,
-    /// Light samples at the first diffuse vertex of a path where each is a choice among many. The vertex takes this many in
-    /// a light tree: of eight lights or more, or of a directional light and another. It takes at most this many among the
-    /// triangles of small mirrors: of adjacent coplanar triangles whose area is less than a quarter of the mean area of a
+    /// Light samples at the first diffuse vertex of a path where each is a choice among several. The vertex takes this many
+    /// in a light tree: of three triangles or more, or of a delta light and another light. It takes at most this many among
+    /// the triangles of small mirrors: of adjacent coplanar triangles whose area is less than a quarter of the mean area of a
     /// cluster of lights, as in most curved mirrors. A power of two up to [`Settings::MAX_LIGHT_SAMPLES`]. Elsewhere there
     /// is one. This changes the variance, not the mean.
     pub light_samples: u32,
