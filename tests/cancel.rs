@@ -103,8 +103,9 @@ fn invalid_settings_are_refused() {
         assert!(render(&scene, &camera, &settings, &()).is_ok());
     }
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
-        let scene = scenes::scene(&model, STRUCTURES[0].1);
-        assert!(scene.with_environment(Rgb::splat(bad)).is_err());
+        let before = model.clone();
+        assert!(model.set_environment(Rgb::splat(bad)).is_err());
+        assert_eq!(model, before);
     }
 }
 

@@ -208,8 +208,9 @@ fn another_picture_is_refused() {
     refused(Render::new(&with_light(1.0), &camera, &base).resume(picture.clone()).run(&()));
     let lit = Render::new(&with_light(1.0), &camera, &base).passes(0..2).run(&()).expect("the scene is good");
     refused(Render::new(&with_light(1.0_f64.next_up()), &camera, &base).resume(lit).run(&()));
-    let scene = scene.with_environment(Rgb::splat(1e-9)).expect("it is finite");
-    refused(Render::new(&scene, &camera, &base).resume(picture).run(&()));
+    let model = cornell::with_blocks(false).expect("the box is good");
+    let under_a_sky = scenes::scene_under(Rgb::splat(1e-9), &model, STRUCTURES[0].1);
+    refused(Render::new(&under_a_sky, &camera, &base).resume(picture).run(&()));
 }
 
 #[test]

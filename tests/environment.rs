@@ -20,7 +20,7 @@ fn lambert(r: f64, g: f64, b: f64) -> Material {
 }
 
 fn in_sky(model: &Model) -> Scene<Box<dyn Accel>> {
-    scenes::scene(model, STRUCTURES[0].1).with_environment(SKY).expect("a radiance")
+    scenes::scene_under(SKY, model, STRUCTURES[0].1)
 }
 
 fn mirror_ball(radius: f64, center: DVec3) -> (Material, Vec<globillum::geom::Triangle>) {

@@ -314,7 +314,7 @@ impl Stage {
     fn film(&self, settings: &Settings, number: usize) -> Film {
         let (model, camera) = (self.scene)();
         let (_, build) = ACCELERATORS[1 + number % (ACCELERATORS.len() - 1)];
-        let scene = scenes::scene(&model, build).with_environment(RADIANCE).expect("a finite radiance");
+        let scene = scenes::scene_under(RADIANCE, &model, build);
         render(&scene, &camera, settings, &()).expect("the scene is good").film
     }
 

@@ -128,11 +128,10 @@ fn a_convex_body_under_a_white_sky_shows_its_albedo() {
     let camera = stare(DVec3::new(3.0, 2.5, 2.0), DVec3::new(1.0, 0.3, 0.2));
     for rho in [0.25, 1.0] {
         for (estimator, (_, build)) in ALL.into_iter().flat_map(|e| STRUCTURES.map(|s| (e, s))) {
-            let scene = scenes::scene(&scenes::cube(rho), build).with_environment(Rgb::WHITE);
+            let scene = scenes::scene_under(Rgb::WHITE, &scenes::cube(rho), build);
             let mut settings = independent_pixels(16, 16, 16);
             settings.estimator = estimator;
-            let film =
-                render(&scene.expect("a sky"), &camera, &settings, &()).expect("the scene is good").film;
+            let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
             assert!(film.means().all(|mean| mean == Rgb::splat(rho)), "{rho}, {estimator:?}");
         }
     }

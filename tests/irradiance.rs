@@ -156,7 +156,7 @@ fn points_on_rounded_surfaces_see_what_is_above() {
             .map(|(x, z)| middle + turned * (DVec3::new(x, 0.0, z) * size));
         let mut model = Model::default();
         model.add(Material::lambert(Rgb::splat(0.5)).expect("an albedo"), quad(a, b, c, d));
-        let scene = first_structure(&model).with_environment(Rgb::WHITE).expect("a radiance");
+        let scene = scenes::scene_under(Rgb::WHITE, &model, STRUCTURES[0].1);
         let normal = turned * DVec3::Y;
         let on_surface = |i: u32| {
             let [x, z] = [7 + 2 * i, 8 + 2 * i].map(|i| 1.9 * numbers.uniform(i) - 0.95);

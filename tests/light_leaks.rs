@@ -158,10 +158,8 @@ fn cut_cube(n: usize) -> Vec<Triangle> {
 fn under_the_sky(albedo: f64) -> Vec<(&'static str, Scene<Box<dyn Accel>>)> {
     let mut model = Model::default();
     model.add(lambert(albedo), cut_cube(8));
-    let scenes = scenes_of(&model).into_iter();
-    scenes
-        .map(|(name, scene)| (name, scene.with_environment(Rgb::WHITE).expect("white is a radiance")))
-        .collect()
+    model.set_environment(Rgb::WHITE).expect("white is a radiance");
+    scenes_of(&model)
 }
 
 #[test]

@@ -4,6 +4,8 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use globillum::geom::{Aabb, GeomError, Triangle};
 use globillum::integrator::{Camera, DeltaLight, DeltaLightError, Model, RenderError};
 use globillum::material::{Material, Rgb};
+use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::scenes;
 use std::f64::consts::FRAC_PI_2;
 
 fn model() -> Model {
@@ -63,6 +65,20 @@ fn delta_lights_move_with_the_triangles() {
     let mut both = model();
     both.append(&moved);
     assert_eq!(both.delta_lights(), moved.delta_lights());
+}
+
+#[test]
+fn the_environment_is_that_of_the_model() {
+    let (sky, other) = (Rgb::new(1.0, 2.0, 3.0), Rgb::splat(4.0));
+    let mut under_a_sky = model();
+    assert_eq!(under_a_sky.environment(), Rgb::BLACK);
+    under_a_sky.set_environment(sky).unwrap();
+    let mut appended = model();
+    appended.set_environment(other).unwrap();
+    under_a_sky.append(&appended);
+    under_a_sky.transform(&DAffine3::from_scale(DVec3::splat(2.0))).unwrap();
+    assert_eq!(under_a_sky.environment(), sky);
+    assert_eq!(scenes::scene(&under_a_sky, STRUCTURES[0].1).environment(), sky);
 }
 
 /// The error names the first triangle or the delta light, and the model is unchanged.

@@ -59,8 +59,7 @@ fn own(scene: &Scene<Box<dyn Accel>>) -> [Estimate; 3] {
 
 #[test]
 fn the_example_agrees_with_the_library() {
-    let scene = scenes::scene(&model(), STRUCTURES[0].1);
-    let scene = scene.with_environment(Rgb::new(0.2, 0.3, 0.4)).expect("a radiance");
+    let scene = scenes::scene_under(Rgb::new(0.2, 0.3, 0.4), &model(), STRUCTURES[0].1);
     let own = own(&scene);
     let mut settings = independent_pixels(64, 64, 64);
     for (estimator, precision) in [(Estimator::Light, 0.04), (Estimator::Mis, 0.02)] {

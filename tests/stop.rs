@@ -83,7 +83,7 @@ fn a_goal_waits_for_light_through_a_gap() {
     let mut model = Model::default();
     let roof = quad(p(-999.0, 1.0, -999.0), p(3.0, 1.0, -999.0), p(3.0, 1.0, 999.0), p(-999.0, 1.0, 999.0));
     model.add(Material::lambert(Rgb::WHITE).expect("an albedo"), roof);
-    let scene = scenes::scene(&model, STRUCTURES[0].1).with_environment(Rgb::WHITE).expect("a radiance");
+    let scene = scenes::scene_under(Rgb::WHITE, &model, STRUCTURES[0].1);
     let points = IrradiancePoints::new([(DVec3::ZERO, DVec3::Y)]).expect("a point");
     // Half of a strip's form factor: pi (1 - 3 / sqrt(10)) / 2.
     let truth = PI * (1.0 - 3.0 / 10.0_f64.sqrt()) / 2.0;

@@ -223,6 +223,7 @@ fn without_neighbours_or_lights_nothing_is_supersampled() {
     assert!(rays(&scene_with, &camera) > 24 * 24);
     let mut dark = Model::default();
     dark.add(mirror(), leaning(-1.0));
-    let dark = scene(&dark).with_environment(Rgb::WHITE).expect("it is in range");
+    dark.set_environment(Rgb::WHITE).expect("it is in range");
+    let dark = scene(&dark);
     assert_eq!(rays(&dark, &camera), 24 * 24);
 }

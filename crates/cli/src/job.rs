@@ -16,7 +16,6 @@ use anyhow::{Context, Result};
 use globillum::geom::Accel;
 use globillum::integrator::{FirstHits, Model, Picture, Scene, Settings};
 use globillum::io::PictureData;
-use globillum::material::Rgb;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -26,8 +25,6 @@ pub(crate) struct Subject {
     pub(crate) name: String,
     pub(crate) model: Model,
     pub(crate) view: View,
-    /// Radiance from all directions.
-    pub(crate) environment: Rgb,
     /// The files that it was read from.
     pub(crate) files: Vec<PathBuf>,
 }
@@ -35,8 +32,8 @@ pub(crate) struct Subject {
 impl Subject {
     /// Builds its scene, and finds the camera.
     pub(crate) fn build(self, flags: &RenderFlags, interrupt: &Interrupt) -> Result<BuiltSubject> {
-        let Self { name, model, view, environment, .. } = self;
-        let (scene, build_seconds) = build(model, environment, flags.speed.accel)?;
+        let Self { name, model, view, .. } = self;
+        let (scene, build_seconds) = build(model, flags.speed.accel)?;
         interrupt.check()?;
         let (camera, camera_by) = view
             .camera(&scene, flags.picture.aspect(), &|| interrupt.is_asked())
@@ -59,9 +56,9 @@ pub(crate) struct BuiltSubject {
 pub(crate) type BuiltScene = Scene<Box<dyn Accel>>;
 
 /// Builds a scene, and returns the seconds that it took.
-pub(crate) fn build(model: Model, environment: Rgb, accel: AccelKind) -> Result<(BuiltScene, f64)> {
+pub(crate) fn build(model: Model, accel: AccelKind) -> Result<(BuiltScene, f64)> {
     let start = Instant::now();
-    let scene = Scene::build(model, |triangles| accel.build(triangles))?.with_environment(environment)?;
+    let scene = Scene::build(model, |triangles| accel.build(triangles))?;
     Ok((scene, start.elapsed().as_secs_f64()))
 }
 
@@ -89,7 +86,7 @@ impl Job {
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
         let Self { flags, outputs, checkpoint, interrupt } = self;
         flags.add_to(Uses::default().read(SCENE_FILE, &subject.files)).check()?;
-        exr_range::check(&flags.output.out, subject.environment)?;
+        exr_range::check(&flags.output.out, subject.model.environment())?;
         let BuiltSubject { name, scene, build_seconds, camera, camera_by } =
             subject.build(&flags, &interrupt)?;
         let settings = flags.settings();

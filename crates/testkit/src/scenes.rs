@@ -16,6 +16,16 @@ pub fn scene(model: &Model, build: Builder) -> Scene<Box<dyn Accel>> {
     Scene::build(model.clone(), |triangles| build(triangles).map(upcast)).expect("the model is good")
 }
 
+/// The same in an environment of radiance `sky`.
+///
+/// # Panics
+/// If the model is bad or no light may have this radiance.
+pub fn scene_under(sky: Rgb, model: &Model, build: Builder) -> Scene<Box<dyn Accel>> {
+    let mut model = model.clone();
+    model.set_environment(sky).expect("a radiance");
+    scene(&model, build)
+}
+
 /// A camera at `eye` whose whole picture shows one point, `target`, up to `1e-9` radians.
 ///
 /// # Panics

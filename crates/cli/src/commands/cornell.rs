@@ -9,7 +9,6 @@ use anyhow::{Result, ensure};
 use globillum::geom::Triangle;
 use globillum::integrator::{Camera, Model};
 use globillum::io::Loader;
-use globillum::material::Rgb;
 use globillum::scenes::cornell;
 use std::path::{Path, PathBuf};
 
@@ -93,7 +92,7 @@ impl Options {
         let (model, camera) = self.scene(interrupt, &mut files)?;
         let name = format!("cornell {}", self.scene);
         let view = View::Own(camera, CameraType::Pinhole, Up::Y);
-        Ok(Subject { name, model, view, environment: Rgb::BLACK, files })
+        Ok(Subject { name, model, view, files })
     }
 
     /// The scene and its camera. Adds the files of its meshes to `files`.

@@ -83,10 +83,9 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let stats_output = stats.map(TextOutput::open).transpose()?;
     let checkpoint = flags.checkpoints.save.open()?;
 
-    let LoadedScene { name, model, environment, files, .. } =
-        options.scene.load(flags.report.warnings(), &interrupt)?;
+    let LoadedScene { name, model, files, .. } = options.scene.load(flags.report.warnings(), &interrupt)?;
     check_files(Uses::default().read(SCENE_FILE, &files))?;
-    let (scene, build_seconds) = build(model, environment, flags.speed.accel)?;
+    let (scene, build_seconds) = build(model, flags.speed.accel)?;
     interrupt.check()?;
 
     let settings = flags.settings(&points);

@@ -82,11 +82,11 @@ impl Options {
     /// Loads the scene.
     pub(crate) fn subject(&self, interrupt: &Interrupt) -> Result<Subject> {
         let camera = self.camera()?;
-        let LoadedScene { name, model, cameras, environment, files } =
+        let LoadedScene { name, model, cameras, files } =
             self.scene.load(self.flags.warnings(), interrupt)?;
         let own = cameras.first().map(|&camera| View::Own(camera, self.camera_type, self.up));
         let view = camera.or(own).unwrap_or(View::Automatic(self.camera_type, self.up));
-        Ok(Subject { name, model, view, environment, files })
+        Ok(Subject { name, model, view, files })
     }
 
     fn camera(&self) -> Result<Option<View>> {

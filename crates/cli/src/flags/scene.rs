@@ -42,8 +42,6 @@ pub(crate) struct LoadedScene {
     pub(crate) name: String,
     pub(crate) model: Model,
     pub(crate) cameras: Vec<Camera>,
-    /// Radiance from all directions.
-    pub(crate) environment: Rgb,
     /// The files that it was read from.
     pub(crate) files: Vec<PathBuf>,
 }
@@ -58,9 +56,9 @@ impl SceneFlags {
         let loader = Loader::new().limits(limits).luminous_efficacy(self.lumens_per_watt);
         let loaded = load::load(&self.scene, loader, warnings, interrupt)?;
         let name = self.scene.display().to_string();
-        let environment = self.environment(&name, &loaded.report);
-        let Loaded { model, cameras, files, .. } = loaded;
-        Ok(LoadedScene { name, model, cameras, environment, files })
+        let Loaded { mut model, cameras, files, report, .. } = loaded;
+        model.set_environment(self.environment(&name, &report))?;
+        Ok(LoadedScene { name, model, cameras, files })
     }
 
     /// The environment asked for; else none, or a white one if nothing in the file shines.

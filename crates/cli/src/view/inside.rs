@@ -178,9 +178,9 @@ mod tests {
         cuboid(at, DVec3::splat(0.1), 0.0)
     }
 
-    fn view(model: Model, up: Up, environment: f64, accel: AccelKind) -> (Camera, CameraBy) {
+    fn view(mut model: Model, up: Up, environment: f64, accel: AccelKind) -> (Camera, CameraBy) {
+        model.set_environment(Rgb::splat(environment)).expect("in range");
         let scene = Scene::build(model, |triangles| accel.build(triangles)).expect("a good model");
-        let scene = scene.with_environment(Rgb::splat(environment)).expect("in range");
         match View::Automatic(CameraType::Pinhole, up)
             .camera(&scene, 1.5, &|| false)
             .expect("it has an extent")

@@ -11,7 +11,7 @@ use crate::checked_accel;
 use crate::light::{LightSampler, LightSampling, Lights, Mirrors, Receiver};
 use glam::DVec3;
 use globillum_geom::{Accel, GeomError, Hit, Ray, Triangles};
-use globillum_material::{Bsdf, Emission, Material, Rgb, Sides};
+use globillum_material::{Bsdf, Material, Rgb};
 use std::sync::OnceLock;
 
 /// A scene ready for rendering: triangles with materials, an accelerator over them, and lights.
@@ -79,7 +79,7 @@ impl<A: ?Sized> Scene<A> {
         LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, receiver }
     }
 
-    /// The constant radiance of the environment.
+    /// The constant radiance of the environment ([`Model::set_environment`]).
     pub fn environment(&self) -> Rgb {
         self.environment
     }
@@ -100,7 +100,7 @@ impl<A: Accel> Scene<A> {
         model: Model,
         build: impl FnOnce(&Triangles) -> Result<A, GeomError>,
     ) -> Result<Self, RenderError> {
-        let Model { triangles, material_ids, materials, delta_lights } = model;
+        let Model { triangles, material_ids, materials, delta_lights, environment } = model;
         let triangles = Triangles::new(triangles)?;
         let emission = |index: u32| materials[material_ids[index as usize] as usize].emission;
         let lights = Lights::of(&triangles, emission, &delta_lights);
@@ -108,25 +108,7 @@ impl<A: Accel> Scene<A> {
         if !checked_accel::is_over(&accel, &triangles) {
             return Err(RenderError::OtherTriangles);
         }
-        Ok(Self {
-            triangles,
-            material_ids,
-            materials,
-            lights,
-            mirrors: OnceLock::new(),
-            environment: Rgb::BLACK,
-            accel,
-        })
-    }
-
-    /// The same scene within an environment of constant `radiance`.
-    ///
-    /// # Errors
-    /// [`RenderError::Material`] for a component that is negative, not finite, too large, or above zero and too small.
-    pub fn with_environment(self, radiance: Rgb) -> Result<Self, RenderError> {
-        // The range of radiances is that of emission.
-        Emission::new(radiance, Sides::Both)?;
-        Ok(Self { environment: radiance, ..self })
+        Ok(Self { triangles, material_ids, materials, lights, mirrors: OnceLock::new(), environment, accel })
     }
 }
 

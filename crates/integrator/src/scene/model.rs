@@ -2,10 +2,10 @@ use crate::RenderError;
 use crate::light::DeltaLight;
 use glam::DAffine3;
 use globillum_geom::{Aabb, Triangle};
-use globillum_material::Material;
+use globillum_material::{Emission, Material, MaterialError, Rgb, Sides};
 use std::collections::TryReserveError;
 
-/// Triangles with materials, and delta lights, from which [`Scene::build`](crate::Scene::build) makes a scene.
+/// Triangles with materials, delta lights and an environment, from which [`Scene::build`](crate::Scene::build) makes a scene.
 /// Triangles are not checked yet.
 ///
 /// ```
@@ -30,6 +30,7 @@ pub struct Model {
     pub(super) material_ids: Vec<u32>,
     pub(super) materials: Vec<Material>,
     pub(super) delta_lights: Vec<DeltaLight>,
+    pub(super) environment: Rgb,
 }
 
 /// A material of a [`Model`], returned by [`Model::add`], [`Model::add_material`] and [`Model::material_id`].
@@ -72,6 +73,16 @@ impl Model {
     /// Adds a light without extent.
     pub fn add_delta_light(&mut self, light: DeltaLight) {
         self.delta_lights.push(light);
+    }
+
+    /// Surrounds the model with an environment of constant `radiance`; without it, the environment is black.
+    ///
+    /// # Errors
+    /// [`MaterialError::Emission`] for a component that no light may have ([`Emission::allows`]). The environment then
+    /// stays as it is.
+    pub fn set_environment(&mut self, radiance: Rgb) -> Result<(), MaterialError> {
+        self.environment = Emission::new(radiance, Sides::Both)?.radiance();
+        Ok(())
     }
 
     /// Reserves memory for `additional` more triangles.
@@ -131,6 +142,11 @@ impl Model {
         &self.delta_lights
     }
 
+    /// The constant radiance of the environment.
+    pub fn environment(&self) -> Rgb {
+        self.environment
+    }
+
     /// The material of triangle `index`.
     ///
     /// # Panics
@@ -188,7 +204,7 @@ impl Model {
         Ok(())
     }
 
-    /// Appends the triangles, materials and delta lights of `other`.
+    /// Appends the triangles, materials and delta lights of `other`, but not its environment.
     pub fn append(&mut self, other: &Model) {
         let offset = self.materials.len() as u32;
         self.triangles.extend(&other.triangles);

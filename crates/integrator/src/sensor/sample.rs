@@ -50,8 +50,8 @@ use std::hash::Hasher;
 /// # let triangle = Triangle::new([9.0, 9.0, 9.0].into(), [8.0, 9.0, 9.0].into(), [9.0, 8.0, 9.0].into());
 /// # let mut model = Model::default();
 /// # model.add(globillum_material::Material::lambert(Rgb::BLACK)?, [triangle]);
-/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?
-/// #     .with_environment(Rgb::WHITE)?;
+/// # model.set_environment(Rgb::WHITE)?;
+/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
 ///
 /// let fisheye = Fisheye { eye: DVec3::ZERO, axes: DMat3::IDENTITY };
 /// let picture = render(&scene, &fisheye, &Settings::new(16, 16, 4), &())?;

@@ -18,7 +18,6 @@ pub(crate) struct Subject {
     pub(crate) name: String,
     pub(crate) model: Model,
     pub(crate) camera: Camera,
-    environment: Rgb,
     known: Known,
 }
 
@@ -64,12 +63,13 @@ impl Subject {
             }
             _ => return Ok(None),
         };
-        Ok(Some(Self { name: name.to_owned(), model, camera, environment: Rgb::BLACK, known }))
+        Ok(Some(Self { name: name.to_owned(), model, camera, known }))
     }
 
     /// A scene from a file.
     pub(crate) fn load(path: &Path, camera: Option<Camera>, environment: Rgb) -> Result<Self> {
-        let loaded = globillum::io::load(path)?;
+        let mut loaded = globillum::io::load(path)?;
+        loaded.model.set_environment(environment)?;
         let camera = match camera.or(loaded.cameras.first().copied()) {
             Some(camera) => camera,
             None => view::of_all(&loaded.model.bounds(), view::Up::Y, 1.0)
@@ -87,18 +87,19 @@ impl Subject {
         // The name goes into file names and Markdown.
         let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
         let name = stem.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-        Ok(Self { name, model: loaded.model, camera, environment, known: Known::Nothing })
+        Ok(Self { name, model: loaded.model, camera, known: Known::Nothing })
     }
 
     /// The scene, built with `accel`.
     pub(crate) fn scene(&self, accel: AccelKind) -> Result<Scene<Box<dyn Accel>>> {
-        Ok(self.without_environment(accel)?.with_environment(self.environment)?)
+        build(self.model.clone(), accel)
     }
 
     /// The scene without its environment, built with `accel`.
     pub(crate) fn without_environment(&self, accel: AccelKind) -> Result<Scene<Box<dyn Accel>>> {
-        let build = |triangles: &_| -> Result<Box<dyn Accel>, GeomError> { accel.build(triangles) };
-        Ok(Scene::build(self.model.clone(), build)?)
+        let mut model = self.model.clone();
+        model.set_environment(Rgb::BLACK)?;
+        build(model, accel)
     }
 
     /// The closed form of a picture with `side` pixels along each side, if there is one.
@@ -115,4 +116,9 @@ impl Subject {
 
 fn in_box(model: Model) -> Result<(Model, Camera, Known), RenderError> {
     Ok((model, cornell::camera()?, Known::Nothing))
+}
+
+fn build(model: Model, accel: AccelKind) -> Result<Scene<Box<dyn Accel>>> {
+    let build = |triangles: &_| -> Result<Box<dyn Accel>, GeomError> { accel.build(triangles) };
+    Ok(Scene::build(model, build)?)
 }
