@@ -5,7 +5,7 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its results")]
 
 use Estimator::{Light, Mis};
-use PathReuse::{Off, Sixteens};
+use PathReuse::{Off, Tiles};
 use Sampler::{Independent, Sobol};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use globillum::geom::Accel;
@@ -21,7 +21,7 @@ const SAMPLES: u32 = 32;
 /// The hash of each picture of the Cornell box with two blocks, the same for all accelerators. Changes that
 /// intentionally change pictures update these hashes.
 const PICTURES: [(&str, Estimator, Sampler, PathReuse, u64); 4] = [
-    ("Mis, Sobol', path reuse", Mis, Sobol, Sixteens, 0x516c_3caf_b43b_f9dd),
+    ("Mis, Sobol', path reuse", Mis, Sobol, Tiles, 0x516c_3caf_b43b_f9dd),
     ("Mis, Sobol'", Mis, Sobol, Off, 0x75a3_1c01_1b54_36d1),
     ("Mis, independent", Mis, Independent, Off, 0xacca_89f0_4e34_2c27),
     ("Light, Sobol'", Light, Sobol, Off, 0x9e1f_87c4_c93b_0aca),

@@ -31,7 +31,7 @@ pub(crate) fn radiance<A: Accel>(scene: &Scene<A>, mut ray: Ray, numbers: Stream
         let weight = scattered.map_or(1.0, |(pdf, lights)| pdf.power_heuristic(lights.pdf(&at)));
         radiance += throughput * at.emitted() * weight;
 
-        let lights = scene.light_sampler(LightSampling::SolidAngle, at.point.position, at.side());
+        let lights = scene.light_sampler(LightSampling::SolidAngle, at.point.position, at.facing_normal());
         if at.material.bsdf.is_diffuse() {
             radiance += throughput * from_lights(scene, &at, &lights, numbers, dimension);
         }
@@ -50,7 +50,7 @@ pub(crate) fn radiance<A: Accel>(scene: &Scene<A>, mut ray: Ray, numbers: Stream
             Density::SolidAngle(pdf) => Some((pdf, lights)),
             Density::Delta => None,
         };
-        ray = at.point.spawn(frame.to_world(sample.wi));
+        ray = at.point.spawn_ray(frame.to_world(sample.wi));
     }
     radiance
 }

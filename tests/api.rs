@@ -68,7 +68,7 @@ fn every_type_is_send_sync_and_debug() {
         checked::<integrator::FirstHit>(),
         checked::<integrator::FirstHits>(),
         checked::<integrator::Guiding>(),
-        checked::<integrator::ImageError>(),
+        checked::<integrator::ErrorEstimate>(),
         checked::<integrator::Interaction<'_>>(),
         checked::<integrator::IrradiancePoints>(),
         checked::<integrator::LightSample>(),

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
-    Camera, CheckpointError, CheckpointReader, CheckpointWriter, DeltaLight, Ending, Estimator, Guiding,
-    ImageError, LightSampling, Merge, MergeError, MirrorSampling, Model, Monitor, PathReuse, Picture,
+    Camera, CheckpointError, CheckpointReader, CheckpointWriter, DeltaLight, Ending, ErrorEstimate,
+    Estimator, Guiding, LightSampling, Merge, MergeError, MirrorSampling, Model, Monitor, PathReuse, Picture,
     PixelFilter, Render, RenderError, Sampler, Scene, Settings, Supersampling, render,
 };
 use globillum::material::{Bsdf, Emission, Material, Reflectance, Rgb, Sides};
@@ -255,7 +255,7 @@ fn damaged_and_incomplete_checkpoints_are_refused() {
 }
 
 /// Merges checkpoints as streams.
-fn merged(checkpoints: &[&[u8]]) -> Result<(Vec<u8>, ImageError), MergeError> {
+fn merged(checkpoints: &[&[u8]]) -> Result<(Vec<u8>, ErrorEstimate), MergeError> {
     let readers = checkpoints.iter().map(|&bytes| CheckpointReader::new(bytes).expect("it is a checkpoint"));
     let merge = Merge::new(readers.collect())?;
     let mut writer = CheckpointWriter::new(Vec::new(), merge.header()).expect("a vector takes all");
@@ -283,8 +283,7 @@ fn three_tiles(sampler: Sampler) -> Settings {
 /// In any order, and in a tree of any fan-in, passes and strips give the bytes of one run.
 #[test]
 fn streams_merge_to_the_bytes_of_one_run() {
-    for (sampler, path_reuse) in
-        [(Sampler::Sobol, PathReuse::Sixteens), (Sampler::Independent, PathReuse::Off)]
+    for (sampler, path_reuse) in [(Sampler::Sobol, PathReuse::Tiles), (Sampler::Independent, PathReuse::Off)]
     {
         let settings = changed(three_tiles(sampler), |s| s.path_reuse = path_reuse);
         let (scene, camera) = the_box();

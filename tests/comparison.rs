@@ -45,7 +45,7 @@ fn seeds_are_equal_as_often_as_stated() {
         let of = |seed| {
             let mut settings = settings(48, 8, seed);
             settings.sampler = [Sampler::Sobol, Sampler::Independent][pair as usize % 2];
-            settings.path_reuse = [PathReuse::Sixteens, PathReuse::Off][pair as usize / 2 % 2];
+            settings.path_reuse = [PathReuse::Tiles, PathReuse::Off][pair as usize / 2 % 2];
             picture(&scene, &settings)
         };
         let comparison = Comparison::between(&[of(2 * pair)], &[of(2 * pair + 1)]).unwrap();
@@ -125,7 +125,7 @@ fn a_difference_in_structure_is_found_without_errors_too() {
 /// A picture of 96 x 96 pixels whose errors are those of its tiles, and nothing is known of them.
 fn tiled_noise(seed: u64) -> Estimates {
     let mut picture = Estimates::unknown(96, 96);
-    picture.path_reuse = PathReuse::Sixteens;
+    picture.path_reuse = PathReuse::Tiles;
     for (at, mean) in (0_u64..).zip(&mut picture.means) {
         let tile = at / 96 / 16 * 6 + at % 96 / 16;
         *mean = Rgb::splat(1.0 + 0.1 * (Stream::new(seed, tile, 0).uniform(0) - 0.5));

@@ -193,7 +193,7 @@ fn the_interval_of_a_pictures_error_contains_it_and_is_narrow() {
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let camera = look(DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0), 0.6);
     // Independent pixels, some independent tiles, and a single one.
-    for (path_reuse, side) in [(PathReuse::Off, 16), (PathReuse::Sixteens, 48), (PathReuse::Sixteens, 16)] {
+    for (path_reuse, side) in [(PathReuse::Off, 16), (PathReuse::Tiles, 48), (PathReuse::Tiles, 16)] {
         let mut settings = Settings::new(side, side, 16);
         (settings.pass_samples, settings.path_reuse) = (2, path_reuse);
         let estimates = (0..PICTURES).map(|seed| {
@@ -218,7 +218,7 @@ fn the_interval_of_a_pictures_error_contains_it_and_is_narrow() {
         println!("{path_reuse:?}, {side}: median width {width:.2}");
         assert_near_95(share, estimates.len(), &format!("{path_reuse:?}, {side}"));
         // One tile has one degree of freedom, for which Student's interval is 6.48 times as wide.
-        let most = if (path_reuse, side) == (PathReuse::Sixteens, 16) { 1.5 * 6.48 } else { 1.3 };
+        let most = if (path_reuse, side) == (PathReuse::Tiles, 16) { 1.5 * 6.48 } else { 1.3 };
         assert!((0.8..most).contains(&width), "{path_reuse:?}, {side}: {width}");
     }
 }

@@ -19,7 +19,7 @@ const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator
 
 /// The ways to choose random numbers and to use paths.
 const WAYS: [(Sampler, PathReuse); 2] =
-    [(Sampler::Sobol, PathReuse::Sixteens), (Sampler::Independent, PathReuse::Off)];
+    [(Sampler::Sobol, PathReuse::Tiles), (Sampler::Independent, PathReuse::Off)];
 
 const INTENSITY: Rgb = Rgb::new(3.0, 2.0, 1.0);
 

@@ -76,7 +76,7 @@ fn variance_with_reuse(
     view: &(Scene<Box<dyn Accel>>, Camera),
     change: impl Fn(&mut Settings),
 ) -> f64 {
-    let films = [PathReuse::Off, PathReuse::Sixteens].map(|reuse| picture(view, reuse, &change));
+    let films = [PathReuse::Off, PathReuse::Tiles].map(|reuse| picture(view, reuse, &change));
     let z = largest_z(&films[0], &films[1]);
     let [without, with] = films.map(|film| film.variances_of_mean().map(|variance| variance.g).sum::<f64>());
     println!("{what}: z {z:.2}, variance {:.3} of that without path reuse", with / without);

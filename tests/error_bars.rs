@@ -207,7 +207,7 @@ fn errors_of_a_block_cancel() {
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
         rms / rmse(&film)
     };
-    let (off, shared) = (rms_of(PathReuse::Off), rms_of(PathReuse::Sixteens));
+    let (off, shared) = (rms_of(PathReuse::Off), rms_of(PathReuse::Tiles));
     println!("a block's error over a pixel's: {off} without, {shared} with shared points");
     // 5.85 standard deviations of a root mean square over 256 blocks.
     assert!((off / 0.25 - 1.0).abs() < 0.26, "{off}");
@@ -222,7 +222,7 @@ fn intervals_of_blocks_contain_the_truth_with_that_frequency() {
         [(Sampler::Sobol, 128, 2.364_624), (Sampler::Independent, 64, 1.998_341)]
     {
         let mut settings = settings(samples, sampler, Estimator::Light);
-        settings.path_reuse = PathReuse::Sixteens;
+        settings.path_reuse = PathReuse::Tiles;
         (settings.width, settings.height) = (2 * SIDE, 2 * SIDE);
         let film = film(&settings);
         let errors = block_errors(&film);

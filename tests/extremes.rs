@@ -84,8 +84,7 @@ fn accepted_lights_are_rendered_correctly() {
 #[test]
 fn powers_of_two_change_no_bit() {
     let mirrors = scenes::light_beside_mirror();
-    for (sampler, path_reuse) in
-        [(Sampler::Sobol, PathReuse::Sixteens), (Sampler::Independent, PathReuse::Off)]
+    for (sampler, path_reuse) in [(Sampler::Sobol, PathReuse::Tiles), (Sampler::Independent, PathReuse::Off)]
     {
         for estimator in ALL {
             let mut settings = Settings::new(16, 16, 40);

@@ -136,13 +136,13 @@ fn every_structure_counts_alike() {
 
     let mut halved = KdOptions::by_rule(SplitRule::Midpoint);
     (halved.traversal_cost, halved.max_depth, halved.leaf_size) = (0.0, 1, 0);
-    let kd = KdTree::build(&triangles, &halved).unwrap();
+    let kd = KdTree::build_with(&triangles, &halved).unwrap();
     assert_eq!(numbers(Counts::closest(&kd, &ray)), [1, 0, 1, 2, 4, 1]);
 
     // Two cells; the mailbox avoids the second test of the long triangle.
     let mut two_cells = GridOptions::default();
     two_cells.resolution = Some([2, 1, 1]);
-    let grid = UniformGrid::build(&triangles, &two_cells).unwrap();
+    let grid = UniformGrid::build_with(&triangles, &two_cells).unwrap();
     let counted = Counts::closest(&grid, &ray);
     assert_eq!(Counts::any(&grid, &ray), (false, counted.1));
     assert_eq!(numbers(counted), [1, 0, 2, 2, 3, 0]);
@@ -155,7 +155,7 @@ fn the_statistics_of_two_triangles_and_the_space_between() {
     let triangles = Triangles::new(vec![wall(0.0), wall(4.0)]).unwrap();
     let mut options = KdOptions::by_rule(SplitRule::Midpoint);
     (options.max_depth, options.leaf_size, options.traversal_cost) = (2, 0, 0.0);
-    let stats = KdTree::build(&triangles, &options).unwrap().stats();
+    let stats = KdTree::build_with(&triangles, &options).unwrap().stats();
     // Split at 2, then at 1 and 3: the two inner quarters are empty.
     assert_eq!((stats.depth, stats.nodes, stats.leaves, stats.empty_leaves), (2, 7, 4, 2));
     assert_eq!((stats.references, stats.references_per_triangle), (2, 1.0));
@@ -169,7 +169,7 @@ fn the_statistics_of_two_triangles_and_the_space_between() {
 
 #[test]
 fn the_statistics_of_nothing() {
-    let nothing = KdTree::build(&Triangles::new(Vec::new()).unwrap(), &KdOptions::default()).unwrap();
+    let nothing = KdTree::build(&Triangles::new(Vec::new()).unwrap()).unwrap();
     let stats = nothing.stats();
     assert_eq!(
         (stats.depth, stats.nodes, stats.leaves, stats.empty_leaves, stats.references),

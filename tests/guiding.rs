@@ -2,7 +2,7 @@
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
-use globillum::geom::{Aabb, Accel, Hit, KdOptions, KdTree, Ray};
+use globillum::geom::{Aabb, Accel, Hit, KdTree, Ray};
 use globillum::integrator::{
     Camera, Ending, Estimator, Film, Guiding, IrradiancePoints, Model, Monitor, PathReuse, Render, Sampler,
     Scene, Sensor, Settings, Supersampling, render, replay,
@@ -216,7 +216,7 @@ fn training_can_be_cancelled() {
     let (model, camera) = two_rooms();
     let settings = settings(Guiding::Trained, |s| s.supersampling = Supersampling::Off);
     let scene = Scene::build(model, |triangles| {
-        Ok(CountsRays { inner: KdTree::build(triangles, &KdOptions::default())?, rays: AtomicU64::new(0) })
+        Ok(CountsRays { inner: KdTree::build(triangles)?, rays: AtomicU64::new(0) })
     });
     let scene = scene.expect("the model is good");
     let picture = Render::new(&scene, &camera, &settings).run(&CancelsAtOnce).expect("the scene is good");

@@ -278,7 +278,7 @@ fn bits_depend_on_no_accelerator_thread_pass_or_part() {
         }
     }
     let scene = first_structure(&model);
-    assert_eq!(settings.path_reuse, PathReuse::Sixteens, "it is asked for, and has no effect on points");
+    assert_eq!(settings.path_reuse, PathReuse::Tiles, "it is asked for, and has no effect on points");
     let film = render(&scene, &points, &settings, &()).expect("all is good").film;
     assert_eq!(film.path_reuse(), PathReuse::Off);
     let render = || Render::new(&scene, &points, &settings);

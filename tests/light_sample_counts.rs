@@ -102,10 +102,10 @@ fn the_number_of_samples_changes_no_mean() {
     for (what, ball) in [("a diffuse ball", lambert(0.7)), ("a mirror ball", mirror)] {
         let model = crowded(ball);
         for (sampler, path_reuse, max_bounces, estimator) in [
-            (Sampler::Sobol, PathReuse::Sixteens, None, Mis),
-            (Sampler::Sobol, PathReuse::Sixteens, Some(2), Light),
+            (Sampler::Sobol, PathReuse::Tiles, None, Mis),
+            (Sampler::Sobol, PathReuse::Tiles, Some(2), Light),
             (Sampler::Sobol, PathReuse::Off, Some(3), Mis),
-            (Sampler::Independent, PathReuse::Sixteens, Some(2), Mis),
+            (Sampler::Independent, PathReuse::Tiles, Some(2), Mis),
         ] {
             let estimate = |seed, light_samples| {
                 let mut settings = Settings::new(52, 37, 128);

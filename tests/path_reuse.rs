@@ -49,7 +49,7 @@ fn assert_same_mean_as(
     camera: &Camera,
     change: impl Fn(&mut Settings),
 ) {
-    let with = picture(model, camera, PathReuse::Sixteens, &change);
+    let with = picture(model, camera, PathReuse::Tiles, &change);
     let z = largest_z(without, &with);
     let [before, after] = [without, &with].map(|film| film.error().relative_rmse);
     let mean = with.image_mean().mean() / without.image_mean().mean() - 1.0;
@@ -59,7 +59,7 @@ fn assert_same_mean_as(
     let margin = Z_LIMIT * before.hypot(4.0 * after) / f64::from(SIDE);
     assert!(mean.abs() < margin && margin < 0.015, "{what}: {mean}, margin {margin}");
     // With equal random numbers, only path reuse makes a difference.
-    let [alone, reused] = [PathReuse::Off, PathReuse::Sixteens].map(|path_reuse| {
+    let [alone, reused] = [PathReuse::Off, PathReuse::Tiles].map(|path_reuse| {
         picture(model, camera, path_reuse, |s| {
             change(s);
             (s.seed, s.samples, s.sampler) = (9, s.pass_samples, Sampler::Independent);
@@ -186,7 +186,7 @@ fn pixels_share_what_mirrors_show() {
     let light = Material::light(Rgb::splat(50.0)).expect("a radiance");
     add(light, [p(-0.1, 1.6, 0.6), p(0.1, 1.6, 0.6), p(0.1, 1.8, 0.6), p(-0.1, 1.8, 0.6)]);
     let camera = Camera::look_at(p(0.0, 0.6, 0.0), p(0.0, 0.0, -0.1), DVec3::Z, 0.6).expect("they are apart");
-    let films = [PathReuse::Off, PathReuse::Sixteens]
+    let films = [PathReuse::Off, PathReuse::Tiles]
         .map(|path_reuse| picture(&model, &camera, path_reuse, |s| s.samples = 8 * PASSES));
     let z = largest_z(&films[0], &films[1]);
     let [without, with] = films.map(|film| film.variances_of_mean().map(|variance| variance.g).sum::<f64>());
@@ -215,7 +215,7 @@ fn dark_neighbours_do_not_raise_the_variance() {
     // One pixel per square of the floor.
     let fov = 2.0 * (0.4_f64 / 1.5).atan();
     let camera = Camera::look_at(p(0.0, 0.6, 0.0), p(0.0, -0.9, 0.0), DVec3::Z, fov).expect("they are apart");
-    let [without, with] = [PathReuse::Off, PathReuse::Sixteens].map(|path_reuse| {
+    let [without, with] = [PathReuse::Off, PathReuse::Tiles].map(|path_reuse| {
         let mut settings = Settings::new(SIDE, SIDE, 1024);
         (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
         let film = film(&model, &camera, &settings);
@@ -257,7 +257,7 @@ fn path_reuse_does_not_change_direct_illumination() {
     let (sheets, inside) = sheets();
     let above = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     for (model, camera, limit) in [(&scenes::light_over_floor(), above, None), (&sheets, inside, Some(1))] {
-        let [without, with] = [PathReuse::Off, PathReuse::Sixteens].map(|path_reuse| {
+        let [without, with] = [PathReuse::Off, PathReuse::Tiles].map(|path_reuse| {
             let mut settings = Settings::new(SIDE, SIDE, 32);
             (settings.path_reuse, settings.max_bounces) = (path_reuse, limit);
             settings.sampler = Sampler::Independent;
@@ -292,7 +292,7 @@ fn variance_ratio(path_reuse: PathReuse) -> f64 {
 /// a group are apart, so that not all could have found a suffix as easily.
 #[test]
 fn the_errors_of_sixteen_pixels_are_alike() {
-    let [without, with] = [PathReuse::Off, PathReuse::Sixteens].map(variance_ratio);
+    let [without, with] = [PathReuse::Off, PathReuse::Tiles].map(variance_ratio);
     println!("without path reuse {without:.2}, with {with:.2}");
     assert!((without - 1.0).abs() < 0.52, "{without}");
     assert!((4.0..1.52 * 16.0).contains(&with), "{with}");

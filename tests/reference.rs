@@ -7,7 +7,7 @@ use globillum_testkit::stats::Z_LIMIT;
 use globillum_testkit::{cornell, scenes};
 
 use Estimator::{Bsdf, Light, Mis};
-use PathReuse::{Off, Sixteens};
+use PathReuse::{Off, Tiles};
 
 /// The deviation of the box from `reference`. Asserts that its mean is within [`MEAN_LIMIT`].
 fn deviation(
@@ -47,7 +47,7 @@ const BOX_MIRROR: &str = include_str!("reference/box_mirror.json");
 
 #[test]
 fn the_box_in_global_illumination() {
-    for path_reuse in [Off, Sixteens] {
+    for path_reuse in [Off, Tiles] {
         check(BOX, false, (Mis, path_reuse), None, 256);
     }
 }
@@ -59,7 +59,7 @@ fn the_box_in_direct_illumination() {
 
 #[test]
 fn the_box_with_a_mirror_in_global_illumination() {
-    for how in [(Light, Off), (Mis, Off), (Mis, Sixteens)] {
+    for how in [(Light, Off), (Mis, Off), (Mis, Tiles)] {
         check(BOX_MIRROR, true, how, None, 256);
     }
     // BSDF sampling hits the light rarely, especially by way of a mirror. Means of fewer samples would not be

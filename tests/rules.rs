@@ -6,7 +6,7 @@ use globillum_testkit::accelerators::rule_options;
 use globillum_testkit::shapes;
 
 fn stats(triangles: &Triangles, options: &KdOptions) -> KdStats {
-    KdTree::build(triangles, options).expect("options in range").stats()
+    KdTree::build_with(triangles, options).expect("options in range").stats()
 }
 
 /// Asserts that the surface area heuristic has the fewest expected visits and the fewest expected tests of

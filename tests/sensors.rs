@@ -56,7 +56,7 @@ fn a_sensor_may_start_paths_in_any_way() {
     settings.path_reuse = PathReuse::Off;
     let alone = render(&scene, &sensor, &settings, &()).expect("all is good").film;
     let pixels = render(&scene, &camera, &settings, &()).expect("all is good").film;
-    settings.path_reuse = PathReuse::Sixteens;
+    settings.path_reuse = PathReuse::Tiles;
     let reused = render(&scene, &sensor, &settings, &()).expect("all is good").film;
     let mut of_points = [0.0; 3];
     for (x, y) in (0..24).flat_map(|y| (0..24).map(move |x| (x, y))) {
@@ -174,7 +174,7 @@ fn nine_crops_have_the_bits_of_the_whole() {
     let scene: &'static Scene<_> = Box::leak(Box::new(the_box()));
     let camera: &'static Camera = Box::leak(Box::new(cornell::camera().expect("the camera is good")));
     for (path_reuse, columns, rows) in [
-        (PathReuse::Sixteens, [0, 16, 32, 53], [0, 16, 32, 46]),
+        (PathReuse::Tiles, [0, 16, 32, 53], [0, 16, 32, 46]),
         (PathReuse::Off, [0, 9, 26, 53], [0, 17, 18, 46]),
     ] {
         let mut settings = Settings::new(53, 46, 20);

@@ -115,10 +115,10 @@ fn supersampling_changes_no_mean() {
     let mirrors = (between_mirrors(), between_mirrors_camera(0.4));
     let many = (between_mirrors(), between_mirrors_camera(1.2));
     let cases = [
-        ("the box", &cornell, Sampler::Sobol, PathReuse::Sixteens, PixelFilter::Tent, None),
+        ("the box", &cornell, Sampler::Sobol, PathReuse::Tiles, PixelFilter::Tent, None),
         ("the box without bounces", &cornell, Sampler::Sobol, PathReuse::Off, PixelFilter::Box, Some(0)),
-        ("the box and one bounce", &cornell, Sampler::Sobol, PathReuse::Sixteens, PixelFilter::Box, Some(1)),
-        ("mirrors", &mirrors, Sampler::Sobol, PathReuse::Sixteens, PixelFilter::Box, None),
+        ("the box and one bounce", &cornell, Sampler::Sobol, PathReuse::Tiles, PixelFilter::Box, Some(1)),
+        ("mirrors", &mirrors, Sampler::Sobol, PathReuse::Tiles, PixelFilter::Box, None),
         (
             "mirrors and two bounces",
             &mirrors,

@@ -2,12 +2,12 @@
 #![no_main]
 
 use globillum_geom::conformance::check_bytes;
-use globillum_geom::{GridOptions, KdOptions, KdTree, UniformGrid, WideBvh};
+use globillum_geom::{KdOptions, KdTree, UniformGrid, WideBvh};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let kd = check_bytes(bytes, |triangles| KdTree::build(triangles, &KdOptions::default()));
-    let grid = check_bytes(bytes, |triangles| UniformGrid::build(triangles, &GridOptions::default()));
+    let kd = check_bytes(bytes, KdTree::build);
+    let grid = check_bytes(bytes, UniformGrid::build);
     let wide = check_bytes(bytes, WideBvh::build);
     // By default so few triangles are one cell.
     let mut options = KdOptions::default();

@@ -18,7 +18,7 @@ mod scenes;
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use embree::Embree;
-use globillum::geom::{KdOptions, KdTree, SimdLevel};
+use globillum::geom::{KdTree, SimdLevel};
 use indicatif::{ProgressBar, ProgressStyle};
 use measure::measure;
 use peer::Entry;
@@ -142,7 +142,7 @@ fn measure_mesh(
     let mut entries = build(&scene, embree, options.isa.level())?;
     entries.retain(|entry| options.covers(entry.structure));
     ensure!(!entries.is_empty(), "--only names no structure");
-    let tree = KdTree::build(&scene.triangles, &KdOptions::default())?;
+    let tree = KdTree::build(&scene.triangles)?;
     let rays = rays::generate(&scene, &tree, options.rays);
     ensure!(
         rays.iter().all(|rays| !rays.is_empty()),
@@ -236,7 +236,7 @@ mod tests {
         let level = SimdLevel::Avx512;
         let embree = Embree::from_env(level).expect("EMBREE_LIB names Embree or is unset");
         let entries = build(&scene, embree.as_ref(), level).expect("the mesh is good");
-        let tree = KdTree::build(&scene.triangles, &KdOptions::default()).expect("the mesh is good");
+        let tree = KdTree::build(&scene.triangles).expect("the mesh is good");
         let kinds = rays::generate(&scene, &tree, 4096);
         for rays in kinds.iter().chain(&rays::wavefronts(&scene, &tree, 4096)) {
             let outcomes = measure(&entries, rays, 1, || {});

@@ -4,9 +4,7 @@ use crate::measure::timed;
 use crate::peer::{Answer, Build, Entry, Family, Peer, Trial, one_by_one};
 use crate::rays::RaySet;
 use anyhow::Result;
-use globillum::geom::{
-    Accel, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel, Triangles, UniformGrid, WideBvh,
-};
+use globillum::geom::{Accel, GeomError, Hit, KdTree, Ray, SimdLevel, Triangles, UniformGrid, WideBvh};
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 
@@ -14,10 +12,10 @@ use std::sync::Arc;
 /// first. The wide BVH uses the instructions of `level` at most.
 pub(crate) fn build(triangles: &Triangles, level: SimdLevel) -> Result<Vec<Entry>> {
     let structures = [
-        both("k-d tree", || KdTree::build(triangles, &KdOptions::default()))?,
+        both("k-d tree", || KdTree::build(triangles))?,
         both("wide BVH", || Ok(WideBvh::build(triangles)?.with_level(level)))?,
         both("wide BVH, built quickly", || Ok(WideBvh::build_quickly(triangles)?.with_level(level)))?,
-        both("uniform grid", || UniformGrid::build(triangles, &GridOptions::default()))?,
+        both("uniform grid", || UniformGrid::build(triangles))?,
     ];
     Ok(structures.into_iter().flatten().collect())
 }

@@ -223,11 +223,11 @@ fn rounded(ray: Ray) -> Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use globillum::geom::{KdOptions, KdTree};
+    use globillum::geom::KdTree;
 
     fn room() -> (Scene, KdTree) {
         let scene = Scene::load("room").expect("it is procedural");
-        let tree = KdTree::build(&scene.triangles, &KdOptions::default()).expect("the mesh is good");
+        let tree = KdTree::build(&scene.triangles).expect("the mesh is good");
         (scene, tree)
     }
 

@@ -1,6 +1,4 @@
-use globillum::geom::{
-    Accel, BruteForce, GeomError, GridOptions, KdOptions, KdTree, Triangles, UniformGrid, WideBvh,
-};
+use globillum::geom::{Accel, BruteForce, GeomError, KdTree, Triangles, UniformGrid, WideBvh};
 
 /// An accelerator by the name it has on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
@@ -24,8 +22,8 @@ impl AccelKind {
     pub fn build(self, triangles: &Triangles) -> Result<Box<dyn Accel>, GeomError> {
         Ok(match self {
             Self::Wide => Box::new(WideBvh::build(triangles)?),
-            Self::Kd => Box::new(KdTree::build(triangles, &KdOptions::default())?),
-            Self::Grid => Box::new(UniformGrid::build(triangles, &GridOptions::default())?),
+            Self::Kd => Box::new(KdTree::build(triangles)?),
+            Self::Grid => Box::new(UniformGrid::build(triangles)?),
             Self::Brute => Box::new(BruteForce::build(triangles)),
         })
     }

@@ -3,7 +3,7 @@
 use crate::checkpoint_coverage;
 use anyhow::{Context, Error, Result, anyhow};
 use globillum::integrator::{
-    CheckpointHeader, CheckpointReader, CheckpointWriter, Estimates, Film, ImageError, Merge, MergeError,
+    CheckpointHeader, CheckpointReader, CheckpointWriter, ErrorEstimate, Estimates, Film, Merge, MergeError,
 };
 use globillum::io::AtomicFile;
 use std::fs::File;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// What came of a merge.
 pub(crate) struct Merged {
     pub(crate) header: CheckpointHeader,
-    pub(crate) error: ImageError,
+    pub(crate) error: ErrorEstimate,
     /// The pixels, if they were asked for; unknown in rows that no checkpoint holds.
     pub(crate) estimates: Option<Estimates>,
 }
@@ -56,9 +56,9 @@ fn save(
     merge: Merge<File>,
     mut collect: impl FnMut(&Film) -> io::Result<()>,
     paths: &[PathBuf],
-) -> Result<ImageError> {
+) -> Result<ErrorEstimate> {
     let header = merge.header().clone();
-    let mut merged: Option<Result<ImageError, MergeError>> = None;
+    let mut merged: Option<Result<ErrorEstimate, MergeError>> = None;
     let written = AtomicFile::create(path)?.commit(|target| {
         let mut writer = CheckpointWriter::new(target, &header)?;
         let run = merge.run(|rows| {

@@ -15,10 +15,10 @@
 //!
 //! ```
 //! use globillum_geom::glam::{DVec3, Vec3}; // the crate glam, in the version that this crate takes
-//! use globillum_geom::{Accel, KdOptions, KdTree, Ray, Triangle, Triangles};
+//! use globillum_geom::{Accel, KdTree, Ray, Triangle, Triangles};
 //!
 //! let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
-//! let tree = KdTree::build(&triangles, &KdOptions::default())?;
+//! let tree = KdTree::build(&triangles)?;
 //! let ray = Ray::new(DVec3::new(0.25, 0.25, 1.0), -DVec3::Z);
 //! let hit = tree.intersect(&ray).expect("the ray points at the triangle");
 //! assert_eq!((hit.t, hit.u, hit.v, hit.triangle), (1.0, 0.25, 0.25, 0));

@@ -27,7 +27,7 @@ const GIVEN_ERR: f64 = 1.0 / (1 << 22) as f64;
 /// let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
 /// let point = triangles.surface_point(0, 0.25, 0.25);
 /// let accel = BruteForce::build(&triangles);
-/// assert!(!accel.occluded(&point.spawn(DVec3::Z)) && !accel.occluded(&point.spawn(-DVec3::Z)));
+/// assert!(!accel.occluded(&point.spawn_ray(DVec3::Z)) && !accel.occluded(&point.spawn_ray(-DVec3::Z)));
 /// # Ok::<(), globillum_geom::GeomError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl SurfacePoint {
     /// The ray from this point toward `direction`, of any length, with the range `0 < t < infinity`. It excludes the
     /// triangle.
     #[inline(always)]
-    pub fn spawn(&self, direction: DVec3) -> Ray {
+    pub fn spawn_ray(&self, direction: DVec3) -> Ray {
         Ray::new(self.leave_toward(direction), direction).excluding([self.triangle, Ray::NO_TRIANGLE])
     }
 

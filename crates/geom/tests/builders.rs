@@ -112,7 +112,7 @@ fn measured<T: Send>(make: impl FnOnce() -> T + Send) -> (T, AllocationInfo) {
 
 /// Builds a tree and checks all that is promised about its size.
 fn kd_within_bounds(triangles: &Triangles, options: &KdOptions) -> KdTree {
-    let (tree, allocated) = measured(|| KdTree::build(triangles, options).expect("options in range"));
+    let (tree, allocated) = measured(|| KdTree::build_with(triangles, options).expect("options in range"));
     let n = triangles.live().len();
     let b = (8 * n).max(1);
     let KdStats { references, nodes, depth, .. } = tree.stats();
@@ -147,7 +147,8 @@ fn wide_within_bounds(
 
 /// Builds a grid and checks all that is promised about its size.
 fn grid_within_bounds(triangles: &Triangles, options: &GridOptions) -> UniformGrid {
-    let (grid, allocated) = measured(|| UniformGrid::build(triangles, options).expect("a grid that fits"));
+    let (grid, allocated) =
+        measured(|| UniformGrid::build_with(triangles, options).expect("a grid that fits"));
     let n = triangles.live().len();
     let (references, cells) = (grid.reference_count(), cell_count(&grid));
     assert!((n..=16 * n + 1024).contains(&references), "{references} references to {n} triangles");
@@ -551,7 +552,7 @@ fn lookahead_tries_a_bounded_number_of_planes() {
         for rule in SplitRule::ALL {
             let mut options = KdOptions::by_rule(rule);
             (options.lookahead, options.leaf_size, options.traversal_cost) = (lookahead, 0, 1e6);
-            let (tree, allocated) = measured(|| KdTree::build(&triangles, &options).unwrap());
+            let (tree, allocated) = measured(|| KdTree::build_with(&triangles, &options).unwrap());
             let count = allocated.count_total;
             assert!(count <= most, "{rule:?}, lookahead {lookahead}: {count} allocations, not {most}");
             for ray in &rays {
@@ -567,7 +568,7 @@ fn costs_out_of_range() {
     let refused = |set: &dyn Fn(&mut KdOptions)| {
         let mut options = KdOptions::default();
         set(&mut options);
-        matches!(KdTree::build(&triangles, &options), Err(GeomError::Param { .. }))
+        matches!(KdTree::build_with(&triangles, &options), Err(GeomError::Param { .. }))
     };
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e-300] {
         assert!(refused(&|o| o.traversal_cost = bad), "traversal_cost {bad}");
@@ -594,7 +595,7 @@ fn grid_options(resolution: [u32; 3]) -> GridOptions {
 fn impossible_grids_are_refused_before_anything_is_allocated() {
     let triangles = Triangles::new(statue(500).triangles()).unwrap();
     let refused = |options: &GridOptions| {
-        let (error, allocated) = measured(|| UniformGrid::build(&triangles, options).unwrap_err());
+        let (error, allocated) = measured(|| UniformGrid::build_with(&triangles, options).unwrap_err());
         assert_eq!(allocated.count_total, 0, "{options:?}");
         error
     };
@@ -723,7 +724,8 @@ fn what_building_takes_over_closed_meshes() {
     let shapes = [statue(6_000), statue(20_000), icosphere(4), icosphere(5), torus(100, 30), torus(200, 60)];
     for triangles in shapes.map(|mesh| Triangles::new(mesh.triangles()).unwrap()) {
         let n = triangles.live().len();
-        let kd = |options| measured(|| KdTree::build(&triangles, &options).unwrap()).1.bytes_max as usize / n;
+        let kd =
+            |options| measured(|| KdTree::build_with(&triangles, &options).unwrap()).1.bytes_max as usize / n;
         let by_area = kd(KdOptions::default());
         assert!((160..=310).contains(&by_area), "{by_area} n");
         for options in every_rule() {

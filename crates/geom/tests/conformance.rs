@@ -6,7 +6,7 @@
 use glam::DVec3;
 use globillum_geom::conformance::shapes::{Mesh, icosphere, statue, torus};
 use globillum_geom::conformance::{Regime, Seeded, Source, Suite, Tally, Target, cases, check_bytes, leaks};
-use globillum_geom::{Accel, BruteForce, GridOptions, KdOptions, KdTree, Triangles, UniformGrid};
+use globillum_geom::{Accel, BruteForce, KdTree, Triangles, UniformGrid};
 use globillum_testkit::accelerators::{self, Unanimous};
 use globillum_testkit::effort;
 use proptest::prelude::*;
@@ -139,8 +139,8 @@ fn no_ray_leaks_at_edges_or_vertices() {
 #[test]
 fn origins_on_the_structures_own_planes() {
     let triangles = Triangles::new(statue(1500).triangles()).unwrap();
-    let kd = KdTree::build(&triangles, &KdOptions::default()).unwrap();
-    let grid = UniformGrid::build(&triangles, &GridOptions::default()).unwrap();
+    let kd = KdTree::build(&triangles).unwrap();
+    let grid = UniformGrid::build(&triangles).unwrap();
     let mut planes: Vec<(usize, f64)> = kd.planes().map(|(axis, at)| (axis, f64::from(at))).collect();
     for axis in 0..3 {
         planes.extend(grid.planes(axis).map(|at| (axis, at)));

@@ -127,7 +127,7 @@ fn no_ray_escapes_from_the_edges_inside_a_tetrahedron() {
                 let distance = size * magnitude(&mut source, -14.0, -1.0);
                 let [u, v] = near_an_edge(&mut source, &faces[from], distance);
                 let point = scene.surface_point(from as u32, u, v);
-                Departure { ray: excluding_none(point.spawn(leaving(&mut source, -point.normal))), from }
+                Departure { ray: excluding_none(point.spawn_ray(leaving(&mut source, -point.normal))), from }
             };
             let departures: Vec<_> = (0..10_000 * effort() as usize).map(|_| depart()).collect();
             let lands = |d: &Departure, hit: Option<Hit>| hit.is_some_and(|h| h.triangle as usize != d.from);
@@ -143,7 +143,7 @@ fn assert_none_returns(source: &mut Seeded, triangles: &[Triangle], count: usize
         let from = source.below(triangles.len());
         let [u, v] = on_border(source);
         let point = scene.surface_point(from as u32, u, v);
-        Departure { ray: excluding_none(point.spawn(leaving(source, point.normal))), from }
+        Departure { ray: excluding_none(point.spawn_ray(leaving(source, point.normal))), from }
     };
     let departures: Vec<_> = (0..count).map(|_| depart()).collect();
     assert_all(triangles, &departures, |_, hit| hit.is_none(), what);
@@ -383,7 +383,7 @@ fn rays_exclude_the_triangles_at_their_ends() {
             triangles.surface_point(index, u, v)
         };
         let (a, b) = (point(from), point(to));
-        let ray = a.spawn(leaving(&mut source, a.normal));
+        let ray = a.spawn_ray(leaving(&mut source, a.normal));
         assert_eq!(ray.excluded, [from, Ray::NO_TRIANGLE]);
         let segment =
             a.segment_to_position(b.position + 0.1 * in_cube(&mut source)).expect("it is off the plane");
@@ -392,6 +392,6 @@ fn rays_exclude_the_triangles_at_their_ends() {
         assert_eq!(segment.excluded, [from, to]);
         assert!(segment.excludes(from) && segment.excludes(to) && !segment.excludes(Ray::NO_TRIANGLE - 1));
     }
-    let given = triangles.given_point(DVec3::ONE, DVec3::Z).spawn(DVec3::Z);
+    let given = triangles.given_point(DVec3::ONE, DVec3::Z).spawn_ray(DVec3::Z);
     assert_eq!(given, excluding_none(given));
 }

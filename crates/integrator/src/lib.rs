@@ -13,14 +13,14 @@
 //!
 //! ```
 //! use glam::{DVec3, Vec3};
-//! use globillum_geom::{KdOptions, KdTree, Triangle};
+//! use globillum_geom::{KdTree, Triangle};
 //! use globillum_integrator::{Camera, Model, Scene, Settings, render};
 //! use globillum_material::{Material, Rgb};
 //!
 //! let mut model = Model::default();
 //! let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 //! model.add(Material::light(Rgb::new(1.0, 0.5, 0.25))?, [Triangle::new(a, b, c)]);
-//! let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+//! let scene = Scene::build(model, KdTree::build)?;
 //! let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 40.0_f64.to_radians())?;
 //! let picture = render(&scene, &camera, &Settings::new(8, 8, 4), &())?;
 //! assert_eq!(picture.film.mean(3, 3), Rgb::new(1.0, 0.5, 0.25));
@@ -52,8 +52,8 @@ pub use error::{CheckpointError, DeltaLightError, MergeError, PointError, Render
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;
 pub use film::{
-    CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Ending, Estimates, Film,
-    ImageError, Merge, Picture, PixelSums,
+    CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Ending, ErrorEstimate, Estimates,
+    Film, Merge, Picture, PixelSums,
 };
 pub use first_hits::{FirstHit, FirstHits};
 /// The crate of the vectors that this crate takes and returns, in its version.

@@ -218,8 +218,8 @@ fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
         }
     }
     let attributes_by_name = texts(&attributes);
-    if attributes_by_name.get("path_reuse").is_some_and(|kind| kind == "sixteens") {
-        estimates.path_reuse = PathReuse::Sixteens;
+    if attributes_by_name.get("path_reuse").is_some_and(|kind| kind == "tiles") {
+        estimates.path_reuse = PathReuse::Tiles;
     }
     let window = IntegerBounds::new(attributes.layer_position, size);
     let whole = (display.contains(window) && display != window).then(|| {

@@ -7,7 +7,7 @@ use exr::prelude::{
     Encoding, Image, ImageAttributes, Layer, LayerAttributes, SpecificChannels, Vec2, WritableImage as _,
 };
 use glam::{DVec3, Vec3};
-use globillum_geom::{KdOptions, KdTree, Triangle};
+use globillum_geom::{KdTree, Triangle};
 use globillum_integrator::{
     Camera, Estimates, Film, FirstHits, Model, PathReuse, Picture, Scene, Settings, Supersampling, render,
 };
@@ -25,7 +25,7 @@ fn rendered(settings: &Settings) -> (Picture, Camera) {
     let corners = [Vec3::new(-9.0, 0.0, -1.0), Vec3::new(0.0, -99.0, -1.0), Vec3::new(9.0, 0.0, -1.0)];
     let mut model = Model::default();
     model.add(Material::light(Rgb::new(2.0, 0.5, 0.25)).unwrap(), [Triangle { vertices: corners }]);
-    let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap();
+    let scene = Scene::build(model, KdTree::build).unwrap();
     let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7).unwrap();
     (render(&scene, &camera, settings, &()).unwrap(), camera)
 }
@@ -121,7 +121,7 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
         (&read.estimates.samples, &read.estimates.observations),
         (&vec![12; 37 * 21], &vec![12; 37 * 21])
     );
-    assert_eq!((read.estimates.path_reuse, read.camera), (PathReuse::Sixteens, data.camera));
+    assert_eq!((read.estimates.path_reuse, read.camera), (PathReuse::Tiles, data.camera));
     assert_eq!(read.attributes, data.attributes);
     assert_eq!(read.attributes["seed"], "18446744073709551615");
     assert_eq!(read.attributes["passes"], "0..12");
@@ -129,7 +129,7 @@ fn an_exr_keeps_means_and_errors_to_the_bit() {
     assert_eq!(
         read.attributes["settings"],
         "sampler=sobol filter=box estimator=mis light_sampling=solid-angle light_samples=4 mirror_sampling=images \
-         supersampling=off path_reuse=sixteens guiding=off \
+         supersampling=off path_reuse=tiles guiding=off \
          max_bounces=none pass_samples=1 roulette_start=2 roulette_threshold=0.2"
     );
     assert_eq!(read.first_hits, None);

@@ -1,8 +1,8 @@
 //! The accelerators under test. A new accelerator needs one line here.
 
 use globillum_geom::{
-    Aabb, Accel, BruteForce, Counts, GeomError, GridOptions, Hit, KdOptions, KdTree, Ray, SimdLevel,
-    SplitRule, Traverse, Triangles, UniformGrid, WideBvh,
+    Aabb, Accel, BruteForce, Counts, GeomError, Hit, KdOptions, KdTree, Ray, SimdLevel, SplitRule, Traverse,
+    Triangles, UniformGrid, WideBvh,
 };
 use std::fmt::Debug;
 
@@ -32,8 +32,8 @@ pub type Builder = fn(&Triangles) -> Built;
 /// Every accelerator by name; the slow brute force comes first.
 pub const ACCELERATORS: [(&str, Builder); 4] = [
     ("brute force", |t| Ok(Box::new(BruteForce::build(t)))),
-    ("k-d tree", |t| Ok(Box::new(KdTree::build(t, &KdOptions::default())?))),
-    ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t, &GridOptions::default())?))),
+    ("k-d tree", |t| Ok(Box::new(KdTree::build(t)?))),
+    ("uniform grid", |t| Ok(Box::new(UniformGrid::build(t)?))),
     ("wide BVH", |t| wide(t, SimdLevel::best())),
 ];
 
@@ -169,5 +169,5 @@ fn small_cells(triangles: &Triangles, rule: SplitRule, traversal_cost: f64) -> B
 }
 
 fn by_rule(triangles: &Triangles, rule: SplitRule) -> Built {
-    Ok(Box::new(KdTree::build(triangles, &rule_options(rule))?))
+    Ok(Box::new(KdTree::build_with(triangles, &rule_options(rule))?))
 }

@@ -2,7 +2,7 @@
 
 use crate::meshes::Subject;
 use glam::DVec3;
-use globillum_geom::{Accel, Frame, GeomError, Hit, KdOptions, KdTree, Ray};
+use globillum_geom::{Accel, Frame, GeomError, Hit, KdTree, Ray};
 use globillum_integrator::Stream;
 use globillum_material::warp::CosineHemisphere;
 
@@ -23,7 +23,7 @@ impl Rays {
     /// # Errors
     /// Those of [`KdTree`], whose hits are the origins of bounce and shadow rays.
     pub fn new(subject: &Subject, side: u32) -> Result<Self, GeomError> {
-        let accel = KdTree::build(&subject.triangles, &KdOptions::default())?;
+        let accel = KdTree::build(&subject.triangles)?;
         let camera = camera_rays(subject, side);
         let (mut bounce, mut shadow) = (Vec::new(), Vec::new());
         for (ray, index) in camera.iter().zip(0..) {
@@ -31,8 +31,8 @@ impl Rays {
             let point = subject.triangles.surface_point(triangle, u, v);
             let normal = if point.normal.dot(ray.direction) < 0.0 { point.normal } else { -point.normal };
             let along = CosineHemisphere::sample(Stream::new(0, index, 0).uniform_pair(0));
-            bounce.push(point.spawn(Frame::around(normal).to_world(along)));
-            let mut to_light = point.spawn(subject.light - point.position);
+            bounce.push(point.spawn_ray(Frame::around(normal).to_world(along)));
+            let mut to_light = point.spawn_ray(subject.light - point.position);
             to_light.t_max = 1.0;
             shadow.push(to_light);
         }

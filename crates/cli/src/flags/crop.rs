@@ -109,8 +109,8 @@ mod tests {
     fn whole_groups_are_rendered() {
         let crop = Crop { x: 3, y: 8, width: 5, height: 3 };
         assert_eq!(crop.rendered(50, 50, PathReuse::Off), [3..8, 8..11]);
-        assert_eq!(crop.rendered(50, 11, PathReuse::Sixteens), [0..16, 0..11]);
-        assert_eq!(crop.rendered(50, 50, PathReuse::Sixteens), [0..16, 0..16]);
+        assert_eq!(crop.rendered(50, 11, PathReuse::Tiles), [0..16, 0..11]);
+        assert_eq!(crop.rendered(50, 50, PathReuse::Tiles), [0..16, 0..16]);
         assert!(crop.is_within(8, 11) && !crop.is_within(7, 11) && !crop.is_within(8, 10));
         assert!(!Crop { x: u32::MAX, ..crop }.is_within(8, 11));
     }

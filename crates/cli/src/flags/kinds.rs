@@ -73,7 +73,7 @@ kinds! {
         Off,
         /// Groups of sixteen pixels, one of each block of 4 x 4, share path suffixes from their second diffuse vertex, the
         /// environment, and points of the Sobol' sampler; a tile shares caustics where they are rare
-        Sixteens,
+        Tiles,
     }
     GuidingKind of Guiding {
         /// By the cosine

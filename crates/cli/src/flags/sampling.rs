@@ -55,7 +55,7 @@ pub(crate) struct SamplingFlags {
     #[arg(long, value_enum, default_value_t = SupersamplingKind::Lights)]
     supersampling: SupersamplingKind,
     /// Path reuse: whether pixels of a tile share path suffixes
-    #[arg(long, value_enum, default_value_t = PathReuseKind::Sixteens)]
+    #[arg(long, value_enum, default_value_t = PathReuseKind::Tiles)]
     path_reuse: PathReuseKind,
     /// Path guiding: how diffuse surfaces sample the directions of scattered paths
     #[arg(long, value_enum, default_value_t = GuidingKind::Off)]

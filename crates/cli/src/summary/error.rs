@@ -1,4 +1,4 @@
-use globillum::integrator::ImageError;
+use globillum::integrator::ErrorEstimate;
 use serde::Serialize;
 use std::fmt::{self, Display};
 
@@ -18,8 +18,8 @@ impl PictureError {
     }
 }
 
-impl From<ImageError> for PictureError {
-    fn from(error: ImageError) -> Self {
+impl From<ErrorEstimate> for PictureError {
+    fn from(error: ErrorEstimate) -> Self {
         // Equal observations tell nothing unless they are many.
         let known =
             error.relative_rmse.is_finite() && (error.relative_rmse > 0.0 || error.interval_95[1] == 0.0);

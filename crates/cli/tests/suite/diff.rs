@@ -49,7 +49,7 @@ fn small_pictures_without_errors_are_undecided() {
         for seed in ["1", "2"] {
             let size = ["--width", side, "--height", side, "--spp", "4", "--pass-spp", "4"];
             let out = format!("{name}{seed}.exr");
-            let reuse = if name == "small" { "sixteens" } else { "off" };
+            let reuse = if name == "small" { "tiles" } else { "off" };
             let flags = ["--path-reuse", reuse, "--seed", seed, "--out", &out];
             CORNELL.succeed(folder, &[&size[..], &flags].concat());
         }

@@ -372,7 +372,7 @@ fn a_crop_has_the_pixels_of_the_picture() {
     picture(&["--out", "whole.png"]);
     let whole = pixels(folder.path(), "whole.png");
     for (crop, reuse) in
-        [("5,6,14,7", "sixteens"), ("0,0,30,24", "sixteens"), ("13,23,17,1", "sixteens"), ("3,1,5,9", "off")]
+        [("5,6,14,7", "tiles"), ("0,0,30,24", "tiles"), ("13,23,17,1", "tiles"), ("3,1,5,9", "off")]
     {
         picture(&["--out", "crop.png", "--crop", crop, "--path-reuse", reuse]);
         let numbers: Vec<u32> = crop.split(',').flat_map(str::parse).collect();

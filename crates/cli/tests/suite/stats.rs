@@ -34,7 +34,7 @@ fn figures_say_how_the_picture_was_made() {
         "width": 12, "height": 8, "seed": 7, "threads": 1, "accel": "kd", "sampler": "independent",
         "estimator": "mis", "light_sampling": "solid-angle", "mirror_sampling": "images",
         "supersampling": "lights", "guiding": "trained",
-        "path_reuse": "sixteens", "filter": "box", "max_bounces": 5, "pass_spp": 2, "spp": 6, "exposure": 0.0,
+        "path_reuse": "tiles", "filter": "box", "max_bounces": 5, "pass_spp": 2, "spp": 6, "exposure": 0.0,
         "passes": "1..3", "passes_held": [[1, 3]], "samples_per_pixel": 4, "samples": 12 * 8 * 4,
         "error": null, "seconds": null, "pilot": null, "resume": false,
         "out": ["a.png", "a.exr"], "stats": "stats.json", "checkpoint": "parts",

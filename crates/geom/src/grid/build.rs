@@ -28,6 +28,14 @@ impl Default for GridOptions {
 }
 
 impl UniformGrid {
+    /// [`UniformGrid::build_with`] default options.
+    ///
+    /// # Errors
+    /// None; the result has the type that all builders share.
+    pub fn build(triangles: &Triangles) -> Result<Self, GeomError> {
+        Self::build_with(triangles, &GridOptions::default())
+    }
+
     /// Builds the grid.
     ///
     /// Over `n` live triangles there are at most `2^27` cells, without a given resolution at most `8 n + 64`,
@@ -37,7 +45,7 @@ impl UniformGrid {
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range; [`GeomError::Budget`] for a given resolution with
     /// more than `2^27` cells or too many references, before anything is allocated.
-    pub fn build(triangles: &Triangles, options: &GridOptions) -> Result<Self, GeomError> {
+    pub fn build_with(triangles: &Triangles, options: &GridOptions) -> Result<Self, GeomError> {
         let lattice = choose_lattice(triangles, options)?;
         let live = triangles.live();
         let mut starts = vec![0_u32; lattice.cell_count() + 1];

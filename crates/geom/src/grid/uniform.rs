@@ -12,7 +12,7 @@ use std::fmt;
 /// let triangles = Triangles::new(vec![Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)])?;
 /// let mut options = GridOptions::default();
 /// options.resolution = Some([4, 4, 1]); // overrides `density`
-/// let grid = UniformGrid::build(&triangles, &options)?;
+/// let grid = UniformGrid::build_with(&triangles, &options)?;
 /// assert!(grid.occluded(&Ray::new(DVec3::new(0.2, 0.2, 2.0), -DVec3::Z)));
 /// # Ok::<(), globillum_geom::GeomError>(())
 /// ```

@@ -58,6 +58,14 @@ fn slack_for(bounds: &Aabb) -> f64 {
 }
 
 impl KdTree {
+    /// [`KdTree::build_with`] default options: by the surface area heuristic.
+    ///
+    /// # Errors
+    /// None; the result has the type that all builders share.
+    pub fn build(triangles: &Triangles) -> Result<Self, GeomError> {
+        Self::build_with(triangles, &KdOptions::default())
+    }
+
     /// Builds the tree.
     ///
     /// The surface area heuristic takes time `O(N log N)` for `N` references in the leaves. Large cells are
@@ -77,7 +85,7 @@ impl KdTree {
     ///
     /// # Errors
     /// [`GeomError::Param`] for an option out of its range.
-    pub fn build(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
+    pub fn build_with(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
         Ok(Self::build_with_refs(triangles, options)?.0)
     }
 
@@ -307,7 +315,8 @@ mod tests {
         let tree = |threads: usize, rule| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             let options = KdOptions { lookahead: 1, ..KdOptions::by_rule(rule) };
-            let tree = pool.install(|| KdTree::build(&triangles, &options)).expect("the tree can be built");
+            let tree =
+                pool.install(|| KdTree::build_with(&triangles, &options)).expect("the tree can be built");
             format!("{:?}, {:?}", tree.nodes, tree.references)
         };
         for rule in [SplitRule::SurfaceArea, SplitRule::SlidingMidpoint] {

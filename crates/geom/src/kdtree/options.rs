@@ -69,7 +69,7 @@ pub struct KdOptions {
     /// the expected cost of a ray. If the finished subtree is not cheaper than a leaf, it is replaced by the
     /// leaf.
     ///
-    /// Any value is valid, since the number of trials is bounded ([`KdTree::build`]). The surface area
+    /// Any value is valid, since the number of trials is bounded ([`KdTree::build_with`]). The surface area
     /// heuristic does not gain from it; the other rules gain much in scenes aligned with their planes
     /// (docs/accelerators.md). On curved meshes, 3 lowers the expected cost by at most 1 % more than 1.
     pub lookahead: u32,

@@ -78,10 +78,10 @@ impl KdTree {
 #[cfg(all(test, feature = "conformance"))]
 mod tests {
     use super::*;
+    use crate::Triangles;
     use crate::conformance::shapes::statue;
     use crate::conformance::{Seeded, Source};
     use crate::query::ClosestHit;
-    use crate::{KdOptions, Triangles};
     use glam::DVec3;
 
     /// Counts the inner nodes and non-empty leaves visited.
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn slack_makes_ordinary_rays_visit_no_more_nodes() {
         let triangles = Triangles::new(statue(20_000).triangles()).expect("a valid mesh");
-        let tree = KdTree::build(&triangles, &KdOptions::default()).expect("valid options");
+        let tree = KdTree::build(&triangles).expect("valid options");
         let mut source = Seeded::new(0);
         let mut point = || DVec3::new(source.signed(), source.signed(), source.signed());
         let (mut with, mut without) = (0, 0);

@@ -99,7 +99,7 @@ impl WideBvh {
     /// ```
     ///
     /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n`
-    /// references (see [`KdTree::build`](crate::KdTree::build)), and this tree takes at most `296 b + 608` bytes: for
+    /// references (see [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 608` bytes: for
     /// each reference, a leaf block of one and a node of two children. Building takes at most `1100 b + 2^17` bytes
     /// beside the triangles, on up to a hundred threads. For each reference these are two nodes of the k-d tree, a
     /// reference, and a box in a list with room for twice its length, 84 bytes; two binary nodes, 152; a leaf block of
@@ -108,7 +108,7 @@ impl WideBvh {
     /// nodes are fuller: in the smallest cells, meshes and random triangles take 200 to 1700 `n` bytes (measured).
     ///
     /// # Errors
-    /// As [`KdTree::build`](crate::KdTree::build), and [`GeomError::Budget`] for more than about 134 million
+    /// As [`KdTree::build_with`](crate::KdTree::build_with), and [`GeomError::Budget`] for more than about 134 million
     /// references.
     pub fn build_with(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
         Ok(Self { tree: build::build(triangles, options)?, token: Token::new(SimdLevel::Avx512) })

@@ -10,7 +10,7 @@ use std::cmp::Reverse;
 /// Relative to the picture's mean radiance, over all pixels and components alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct ImageError {
+pub struct ErrorEstimate {
     /// Root of the mean squared error: the standard errors of the pixels, averaged as squares, over
     /// the picture's mean radiance. Infinite before there are two observations, 0 if no pixel varied: that is certain only
     /// where [`interval_95`](Self::interval_95) ends at 0, and where radiance is not so small that variances underflow,
@@ -36,7 +36,7 @@ pub struct ImageError {
 
 impl Film {
     /// How far the whole picture is from the truth.
-    pub fn error(&self) -> ImageError {
+    pub fn error(&self) -> ErrorEstimate {
         let mut sums = ErrorSums::default();
         sums.add(self);
         sums.error()
@@ -66,7 +66,7 @@ impl PixelSums {
         self.pixels += film.pixel_count() as u64;
     }
 
-    /// [`ImageError::relative_rmse`] of the pixels added; infinite if there are none.
+    /// [`ErrorEstimate::relative_rmse`] of the pixels added; infinite if there are none.
     pub fn relative_rmse(&self) -> f64 {
         let mse = (self.variance / self.pixels as f64).mean();
         if mse == 0.0 {
@@ -119,12 +119,12 @@ impl ErrorSums {
     }
 
     /// The error of all rows added.
-    pub(crate) fn error(&self) -> ImageError {
+    pub(crate) fn error(&self) -> ErrorEstimate {
         let relative_rmse = self.pixels.relative_rmse();
-        let unknown = ImageError { relative_rmse, interval_95: [0.0, f64::INFINITY] };
+        let unknown = ErrorEstimate { relative_rmse, interval_95: [0.0, f64::INFINITY] };
         let Some(passes) = self.passes.as_ref().filter(|_| relative_rmse.is_finite()) else { return unknown };
         if relative_rmse == 0.0 && passes.tally.observations >= LEAST_EQUAL {
-            return ImageError { relative_rmse, interval_95: [0.0; 2] };
+            return ErrorEstimate { relative_rmse, interval_95: [0.0; 2] };
         }
         let Dispersion { variance, dof } = passes.dispersion(&self.blocks);
         if dof == 0.0 {
@@ -133,7 +133,7 @@ impl ErrorSums {
         // Of the logarithm, which is less skewed than the variance; half of it for the root.
         let std_err = (variance / (passes.tally.observations - 1) as f64).sqrt() / 2.0;
         let factor = (student::quantile_975(dof as u64) * std_err).exp();
-        ImageError { relative_rmse, interval_95: [relative_rmse / factor, relative_rmse * factor] }
+        ErrorEstimate { relative_rmse, interval_95: [relative_rmse / factor, relative_rmse * factor] }
     }
 }
 

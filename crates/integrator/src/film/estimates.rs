@@ -190,7 +190,7 @@ mod tests {
 
     /// A strip whose pixels have sums of 0, 1, 2, ... and so large spreads too.
     fn strip(rows: Range<u32>) -> Film {
-        let mut film = Film::new(3, rows, PathReuse::Sixteens);
+        let mut film = Film::new(3, rows, PathReuse::Tiles);
         let pixel = |i: usize| Moments { sum: Rgb::splat(i as f64), spread: Rgb::splat(i as f64) };
         let pixels = (0..film.pixel_count()).map(pixel).collect();
         film.insert(PassNode::of_pass(0, Tally { samples: 8, observations: 4 }, pixels, 3));
@@ -203,7 +203,7 @@ mod tests {
         let estimates = Estimates::of(&film);
         assert!(film.means().eq(estimates.means.iter().copied()));
         assert_eq!((estimates.samples[5], estimates.observations[0]), (8, 4));
-        assert_eq!(estimates.path_reuse, PathReuse::Sixteens);
+        assert_eq!(estimates.path_reuse, PathReuse::Tiles);
         let margins = estimates.margins_95();
         assert_eq!(margins.len(), 6);
         for (margin, expected) in margins.iter().zip(film.margins_95()) {

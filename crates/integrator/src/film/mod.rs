@@ -15,7 +15,7 @@ pub(crate) mod student;
 
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
 pub(crate) use dispersion::Blocks;
-pub use error::{ImageError, PixelSums};
+pub use error::{ErrorEstimate, PixelSums};
 pub use estimates::Estimates;
 pub(crate) use estimates::{assert_crop, crop};
 #[cfg(any(test, feature = "fuzz"))]
@@ -337,7 +337,7 @@ mod tests {
     fn errors_of_a_block_are_those_of_its_mean() {
         let sum = |value: f64| Moments { sum: Rgb::splat(value), spread: Rgb::BLACK };
         let values: Vec<f64> = (0..37).map(|i| 1.0 / f64::from(3 + i)).collect();
-        let mut film = Film::new(6, 0..1, PathReuse::Sixteens);
+        let mut film = Film::new(6, 0..1, PathReuse::Tiles);
         for (first, &x) in (0..).zip(&values) {
             let pixels = [x, 1.0 - x, 0.5, 0.5, x, x].map(sum).to_vec();
             film.insert(PassNode::of_pass(first, Tally { samples: 1, observations: 1 }, pixels, 6));

@@ -10,12 +10,12 @@ use crate::{CheckpointError, Counters};
 /// use globillum_integrator::{Picture, Render, Settings, render};
 /// # use globillum_integrator::{Camera, Model, Scene};
 /// # use glam::{DVec3, Vec3};
-/// # use globillum_geom::{KdOptions, KdTree, Triangle};
+/// # use globillum_geom::{KdTree, Triangle};
 /// # use globillum_material::{Material, Rgb};
 /// # let mut model = Model::default();
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
-/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let scene = Scene::build(model, KdTree::build)?;
 /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let settings = Settings::new(8, 8, 64); // four passes of 16 samples
 /// let mut here = Render::new(&scene, &camera, &settings).passes(0..2).run(&())?;

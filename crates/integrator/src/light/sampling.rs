@@ -35,7 +35,7 @@ pub enum LightSampling {
 /// fn radiance(scene: &Scene<WideBvh>, ray: &Ray, numbers: Stream) -> Rgb {
 ///     let Some(hit) = scene.accel().intersect(ray) else { return scene.environment() };
 ///     let at = scene.interaction(ray, &hit);
-///     let lights = scene.light_sampler(LightSampling::SolidAngle, at.point.position, at.side());
+///     let lights = scene.light_sampler(LightSampling::SolidAngle, at.point.position, at.facing_normal());
 ///     let Some(light) = lights.sample(numbers.uniform(0), numbers.uniform_pair(1)) else {
 ///         return at.emitted();
 ///     };
@@ -114,7 +114,9 @@ impl LightSample {
             Self::Delta(DeltaLightSample { position: Some(position), .. }) => {
                 from.segment_to_position(*position)
             }
-            Self::Delta(DeltaLightSample { position: None, direction, .. }) => Some(from.spawn(*direction)),
+            Self::Delta(DeltaLightSample { position: None, direction, .. }) => {
+                Some(from.spawn_ray(*direction))
+            }
         }
     }
 

@@ -41,7 +41,7 @@ pub(super) fn max_reflections(context: &RenderContext<'_>) -> u32 {
 
 /// The ray that leaves a mirror after one in `direction`, of any length, has met it.
 pub(super) fn reflected_ray(mirror: &SurfacePoint, direction: DVec3) -> Ray {
-    mirror.spawn(reflection(direction, mirror.normal))
+    mirror.spawn_ray(reflection(direction, mirror.normal))
 }
 
 impl EmissionRays {

@@ -45,7 +45,7 @@ pub(super) fn first_diffuse_vertex<'a>(
 
 /// The ray that a diffuse surface scatters by the uniform numbers `u`, and its density; `None` if it reflects nothing.
 pub(super) fn scattered_ray(at: &Interaction<'_>, u: [f64; 2]) -> Option<(Ray, Density)> {
-    let frame = Frame::around(at.side());
+    let frame = Frame::around(at.facing_normal());
     let sample = at.material.bsdf.sample(frame.to_local(at.wo), u)?;
-    Some((at.point.spawn(frame.to_world(sample.wi)), sample.density))
+    Some((at.point.spawn_ray(frame.to_world(sample.wi)), sample.density))
 }

@@ -46,7 +46,7 @@ impl<'a> PathVertex<'a> {
         is_first: bool,
         numbers: BounceNumbers,
     ) -> Self {
-        let frame = Frame::around(at.side());
+        let frame = Frame::around(at.facing_normal());
         let guide_cell = guide_cell.filter(|_| at.material.bsdf.is_diffuse());
         Self {
             at,

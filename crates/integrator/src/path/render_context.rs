@@ -59,7 +59,7 @@ impl RenderContext<'_> {
     /// at the first.
     pub(super) fn reuses_paths(&self) -> bool {
         let Settings { max_bounces, roulette, path_reuse, .. } = *self.settings;
-        path_reuse == PathReuse::Sixteens && max_bounces.is_none_or(|max| max >= 2) && roulette.start > 0
+        path_reuse == PathReuse::Tiles && max_bounces.is_none_or(|max| max >= 2) && roulette.start > 0
     }
 
     /// Whether the edges of lights are supersampled.
@@ -76,7 +76,7 @@ impl RenderContext<'_> {
 
     /// Whether the samples of pixels that reuse each other's paths are one net.
     pub(super) fn stratifies_groups(&self) -> bool {
-        self.settings.path_reuse == PathReuse::Sixteens && self.settings.sampler == Sampler::Sobol
+        self.settings.path_reuse == PathReuse::Tiles && self.settings.sampler == Sampler::Sobol
     }
 
     /// What samples lights for `receiver`.

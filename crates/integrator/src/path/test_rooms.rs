@@ -9,7 +9,7 @@ use crate::pixel_rect::PixelRect;
 use crate::{Camera, Guiding, Model, Scene, Sensor, Settings};
 use glam::DVec3;
 use globillum_geom::conformance::shapes::{icosphere, quad};
-use globillum_geom::{KdOptions, KdTree, Triangle};
+use globillum_geom::{KdTree, Triangle};
 use globillum_material::{Emission, Material, Rgb, Sides};
 
 pub(super) const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 13, height: 16 };
@@ -21,7 +21,7 @@ pub(super) fn room(size: f64) -> Scene<KdTree> {
 }
 
 pub(super) fn built(model: Model) -> Scene<KdTree> {
-    Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default())).unwrap()
+    Scene::build(model, KdTree::build).unwrap()
 }
 
 /// The room with a wall that the floor sees, and that sees the light in mirrors.

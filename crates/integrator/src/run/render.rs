@@ -41,12 +41,12 @@ pub fn render(
 /// use globillum_integrator::{Ending, Render, Settings, Stop};
 /// # use globillum_integrator::{Camera, Model, Scene};
 /// # use glam::{DVec3, Vec3};
-/// # use globillum_geom::{KdOptions, KdTree, Triangle};
+/// # use globillum_geom::{KdTree, Triangle};
 /// # use globillum_material::{Material, Rgb};
 /// # let mut model = Model::default();
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
-/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let scene = Scene::build(model, KdTree::build)?;
 /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let settings = Settings::new(32, 32, u32::MAX);
 /// let mut stop = Stop::default();
@@ -97,12 +97,12 @@ impl<'a> Render<'a> {
     /// ```
     /// # use globillum_integrator::{Camera, Model, Render, Scene, Settings};
     /// # use glam::{DVec3, Vec3};
-    /// # use globillum_geom::{KdOptions, KdTree, Triangle};
+    /// # use globillum_geom::{KdTree, Triangle};
     /// # use globillum_material::{Material, Rgb};
     /// # let mut model = Model::default();
     /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
     /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
-    /// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+    /// # let scene = Scene::build(model, KdTree::build)?;
     /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
     /// let settings = Settings::new(640, 480, 16);
     /// let crop = Render::new(&scene, &camera, &settings).crop(320..352, 240..304).run(&())?;

@@ -33,7 +33,7 @@ pub struct Stop {
     /// [pilot](Stop::pilot), whose first pass is finished too, the second is the time of two passes.
     pub seconds: Option<f64>,
     /// Goal, above 0 and finite: the upper end of the 95 % interval of the picture's relative error
-    /// ([`ImageError`](crate::ImageError)) is at most this. A picture in which no pixel has varied meets it only from 64
+    /// ([`ErrorEstimate`](crate::ErrorEstimate)) is at most this. A picture in which no pixel has varied meets it only from 64
     /// observations on, as does one whose variances are so small that they underflow, at a radiance below 1e-154. The error
     /// is relative to the mean over all pixels: a small bright object on a black background takes many more samples than one
     /// that fills the picture.

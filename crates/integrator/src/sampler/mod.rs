@@ -25,7 +25,7 @@ pub enum Sampler {
     /// samples, and is estimated from their variance.
     Independent,
     /// Sobol' points with Owen scrambling, stratified over each pass of a pixel, and of tiles of pixels where these
-    /// depend on each other anyway ([`PathReuse::Sixteens`](crate::PathReuse)). Passes are independent replicates; the
+    /// depend on each other anyway ([`PathReuse::Tiles`](crate::PathReuse)). Passes are independent replicates; the
     /// error is estimated from their variance.
     #[default]
     Sobol,

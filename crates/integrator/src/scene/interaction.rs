@@ -27,12 +27,12 @@ impl Interaction<'_> {
     /// What receives light on that side of the surface from which the ray came.
     #[inline(always)]
     pub(crate) fn receiver(&self) -> Receiver {
-        Receiver { position: self.point.position, side: self.side().as_vec3() }
+        Receiver { position: self.point.position, side: self.facing_normal().as_vec3() }
     }
 
     /// The unit normal on the side of the surface from which the ray came.
     #[inline(always)]
-    pub fn side(&self) -> DVec3 {
+    pub fn facing_normal(&self) -> DVec3 {
         let normal = self.point.normal;
         normal * 1.0_f64.copysign(normal.dot(self.wo))
     }

@@ -67,11 +67,11 @@ impl<A: ?Sized> Scene<A> {
 
     /// Samples lights and points on them, distributed as `sampling` says, for the receiver `from`.
     ///
-    /// `side` is the unit normal of the surface there, on the side where light counts
-    /// ([`Interaction::side`]). In a light tree, lights in front of it are chosen more often; one behind it has a
+    /// `normal` is the unit normal of the surface there, on the side where light counts
+    /// ([`Interaction::facing_normal`]). In a light tree, lights in front of it are chosen more often; one behind it has a
     /// probability above zero all the same.
-    pub fn light_sampler(&self, sampling: LightSampling, from: DVec3, side: DVec3) -> LightSampler<'_> {
-        self.light_sampler_of(sampling, Receiver { position: from, side: side.as_vec3() })
+    pub fn light_sampler(&self, sampling: LightSampling, from: DVec3, normal: DVec3) -> LightSampler<'_> {
+        self.light_sampler_of(sampling, Receiver { position: from, side: normal.as_vec3() })
     }
 
     #[inline(always)]
@@ -86,9 +86,8 @@ impl<A: ?Sized> Scene<A> {
 }
 
 impl<A: Accel> Scene<A> {
-    /// Checks the model's triangles and calls `build` for their accelerator: `WideBvh::build`,
-    /// `|triangles| KdTree::build(triangles, &KdOptions::default())`, or `|triangles| Ok(BruteForce::build(triangles))`.
-    /// Traces no ray.
+    /// Checks the model's triangles and calls `build` for their accelerator: [`WideBvh::build`](globillum_geom::WideBvh::build),
+    /// [`KdTree::build`](globillum_geom::KdTree::build) or another function of this type. Traces no ray.
     ///
     /// To change materials or lights alone, share the accelerator: build it once over [`Scene::triangles`] or
     /// [`Triangles::new`], keep it in an [`Arc`](std::sync::Arc), and return a clone of that from `build`.

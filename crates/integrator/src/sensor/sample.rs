@@ -44,14 +44,14 @@ use std::hash::Hasher;
 ///         numbers.for_each(|x| key.write_u64(x.to_bits()));
 ///     }
 /// }
-/// # use globillum_geom::{KdOptions, KdTree, Triangle};
+/// # use globillum_geom::{KdTree, Triangle};
 /// # use globillum_integrator::{Model, Scene, Settings, render};
 /// # use globillum_material::Rgb;
 /// # let triangle = Triangle::new([9.0, 9.0, 9.0].into(), [8.0, 9.0, 9.0].into(), [9.0, 8.0, 9.0].into());
 /// # let mut model = Model::default();
 /// # model.add(globillum_material::Material::lambert(Rgb::BLACK)?, [triangle]);
 /// # model.set_environment(Rgb::WHITE)?;
-/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let scene = Scene::build(model, KdTree::build)?;
 ///
 /// let fisheye = Fisheye { eye: DVec3::ZERO, axes: DMat3::IDENTITY };
 /// let picture = render(&scene, &fisheye, &Settings::new(16, 16, 4), &())?;

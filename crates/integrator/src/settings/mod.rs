@@ -106,13 +106,13 @@ pub enum PathReuse {
     ///
     /// [`Film::block_variances_of_mean`]: crate::Film::block_variances_of_mean
     #[default]
-    Sixteens = 2,
+    Tiles = 1,
 }
 
 impl PathReuse {
     /// The inverse of [`code`](PathReuse::code).
     pub(crate) fn of_code(code: u32) -> Option<Self> {
-        [Self::Off, Self::Sixteens].into_iter().find(|kind| kind.code() == code)
+        [Self::Off, Self::Tiles].into_iter().find(|kind| kind.code() == code)
     }
 
     /// A number that is the same in all versions.
@@ -125,7 +125,7 @@ impl PathReuse {
     pub fn tile_side(self) -> u32 {
         match self {
             Self::Off => 1,
-            Self::Sixteens => TILE_SIDE,
+            Self::Tiles => TILE_SIDE,
         }
     }
 
@@ -145,7 +145,7 @@ pub enum MirrorSampling {
     Off,
     /// By way of all ideal mirrors, plane or of many triangles. A scene without mirrors costs nothing.
     ///
-    /// Light by way of more than one mirror is found by scattering. If pixels share caustics ([`PathReuse::Sixteens`]) and the
+    /// Light by way of more than one mirror is found by scattering. If pixels share caustics ([`PathReuse::Tiles`]) and the
     /// estimator samples lights, it is also looked for where photons left mirrors: half of the first diffuse vertices send
     /// a ray there (after Jensen 1995). For this, each render traces eight paths from the lights for each pixel
     /// of the whole picture, at least `2^14` and at most `2^20`, which take up to 100 MB. They are not counted; their time is.
@@ -188,7 +188,7 @@ pub enum Guiding {
 /// A path survives with probability `min(t / threshold, MAX_SURVIVE_PROB)`, where `t` is the largest
 /// component of its throughput, as it would be without [`Guiding`].
 ///
-/// With [`PathReuse::Sixteens`], a shared suffix has one `t` for all its prefixes: the largest component of the suffix's
+/// With [`PathReuse::Tiles`], a shared suffix has one `t` for all its prefixes: the largest component of the suffix's
 /// throughput times the largest throughput, component by component, of the prefixes of its group that end at the same
 /// bounce. Roulette does not end a path at the mirrors, up to eight, that follow its prefix directly.
 #[derive(Clone, Copy, Debug, PartialEq)]

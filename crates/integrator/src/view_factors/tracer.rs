@@ -130,7 +130,7 @@ impl<'a, A: Accel + ?Sized> Tracer<'a, A> {
         let front = self.normals[face.triangle as usize];
         let normal = if face.is_back { -front } else { front };
         let direction = Frame::around(normal).to_world(CosineHemisphere::sample([u[0], u[1]]));
-        self.triangles.surface_point_with_normal(face.triangle, front, v, w).spawn(direction)
+        self.triangles.surface_point_with_normal(face.triangle, front, v, w).spawn_ray(direction)
     }
 
     /// The column in which a ray is counted.

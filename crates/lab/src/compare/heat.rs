@@ -28,9 +28,9 @@ fn costs(structure: &'static str, accel: &impl Traverse, rays: &[Ray]) -> Costs 
 /// The costs of the default k-d tree, of the sliding midpoint tree and of the grid.
 fn all_costs(subject: &Subject, side: u32, structures: &Structures) -> Result<[Costs; 3]> {
     let triangles = &subject.triangles;
-    let kd = KdTree::build(triangles, &structures.usual_kd())?;
-    let sliding = KdTree::build(triangles, &structures.kd(SplitRule::SlidingMidpoint))?;
-    let grid = UniformGrid::build(triangles, &structures.grid())?;
+    let kd = KdTree::build_with(triangles, &structures.usual_kd())?;
+    let sliding = KdTree::build_with(triangles, &structures.kd(SplitRule::SlidingMidpoint))?;
+    let grid = UniformGrid::build_with(triangles, &structures.grid())?;
     let rays = Rays::new(subject, side)?.camera;
     Ok([costs("kd", &kd, &rays), costs("sliding", &sliding, &rays), costs("grid", &grid, &rays)])
 }

@@ -23,7 +23,7 @@ pub(crate) fn write(out: &mut impl Write, triangles: &Triangles, structures: &St
     ]);
     for rule in SplitRule::ALL {
         let options = structures.kd(rule);
-        let stats = KdTree::build(triangles, &options)?.stats();
+        let stats = KdTree::build_with(triangles, &options)?.stats();
         table.add_row([
             name(rule).to_owned(),
             stats.depth.to_string(),

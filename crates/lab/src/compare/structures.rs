@@ -41,7 +41,10 @@ impl Structures {
             all.push(("brute force".to_owned(), Box::new(|t| Ok(Box::new(BruteForce::build(t))))));
         }
         let grid = self.grid();
-        all.push(("uniform grid".to_owned(), Box::new(move |t| Ok(Box::new(UniformGrid::build(t, &grid)?)))));
+        all.push((
+            "uniform grid".to_owned(),
+            Box::new(move |t| Ok(Box::new(UniformGrid::build_with(t, &grid)?))),
+        ));
         let usual = self.usual_kd();
         all.push(("k-d tree".to_owned(), kd(usual)));
         all.push(("wide BVH".to_owned(), Box::new(|t| Ok(Box::new(WideBvh::build(t)?)))));
@@ -75,7 +78,7 @@ impl Structures {
 }
 
 fn kd(options: KdOptions) -> Box<dyn Fn(&Triangles) -> Built> {
-    Box::new(move |triangles| Ok(Box::new(KdTree::build(triangles, &options)?)))
+    Box::new(move |triangles| Ok(Box::new(KdTree::build_with(triangles, &options)?)))
 }
 
 /// The rule in words.

@@ -33,7 +33,7 @@ impl Combination {
     const REUSE: Self = Self {
         estimator: Estimator::Mis,
         sampler: Sampler::Sobol,
-        path_reuse: PathReuse::Sixteens,
+        path_reuse: PathReuse::Tiles,
         max_bounces: None,
     };
 

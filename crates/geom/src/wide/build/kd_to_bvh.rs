@@ -73,12 +73,12 @@ fn is_empty(tree: &KdTree, cell: u32) -> bool {
 mod tests {
     use super::*;
     use crate::wide::build::binary_tree::{Content, RefRange, Split};
-    use crate::{Aabb, KdOptions, Triangles};
+    use crate::{Aabb, Triangles};
     use glam::Vec3;
 
     fn contents(nodes: Vec<KdNode>, refs: &mut [PrimRef]) -> Vec<Content> {
         let triangles = Triangles::new(Vec::new()).unwrap();
-        let mut tree = KdTree::build(&triangles, &KdOptions::default()).unwrap();
+        let mut tree = KdTree::build(&triangles).unwrap();
         tree.nodes = nodes;
         BinaryTree::by_kd_tree(&tree, refs).nodes.iter().map(|node| node.content).collect()
     }

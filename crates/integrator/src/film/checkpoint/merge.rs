@@ -2,7 +2,7 @@ use super::header::{CheckpointHeader, CheckpointStrip};
 use super::reader::CheckpointReader;
 use crate::film::error::ErrorSums;
 use crate::film::pass_node::{PassNodeHeader, insert};
-use crate::film::{Film, ImageError};
+use crate::film::{ErrorEstimate, Film};
 use crate::{CheckpointError, Counters, MergeError};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -21,12 +21,12 @@ const AT_ONCE: usize = 16;
 /// use globillum_integrator::{CheckpointReader, CheckpointWriter, Merge, Render, Settings, render};
 /// # use globillum_integrator::{Camera, Model, Scene};
 /// # use glam::{DVec3, Vec3};
-/// # use globillum_geom::{KdOptions, KdTree, Triangle};
+/// # use globillum_geom::{KdTree, Triangle};
 /// # use globillum_material::{Material, Rgb};
 /// # let mut model = Model::default();
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
-/// # let scene = Scene::build(model, |triangles| KdTree::build(triangles, &KdOptions::default()))?;
+/// # let scene = Scene::build(model, KdTree::build)?;
 /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let settings = Settings::new(8, 32, 64); // four passes of 16 samples
 /// // The tasks of a farm: two strips, and two ranges of passes of each.
@@ -95,7 +95,7 @@ impl<R: Read + Send> Merge<R> {
     /// # Errors
     /// [`MergeError::Input`] for a checkpoint that cannot be read or is damaged, [`MergeError::Overlap`] for two
     /// that differ though their headers are equal, [`MergeError::Write`] for an error of `each`.
-    pub fn run(mut self, mut each: impl FnMut(&Film) -> io::Result<()>) -> Result<ImageError, MergeError> {
+    pub fn run(mut self, mut each: impl FnMut(&Film) -> io::Result<()>) -> Result<ErrorEstimate, MergeError> {
         let mut sums = ErrorSums::default();
         for rows in self.header.strips.iter().flat_map(CheckpointStrip::tile_rows) {
             let mut film = self.header.empty(rows.clone());

@@ -93,7 +93,7 @@ impl PhotonRays {
             let u = (choice / RAY_PROB, numbers.uniform_pair(1));
             let Some(direction) = photons.sample(end.receiver(), u) else { continue };
             if end.normal.dot(direction) > 0.0 {
-                self.rays.push(end.point.spawn(direction));
+                self.rays.push(end.point.spawn_ray(direction));
                 self.of_samples.push(sample);
             }
         }

@@ -52,7 +52,7 @@ impl LargeMirrorRays {
         let Some(radiance) = context.light_contribution(path, vertex, &LightSample::Area(seen)) else {
             return;
         };
-        self.rays.push(vertex.at.point.spawn(seen.direction));
+        self.rays.push(vertex.at.point.spawn_ray(seen.direction));
         self.samples.push(Sample { target: path.target, radiance, facet, light });
     }
 
@@ -109,6 +109,6 @@ fn seen_in(
     }
     let direction = facet.reflect(light.direction);
     let pdf = light.pdf.chosen_with(chosen.prob * sample_prob);
-    let is_hit = facet.may_be_hit_by(triangles, &at.point.spawn(direction));
+    let is_hit = facet.may_be_hit_by(triangles, &at.point.spawn_ray(direction));
     is_hit.then_some((chosen.index, light.point, AreaLightSample { direction, pdf, ..light }))
 }

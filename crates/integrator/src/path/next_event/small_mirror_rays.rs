@@ -64,7 +64,7 @@ impl SmallMirrorRays {
             let MirrorPoint { triangle, point, direction, pdf, cluster } = sample;
             let seen = LightSample::Area(AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf });
             let Some(radiance) = context.light_contribution(path, vertex, &seen) else { return };
-            self.rays.push(vertex.at.point.spawn(direction));
+            self.rays.push(vertex.at.point.spawn_ray(direction));
             self.samples.push(Sample { target: path.target, radiance, triangle, cluster });
         };
         match (vertex.small_mirror, count) {

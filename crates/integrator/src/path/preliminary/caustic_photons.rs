@@ -92,7 +92,7 @@ impl Emitters<'_> {
         let [front, back] = [1.0, -1.0].map(|cos| emission.toward(cos).luminance());
         let side = if numbers.uniform(3) * (front + back) < front { point.normal } else { -point.normal };
         let direction = Frame::around(side).to_world(CosineHemisphere::sample(numbers.uniform_pair(4)));
-        Some(PhotonPath { numbers, ray: point.spawn(direction), reflections: 0, exit: Vec3::ZERO })
+        Some(PhotonPath { numbers, ray: point.spawn_ray(direction), reflections: 0, exit: Vec3::ZERO })
     }
 }
 

@@ -105,7 +105,7 @@ impl ReuseVertex {
     ) -> usize {
         let before = rays.len();
         match suffix {
-            Suffix::Environment(direction) => rays.push(self.point.spawn(*direction)),
+            Suffix::Environment(direction) => rays.push(self.point.spawn_ray(*direction)),
             Suffix::Surface { start, mirror: None } => rays.extend(self.point.segment_to(&start.point)),
             Suffix::Surface { start, mirror: Some(mirror) } => {
                 let reflecting = self.point_seen(triangles, mirror.point.triangle, direction);
@@ -121,7 +121,7 @@ impl ReuseVertex {
     /// Where the line in `direction` meets the triangle `index`, decided as for any ray.
     #[inline(always)]
     fn point_seen(&self, triangles: &Triangles, index: u32, direction: DVec3) -> Option<SurfacePoint> {
-        let hit = Shear::new(&self.point.spawn(direction))?.decide(triangles.get(index))?;
+        let hit = Shear::new(&self.point.spawn_ray(direction))?.decide(triangles.get(index))?;
         Some(triangles.surface_point(index, hit.u, hit.v))
     }
 }

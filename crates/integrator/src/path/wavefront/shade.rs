@@ -271,7 +271,7 @@ impl Path {
             }
             Density::Delta => self.mis.after_mirror(context, at.point.triangle),
         };
-        (!self.throughput.is_black()).then(|| at.point.spawn(frame.to_world(sample.wi)))
+        (!self.throughput.is_black()).then(|| at.point.spawn_ray(frame.to_world(sample.wi)))
     }
 }
 
