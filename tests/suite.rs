@@ -27,6 +27,7 @@ mod irradiance;
 mod light_leaks;
 mod light_sample_counts;
 mod light_samples;
+mod many_renders;
 mod materials;
 mod mirrors;
 mod models;

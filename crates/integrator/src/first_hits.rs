@@ -2,7 +2,7 @@
 
 use crate::caught::caught;
 use crate::film::{assert_crop, crop};
-use crate::worker_threads::worker_threads;
+use crate::worker_threads::run_in_threads;
 use crate::{ElementSample, PathStart, RenderError, Scene, Sensor, Settings};
 use glam::DVec3;
 use globillum_geom::{Accel, Hit, Ray};
@@ -94,16 +94,15 @@ impl FirstHits {
         settings: &Settings,
     ) -> Result<Self, RenderError> {
         let settings = &settings.for_sensor(camera)?;
-        let threads = worker_threads(settings.threads).map_err(RenderError::Threads)?;
         let &Settings { width, height, .. } = settings;
         let view = View { scene, camera, size: [width, height] };
         let row = |y: u32| {
             let pixels = || (0..width).map(|x| view.pixel(x, y)).collect::<Vec<FirstHit>>();
             caught(pixels).map_err(|message| RenderError::Worker { x: 0, y, message })
         };
-        let rows: Result<Vec<_>, RenderError> =
-            threads.install(|| (0..height).into_par_iter().map(row).collect());
-        Ok(Self { width, height, pixels: rows?.concat() })
+        let rows = || (0..height).into_par_iter().map(row).collect::<Result<Vec<_>, RenderError>>();
+        let rows = run_in_threads(settings.threads, rows).map_err(RenderError::Threads)??;
+        Ok(Self { width, height, pixels: rows.concat() })
     }
 
     /// The pixels of these columns and rows alone.

@@ -8,7 +8,7 @@ use super::tile_probes::TileProbes;
 use super::wavefront::{IRRADIANCE_PER_RADIANCE, Wavefront};
 use crate::caught::caught;
 use crate::pixel_rect::PixelRect;
-use crate::worker_threads::worker_threads;
+use crate::worker_threads::run_in_threads;
 use crate::{RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, SurfacePoint};
 use globillum_material::{Material, Rgb};
@@ -83,14 +83,14 @@ pub fn replay(
     if let Some((name, value, _, range)) = within.into_iter().find(|(_, value, end, _)| value >= end) {
         return Err(RenderError::Param { name, value: value.into(), range });
     }
-    let threads = worker_threads(settings.threads).map_err(RenderError::Threads)?;
-    threads.install(|| {
+    let work = || {
         let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
         let tile = PixelRect::square_around(x, y, [settings.width, settings.height]);
         let replay =
             || replay_within(&prepared(scene, sensor, settings, guide.as_ref()), tile, (x, y), sample);
         caught(replay).map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
-    })
+    };
+    run_in_threads(settings.threads, work).map_err(RenderError::Threads)?
 }
 
 /// [`replay`], given what is done before the first sample and the tile of the pixel.

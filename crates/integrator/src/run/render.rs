@@ -7,7 +7,7 @@ use super::stop::Stop;
 use crate::caught::caught;
 use crate::path::{guide, prepared};
 use crate::pixel_rect::PixelRect;
-use crate::worker_threads::worker_threads;
+use crate::worker_threads::run_in_threads;
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use std::cmp::Ordering;
@@ -160,8 +160,7 @@ impl<'a> Render<'a> {
         let picture = self.start(crop, self.checked_rows(crop.height)?, &settings)?;
         let rows = picture.film.rows();
         let window = PixelRect { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
-        let threads = worker_threads(self.settings.threads).map_err(RenderError::Threads)?;
-        threads.install(|| {
+        let work = || {
             let guide = guide(self.scene, self.sensor, &settings, || monitor.cancelled())?;
             let ControlFlow::Continue(guide) = guide else {
                 return Ok(Picture { ending: Ending::Cancelled, ..picture });
@@ -172,7 +171,8 @@ impl<'a> Render<'a> {
             let meter = Meter::new(start, self.stop.seconds);
             let renderer = PassRenderer { context, monitor, meter: &meter, window, probes };
             PassLoop { renderer, stop: self.stop }.add_passes(picture, passes)
-        })
+        };
+        run_in_threads(self.settings.threads, work).map_err(RenderError::Threads)?
     }
 
     fn checked_passes(&self) -> Result<Range<u32>, RenderError> {

@@ -48,7 +48,8 @@ pub struct Settings {
     pub filter: PixelFilter,
     /// Which random numbers are used.
     pub seed: u64,
-    /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for one per processor.
+    /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for one per processor. Each computation starts its own, also in
+    /// a thread pool of the caller; of many at a time, each may have 1.
     pub threads: usize,
     /// The largest number of bounces of a path, at most [`Settings::MAX_BOUNCES`]: 0 is emission only, 1 adds
     /// direct light. A limit biases the picture, since light of more bounces is missing. With `None`,

@@ -5,7 +5,7 @@ use crate::caught::caught;
 use crate::checked_accel;
 use crate::hash::{fold, sources};
 use crate::run::Meter;
-use crate::worker_threads::worker_threads;
+use crate::worker_threads::run_in_threads;
 use crate::{Counters, Ending, Monitor};
 use globillum_geom::{Accel, Triangles};
 use globillum_material::Sides;
@@ -61,8 +61,8 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
             return Err(FactorError::OtherTriangles);
         }
         let start = self.start()?;
-        let threads = worker_threads(self.settings.threads).map_err(FactorError::Threads)?;
-        threads.install(|| self.add_passes(start, monitor))
+        run_in_threads(self.settings.threads, || self.add_passes(start, monitor))
+            .map_err(FactorError::Threads)?
     }
 
     /// The view factors to continue.

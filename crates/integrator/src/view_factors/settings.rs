@@ -27,7 +27,8 @@ pub struct FactorSettings {
     pub sides: Sides,
     /// Which random numbers are used.
     pub seed: u64,
-    /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for one per processor.
+    /// Worker threads, at most [`Settings::MAX_THREADS`]; 0 for one per processor. Each computation starts its own, also in
+    /// a thread pool of the caller; of many at a time, each may have 1.
     pub threads: usize,
 }
 
