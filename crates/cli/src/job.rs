@@ -1,4 +1,5 @@
 use crate::accel::AccelKind;
+use crate::brightness;
 use crate::checkpoint::Checkpoint;
 use crate::console;
 use crate::exr_range;
@@ -16,6 +17,7 @@ use anyhow::{Context, Result};
 use globillum::geom::Accel;
 use globillum::integrator::{FirstHits, Model, Picture, Scene, Settings};
 use globillum::io::PictureData;
+use globillum::material::Rgb;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -111,6 +113,11 @@ impl Job {
             let hits = failures.keep(FirstHits::of(&scene, camera.sensor(), &settings));
             data.first_hits = hits.map(|hits| shown.cut_hits(hits));
         }
+        let shines = !scene.lights().is_empty() || !scene.environment().is_black();
+        let hint = brightness::hint(mean(&data.estimates.means), flags.output.exposure);
+        if let Some(hint) = hint.filter(|_| shines && picture.samples > 0 && outputs.show_exposed()) {
+            console::warn(format_args!("{hint}"));
+        }
         let written = outputs.write(&data, || to_json(&summary), &mut failures);
         let table = console::print_table(&summary.to_table(&written), data_on_stdout);
         failures.keep(interrupt.ignore_after_hangup(table));
@@ -118,6 +125,11 @@ impl Job {
         let kept = format!("complete passes are kept, {} samples per pixel", picture.samples);
         interrupt.check_ending(picture.ending, kept)
     }
+}
+
+fn mean(pixels: &[Rgb]) -> Rgb {
+    let sum = pixels.iter().fold(Rgb::BLACK, |sum, &pixel| sum + pixel);
+    sum / pixels.len() as f64
 }
 
 /// What is written of a picture.

@@ -6,6 +6,7 @@
 //! `summary` reports figures; `console` alone writes to the terminal; `exit` has the exit codes.
 
 mod accel;
+mod brightness;
 mod checkpoint;
 mod checkpoint_coverage;
 mod commands;

@@ -47,6 +47,16 @@ impl Outputs {
         stats || self.pictures.iter().any(Target::is_stdout)
     }
 
+    /// Whether a picture is written that `--exposure` changes: a PNG.
+    pub(crate) fn show_exposed(&self) -> bool {
+        let is_png =
+            |path: &PathBuf| PictureFormat::of(path).is_ok_and(|format| format == PictureFormat::Png);
+        self.pictures.iter().any(|picture| match picture {
+            Target::File(path, _) => is_png(path),
+            Target::StandardOutput => true,
+        })
+    }
+
     /// Whether a picture is to be written.
     pub(crate) fn want_picture(&self) -> bool {
         !self.pictures.is_empty()

@@ -1,9 +1,14 @@
 use crate::WarningKind;
 
+/// What an ignored texture of colours counts as. Exporters write the factor 1 beside it, which says nothing.
+pub(crate) const MEAN_OF_TEXTURE: f64 = 0.5;
+
 /// Properties of a material that its [`Material`](globillum_material::Material) does not have.
 #[derive(Default)]
 pub(crate) struct Losses {
     pub(crate) textured: bool,
+    /// Whether a texture defines its emission.
+    pub(crate) emission: bool,
     pub(crate) transparent: bool,
     pub(crate) spectral: bool,
     /// Whether it is approximated by an ideal mirror or an ideal diffuse surface.
@@ -17,8 +22,9 @@ impl Losses {
     pub(crate) fn warnings(self, name: &str) -> impl Iterator<Item = WarningKind> {
         let by = if self.is_mirror { "an ideal mirror" } else { "an ideal diffuse surface" };
         type Kind = fn(String, &'static str) -> WarningKind;
-        let kinds: [(bool, Kind); 4] = [
+        let kinds: [(bool, Kind); 5] = [
             (self.textured, |name, _| WarningKind::TexturesIgnored { name }),
+            (self.emission, |name, _| WarningKind::EmissionIgnored { name }),
             (self.transparent, |name, _| WarningKind::TransparencyIgnored { name }),
             (self.spectral, |name, _| WarningKind::SpectrumIgnored { name }),
             (self.approximated, |name, by| WarningKind::Approximated { name, by }),

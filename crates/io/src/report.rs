@@ -37,8 +37,10 @@ pub enum WarningKind {
     UnknownMaterial { name: String },
     /// A second material of the same name, which replaces the first.
     DuplicateMaterial { name: String },
-    /// Textures of a material: its constant factors are used instead.
+    /// Textures of a material: its constant factors are used instead, and a texture of colours counts as a grey of 0.5.
     TexturesIgnored { name: String },
+    /// The emission of a material, which a texture defines: it does not emit.
+    EmissionIgnored { name: String },
     /// A transparent material, which is treated as opaque.
     TransparencyIgnored { name: String },
     /// A spectral curve, which is not supported: the default is used.
@@ -94,6 +96,7 @@ impl Warning {
             | WarningKind::UnknownMaterial { name }
             | WarningKind::DuplicateMaterial { name }
             | WarningKind::TexturesIgnored { name }
+            | WarningKind::EmissionIgnored { name }
             | WarningKind::TransparencyIgnored { name }
             | WarningKind::SpectrumIgnored { name }
             | WarningKind::Approximated { name, .. }
@@ -121,6 +124,9 @@ impl fmt::Display for WarningKind {
                 write!(f, "material `{name}` is redefined; the last definition is used")
             }
             Self::TexturesIgnored { name } => write!(f, "textures of material `{name}` are ignored"),
+            Self::EmissionIgnored { name } => {
+                write!(f, "emission of material `{name}` is ignored: a texture defines it")
+            }
             Self::TransparencyIgnored { name } => write!(f, "transparency of material `{name}` is ignored"),
             Self::SpectrumIgnored { name } => write!(f, "spectral curve of material `{name}` is ignored"),
             Self::Approximated { name, by } => write!(f, "material `{name}` is approximated by {by}"),

@@ -28,8 +28,7 @@ fn objects(scene: &str) -> Vec<Value> {
 fn every_triangle_is_there() {
     for (scene, names) in [
         ("room", &["room.obj", "room_pbr.obj", "room.glb"][..]),
-        ("room_plain_obj", &["room_plain.obj"]),
-        ("room_plain", &["room_plain.glb"]),
+        ("room_plain", &["room_plain.obj", "room_plain.glb"]),
         ("startup", &["startup.glb"]),
         ("spot", &["spot.glb"]),
         ("bust", &["bust.obj"]),

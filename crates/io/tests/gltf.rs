@@ -246,13 +246,24 @@ fn materials_become_the_nearer_of_two() {
             ],
         ),
         (
-            json!({"name": "m", "alphaMode": "BLEND", "emissiveTexture": {"index": 0}, "pbrMetallicRoughness":
-                {"metallicFactor": 0}}),
-            lambert(1.0),
+            json!({"name": "m", "alphaMode": "BLEND", "pbrMetallicRoughness":
+                {"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, 1], "baseColorTexture": {"index": 0}}}),
+            lambert(0.25),
             vec![
                 WarningKind::TexturesIgnored { name: "m".into() },
                 WarningKind::TransparencyIgnored { name: "m".into() },
             ],
+        ),
+        (
+            json!({"name": "m", "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0},
+                "pbrMetallicRoughness": {"metallicFactor": 0}}),
+            lambert(1.0),
+            vec![WarningKind::EmissionIgnored { name: "m".into() }],
+        ),
+        (
+            json!({"name": "m", "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": {"metallicFactor": 0}}),
+            lambert(1.0),
+            vec![],
         ),
     ];
     for (json, expected, kinds) in cases {

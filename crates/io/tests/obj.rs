@@ -239,6 +239,9 @@ fn mirrors_are_those_of_the_table_in_the_documentation() {
         ("Ks 0.5\nillum 2\nmap_Kd a.png", false, [0.5; 3]),
         ("Kd 0.75 0.5 0.25\nKs 0.5\nillum 3", true, [0.75, 0.5, 0.25]),
         ("Kd 0.125\nKs 0.5\nillum 3", true, [0.125; 3]),
+        // A texture that is not read counts as a grey of one half.
+        ("Kd 0.75 0.5 0.25\nmap_Kd a.png", false, [0.375, 0.25, 0.125]),
+        ("Kd 0.75 0.5 0.25\nKs 0.5\nillum 3\nmap_Kd a.png", true, [0.375, 0.25, 0.125]),
         ("Kd 0.75 0.5 0.25\nKs 1\nillum 3", true, [0.75, 0.5, 0.25]),
         ("Ks 0.5\nillum 3\nmap_Kd a.png", true, [0.5; 3]),
         // The extension for physically based materials is read as glTF's factors are.
@@ -282,6 +285,19 @@ fn only_ideal_materials_are_not_approximated() {
         let loaded = load_with(&format!("newmtl m\n{mtl}\n")).unwrap();
         let is_it = |(_, kind): &(Place, WarningKind)| matches!(kind, WarningKind::Approximated { .. });
         assert_eq!(warnings(&loaded).iter().any(is_it), approximated, "{mtl}");
+    }
+}
+
+/// A texture of emission is mostly black where nothing shines.
+#[test]
+fn what_a_texture_defines_does_not_shine() {
+    for (mtl, says_so) in
+        [("Ke 1\nmap_Ke a.png", true), ("map_Ke a.png", true), ("Ke 0\nmap_Ke a.png", false), ("Ke 1", false)]
+    {
+        let loaded = load_with(&format!("newmtl m\n{mtl}\n")).unwrap();
+        assert_eq!(loaded.model.material(0).emission == Emission::NONE, mtl != "Ke 1", "{mtl}");
+        let ignored = (Place::Line(1), WarningKind::EmissionIgnored { name: "m".into() });
+        assert_eq!(warnings(&loaded).contains(&ignored), says_so, "{mtl}");
     }
 }
 

@@ -1,9 +1,10 @@
+use crate::console;
 use crate::exit::CODES;
 use crate::file_conflicts::Uses;
 use crate::flags::{LoadedScene, RenderFlags, SceneFlags};
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
-use crate::view::{self, CameraType, Up, View};
+use crate::view::{self, CameraType, Up, View, sun_and_sky};
 use anyhow::{Result, anyhow};
 
 const LONG_ABOUT: &str = "\
@@ -12,8 +13,8 @@ Renders a scene file, Wavefront OBJ or glTF 2.0, and prints samples, rays, time 
 What the file says and the renderer has not, such as textures, is left out with a warning on standard error. \
 The first warning of each kind is shown, with the number of such warnings; --verbose shows all.
 
-A file without cameras is framed automatically. A file in which nothing shines is rendered in a white \
-environment of radiance 1.
+A file without cameras is framed automatically. A file in which nothing shines is rendered under a grey sky, with a sun \
+behind the viewer's left shoulder.
 
 Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the render after the passes that are complete: \
 picture, figures and checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is \
@@ -82,10 +83,17 @@ impl Options {
     /// Loads the scene.
     pub(crate) fn subject(&self, interrupt: &Interrupt) -> Result<Subject> {
         let camera = self.camera()?;
-        let LoadedScene { name, model, cameras, files } =
+        let LoadedScene { name, mut model, lacks_light, cameras, files } =
             self.scene.load(self.flags.warnings(), interrupt)?;
         let own = cameras.first().map(|&camera| View::Own(camera, self.camera_type, self.up));
         let view = camera.or(own).unwrap_or(View::Automatic(self.camera_type, self.up));
+        if lacks_light {
+            console::warn(format_args!(
+                "{name}: scene has no lights: a grey sky of radiance 0.3 and a sun are added \
+                 (--environment R,G,B sets a sky without a sun; 0 is none)"
+            ));
+            sun_and_sky::add(&mut model, &view, self.up)?;
+        }
         Ok(Subject { name, model, view, files })
     }
 

@@ -3,7 +3,7 @@ use crate::load::Warnings;
 use crate::{console, load, parse, view};
 use anyhow::Result;
 use globillum::integrator::{Camera, Model};
-use globillum::io::{Limits, LoadReport, Loaded, Loader, WarningKind};
+use globillum::io::{Limits, Loaded, Loader, WarningKind};
 use globillum::material::Rgb;
 use std::path::PathBuf;
 
@@ -15,9 +15,11 @@ pub(crate) struct SceneFlags {
     #[arg(value_name = "SCENE.{obj,gltf,glb}")]
     pub(crate) scene: PathBuf,
     /// Radiance of the environment from all directions: a number, or one each for red, green and blue
-    /// [default: 0, or 1 in a scene without lights]
+    /// [default: 0; a scene without lights gets light]
     ///
-    /// Each is 0 or from 1e-50 to 1e50. 0 is no environment: a scene without lights is then black.
+    /// Each is 0 or from 1e-50 to 1e50. 0 is no environment: a scene without lights is then black. Without this flag, a
+    /// picture of such a scene has a grey sky of radiance 0.3 and a sun behind the viewer's left shoulder; irradiance is
+    /// that of a sky of radiance 1.
     #[arg(long, value_name = "R,G,B")]
     #[arg(allow_hyphen_values = true, value_parser = view::parse_colour)]
     environment: Option<Rgb>,
@@ -40,7 +42,10 @@ pub(crate) struct SceneFlags {
 pub(crate) struct LoadedScene {
     /// The file.
     pub(crate) name: String,
+    /// In the environment asked for.
     pub(crate) model: Model,
+    /// Whether nothing shines, and nothing was asked for.
+    pub(crate) lacks_light: bool,
     pub(crate) cameras: Vec<Camera>,
     /// The files that it was read from.
     pub(crate) files: Vec<PathBuf>,
@@ -57,28 +62,13 @@ impl SceneFlags {
         let loaded = load::load(&self.scene, loader, warnings, interrupt)?;
         let name = self.scene.display().to_string();
         let Loaded { mut model, cameras, files, report, .. } = loaded;
-        model.set_environment(self.environment(&name, &report))?;
-        Ok(LoadedScene { name, model, cameras, files })
-    }
-
-    /// The environment asked for; else none, or a white one if nothing in the file shines.
-    fn environment(&self, name: &str, report: &LoadReport) -> Rgb {
+        model.set_environment(self.environment.unwrap_or(Rgb::BLACK))?;
         let is_dark = report.warnings.iter().any(|warning| warning.kind == WarningKind::NoLight);
-        match self.environment {
-            None if is_dark => {
-                console::warn(format_args!(
-                    "{name}: scene has no lights: a white environment of radiance 1 is added \
-                     (--environment R,G,B sets it; 0 is none)"
-                ));
-                Rgb::WHITE
-            }
-            Some(Rgb::BLACK) if is_dark => {
-                console::warn(format_args!(
-                    "{name}: scene has no lights and no environment: the picture is black"
-                ));
-                Rgb::BLACK
-            }
-            asked => asked.unwrap_or(Rgb::BLACK),
+        if is_dark && self.environment == Some(Rgb::BLACK) {
+            console::warn(format_args!(
+                "{name}: scene has no lights and no environment: the picture is black"
+            ));
         }
+        Ok(LoadedScene { name, model, lacks_light: is_dark && self.environment.is_none(), cameras, files })
     }
 }

@@ -53,6 +53,15 @@ impl AnyCamera {
         })
     }
 
+    /// The direction of the middle of its picture, of any length.
+    pub(super) fn forward(&self) -> DVec3 {
+        match self {
+            Self::Pinhole(camera) => camera.ray(0.0, 0.0, 1.0).direction,
+            Self::Orthographic(camera) => camera.ray(0.0, 0.0, 1.0).direction,
+            Self::Spherical(camera) => camera.ray(0.0, 0.0).direction,
+        }
+    }
+
     pub(crate) fn sensor(&self) -> &dyn Sensor {
         match self {
             Self::Pinhole(camera) => camera,

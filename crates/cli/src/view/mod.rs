@@ -5,6 +5,7 @@ mod axes;
 mod flags;
 mod inside;
 mod outside;
+pub(crate) mod sun_and_sky;
 
 pub(crate) use any_camera::{AnyCamera, CameraType};
 pub use axes::Up;
@@ -12,7 +13,8 @@ pub(crate) use flags::{format_camera, format_vector, parse_any_camera};
 pub use flags::{parse_camera, parse_colour};
 pub use outside::of_all;
 
-use globillum::geom::Accel;
+use globillum::geom::{Aabb, Accel};
+use globillum::glam::DVec3;
 use globillum::integrator::{Camera, RenderError, Scene};
 use serde::Serialize;
 
@@ -42,6 +44,18 @@ pub(crate) enum CameraBy {
 }
 
 impl View {
+    /// The direction in which it looks; that of an automatic camera outside a scene with these `bounds`.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] if an automatic camera finds no extent.
+    fn forward(&self, bounds: &Aabb) -> Result<DVec3, RenderError> {
+        Ok(match self {
+            Self::Given(camera) => camera.forward(),
+            Self::Own(camera, ..) => camera.ray(0.0, 0.0, 1.0).direction,
+            Self::Automatic(_, up) => of_all(bounds, *up, 1.0)?.ray(0.0, 0.0, 1.0).direction,
+        })
+    }
+
     /// The camera for a picture `aspect` times as wide as high. If `cancelled`, the search for an automatic one ends early
     /// with any.
     ///

@@ -27,15 +27,17 @@ fn assert_refused(arguments: &[&str], words: &[&str]) {
 /// What is said of a file in which nothing shines.
 fn no_lights(file: &str) -> String {
     format!(
-        "{file}: scene has no lights: a white environment of radiance 1 is added (--environment R,G,B sets it; \
-         0 is none)"
+        "{file}: scene has no lights: a grey sky of radiance 0.3 and a sun are added (--environment R,G,B sets a \
+         sky without a sun; 0 is none)"
     )
 }
 
 /// What rows 1 to 82 and 97 to 99 must print is in one table with what the loaders must return.
 #[test]
 fn rows_1_to_82_and_97_to_99_bad_scenes_are_one_line_that_names_file_and_place() {
-    let size = ["--width", "1", "--height", "1", "--spp", "1", "--threads", "1", "--verbose"];
+    // An OpenEXR file needs no exposure.
+    let size =
+        ["--width", "1", "--height", "1", "--spp", "1", "--threads", "1", "--verbose", "--out", "render.exr"];
     for case in bad_input::cases() {
         let (row, folder) = (case.row, tempfile::tempdir().expect("a temporary folder"));
         if !case.write(folder.path()).expect("an empty folder can be filled") {
@@ -313,15 +315,16 @@ fn what_is_passed_over_is_said() {
 }
 
 #[test]
-fn a_file_in_which_nothing_shines_gets_a_white_environment() {
+fn a_file_in_which_nothing_shines_gets_sun_and_sky() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fill_unlit(folder.path());
     let last = |said: &str| said.lines().last().expect("it warns").to_owned();
     let (said, lit) = figures(folder.path(), &["a.obj"]);
     assert_eq!(last(&said), format!("warning: {}", no_lights("a.obj")));
-    assert_eq!(lit["environment"], serde_json::json!([1.0, 1.0, 1.0]));
-    let mean = lit["image_mean"][0].as_f64().expect("a number");
-    assert!(mean > 0.5 && mean < 1.0, "{mean}");
+    assert_eq!(lit["environment"], serde_json::json!([0.3, 0.3, 0.3]));
+    let mean = |figures: &serde_json::Value| figures["image_mean"][0].as_f64().expect("a number");
+    let (_, sky) = figures(folder.path(), &["a.obj", "--environment", "0.3"]);
+    assert!(mean(&lit) > 1.1 * mean(&sky) && mean(&lit) < 1.0, "{lit}");
     let (said, dark) = figures(folder.path(), &["a.obj", "--environment", "0"]);
     assert_eq!(last(&said), "warning: a.obj: scene has no lights and no environment: the picture is black");
     assert_eq!(dark["image_mean"], serde_json::json!([0.0, 0.0, 0.0]));

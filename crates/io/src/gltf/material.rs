@@ -1,10 +1,10 @@
 use super::document::Document;
 use crate::error::Result;
 use crate::loading::Loading;
-use crate::losses::Losses;
+use crate::losses::{Losses, MEAN_OF_TEXTURE};
 use crate::{IoError, Place};
 use globillum_integrator::MaterialId;
-use globillum_material::{Emission, Material, MaterialError, Rgb, Sides};
+use globillum_material::{Emission, Material, MaterialError, Reflectance, Rgb, Sides};
 use gltf::json::material::AlphaMode;
 use gltf::json::validation::Checked::Valid;
 use gltf::json::{self, Index};
@@ -65,8 +65,13 @@ fn check_factors(json: &json::Material) -> Result<(), String> {
 
 fn material(json: &json::Material) -> Result<Material, MaterialError> {
     let [r, g, b, _] = json.pbr_metallic_roughness.base_color_factor.0.map(f64::from);
-    let colour = Rgb::new(r, g, b);
+    let factor = Reflectance::new(Rgb::new(r, g, b))?.rgb();
+    let texture = json.pbr_metallic_roughness.base_color_texture.as_ref();
+    let colour = factor * texture.map_or(1.0, |_| MEAN_OF_TEXTURE);
     let scattering = if is_mirror(json) { Material::mirror(colour)? } else { Material::lambert(colour)? };
+    if json.emissive_texture.is_some() {
+        return Ok(scattering);
+    }
     let strength = json.extensions.as_ref().and_then(|extensions| extensions.emissive_strength.as_ref());
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     let radiance = Rgb::from(json.emissive_factor.0.map(f64::from)) * f64::from(strength);
@@ -91,8 +96,8 @@ fn losses(json: &json::Material) -> Losses {
         textured: pbr.base_color_texture.is_some()
             || pbr.metallic_roughness_texture.is_some()
             || json.normal_texture.is_some()
-            || json.occlusion_texture.is_some()
-            || json.emissive_texture.is_some(),
+            || json.occlusion_texture.is_some(),
+        emission: json.emissive_texture.is_some() && json.emissive_factor.0 != [0.0; 3],
         transparent: json.alpha_mode != Valid(AlphaMode::Opaque),
         spectral: false,
         approximated: !ideal && !black,

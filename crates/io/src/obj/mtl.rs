@@ -2,7 +2,7 @@ use super::lines::{self, write};
 use super::source::{Source, Statement};
 use crate::Location;
 use crate::error::Result;
-use crate::losses::Losses;
+use crate::losses::{Losses, MEAN_OF_TEXTURE};
 use globillum_material::{Bsdf, Emission, Material, MaterialError, Reflectance, Rgb, Sides};
 use std::str::FromStr;
 
@@ -34,13 +34,26 @@ struct Lines {
 struct Colour {
     value: Rgb,
     line: usize,
+    /// Whether a texture multiplies it.
+    textured: bool,
+}
+
+impl Colour {
+    /// The colour with the mean of its texture.
+    ///
+    /// # Errors
+    /// [`MaterialError::Reflectance`] for a component outside [0, 1], with or without a texture.
+    fn mean(self) -> Result<Rgb, MaterialError> {
+        let value = Reflectance::new(self.value)?.rgb();
+        Ok(if self.textured { value * MEAN_OF_TEXTURE } else { value })
+    }
 }
 
 /// The albedo of a diffuse surface without `Kd`.
 const GREY: Rgb = Rgb { r: 0.5, g: 0.5, b: 0.5 };
 
 /// [`GREY`] that no statement gives.
-const DEFAULT: Colour = Colour { value: GREY, line: 0 };
+const DEFAULT: Colour = Colour { value: GREY, line: 0, textured: false };
 
 /// The roughness of a material with `Pm` and without `Pr`, as in Blender.
 const DEFAULT_ROUGHNESS: f32 = 0.5;
@@ -85,6 +98,7 @@ fn pass(statement: &Statement<'_>, notes: &mut Notes, line: &mut String) -> Resu
         "Pm" | "Pr" => number::<f32>(statement, line)?,
         "d" | "Tr" => losses.transparent |= is_transparent(statement),
         "bump" | "decal" | "disp" | "norm" | "refl" => losses.textured = true,
+        "map_Ke" => losses.emission = true,
         map if map.starts_with("map_") => {
             losses.textured = true;
             if map == "map_Kd" {
@@ -104,13 +118,16 @@ impl Description<'_> {
     pub(super) fn material(&self) -> Result<Material, (Location, MaterialError)> {
         let at = |line: usize| if line == 0 { self.begin.at() } else { self.begin.at_line(line) };
         let (material, line) = match self.mirror() {
-            Some(colour) => (Material::mirror(colour.value), colour.line),
+            Some(colour) => (colour.mean().and_then(Material::mirror), colour.line),
             None => {
                 let colour = self.base().unwrap_or(DEFAULT);
-                (Material::lambert(colour.value), colour.line)
+                (colour.mean().and_then(Material::lambert), colour.line)
             }
         };
         let material = material.map_err(|error| (at(line), error))?;
+        if self.notes.losses.emission {
+            return Ok(material);
+        }
         let emitted = rgb(self.read.emissive).unwrap_or_default();
         let emission = Emission::new(emitted, Sides::Front);
         Ok(material.emitting(emission.map_err(|error| (at(self.notes.lines.emissive), error))?))
@@ -128,6 +145,7 @@ impl Description<'_> {
                 }
                 None => visible(self.base()) && visible(self.specular()),
             },
+            emission: self.notes.losses.emission && rgb(self.read.emissive) != Some(Rgb::BLACK),
             is_mirror: self.mirror().is_some(),
             ..self.notes.losses
         }
@@ -135,16 +153,22 @@ impl Description<'_> {
 
     /// `Kd`.
     fn diffuse(&self) -> Option<Colour> {
-        rgb(self.read.diffuse).map(|value| Colour { value, line: self.notes.lines.diffuse })
+        let textured = self.read.diffuse_texture.is_some();
+        rgb(self.read.diffuse).map(|value| Colour { value, line: self.notes.lines.diffuse, textured })
     }
 
     /// `Ks`.
     fn specular(&self) -> Option<Colour> {
-        rgb(self.read.specular).map(|value| Colour { value, line: self.notes.lines.specular })
+        rgb(self.read.specular).map(|value| Colour {
+            value,
+            line: self.notes.lines.specular,
+            textured: false,
+        })
     }
 
     /// The colour of the diffuse surface or the metal.
     fn base(&self) -> Option<Colour> {
+        // The mean of a texture alone.
         let of_texture = self.read.diffuse_texture.is_some().then_some(DEFAULT);
         self.diffuse().or(of_texture)
     }

@@ -288,12 +288,14 @@ def in_lines(said):
 
 
 def main(folder):
-    # Colours that stand for the textured floor: glTF's default base colour, and the loader's grey for OBJ.
+    # The loader's grey stands for the textured floor.
     scenes = {
         "startup": (startup, [("startup.glb", glb, {})]),
         "room": (room, [("room.glb", glb, {}), ("room.obj", obj, {}), ("room_pbr.obj", obj, {"pbr": True})]),
-        "room_plain": (lambda folder: room(folder, (1.0, 1.0, 1.0)), [("room_plain.glb", glb, {})]),
-        "room_plain_obj": (lambda folder: room(folder, (0.5, 0.5, 0.5)), [("room_plain.obj", obj, {})]),
+        "room_plain": (
+            lambda folder: room(folder, (0.5, 0.5, 0.5)),
+            [("room_plain.glb", glb, {}), ("room_plain.obj", obj, {})],
+        ),
         "bust": (bust, [("bust.obj", obj_z_up, {})]),
         "spot": (spot, [("spot.glb", glb, {})]),
         "flat": (flat, [("flat.glb", glb, {})]),
