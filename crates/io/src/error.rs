@@ -135,13 +135,13 @@ pub enum IoError {
         /// The version of the file, or the minimum version that it requires.
         version: String,
     },
-    /// A required extension is not supported.
-    #[error("{at}: required extension `{}` is not supported", plain(extension))]
+    /// Required extensions are not supported.
+    #[error("{at}: requires extensions that are not supported: {}", plain(extensions.join(", ")))]
     Unsupported {
         /// The file.
         at: Location,
-        /// The extension.
-        extension: String,
+        /// All of these extensions.
+        extensions: Vec<String>,
     },
     /// A node is its own ancestor.
     #[error("{at}: node is its own ancestor")]

@@ -191,7 +191,8 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<Loaded, IoError> {
 ///
 /// # Errors
 /// An [`IoError`] that names the file and the element: for malformed JSON, inconsistent structures or data,
-/// node graphs that are not trees, an unknown required extension, a file outside the scene's folder, a delta
+/// node graphs that are not trees, a required extension that is not supported and changes more than
+/// how surfaces look, a file outside the scene's folder, a delta
 /// light with an invalid cone or intensity, a coordinate that is not finite or exceeds
 /// [`MAX_COORDINATE`](globillum_geom::Triangle::MAX_COORDINATE), and a material outside the bounds of
 /// [`Material`](globillum_material::Material).

@@ -75,7 +75,7 @@ pub enum WarningKind {
     PoseIgnored,
     /// Animations.
     AnimationsIgnored { count: usize },
-    /// An unsupported extension that is not required.
+    /// An unsupported extension that is not required, or that changes only how surfaces look.
     ExtensionIgnored { name: String },
     /// Triangles with collinear vertices, which are dropped.
     Degenerate { count: usize },

@@ -7,10 +7,27 @@ use gltf::json::extensions::root::Root as Extensions;
 use gltf::json::{Accessor, Asset, Buffer, Camera, Image, Index, Material, Mesh, Node, buffer};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use std::collections::HashSet;
+use std::mem::take;
 
 /// The supported extensions. The texture transform has no effect, since textures are ignored.
 const SUPPORTED: [&str; 3] =
     ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_texture_transform"];
+
+/// How the names of extensions begin that change no triangle, light or camera: a file may require them, since what they
+/// add is ignored with a warning.
+const APPEARANCE: [&str; 10] = [
+    "ADOBE_materials_",
+    "EXT_materials_",
+    "EXT_texture_",
+    "GOOGLE_texture_",
+    "KHR_animation_pointer",
+    "KHR_materials_",
+    "KHR_techniques_webgl",
+    "KHR_texture_",
+    "KHR_xmp_json_ld",
+    "MSFT_texture_",
+];
 
 /// The structure of a glTF file, in the types of the crate `gltf`. Other members are ignored.
 #[derive(Deserialize)]
@@ -66,7 +83,7 @@ impl Document {
         let counts = guard::check(text).map_err(refused)?;
         loading.check_count(counts.objects, loading.limits.json_objects, "objects in JSON")?;
         loading.check_count(counts.values, loading.limits.json_values, "values in JSON")?;
-        let document: Self = serde_json::from_str(text).map_err(refused)?;
+        let mut document: Self = serde_json::from_str(text).map_err(refused)?;
         document.check_version(loading)?;
         document.check_extensions(loading)?;
         document.check_images(loading)?;
@@ -83,13 +100,17 @@ impl Document {
         Err(IoError::Version { at: loading.at(Place::File), version: refused.into() })
     }
 
-    fn check_extensions(&self, loading: &mut Loading<'_>) -> Result<()> {
-        let unknown = |name: &&String| !SUPPORTED.contains(&name.as_str());
-        if let Some(extension) = self.extensions_required.iter().find(unknown) {
-            let extension = extension.clone();
-            return Err(IoError::Unsupported { at: loading.at(Place::File), extension });
+    fn check_extensions(&mut self, loading: &mut Loading<'_>) -> Result<()> {
+        let unknown = |name: &str| !SUPPORTED.contains(&name);
+        let needed = |name: &str| unknown(name) && !APPEARANCE.iter().any(|start| name.starts_with(start));
+        if self.extensions_required.iter().any(|name| needed(name)) {
+            let mut extensions = take(&mut self.extensions_required);
+            extensions.retain(|name| needed(name));
+            return Err(IoError::Unsupported { at: loading.at(Place::File), extensions });
         }
-        for name in self.extensions_used.iter().filter(unknown) {
+        let mut warned = HashSet::new();
+        let all = self.extensions_used.iter().chain(&self.extensions_required);
+        for name in all.filter(|name| unknown(name) && warned.insert(name.as_str())) {
             loading.warn(Place::File, WarningKind::ExtensionIgnored { name: name.clone() });
         }
         let count = self.animations.len();

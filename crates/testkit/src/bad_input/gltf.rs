@@ -229,17 +229,23 @@ pub(super) fn ranges() -> Vec<Case> {
 }
 
 fn extensions() -> Vec<Case> {
-    let required = |row, extension: &str| {
-        let required = format!(r#","extensionsRequired":["{extension}"],"scene""#);
-        let message = format!("required extension `{extension}` is not supported");
+    let required = |row, extensions: &str| {
+        let names = extensions.replace(", ", r#"",""#);
+        let required = format!(r#","extensionsRequired":["KHR_materials_unlit","{names}"],"scene""#);
+        let message = format!("requires extensions that are not supported: {extensions}");
         bad(row, r#","scene""#, &required, "Unsupported", &message)
     };
+    let unlit = r#","extensionsUsed":["KHR_materials_unlit"],"extensionsRequired":
+        ["KHR_materials_unlit","EXT_texture_webp","KHR_texture_transform"],"scene""#;
+    let ignored = ["KHR_materials_unlit", "EXT_texture_webp"]
+        .map(|name| format!("a.glb: extension `{name}` is ignored"));
     let used = r#","extensionsUsed":["KHR_materials_ior"],"scene""#;
     let lights = r#","extensionsRequired":["KHR_lights_punctual"],"scene""#;
     vec![
         required(67, "VENDOR_magic"),
         required(68, "KHR_draco_mesh_compression"),
-        required(68, "EXT_meshopt_compression"),
+        required(68, "KHR_mesh_quantization, EXT_meshopt_compression"),
+        but(67, r#","scene""#, unlit, Outcome::Loaded { warnings: ignored.into() }),
         but(67, r#","scene""#, used, loaded(&["a.glb: extension `KHR_materials_ior` is ignored"])),
         but(67, r#","scene""#, lights, loaded(&[])),
     ]
