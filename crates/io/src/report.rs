@@ -33,7 +33,7 @@ pub struct Warning {
 pub enum WarningKind {
     /// A material library that does not exist.
     MissingLibrary { name: String },
-    /// A material that no library defines: its faces have the default material.
+    /// A material that no library defines: its faces have the default material. The name is empty for `usemtl` without one.
     UnknownMaterial { name: String },
     /// A second material of the same name, which replaces the first.
     DuplicateMaterial { name: String },
@@ -117,6 +117,9 @@ impl fmt::Display for WarningKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::MissingLibrary { name } => write!(f, "material library `{name}` does not exist"),
+            Self::UnknownMaterial { name } if name.is_empty() => {
+                write!(f, "usemtl has no name; grey is used instead")
+            }
             Self::UnknownMaterial { name } => {
                 write!(f, "material `{name}` is not defined; grey is used instead")
             }

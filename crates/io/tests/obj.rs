@@ -168,7 +168,6 @@ fn malformed_lines_are_named() {
         ("f 1 2 5", "index 5 is out of range (vertices above: 4)"),
         ("f 1 2 -5", "index -5 is out of range (vertices above: 4)"),
         ("f 1//2 2 3", "index 2 is out of range (normals above: 0)"),
-        ("usemtl", "usemtl: expected a name"),
         ("mtllib", "mtllib: expected a name"),
     ];
     for (line, expected) in cases {
@@ -321,7 +320,6 @@ fn impossible_or_malformed_materials_are_named() {
             "Ke -1",
             "a.mtl:2: material `m`: radiance (-1, -1, -1) has a component that is neither 0 nor within [1e-50, 1e50]",
         ),
-        ("newmtl", "a.mtl:2: newmtl: expected a name"),
     ];
     for (mtl, expected) in cases {
         assert_eq!(message(load_with(&format!("newmtl m\n{mtl}\n"))), expected);
@@ -359,6 +357,22 @@ fn what_is_missing_or_ignored_is_warned_of() {
         assert!(warning.ends_with(expected), "{warning}");
     }
     assert_eq!(*loaded.model.material(0), Material::lambert(Rgb::WHITE).unwrap());
+}
+
+#[test]
+fn a_material_may_have_no_name() {
+    let grey = |x| Material::lambert(Rgb::splat(x)).unwrap();
+    let obj = |mtl: &str| {
+        let obj = format!("mtllib a.mtl\n{SQUARE}usemtl m\nf 1 2 3\nusemtl \nf 1 2 3\n");
+        Files::new(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).load().unwrap()
+    };
+    let undefined = obj("newmtl m\nKd 0.25\n");
+    assert_eq!([0, 1].map(|i| *undefined.model.material(i)), [0.25, 0.5].map(grey));
+    let text = undefined.report.warnings[0].to_string();
+    assert!(text.ends_with("a.obj:8: usemtl has no name; grey is used instead"), "{text}");
+    let defined = obj("newmtl m\nKd 0.25\nnewmtl\nKd 0.75\n");
+    assert_eq!([0, 1].map(|i| *defined.model.material(i)), [0.25, 0.75].map(grey));
+    assert_eq!(warnings(&defined), []);
 }
 
 #[test]

@@ -74,7 +74,6 @@ pub(super) fn read<'a>(
         if statement.keyword != "newmtl" {
             return begun.last_mut().map_or(Ok(()), |(_, notes)| pass(statement, notes, line));
         }
-        statement.name()?;
         begin(statement)?;
         begun.push((*statement, Notes::default()));
         // A name may consist of characters that tobj trims.

@@ -47,14 +47,14 @@ impl<'a> Palette<'a> {
         statement.check_count(self.names, "material libraries", loading.limits.materials)
     }
 
-    /// `usemtl name`.
+    /// `usemtl name`. The empty name is one like others, since exporters write `usemtl` and `newmtl` without a name.
     pub(super) fn use_material(
         &mut self,
         statement: &Statement<'a>,
         loading: &mut Loading<'_>,
     ) -> Result<()> {
         let count = self.materials.len();
-        let used = match self.materials.entry(statement.name()?) {
+        let used = match self.materials.entry(statement.arguments) {
             Entry::Occupied(used) => used.into_mut(),
             Entry::Vacant(entry) => {
                 statement.check_count(count + 1, "materials", loading.limits.materials)?;
