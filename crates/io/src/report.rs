@@ -53,7 +53,7 @@ pub enum WarningKind {
     NonConvex { count: usize },
     /// Vertex normals: every triangle has its geometric normal.
     NormalsIgnored { count: usize },
-    /// Vertex colours of glTF, which multiply `baseColorFactor`.
+    /// Vertex colours, which multiply `baseColorFactor` in glTF.
     ColorsIgnored { count: usize },
     /// Points and lines, which have no area.
     NotTriangles { count: usize },

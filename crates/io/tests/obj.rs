@@ -112,11 +112,19 @@ fn line_ends_marks_tabs_and_continuations_do_not_matter() {
 }
 
 #[test]
-fn weights_divide_and_colours_are_passed_over() {
-    let t = |obj| load(obj).unwrap().model.triangles()[0];
+fn weights_divide_and_colours_are_counted() {
     let expected = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
-    assert_eq!(t("v 0 0 0 1\nv 2 0 0 2\nv 0 1 0\nf 1 2 3"), expected);
-    assert_eq!(t("v 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nf 1 2 3"), expected);
+    for (obj, colours) in [
+        ("v 0 0 0 1\nv 2 0 0 2\nv 0 1 0\nf 1 2 3", None),
+        (
+            "v 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0 1 1 1\nf 1 2 3",
+            Some(WarningKind::ColorsIgnored { count: 2 }),
+        ),
+    ] {
+        let loaded = load(obj).unwrap();
+        assert_eq!(loaded.model.triangles(), [expected]);
+        assert!(warnings(&loaded).into_iter().eq(colours.map(|kind| (Place::Line(2), kind))), "{obj}");
+    }
 }
 
 #[test]

@@ -19,6 +19,7 @@ pub(super) struct Scan<'a> {
     vertices: usize,
     texture_coordinates: usize,
     normals: Occurrences,
+    colours: Occurrences,
     short_faces: Occurrences,
     points_and_lines: Occurrences,
     free_form: Occurrences,
@@ -41,6 +42,7 @@ impl<'a> Scan<'a> {
             vertices: 0,
             texture_coordinates: 0,
             normals: Occurrences::default(),
+            colours: Occurrences::default(),
             short_faces: Occurrences::default(),
             points_and_lines: Occurrences::default(),
             free_form: Occurrences::default(),
@@ -85,12 +87,15 @@ impl<'a> Scan<'a> {
         self.points_and_lines.warn(loading, |count| WarningKind::NotTriangles { count });
         self.free_form.warn(loading, |count| WarningKind::FreeFormIgnored { count });
         self.normals.warn(loading, |count| WarningKind::NormalsIgnored { count });
+        self.colours.warn(loading, |count| WarningKind::ColorsIgnored { count });
     }
 
     fn vertex(&mut self, statement: &Statement<'_>, line: &mut String) -> Result<()> {
         let count = check_position(statement)?;
+        let has_colour = count == 6;
+        self.colours.add(statement.place(), usize::from(has_colour));
         // tobj refuses a file in which only some vertices have colours.
-        write(line, "v", statement.words().take(if count == 6 { 3 } else { count }));
+        write(line, "v", statement.words().take(if has_colour { 3 } else { count }));
         self.vertices += 1;
         Ok(())
     }
