@@ -37,6 +37,8 @@ pub enum WarningKind {
     UnknownMaterial { name: String },
     /// A second material of the same name, which replaces the first.
     DuplicateMaterial { name: String },
+    /// Bytes of an OBJ or MTL file that are not UTF-8: each run of them is read as U+FFFD, so that names may become equal.
+    NotUtf8 { count: usize },
     /// Textures of a material: its constant factors are used instead, and a texture of colours counts as a grey of 0.5.
     TexturesIgnored { name: String },
     /// The emission of a material, which a texture defines: it does not emit.
@@ -126,6 +128,7 @@ impl fmt::Display for WarningKind {
             Self::DuplicateMaterial { name } => {
                 write!(f, "material `{name}` is redefined; the last definition is used")
             }
+            Self::NotUtf8 { count } => write!(f, "bytes that are not UTF-8 are read as U+FFFD: {count}"),
             Self::TexturesIgnored { name } => write!(f, "textures of material `{name}` are ignored"),
             Self::EmissionIgnored { name } => {
                 write!(f, "emission of material `{name}` is ignored: a texture defines it")

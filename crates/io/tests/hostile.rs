@@ -549,6 +549,7 @@ fn mtl() {
         format!("v {:.4} {:.4} {z}", radius * turn.cos(), radius * turn.sin())
     };
     let corners = |i: usize| format!("f {} {} {}", i % 997 + 4, i % 991 + 5, i % 983 + 6);
+    let not_utf8 = [b"newmtl ", &b"\xffa".repeat(2 << 20)[..], b"\nmap_Kd a\nTr 1\n"].concat();
     let of_their_own = lines(1002, on_a_ball) + &lines(EIGHTH, corners);
     check([
         Hostile::mtl("materials of one name", "newmtl a\n".repeat(FEW)).names(FEW),
@@ -565,6 +566,7 @@ fn mtl() {
         ),
         Hostile::mtl("a colour", format!("newmtl a\nKd{}\n", " 1".repeat(QUARTER)))
             .refused("expected 1 or 3 numbers"),
+        Hostile::mtl("a name that is not UTF-8", String::new()).beside("a.mtl", not_utf8).at_most(OBJ_TIMES),
         Hostile::mtl("a name", format!("newmtl {}\nmap_Kd a\nTr 1\n", "a".repeat(4 << 20))),
     ]);
 }

@@ -201,8 +201,18 @@ fn files_without_a_face_are_empty() {
 }
 
 #[test]
-fn text_must_be_utf8() {
-    assert_eq!(message(load(b"# fine\n# caf\xe9\n")), "a.obj:2: is not UTF-8; save the file as UTF-8");
+fn bytes_that_are_not_utf8_are_replaced() {
+    let obj = [SQUARE.as_bytes(), b"mtllib a.mtl\nusemtl Gr\xfcn\xfc\xe4\nf 1 2 3\n"].concat();
+    let mtl = b"# fine\nnewmtl Gr\xfcn\xfc\xe4\nKd 1\nmap_Kd Gr\xfcn.png\n";
+    let loaded = Files::new(&[("a.obj", &obj), ("a.mtl", mtl)]).load().unwrap();
+    assert_eq!(*loaded.model.material(0), Material::lambert(Rgb::WHITE).unwrap());
+    let textured = WarningKind::TexturesIgnored { name: "Gr\u{fffd}n\u{fffd}".into() };
+    let expected = [
+        (Place::Line(6), WarningKind::NotUtf8 { count: 3 }),
+        (Place::Line(2), WarningKind::NotUtf8 { count: 4 }),
+        (Place::Line(2), textured),
+    ];
+    assert_eq!(warnings(&loaded), expected);
 }
 
 #[test]

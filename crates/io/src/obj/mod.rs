@@ -21,7 +21,7 @@ use tobj::LoadOptions;
 
 /// Reads an OBJ file's content into `loading`.
 pub(crate) fn read(bytes: Vec<u8>, loading: &mut Loading<'_>) -> Result<()> {
-    let source = Source::of(loading.path, bytes, loading.limits)?;
+    let source = Source::of(loading.path, bytes, loading)?;
     let mut scan = Scan::new(loading.add_material(mtl::default_material()));
     let (mut done, total) = (0, source.len());
     let (models, _) = lines::read(

@@ -113,7 +113,7 @@ impl<'a> Palette<'a> {
             path => path?,
         };
         let bytes = loading.jail.read_named(&path, name, &statement.at())?;
-        self.define(&Source::of(&path, bytes, loading.limits)?, loading)?;
+        self.define(&Source::of(&path, bytes, loading)?, loading)?;
         Ok(true)
     }
 

@@ -1,6 +1,7 @@
 use crate::error::Result;
 use crate::limits::check_count;
-use crate::{IoError, Limits, Location, Place};
+use crate::loading::Loading;
+use crate::{IoError, Location, Place, WarningKind};
 use std::iter;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -15,20 +16,13 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// The text in a file's content. Continued lines are joined.
-    pub(super) fn of(path: &Path, bytes: Vec<u8>, limits: &Limits) -> Result<Self> {
-        let malformed = |valid: &[u8], message: &str| {
-            let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
-            IoError::Parse { at: Place::Line(line).of(path), message: message.into() }
-        };
-        let mut text = String::from_utf8(bytes).map_err(|error| {
-            malformed(
-                &error.as_bytes()[..error.utf8_error().valid_up_to()],
-                "is not UTF-8; save the file as UTF-8",
-            )
-        })?;
+    /// The text in a file's content. Continued lines are joined. Bytes that are not UTF-8 cause a warning.
+    pub(super) fn of(path: &Path, bytes: Vec<u8>, loading: &mut Loading<'_>) -> Result<Self> {
+        let mut text =
+            String::from_utf8(bytes).unwrap_or_else(|error| lossy(error.as_bytes(), path, loading));
         if let Some(nul) = text.find('\0') {
-            return Err(malformed(&text.as_bytes()[..nul], "text contains a NUL byte"));
+            let at = line_after(&text[..nul]).of(path);
+            return Err(IoError::Parse { at, message: "text contains a NUL byte".into() });
         }
         if text.trim_ascii_end().contains('\r') && !text.contains('\n') {
             let message = "lines end in lone carriage returns; save the file with line feeds".into();
@@ -38,7 +32,7 @@ impl Source {
             text.remove(0);
         }
         let text = joined(text);
-        let limit = limits.line_bytes;
+        let limit = loading.limits.line_bytes;
         // Most files are shorter than the limit for one line.
         if text.len() as u64 > limit {
             for (line, number) in text.lines().zip(1..) {
@@ -122,6 +116,30 @@ impl<'a> Statement<'a> {
     pub(super) fn malformed(&self, why: &str) -> IoError {
         IoError::Parse { at: self.at(), message: format!("{}: {why}", self.keyword) }
     }
+}
+
+/// The place after `text`, which begins a file.
+fn line_after(text: &str) -> Place {
+    Place::Line(1 + text.matches('\n').count())
+}
+
+/// The text of `bytes` with U+FFFD for each run of bytes that are not UTF-8, so that it is at most twice as long. Adds
+/// a warning at the first of them.
+fn lossy(bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> String {
+    let mut text = String::with_capacity(2 * bytes.len());
+    let (mut first, mut count) = (None, 0);
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        if !chunk.invalid().is_empty() {
+            first = first.or_else(|| Some(line_after(&text)));
+            count += chunk.invalid().len();
+            if !text.ends_with(char::REPLACEMENT_CHARACTER) {
+                text.push(char::REPLACEMENT_CHARACTER);
+            }
+        }
+    }
+    loading.warn_of(first.unwrap_or(Place::File).of(path), WarningKind::NotUtf8 { count });
+    text
 }
 
 /// `text` with each line that ends in a backslash joined to the next.
