@@ -182,12 +182,12 @@ pub enum IoError {
         source: DeltaLightError,
     },
     /// The scene has no triangle that a ray can hit.
-    #[error("{}: scene has no triangles{}", plain(path.display()), degenerate_text(*degenerate))]
+    #[error("{}: scene has no triangles{}", plain(path.display()), plain(skipped_text(skipped)))]
     Empty {
         /// The file.
         path: PathBuf,
-        /// How many degenerate triangles it has, which no ray can hit.
-        degenerate: usize,
+        /// The first warnings about what has been skipped, such as lines and degenerate triangles.
+        skipped: Vec<String>,
     },
     /// The monitor asked to stop.
     #[error("{}: loading was cancelled", plain(path.display()))]
@@ -228,7 +228,7 @@ pub enum IoError {
     },
 }
 
-/// What is told of degenerate triangles in a scene without others.
-fn degenerate_text(count: usize) -> String {
-    if count == 0 { String::new() } else { format!(" ({count} degenerate)") }
+/// What is told of what has been skipped in a scene without triangles.
+fn skipped_text(skipped: &[String]) -> String {
+    if skipped.is_empty() { String::new() } else { format!(" ({})", skipped.join("; ")) }
 }

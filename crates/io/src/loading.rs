@@ -195,10 +195,6 @@ impl<'a> Loading<'a> {
 
     /// Checks the complete scene and returns it.
     pub(crate) fn finish(mut self) -> Result<Loaded> {
-        if self.model.triangles().is_empty() {
-            let degenerate = self.report.degenerate_triangles;
-            return Err(IoError::Empty { path: self.path.into(), degenerate });
-        }
         // The report always has room for warnings about the scene as a whole.
         self.bytes_of_warnings = 0;
         let count = std::mem::take(&mut self.warnings_left_out);
@@ -208,6 +204,9 @@ impl<'a> Loading<'a> {
         let count = self.report.degenerate_triangles;
         if count > 0 {
             self.warn(Place::File, WarningKind::Degenerate { count });
+        }
+        if self.model.triangles().is_empty() {
+            return Err(IoError::Empty { path: self.path.into(), skipped: self.report.skipped() });
         }
         if let Some(kind) = lint::check_lights(&self.model) {
             self.warn(Place::File, kind);

@@ -90,6 +90,32 @@ pub enum WarningKind {
     CoplanarLights { count: usize },
 }
 
+impl LoadReport {
+    /// The texts of the first few different warnings about content that has no triangles but might be expected to.
+    pub(crate) fn skipped(&self) -> Vec<String> {
+        let mut kinds: Vec<_> = self.warnings.iter().map(|warning| &warning.kind).collect();
+        kinds.retain(|kind| kind.loses_triangles());
+        kinds.dedup();
+        kinds.into_iter().take(8).map(ToString::to_string).collect()
+    }
+}
+
+impl WarningKind {
+    /// Whether it is about content that might be expected to have triangles.
+    fn loses_triangles(&self) -> bool {
+        match self {
+            Self::ExtensionIgnored { name } => name.contains("mesh"),
+            Self::ShortFaces { .. }
+            | Self::NotTriangles { .. }
+            | Self::FreeFormIgnored { .. }
+            | Self::LeftOver { .. }
+            | Self::NoPositions
+            | Self::Degenerate { .. } => true,
+            _ => false,
+        }
+    }
+}
+
 impl Warning {
     /// The memory of the warning in bytes, with its text.
     pub(crate) fn bytes(&self) -> usize {

@@ -79,6 +79,7 @@ fn accessors() -> Vec<Case> {
     let (length, bytes) = (r#""byteLength":36"#, r#"[{"byteLength":39"#);
     let beyond = "elements exceed the buffer view";
     let (huge, last) = ("9223372036854775808", "18446744073709551615");
+    let (draco, degenerate) = ("KHR_draco_mesh_compression", "degenerate triangles are dropped: 1");
     let nowhere = r#""bufferView":0,"byteOffset":0,"#;
     let endless = format!(r#""componentType":5126,"count":{huge}"#);
     vec![
@@ -91,7 +92,14 @@ fn accessors() -> Vec<Case> {
             "TooLarge",
             "accessors[0]: too many elements without a buffer view (limit: 8388608)",
         ),
-        bad(48, nowhere, "", "Empty", "scene has no triangles (1 degenerate)"),
+        bad(48, nowhere, "", "Empty", &format!("scene has no triangles ({degenerate})")),
+        bad(
+            48,
+            &format!(r#""accessors":[{{{nowhere}"#),
+            &format!(r#""extensionsUsed":["{draco}","KHR_materials_ior"],"accessors":[{{"#),
+            "Empty",
+            &format!("scene has no triangles (extension `{draco}` is ignored; {degenerate})"),
+        ),
         accessor(
             49,
             offset,
