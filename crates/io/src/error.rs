@@ -23,7 +23,7 @@ pub enum IoError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The error of the operating system.
+        /// The error of the operating system, or [`InvalidData`](io::ErrorKind::InvalidData) for a pointer of Git LFS.
         source: io::Error,
     },
     /// The path names a folder, a FIFO or a device.
@@ -39,7 +39,8 @@ pub enum IoError {
         at: Location,
         /// The name of the file, as the scene gives it.
         name: String,
-        /// The error of the operating system, or [`InvalidInput`](io::ErrorKind::InvalidInput) for what is no regular file.
+        /// The error of the operating system, or [`InvalidInput`](io::ErrorKind::InvalidInput) for what is no regular file,
+        /// [`InvalidData`](io::ErrorKind::InvalidData) for a pointer of Git LFS.
         source: io::Error,
     },
     /// The extension names no supported scene format.
@@ -128,7 +129,7 @@ pub enum IoError {
         scheme: String,
     },
     /// The glTF version is not supported.
-    #[error("{at}: glTF version {} is not supported (supported: 2.0)", plain(version))]
+    #[error("{at}: glTF version `{}` is not supported (supported: 2.0)", plain(version))]
     Version {
         /// The file.
         at: Location,

@@ -6,6 +6,9 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
+/// How a file begins that stands for one in Git's large file storage.
+const LFS_POINTER: &[u8] = b"version https://git-lfs";
+
 /// Reads the files of one scene: the scene file, and files that it refers to in its own folder or below.
 /// No name or link in a file reaches any other file.
 pub(crate) struct Jail<'a> {
@@ -75,6 +78,10 @@ impl<'a> Jail<'a> {
         let mut file = File::open(path).map_err(failed)?.take(self.bytes_left.saturating_add(1));
         file.read_to_end(&mut bytes).map_err(failed)?;
         check_size(bytes.len() as u64)?;
+        if bytes.starts_with(LFS_POINTER) {
+            let message = "is a Git LFS pointer; `git lfs pull` fetches the file";
+            return Err(failed(io::Error::new(io::ErrorKind::InvalidData, message)));
+        }
         self.bytes_left -= bytes.len() as u64;
         self.files.push(path.into());
         Ok(bytes)

@@ -1,6 +1,6 @@
 use crate::loading::{Loaded, Loading};
 use crate::path::extension_of;
-use crate::{IoError, Limits, LoadMonitor};
+use crate::{IoError, Limits, LoadMonitor, Place};
 use std::fmt;
 use std::path::Path;
 
@@ -109,6 +109,9 @@ impl<'a> Loader<'a> {
         let mut loading = Loading::new(path, &self.limits, self.monitor);
         loading.objects = self.keeps_objects.then(Vec::new);
         let bytes = loading.jail.read(path)?;
+        if bytes.is_empty() {
+            return Err(IoError::Parse { at: Place::File.of(path), message: "file is empty".into() });
+        }
         read(bytes, &mut loading)?;
         loading.finish()
     }

@@ -20,6 +20,8 @@ pub enum Place {
     File,
     /// A line, from 1.
     Line(usize),
+    /// The member `scene` of a glTF file, the index of the default scene.
+    DefaultScene,
     Scene(usize),
     Node(usize),
     Mesh(usize),
@@ -50,6 +52,7 @@ impl fmt::Display for Location {
         let (array, index) = match self.place {
             Place::File => return write!(f, "{path}"),
             Place::Line(line) => return write!(f, "{path}:{line}"),
+            Place::DefaultScene => return write!(f, "{path}: scene"),
             Place::Primitive { mesh, primitive } => {
                 return write!(f, "{path}: meshes[{mesh}].primitives[{primitive}]");
             }

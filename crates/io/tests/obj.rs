@@ -193,7 +193,7 @@ fn a_continued_line_keeps_the_count() {
 
 #[test]
 fn files_without_a_face_are_empty() {
-    for obj in ["", "# nothing\n", SQUARE, "\u{feff}"] {
+    for obj in ["\n", "# nothing\n", SQUARE, "\u{feff}"] {
         assert_eq!(message(load(obj)), "a.obj: scene has no triangles");
     }
     let skipped = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\nl 1 2\np 1\nf 1 2\ncurv 0 1 1 2\nvn 0 0 1\n";

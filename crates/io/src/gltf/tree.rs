@@ -108,7 +108,7 @@ fn roots(document: &Document, parents: &[Option<u32>], loading: &Loading<'_>) ->
         return Ok(parentless(parents));
     }
     let index = document.scene.map_or(0, |scene| scene.value());
-    let index = loading.check_index(Place::File, index as u64, scenes.len(), "scenes")?;
+    let index = loading.check_index(Place::DefaultScene, index as u64, scenes.len(), "scenes")?;
     let mut is_root = vec![false; parents.len()];
     let mut roots = Vec::with_capacity(scenes[index].nodes.len());
     for root in &scenes[index].nodes {

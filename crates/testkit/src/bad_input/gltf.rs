@@ -1,6 +1,6 @@
 //! Rows 42 to 74 and 97 to 99: glTF.
 
-use super::{Case, Content, Outcome, loaded, refused};
+use super::{Case, Content, LFS_MESSAGE, LFS_POINTER, Outcome, loaded, refused};
 use std::fmt::Write;
 
 /// A triangle; each row replaces some of its text.
@@ -58,11 +58,12 @@ fn headers() -> Vec<Case> {
         Case::new(row, "a.gltf", json, refused("Parse", format!("a.gltf:{message}")))
     };
     let version = |row, asset: &str, version: &str| {
-        let message = format!("glTF version {version} is not supported (supported: 2.0)");
+        let message = format!("glTF version `{version}` is not supported (supported: 2.0)");
         bad(row, r#""version":"2.0""#, asset, "Version", &message)
     };
     vec![
-        text(42, "", " is neither GLB nor a JSON object"),
+        text(42, "", " file is empty"),
+        Case::new(44, "a.glb", LFS_POINTER, refused("Read", format!("a.glb: {LFS_MESSAGE}"))),
         text(43, &TRIANGLE[..200], "3: column 36: EOF while parsing a string"),
         text(44, "# not JSON", " is neither GLB nor a JSON object"),
         text(44, "{}", "1: column 2: missing field `asset`"),
@@ -186,6 +187,7 @@ fn nodes() -> Vec<Case> {
     vec![
         nodes(62, r#"[{"mesh":0,"children":[0]}]"#, "Cycle", &format!("nodes[0]: {own}")),
         nodes(62, r#"[{"mesh":0},{"children":[2]},{"children":[1]}]"#, "Cycle", &format!("nodes[1]: {own}")),
+        bad(62, r#""scene":0"#, r#""scene":5"#, "Index", "scene: index 5 is out of range (scenes: 1)"),
         nodes(62, r#"[{"mesh":7}]"#, "Index", "nodes[0]: index 7 is out of range (meshes: 1)"),
         nodes(62, r#"[{"children":[7]}]"#, "Index", "nodes[0]: index 7 is out of range (nodes: 1)"),
         nodes(63, r#"[{"children":[1,1]},{"mesh":0}]"#, "NotATree", &format!("nodes[1]: {two}")),
@@ -336,7 +338,7 @@ fn containers() -> Vec<Case> {
         changed(74, 8, length + 1, "Parse", &wrong_length),
         changed(74, 12, length, "Parse", "chunk is truncated"),
         changed(74, 16, 0, "Parse", "first chunk is not JSON"),
-        changed(74, 4, 1, "Version", "glTF version 1 is not supported (supported: 2.0)"),
+        changed(74, 4, 1, "Version", "glTF version `1` is not supported (supported: 2.0)"),
         Case::new(74, "a.glb", b"glTF\x02\0", cut_off).beside("b.bin", Content::Bytes(Vec::new())),
     ]
 }

@@ -102,6 +102,12 @@ fn make_link(_target: &str, _path: &Path) -> io::Result<bool> {
     Ok(false)
 }
 
+/// The beginning of a file that stands for another in Git's large file storage.
+const LFS_POINTER: &str = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+
+/// The message for such a file.
+const LFS_MESSAGE: &str = "cannot be read: is a Git LFS pointer; `git lfs pull` fetches the file";
+
 fn refused(kind: &'static str, message: impl Into<String>) -> Outcome {
     Outcome::Refused { kind, message: message.into() }
 }

@@ -1,6 +1,6 @@
 //! Rows 1 to 41: OBJ and MTL.
 
-use super::{Case, Content, Outcome, loaded, refused};
+use super::{Case, Content, LFS_MESSAGE, LFS_POINTER, Outcome, loaded, refused};
 
 /// The corners of a unit square; what follows starts in line 5.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -70,7 +70,7 @@ fn files() -> Vec<Case> {
     let degenerate = "a.obj: scene has no triangles (degenerate triangles are dropped: 1)";
     let empty = || refused("Empty", "a.obj: scene has no triangles");
     vec![
-        obj(20, "", empty()),
+        obj(20, "", refused("Parse", "a.obj: file is empty")),
         obj(20, SQUARE, empty()),
         obj(20, "v 0 0 0\nf 1 1 1\n", refused("Empty", degenerate)),
         obj(21, "# nothing\n", empty()),
@@ -92,6 +92,8 @@ fn libraries() -> Vec<Case> {
         naming(28, "/etc/passwd", escape("/etc/passwd")),
         naming(28, "a.mtl", escape("a.mtl")).beside("a.mtl", Content::Link("/etc/passwd")),
         naming(29, "a.mtl", no_file()).beside("a.mtl", Content::Folder),
+        naming(29, "a.mtl", refused("Reference", format!("a.obj:1: `a.mtl` {LFS_MESSAGE}")))
+            .beside("a.mtl", Content::Bytes(LFS_POINTER.into())),
         naming(30, "a.mtl", no_file()).beside("a.mtl", Content::Pipe),
         Case {
             row: 30,
