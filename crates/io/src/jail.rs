@@ -30,7 +30,8 @@ impl<'a> Jail<'a> {
         self.limit - self.bytes_left
     }
 
-    /// The path of the file `name`. The location `at` refers to it.
+    /// The path of the file `name`. The location `at` refers to it. If there is no such file, each `\` separates folders as
+    /// `/` does: programs for Windows write it.
     pub(crate) fn resolve(&self, name: &str, at: &Location) -> Result<PathBuf> {
         let escape = || IoError::PathEscape { at: at.clone(), name: name.into() };
         let inside =
@@ -42,7 +43,12 @@ impl<'a> Jail<'a> {
         let failed = |source| IoError::Reference { at: at.clone(), name: name.into(), source };
         // Links may lead outside the folder; the canonical path shows where.
         let folder = folder_of(self.scene).canonicalize().map_err(|source| read_error(self.scene, source))?;
-        let within = path.canonicalize().map_err(failed)?.starts_with(folder);
+        let within = match path.canonicalize() {
+            Err(error) if error.kind() == io::ErrorKind::NotFound && name.contains('\\') => {
+                return self.resolve(&name.replace('\\', "/"), at);
+            }
+            path => path.map_err(failed)?.starts_with(folder),
+        };
         if within { Ok(path) } else { Err(escape()) }
     }
 

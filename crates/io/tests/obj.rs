@@ -398,14 +398,17 @@ fn a_material_may_have_no_name() {
 
 #[test]
 fn libraries_lie_in_the_files_own_folder() {
-    for name in ["../a.mtl", "sub/../../a.mtl", "/etc/passwd"] {
-        let expected = format!("a.obj:1: `{name}` is outside the scene's folder");
+    for name in ["../a.mtl", "sub/../../a.mtl", "/etc/passwd", r"..\a.mtl", r"\etc\passwd"] {
+        let expected = format!("a.obj:1: `{}` is outside the scene's folder", name.replace('\\', "/"));
         assert_eq!(message(load(format!("mtllib {name}\n{SQUARE}f 1 2 3\n"))), expected);
     }
-    let files = Files::new(&[("a.obj", format!("mtllib sub/m.mtl\nusemtl m\n{SQUARE}f 1 2 3\n").as_bytes())]);
-    fs::create_dir(files.path("sub")).unwrap();
-    fs::write(files.path("sub/m.mtl"), "newmtl m\nKd 1\n").unwrap();
-    assert_eq!(warnings(&files.load().unwrap()), []);
+    for name in ["sub/a m.mtl", r".\sub\a m.mtl", r"b\m.mtl"] {
+        let obj = format!("mtllib {name}\nusemtl m\n{SQUARE}f 1 2 3\n");
+        let files = Files::new(&[("a.obj", obj.as_bytes()), (r"b\m.mtl", b"newmtl m\n")]);
+        fs::create_dir(files.path("sub")).unwrap();
+        fs::write(files.path("sub/a m.mtl"), "newmtl m\nKd 1\n").unwrap();
+        assert_eq!(warnings(&files.load().unwrap()), [], "{name}");
+    }
 }
 
 /// The triangles of a text of `v` and `f` statements with plain indices, read in the plainest way.
