@@ -61,6 +61,8 @@ pub enum WarningKind {
     NotTriangles { count: usize },
     /// Curves and surfaces of free form: Bézier, B-spline and others.
     FreeFormIgnored { count: usize },
+    /// Bytes of a .glb file after the length that its header states.
+    BytesAfterEnd { count: usize },
     /// Vertices of a primitive after its last complete triangle.
     LeftOver { count: usize },
     /// A primitive without positions.
@@ -174,6 +176,7 @@ impl fmt::Display for WarningKind {
             Self::FreeFormIgnored { count } => {
                 write!(f, "free-form curves and surfaces are skipped: {count}")
             }
+            Self::BytesAfterEnd { count } => write!(f, "bytes after the end of the GLB are ignored: {count}"),
             Self::LeftOver { count } => {
                 write!(f, "vertices after the last complete triangle are ignored: {count}")
             }

@@ -1,6 +1,6 @@
 use crate::error::Result;
-use crate::{IoError, Place};
-use std::path::Path;
+use crate::loading::Loading;
+use crate::{IoError, Place, WarningKind};
 
 /// The parts of a glTF file.
 pub(super) struct Container<'a> {
@@ -12,12 +12,15 @@ pub(super) struct Container<'a> {
 }
 
 const MAGIC: &[u8; 4] = b"glTF";
+/// The magic, the version and the length.
+const HEADER_BYTES: usize = 12;
 const JSON: &[u8; 4] = b"JSON";
 const BINARY: &[u8; 4] = b"BIN\0";
 
 /// Splits a file into its parts. The first bytes determine the format, not the name.
-pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>> {
-    let malformed = |message: &str| IoError::Parse { at: Place::File.of(path), message: message.into() };
+pub(super) fn open<'a>(bytes: &'a [u8], loading: &mut Loading<'_>) -> Result<Container<'a>> {
+    let at = loading.at(Place::File);
+    let malformed = |message: &str| IoError::Parse { at: at.clone(), message: message.into() };
     let Some(after_magic) = bytes.strip_prefix(MAGIC) else {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         if !text.trim_ascii_start().starts_with(b"{") {
@@ -27,12 +30,15 @@ pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>> {
     };
     let (version, rest) = number(after_magic).ok_or_else(|| malformed("header is truncated"))?;
     if version != 2 {
-        return Err(IoError::Version { at: Place::File.of(path), version: version.to_string() });
+        return Err(IoError::Version { at, version: version.to_string() });
     }
-    let (length, mut rest) = number(rest).ok_or_else(|| malformed("header is truncated"))?;
-    if length != bytes.len() {
+    let (length, _) = number(rest).ok_or_else(|| malformed("header is truncated"))?;
+    let Some(mut rest) = bytes.get(HEADER_BYTES..length) else {
         let message = format!("file has {} bytes, but its header says {length}", bytes.len());
         return Err(malformed(&message));
+    };
+    if length < bytes.len() {
+        loading.warn(Place::File, WarningKind::BytesAfterEnd { count: bytes.len() - length });
     }
     let mut next = || -> Result<Option<Chunk<'a>>> {
         if rest.is_empty() {

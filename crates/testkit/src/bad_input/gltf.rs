@@ -330,12 +330,15 @@ fn containers() -> Vec<Case> {
     };
     let length = good.len() as u32;
     let wrong_length = format!("file has {length} bytes, but its header says {}", length + 1);
+    let extra = loaded(&["a.glb: bytes after the end of the GLB are ignored: 4"]);
     let cut_off = refused("Parse", "a.glb: header is truncated");
     vec![
         image(71, "{}", "image has neither a URI nor a buffer view"),
         image(72, r#"{"bufferView":0}"#, "image in a buffer view has no MIME type"),
         changed(73, 12, 0, "Parse", "chunk is empty"),
         changed(74, 8, length + 1, "Parse", &wrong_length),
+        changed(74, 8, 11, "Parse", &format!("file has {length} bytes, but its header says 11")),
+        Case::new(74, "a.glb", [&good[..], b"more"].concat(), extra),
         changed(74, 12, length, "Parse", "chunk is truncated"),
         changed(74, 16, 0, "Parse", "first chunk is not JSON"),
         changed(74, 4, 1, "Version", "glTF version `1` is not supported (supported: 2.0)"),
