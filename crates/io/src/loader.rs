@@ -145,8 +145,8 @@ impl fmt::Debug for Loader<'_> {
 /// [`Limits`].
 ///
 /// Triangles have the order of the file's faces. A face with more than three vertices becomes a fan around
-/// its first vertex. Degenerate triangles are dropped. An index must refer to an element above it in the
-/// file.
+/// its first vertex. Degenerate triangles are dropped. The index of a vertex must refer to one above it in
+/// the file.
 ///
 /// A material is Lambertian with the albedo `Kd`, or a mirror. It is a mirror if `Pm` exceeds `Pr`; without
 /// `Pm`, if it has `Ks` and `illum 3`, or `Ks` and neither `Kd` nor `map_Kd`. The mirror's reflectance is `Kd`, or

@@ -13,12 +13,6 @@ impl Occurrences {
         }
     }
 
-    /// The number of occurrences.
-    #[cfg(feature = "obj")]
-    pub(crate) fn count(&self) -> usize {
-        self.0.map_or(0, |(_, count)| count)
-    }
-
     /// Adds a warning at the first place, if there is one.
     pub(crate) fn warn(&self, loading: &mut Loading<'_>, kind: impl FnOnce(usize) -> WarningKind) {
         if let Some((place, count)) = self.0 {

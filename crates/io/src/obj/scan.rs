@@ -1,4 +1,4 @@
-use super::corner::{self, Counts};
+use super::corner;
 use super::lines::write;
 use super::palette::Palette;
 use super::source::Statement;
@@ -17,7 +17,6 @@ const MESH_CORNERS: usize = 1 << 16;
 /// Checks the statements of an OBJ file on their way to tobj, and keeps what does not pass.
 pub(super) struct Scan<'a> {
     vertices: usize,
-    texture_coordinates: usize,
     normals: Occurrences,
     colours: Occurrences,
     short_faces: Occurrences,
@@ -40,7 +39,6 @@ impl<'a> Scan<'a> {
     pub(super) fn new(default: MaterialId) -> Self {
         Self {
             vertices: 0,
-            texture_coordinates: 0,
             normals: Occurrences::default(),
             colours: Occurrences::default(),
             short_faces: Occurrences::default(),
@@ -66,7 +64,6 @@ impl<'a> Scan<'a> {
         match statement.keyword {
             "v" => self.vertex(statement, line)?,
             "f" => self.face(statement, line, loading)?,
-            "vt" => self.texture_coordinates += 1,
             "vn" => self.normals.add(statement.place(), 1),
             "usemtl" => self.palette.use_material(statement, loading)?,
             "mtllib" => self.palette.add_library(statement, loading)?,
@@ -103,11 +100,10 @@ impl<'a> Scan<'a> {
     /// `f` and the corners of a polygon. A face with one or two corners does not pass.
     fn face(&mut self, statement: &Statement<'_>, line: &mut String, loading: &Loading<'_>) -> Result<()> {
         let limits = loading.limits;
-        let counts: Counts = [self.vertices, self.texture_coordinates, self.normals.count()];
         let mut corners = 0;
         line.push('f');
         for word in statement.words() {
-            line.extend([" ", corner::vertex(statement, word, &counts)?]);
+            line.extend([" ", corner::vertex(statement, word, self.vertices)?]);
             corners += 1;
             statement.check_count(corners, "vertices in a polygon", limits.polygon_corners)?;
         }
