@@ -6,7 +6,8 @@
 
 use globillum::geom::{Accel, Frame, PdfSolidAngle, Ray, WideBvh};
 use globillum::integrator::{
-    Camera, Comparison, Estimates, Interaction, LightSampler, LightSampling, Scene, Settings, Stream, render,
+    Camera, Comparison, ElementSample, Estimates, Interaction, LightSampler, LightSampling, Scene, Settings,
+    Stream, render,
 };
 use globillum::material::{Density, Rgb};
 use globillum::scenes::cornell;
@@ -44,7 +45,7 @@ pub(crate) fn radiance<A: Accel>(scene: &Scene<A>, mut ray: Ray, numbers: Stream
             if numbers.uniform(dimension + 5) >= survive_prob {
                 return radiance;
             }
-            throughput = throughput / survive_prob;
+            throughput /= survive_prob;
         }
         scattered = match sample.density {
             Density::SolidAngle(pdf) => Some((pdf, lights)),
@@ -82,10 +83,8 @@ fn pixel<A: Accel>(scene: &Scene<A>, camera: &Camera, index: u32) -> (Rgb, Rgb) 
     let (mut sum, mut squares) = (Rgb::BLACK, Rgb::BLACK);
     for sample in 0..SAMPLES {
         let numbers = Stream::new(0, index.into(), sample);
-        let [u, v] = numbers.uniform_pair(0);
-        let (x, y) = (f64::from(index % SIDE) + u, f64::from(index / SIDE) + v);
-        let [x, y] = [x, y].map(|at| 2.0 * at / f64::from(SIDE) - 1.0);
-        let value = radiance(scene, camera.ray(x, -y, 1.0), numbers);
+        let at = ElementSample::new((index % SIDE, index / SIDE), numbers.uniform_pair(0), [SIDE, SIDE]);
+        let value = radiance(scene, camera.ray(at.x, at.y, at.aspect), numbers);
         sum += value;
         squares += value * value;
     }

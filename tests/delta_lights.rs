@@ -478,7 +478,7 @@ fn replays_add_up_to_the_picture() {
         for (x, y) in [(4, 15), (10, 3), (13, 12)] {
             let paths = (0..16).map(|sample| replay(&scene, &camera, &settings, (x, y), sample).unwrap());
             let paths: Vec<_> = paths.collect();
-            let sum = paths.iter().fold(Rgb::BLACK, |sum, path| sum + path.radiance);
+            let sum = paths.iter().map(|path| path.radiance).sum::<Rgb>();
             assert_eq!(film.mean(x, y), sum / 16.0, "{}, {x}, {y}", named(&settings));
             assert!(paths.iter().all(|path| path.alone == direct(path)), "{}", named(&settings));
             assert!(paths.iter().any(|path| !path.alone.is_black()), "{}, {x}, {y}", named(&settings));
@@ -488,5 +488,5 @@ fn replays_add_up_to_the_picture() {
 
 /// What next events at the vertices of a path add to it.
 fn direct(path: &globillum::integrator::Replay) -> Rgb {
-    path.vertices.iter().fold(Rgb::BLACK, |sum, vertex| sum + vertex.direct)
+    path.vertices.iter().map(|vertex| vertex.direct).sum()
 }

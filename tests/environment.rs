@@ -132,7 +132,7 @@ fn squares_of_a_tile_have_the_bits_of_the_squares_alone() {
             let sensor: &dyn Sensor = &camera;
             replay(&scene, sensor, &settings, (x, y), sample).expect("the sample exists").radiance
         };
-        let sum = (0..16).map(sample).fold(Rgb::BLACK, |sum, radiance| sum + radiance);
+        let sum = (0..16).map(sample).sum::<Rgb>();
         assert_eq!(whole.mean(x, y), sum / 16.0, "{x}, {y}");
     }
 }

@@ -128,8 +128,7 @@ impl Job {
 }
 
 fn mean(pixels: &[Rgb]) -> Rgb {
-    let sum = pixels.iter().fold(Rgb::BLACK, |sum, &pixel| sum + pixel);
-    sum / pixels.len() as f64
+    pixels.iter().copied().sum::<Rgb>() / pixels.len() as f64
 }
 
 /// What is written of a picture.

@@ -69,7 +69,8 @@ impl PictureData {
     /// [`PictureData::of`] the picture's film, with the attributes `key`, `seed` and `settings`, and the camera if a
     /// pinhole took the picture.
     ///
-    /// Settings that do not change a sample, such as the number of threads, are left out.
+    /// Settings that do not change a sample, such as the number of threads, are left out. Of a crop, set
+    /// [`Estimates::origin`] and [`PictureData::whole`], which a film does not know.
     pub fn of_render(picture: &Picture, settings: &Settings, camera: Option<&Camera>) -> Self {
         let mut data = Self::of(&picture.film);
         data.set_key(picture.key);

@@ -1,5 +1,6 @@
 use std::fmt;
-use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Sub};
 
 /// Linear colour with Rec. 709 primaries: a reflectance, a weight or a radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -131,6 +132,19 @@ impl Div<f64> for Rgb {
     #[inline(always)]
     fn div(self, s: f64) -> Self {
         self.map(|x| x / s)
+    }
+}
+
+impl DivAssign<f64> for Rgb {
+    #[inline(always)]
+    fn div_assign(&mut self, s: f64) {
+        *self = *self / s;
+    }
+}
+
+impl Sum for Rgb {
+    fn sum<I: Iterator<Item = Self>>(colours: I) -> Self {
+        colours.fold(Self::BLACK, |sum, colour| sum + colour)
     }
 }
 

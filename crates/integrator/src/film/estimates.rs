@@ -62,7 +62,8 @@ impl Estimates {
         }
     }
 
-    /// The estimates that `film` holds. A strip begins at its first row ([`Film::rows`]).
+    /// The estimates that `film` holds. A strip begins at its first row ([`Film::rows`]). The film of a
+    /// [crop](crate::Render::crop) does not know its place: set [`Estimates::origin`].
     pub fn of(film: &Film) -> Self {
         let mut estimates = Self::unknown(film.width(), film.height());
         estimates.origin[1] = film.rows().start;

@@ -63,7 +63,7 @@ impl Path {
         let reflected = (self.largest_prefix_throughput * self.throughput).max_component() * self.guide_ratio;
         let uncapped = reflected / roulette.threshold;
         let survive_prob = uncapped.min(Roulette::MAX_SURVIVE_PROB);
-        self.throughput = self.throughput / survive_prob;
+        self.throughput /= survive_prob;
         u < survive_prob
     }
 }

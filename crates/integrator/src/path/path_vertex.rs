@@ -71,7 +71,7 @@ impl<'a> PathVertex<'a> {
         };
         let (u, ratio) = cell.directions.warp(self.numbers.scatter);
         let mut sample = self.at.material.bsdf.sample(self.wo, u)?;
-        sample.weight = sample.weight / ratio;
+        sample.weight /= ratio;
         if let Density::SolidAngle(pdf) = &mut sample.density {
             pdf.0 *= ratio;
         }

@@ -92,7 +92,7 @@ impl<'a> Setup<'a> {
             let mut wavefront = Wavefront::default();
             wavefront.trace(&context, &TileProbes::of(&context, TILE), 0..4, || false);
             let of_pixels = wavefront.radiance().chunks(4);
-            let sum = |of_pixel: &[Rgb]| of_pixel.iter().fold(Rgb::BLACK, |sum, &sample| sum + sample);
+            let sum = |of_pixel: &[Rgb]| of_pixel.iter().copied().sum::<Rgb>();
             of_pixels.map(sum).collect()
         })
     }

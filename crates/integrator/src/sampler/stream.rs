@@ -43,7 +43,7 @@ impl Stream {
         self.number(dimension.into())
     }
 
-    /// The numbers of `dimension` and the one after it.
+    /// The numbers of `dimension` and the one after it, so that `dimension + 2` is the next that is free.
     #[inline]
     pub fn uniform_pair(&self, dimension: u32) -> [f64; 2] {
         // The last dimension has one after it, too.

@@ -99,8 +99,9 @@ pub struct ElementSample {
 }
 
 impl ElementSample {
-    /// The sample at this offset from the upper left corner of an element, in elements, of a grid of this size.
-    pub(crate) fn new((column, row): (u32, u32), [dx, dy]: [f64; 2], [width, height]: [u32; 2]) -> Self {
+    /// The sample at this offset from the upper left corner of an element (column and row), in elements, of a grid of this
+    /// size: `[0.5, 0.5]` is the middle of the element.
+    pub fn new((column, row): (u32, u32), [dx, dy]: [f64; 2], [width, height]: [u32; 2]) -> Self {
         let (width, height) = (f64::from(width), f64::from(height));
         let x = 2.0 * (f64::from(column) + dx) / width - 1.0;
         let y = 1.0 - 2.0 * (f64::from(row) + dy) / height;

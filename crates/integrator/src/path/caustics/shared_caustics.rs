@@ -80,7 +80,7 @@ impl SharedCaustics {
     /// What the path of a sample has found.
     pub(in crate::path) fn found_by(&self, sample: u32) -> Rgb {
         let own = self.found.iter().filter(|found| found.sample == sample);
-        own.fold(Rgb::BLACK, |sum, found| sum + found.radiance)
+        own.map(|found| found.radiance).sum()
     }
 
     /// Adds each caustic to the samples of equal number in the pixels of its square.
@@ -222,7 +222,7 @@ mod tests {
     fn add(deviations: &mut Deviations, shared: &[Rgb], alone: &[Rgb]) {
         let difference = |pixels: Range<usize>| {
             let of_pixel = |i: usize| shared[i] - alone[i];
-            pixels.map(of_pixel).fold(Rgb::BLACK, |sum, difference| sum + difference).to_array()
+            pixels.map(of_pixel).sum::<Rgb>().to_array()
         };
         let bands = [0, 1, 2, 3].map(|band| difference(52 * band..52 * (band + 1)));
         let of_all = bands.iter().copied().chain([difference(0..TILE.pixel_count())]);

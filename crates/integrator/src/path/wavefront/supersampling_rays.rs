@@ -54,7 +54,7 @@ impl SupersamplingRays {
             let mut found = std::mem::take(&mut self.found);
             let add = |emission: FoundEmission<'_>| found[emission.tag as usize].1 += emission.radiance;
             self.rays.trace(context, max_reflections(context), add, |_, _| {});
-            found[before..].iter_mut().for_each(|(_, sum)| *sum = *sum / N as f64);
+            found[before..].iter_mut().for_each(|(_, sum)| *sum /= N as f64);
             self.found = found;
         }
         camera_rays
