@@ -63,7 +63,7 @@ pub struct Settings {
     /// Light samples at the first diffuse vertex of a path where each is a choice among several. The vertex takes this many
     /// in a light tree: of three triangles or more, or of a delta light and another light. It takes at most this many among
     /// the triangles of small mirrors: of adjacent coplanar triangles whose area is less than a quarter of the mean area of a
-    /// cluster of lights, as in most curved mirrors. A power of two up to [`Settings::MAX_LIGHT_SAMPLES`]. Elsewhere there
+    /// cluster of lights (of a distant light, as much as it looks), as in most curved mirrors. A power of two up to [`Settings::MAX_LIGHT_SAMPLES`]. Elsewhere there
     /// is one. This changes the variance, not the mean.
     pub light_samples: u32,
     /// Whether lights are sampled by way of mirrors.

@@ -17,7 +17,7 @@ pub(crate) use small_mirrors::{ChosenMirror, MirrorPoint, SmallMirrors};
 use crate::light::lights::Lights;
 use facet::Facet;
 use facets::Facets;
-use globillum_geom::Triangles;
+use globillum_geom::{Aabb, Triangles};
 use light_bounds::LightBounds;
 use light_clusters::LightClusters;
 use mirror_tree::FacetBounds;
@@ -33,8 +33,8 @@ pub(crate) struct Mirrors {
 }
 
 impl Mirrors {
-    /// The least area of a large facet, over the mean area of a light cluster: both look about as large from the middle
-    /// between them.
+    /// The least area of a large facet, over the mean apparent area of a light cluster: both look about as large from the
+    /// middle between them.
     const LARGE: f64 = 0.25;
 
     /// The triangles for which `is_mirror` holds.
@@ -47,8 +47,7 @@ impl Mirrors {
         }
         let Facets { facets, bodies } = Facets::of(triangles, &mirrors);
         let clusters = LightClusters::of(triangles, lights);
-        let light_area: f64 = lights.triangles().map(|index| triangles.get(index).area()).sum();
-        let least = Self::LARGE * light_area / clusters.len() as f64;
+        let least = Self::LARGE * apparent_area(triangles, lights) / clusters.len() as f64;
         let (large, small): (Vec<_>, Vec<_>) =
             facets.into_iter().partition(|facet| facet.area(triangles) >= least);
         let small_mirror = |facet: &Facet, index: u32| {
@@ -69,6 +68,24 @@ impl Mirrors {
     pub(crate) fn is_empty(&self) -> bool {
         self.large.is_none() && self.small.is_none()
     }
+}
+
+/// The area of all triangles that emit. One that is farther than the diagonal of all other triangles' bounds from their
+/// middle counts with the area that looks as large from there, at the distance of the diagonal: a sun is no larger for
+/// being far away.
+fn apparent_area(triangles: &Triangles, lights: &Lights) -> f64 {
+    let mut emits = vec![false; triangles.len()];
+    lights.triangles().for_each(|index| emits[index as usize] = true);
+    let others = triangles.live().iter().filter(|&&index| !emits[index as usize]);
+    let bounds = Aabb::around(others.flat_map(|&index| triangles.get(index).vertices));
+    let (middle, diagonal) = (bounds.center(), bounds.extent().length());
+    let area = |index: u32| {
+        let triangle = triangles.get(index);
+        let distance = triangle.bounds().center().distance(middle);
+        let scale = if distance > diagonal { diagonal / distance } else { 1.0 };
+        triangle.area() * (scale * scale)
+    };
+    lights.triangles().map(area).sum()
 }
 
 #[cfg(test)]
@@ -138,6 +155,29 @@ mod tests {
         let ray = Ray::new(from, reflected);
         let is_hit = Facet::of(index, triangle).may_be_hit_by(triangles, &ray);
         heights[0] > 1e-3 * triangle.area().sqrt() && heights[1] > 0.0 && is_hit
+    }
+
+    /// A sun that looks as large as before and is farther away leaves a mirror large.
+    #[test]
+    fn a_mirror_is_as_large_as_it_looks_beside_the_light() {
+        let p = DVec3::new;
+        let mirror = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
+        for (distance, half, is_large) in
+            [(2.0, 0.5, true), (2.0, 4.0, false), (1e2, 5.0, true), (1e6, 5e4, true), (1e6, 2e6, false)]
+        {
+            let sun = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                .map(|(x, z)| p(half * x, distance, half * z));
+            let sun = quad(sun[0], sun[1], sun[2], sun[3]);
+            let triangles = Triangles::new([sun, mirror].as_flattened().to_vec()).unwrap();
+            let glow = Emission::new(Rgb::WHITE, Sides::Both).unwrap();
+            let lights = Lights::of(&triangles, |index| if index < 2 { glow } else { Emission::NONE }, &[]);
+            let mirrors = Mirrors::of(&triangles, |index| index >= 2, &lights);
+            assert_eq!(
+                (mirrors.large.is_some(), mirrors.small.is_none()),
+                (is_large, is_large),
+                "{distance}"
+            );
+        }
     }
 
     /// No bound is too small: a mirror that reflects a point of a light to the receiver has a probability above
