@@ -10,7 +10,6 @@ use crate::output::TextOutput;
 use crate::summary::{PointsSummary, Timing, reason};
 use crate::{console, points};
 use anyhow::{Result, ensure};
-use globillum::material::Rgb;
 use std::path::{Path, PathBuf};
 
 const LONG_ABOUT: &str = "\
@@ -84,15 +83,9 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let stats_output = stats.map(TextOutput::open).transpose()?;
     let checkpoint = flags.checkpoints.save.open()?;
 
-    let LoadedScene { name, mut model, lacks_light, files, .. } =
-        options.scene.load(flags.report.warnings(), &interrupt)?;
-    if lacks_light {
-        console::warn(format_args!(
-            "{name}: scene has no lights: a white environment of radiance 1 is added (--environment R,G,B sets it; \
-             0 is none)"
-        ));
-        model.set_environment(Rgb::WHITE)?;
-    }
+    let mut loaded = options.scene.load(flags.report.warnings(), &interrupt)?;
+    loaded.light_if_dark()?;
+    let LoadedScene { name, model, files, .. } = loaded;
     check_files(Uses::default().read(SCENE_FILE, &files))?;
     let (scene, build_seconds) = build(model, flags.speed.accel)?;
     interrupt.check()?;

@@ -1,10 +1,9 @@
-use crate::console;
 use crate::exit::CODES;
 use crate::file_conflicts::Uses;
 use crate::flags::{LoadedScene, RenderFlags, SceneFlags};
 use crate::interrupt::Interrupt;
 use crate::job::{Job, Subject};
-use crate::view::{self, CameraType, Up, View, sun_and_sky};
+use crate::view::{self, CameraType, Up, View, sun};
 use anyhow::{Result, anyhow};
 
 const LONG_ABOUT: &str = "\
@@ -13,8 +12,8 @@ Renders a scene file, Wavefront OBJ or glTF 2.0, and prints samples, rays, time 
 What the file says and the renderer has not, such as textures, is left out with a warning on standard error. \
 The first warning of each kind is shown, with the number of such warnings; --verbose shows all.
 
-A file without cameras is framed automatically. A file in which nothing shines is rendered under a grey sky, with a sun \
-behind the viewer's left shoulder.
+A file without cameras is framed automatically. A file in which nothing shines is rendered in a white \
+environment of radiance 1, in which surfaces of albedo 1 cannot be seen; --sun shows them.
 
 Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the render after the passes that are complete: \
 picture, figures and checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is \
@@ -27,8 +26,8 @@ Examples:
   Choose camera, radiance of the sky and picture size, and brighten the PNG by one stop:
       globillum render SCENE.obj --camera 3,2,5/0,1,0 --environment 0.5,0.6,0.8 \\
           --width 1280 --height 720 --exposure 1 --out sky.png --out sky.exr
-  A scan with z up, in the light of a grey sky:
-      globillum render BUST.obj --up z --environment 0.6
+  A scan with z up, in the light of a sun and a grey sky:
+      globillum render BUST.obj --up z --sun
   Render to 1 % error, but no longer than ten minutes, and be able to continue later:
       globillum render SCENE.glb --error 0.01 --seconds 600 --checkpoint scene.part --resume
   A panorama from the middle of a room, and a plan, 8 m high, of what lies below height 2:
@@ -67,6 +66,12 @@ pub(crate) struct Options {
     /// glTF files have y up. OBJ files do not say: z is right for many that look as if they lay on their backs.
     #[arg(long, value_enum, help_heading = "Scene", default_value_t = Up::Y)]
     up: Up,
+    /// Adds a sun behind the viewer's left shoulder, and a grey sky of radiance 0.3
+    ///
+    /// It shows the shape of what has no light of its own: a white surface that faces the sun has a radiance of 1.
+    /// --environment sets another sky.
+    #[arg(long, help_heading = "Scene")]
+    sun: bool,
     #[command(flatten)]
     pub(crate) flags: RenderFlags,
 }
@@ -83,17 +88,16 @@ impl Options {
     /// Loads the scene.
     pub(crate) fn subject(&self, interrupt: &Interrupt) -> Result<Subject> {
         let camera = self.camera()?;
-        let LoadedScene { name, mut model, lacks_light, cameras, files } =
-            self.scene.load(self.flags.warnings(), interrupt)?;
-        let own = cameras.first().map(|&camera| View::Own(camera, self.camera_type, self.up));
+        let mut loaded = self.scene.load(self.flags.warnings(), interrupt)?;
+        let own = loaded.cameras.first().map(|&camera| View::Own(camera, self.camera_type, self.up));
         let view = camera.or(own).unwrap_or(View::Automatic(self.camera_type, self.up));
-        if lacks_light {
-            console::warn(format_args!(
-                "{name}: scene has no lights: a grey sky of radiance 0.3 and a sun are added \
-                 (--environment R,G,B sets a sky without a sun; 0 is none)"
-            ));
-            sun_and_sky::add(&mut model, &view, self.up)?;
+        if self.sun {
+            sun::add(&mut loaded.model, &view, self.up)?;
+            loaded.model.set_environment(loaded.environment.unwrap_or(sun::SKY))?;
+        } else {
+            loaded.light_if_dark()?;
         }
+        let LoadedScene { name, model, files, .. } = loaded;
         Ok(Subject { name, model, view, files })
     }
 

@@ -15,11 +15,9 @@ pub(crate) struct SceneFlags {
     #[arg(value_name = "SCENE.{obj,gltf,glb}")]
     pub(crate) scene: PathBuf,
     /// Radiance of the environment from all directions: a number, or one each for red, green and blue
-    /// [default: 0; a scene without lights gets light]
+    /// [default: 0, or 1 in a scene without lights]
     ///
-    /// Each is 0 or from 1e-50 to 1e50. 0 is no environment: a scene without lights is then black. Without this flag, a
-    /// picture of such a scene has a grey sky of radiance 0.3 and a sun behind the viewer's left shoulder; irradiance is
-    /// that of a sky of radiance 1.
+    /// Each is 0 or from 1e-50 to 1e50. 0 is no environment: a scene without lights is then black.
     #[arg(long, value_name = "R,G,B")]
     #[arg(allow_hyphen_values = true, value_parser = view::parse_colour)]
     environment: Option<Rgb>,
@@ -42,13 +40,15 @@ pub(crate) struct SceneFlags {
 pub(crate) struct LoadedScene {
     /// The file.
     pub(crate) name: String,
-    /// In the environment asked for.
+    /// In the environment asked for, or a black one.
     pub(crate) model: Model,
-    /// Whether nothing shines, and nothing was asked for.
-    pub(crate) lacks_light: bool,
     pub(crate) cameras: Vec<Camera>,
     /// The files that it was read from.
     pub(crate) files: Vec<PathBuf>,
+    /// The environment asked for.
+    pub(crate) environment: Option<Rgb>,
+    /// Whether nothing in the file shines.
+    is_dark: bool,
 }
 
 impl SceneFlags {
@@ -64,11 +64,29 @@ impl SceneFlags {
         let Loaded { mut model, cameras, files, report, .. } = loaded;
         model.set_environment(self.environment.unwrap_or(Rgb::BLACK))?;
         let is_dark = report.warnings.iter().any(|warning| warning.kind == WarningKind::NoLight);
-        if is_dark && self.environment == Some(Rgb::BLACK) {
-            console::warn(format_args!(
-                "{name}: scene has no lights and no environment: the picture is black"
-            ));
+        Ok(LoadedScene { name, model, cameras, files, environment: self.environment, is_dark })
+    }
+}
+
+impl LoadedScene {
+    /// Adds a white environment if nothing in the file shines and none was asked for. Warns of it, and of darkness.
+    pub(crate) fn light_if_dark(&mut self) -> Result<()> {
+        let name = &self.name;
+        match self.environment {
+            None if self.is_dark => {
+                console::warn(format_args!(
+                    "{name}: scene has no lights: a white environment of radiance 1 is added \
+                     (--environment R,G,B sets it; 0 is none)"
+                ));
+                self.model.set_environment(Rgb::WHITE)?;
+            }
+            Some(Rgb::BLACK) if self.is_dark => {
+                console::warn(format_args!(
+                    "{name}: scene has no lights and no environment: the picture is black"
+                ));
+            }
+            _ => {}
         }
-        Ok(LoadedScene { name, model, lacks_light: is_dark && self.environment.is_none(), cameras, files })
+        Ok(())
     }
 }

@@ -5,7 +5,7 @@ mod axes;
 mod flags;
 mod inside;
 mod outside;
-pub(crate) mod sun_and_sky;
+pub(crate) mod sun;
 
 pub(crate) use any_camera::{AnyCamera, CameraType};
 pub use axes::Up;

@@ -84,6 +84,6 @@ fn a_room_without_a_camera_is_seen_from_inside() {
     let shot = Shot::of("bust.obj", &["--width", "48", "--height", "36", "--spp", "1", "--up", "z"]);
     assert_eq!(
         (&shot.stats["camera_by"], &shot.stats["environment"]),
-        (&json!("outside"), &json!([0.3, 0.3, 0.3]))
+        (&json!("outside"), &json!([1.0, 1.0, 1.0]))
     );
 }

@@ -27,8 +27,8 @@ fn assert_refused(arguments: &[&str], words: &[&str]) {
 /// What is said of a file in which nothing shines.
 fn no_lights(file: &str) -> String {
     format!(
-        "{file}: scene has no lights: a grey sky of radiance 0.3 and a sun are added (--environment R,G,B sets a \
-         sky without a sun; 0 is none)"
+        "{file}: scene has no lights: a white environment of radiance 1 is added (--environment R,G,B sets it; \
+         0 is none)"
     )
 }
 
@@ -57,7 +57,7 @@ fn rows_1_to_82_and_97_to_99_bad_scenes_are_one_line_that_names_file_and_place()
         };
         assert_eq!(output.status.code(), Some(code), "row {row}: {said}");
         assert_eq!(said.lines().collect::<Vec<_>>(), lines, "row {row}");
-        assert_eq!(folder.path().join("render.png").exists(), code == 0, "row {row}");
+        assert_eq!(folder.path().join("render.exr").exists(), code == 0, "row {row}");
     }
 }
 
@@ -294,6 +294,20 @@ fn figures(folder: &Path, arguments: &[&str]) -> (String, serde_json::Value) {
     (said, serde_json::from_slice(&stats).expect("it is JSON"))
 }
 
+#[test]
+fn a_sun_lights_what_is_seen() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fill_unlit(folder.path());
+    let mean = |figures: &serde_json::Value| figures["image_mean"][0].as_f64().expect("a number");
+    let (said, sun) = figures(folder.path(), &["a.obj", "--sun"]);
+    assert!(!said.contains("lights"), "{said}");
+    assert_eq!((&sun["environment"], &sun["delta_lights"]), (&serde_json::json!([0.3, 0.3, 0.3]), &1.into()));
+    let (_, sky) = figures(folder.path(), &["a.obj", "--environment", "0.3"]);
+    assert!(mean(&sun) > 1.02 * mean(&sky) && mean(&sun) < 1.0, "{sun}");
+    let (_, alone) = figures(folder.path(), &["a.obj", "--sun", "--environment", "0"]);
+    assert!(mean(&alone) > 0.0 && mean(&alone) < mean(&sun), "{alone}");
+}
+
 /// A triangle without lights, whose material library does not exist.
 fn fill_unlit(folder: &Path) {
     let text = "mtllib no.mtl\nusemtl a\nv 0 0 0\nv 2 0 0\nv 0 0 -1\nf 1 2 3\nusemtl b\nv 0 0.5 0\nf 1 2 4\n";
@@ -315,16 +329,15 @@ fn what_is_passed_over_is_said() {
 }
 
 #[test]
-fn a_file_in_which_nothing_shines_gets_sun_and_sky() {
+fn a_file_in_which_nothing_shines_gets_a_white_environment() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fill_unlit(folder.path());
     let last = |said: &str| said.lines().last().expect("it warns").to_owned();
     let (said, lit) = figures(folder.path(), &["a.obj"]);
     assert_eq!(last(&said), format!("warning: {}", no_lights("a.obj")));
-    assert_eq!(lit["environment"], serde_json::json!([0.3, 0.3, 0.3]));
+    assert_eq!(lit["environment"], serde_json::json!([1.0, 1.0, 1.0]));
     let mean = |figures: &serde_json::Value| figures["image_mean"][0].as_f64().expect("a number");
-    let (_, sky) = figures(folder.path(), &["a.obj", "--environment", "0.3"]);
-    assert!(mean(&lit) > 1.1 * mean(&sky) && mean(&lit) < 1.0, "{lit}");
+    assert!(mean(&lit) > 0.5 && mean(&lit) < 1.0, "{lit}");
     let (said, dark) = figures(folder.path(), &["a.obj", "--environment", "0"]);
     assert_eq!(last(&said), "warning: a.obj: scene has no lights and no environment: the picture is black");
     assert_eq!(dark["image_mean"], serde_json::json!([0.0, 0.0, 0.0]));

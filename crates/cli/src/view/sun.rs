@@ -1,4 +1,4 @@
-//! Light for a scene that has none.
+//! A sun for what has no light of its own.
 
 use super::{Up, View};
 use anyhow::Result;
@@ -7,16 +7,15 @@ use globillum::integrator::{DeltaLight, Model};
 use globillum::material::Rgb;
 use std::f64::consts::PI;
 
-/// Radiance of the sky.
-const SKY: f64 = 0.3;
+/// Radiance of the sky beside it.
+pub(crate) const SKY: Rgb = Rgb::splat(0.3);
 
 /// What the sun adds to the radiance of a white surface that faces it, which is 1 then.
 const SUN: f64 = 0.7;
 
-/// Adds a grey sky, and a sun behind the viewer's left shoulder: 45 degrees from the direction in which `view` looks,
-/// so that what is seen is lit, and its shape shows.
+/// Adds a sun behind the viewer's left shoulder: 45 degrees from the direction in which `view` looks, so that what is seen
+/// is lit, and its shape shows.
 pub(crate) fn add(model: &mut Model, view: &View, up: Up) -> Result<()> {
-    model.set_environment(Rgb::splat(SKY))?;
     // A scene without an extent has no view, which is an error later.
     if let Ok(forward) = view.forward(&model.bounds()) {
         let direction = from_behind(forward.normalize(), up.axes().y_axis);
