@@ -107,7 +107,7 @@ pub enum PathReuse {
     ///
     /// [`Film::block_variances_of_mean`]: crate::Film::block_variances_of_mean
     #[default]
-    Tiles = 1,
+    Tiles = 2,
 }
 
 impl PathReuse {
