@@ -208,7 +208,7 @@ fn bytes_that_are_not_utf8_are_replaced() {
     let obj = [SQUARE.as_bytes(), b"mtllib a.mtl\nusemtl Gr\xfcn\xfc\xe4\nf 1 2 3\n"].concat();
     let mtl = b"# fine\nnewmtl Gr\xfcn\xfc\xe4\nKd 1\nmap_Kd Gr\xfcn.png\n";
     let loaded = Files::new(&[("a.obj", &obj), ("a.mtl", mtl)]).load().unwrap();
-    assert_eq!(*loaded.model.material(0), Material::lambert(Rgb::WHITE).unwrap());
+    assert_eq!(*loaded.model.material(0), Material::lambert(Rgb::splat(0.5)).unwrap());
     let textured = WarningKind::TexturesIgnored { name: "Gr\u{fffd}n\u{fffd}".into() };
     let expected = [
         (Place::Line(6), WarningKind::NotUtf8 { count: 3 }),
