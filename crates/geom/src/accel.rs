@@ -17,7 +17,7 @@ use std::fmt::Debug;
 ///    [`Ray::DIRECTION_DOMAIN`] and no component or `t` leaves the normal range of `f64`.
 /// 5. Degenerate triangles are never hit; a structure over no triangles hits nothing.
 /// 6. Queries do not panic. Besides their output they allocate only working memory that the calling thread keeps
-///    for later queries: none, or with a [`WideBvh`](crate::WideBvh) about 0.6 MB and up to 8 bytes for every 64
+///    for later queries: none, or with a [`WideBvh`](crate::WideBvh) about 0.7 MB and up to 8 bytes for every 64
 ///    rays of its largest batch.
 /// 7. A batch method leaves exactly one entry per ray in its output, whatever the output held before.
 ///    `bounds` returns exactly the bounds of the live triangles.

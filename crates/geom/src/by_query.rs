@@ -4,10 +4,12 @@
 macro_rules! traverse_by_query {
     () => {
         fn closest<P: $crate::Probe>(&self, ray: &$crate::Ray, probe: &mut P) -> Option<$crate::Hit> {
-            self.query(ray, <$crate::query::ClosestHit as $crate::query::Query>::new(ray), probe).hit()
+            use $crate::query::{ClosestHit, Query as _};
+            self.query(ray, ClosestHit::new(ray), probe).answer()
         }
         fn any<P: $crate::Probe>(&self, ray: &$crate::Ray, probe: &mut P) -> bool {
-            self.query(ray, <$crate::query::AnyHit as $crate::query::Query>::new(ray), probe).found()
+            use $crate::query::{AnyHit, Query as _};
+            self.query(ray, AnyHit::new(ray), probe).answer()
         }
     };
 }

@@ -8,6 +8,9 @@ pub(crate) trait Query: Copy {
     /// Whether any hit answers the query.
     const ANY_HIT: bool;
 
+    /// What the query returns.
+    type Answer: Copy + Default;
+
     /// A query without a hit yet, over the ray's range.
     fn new(ray: &Ray) -> Self;
 
@@ -17,6 +20,15 @@ pub(crate) trait Query: Copy {
     /// The largest `t` at which a hit can change the answer; negative infinity if none can. Nodes that start
     /// beyond it are skipped.
     fn t_end(&self) -> f64;
+
+    /// The answer, from the hits offered so far.
+    fn answer(&self) -> Self::Answer;
+
+    /// The ray over the part of its range in which other hits can change this answer.
+    fn remaining(ray: &Ray, answer: Self::Answer) -> Ray;
+
+    /// The answer over two sets of triangles, from that over each.
+    fn merge(a: Self::Answer, b: Self::Answer) -> Self::Answer;
 
     /// Whether no other hit can change the answer.
     #[inline]
@@ -49,22 +61,11 @@ pub(crate) struct AnyHit {
     found: bool,
 }
 
-impl ClosestHit {
-    /// The closest hit so far; `None` if there is none strictly inside the range.
-    pub(crate) fn hit(&self) -> Option<Hit> {
-        self.best
-    }
-}
-
-impl AnyHit {
-    /// Whether there is a hit strictly inside the range so far.
-    pub(crate) fn found(&self) -> bool {
-        self.found
-    }
-}
-
 impl Query for ClosestHit {
     const ANY_HIT: bool = false;
+
+    /// The closest hit; `None` if there is none strictly inside the range.
+    type Answer = Option<Hit>;
 
     #[inline]
     fn new(ray: &Ray) -> Self {
@@ -73,10 +74,10 @@ impl Query for ClosestHit {
 
     #[inline]
     fn offer(&mut self, Intersection { t, u, v }: Intersection, index: u32) {
+        let hit = Hit { t, u, v, triangle: index };
         let inside = self.t_min < t && t < self.t_max;
-        let better = self.best.is_none_or(|b| t < b.t || (t == b.t && index < b.triangle));
-        if inside && better {
-            self.best = Some(Hit { t, u, v, triangle: index });
+        if inside && self.best.is_none_or(|best| is_closer(&hit, &best)) {
+            self.best = Some(hit);
         }
     }
 
@@ -84,10 +85,37 @@ impl Query for ClosestHit {
     fn t_end(&self) -> f64 {
         self.best.map_or(self.t_max, |b| b.t)
     }
+
+    #[inline]
+    fn answer(&self) -> Option<Hit> {
+        self.best
+    }
+
+    fn remaining(ray: &Ray, answer: Option<Hit>) -> Ray {
+        // Ranges are open, and a hit at the same `t` may have a smaller index.
+        let t_max = answer.map_or(ray.t_max, |hit| ray.t_max.min(hit.t.next_up()));
+        ray.with_range(ray.t_min, t_max)
+    }
+
+    fn merge(a: Option<Hit>, b: Option<Hit>) -> Option<Hit> {
+        match (a, b) {
+            (Some(a), Some(b)) => Some(if is_closer(&b, &a) { b } else { a }),
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+/// Whether `a` is the closer hit of a ray, or of two at equal `t` that of the smaller index.
+#[inline]
+fn is_closer(a: &Hit, b: &Hit) -> bool {
+    a.t < b.t || (a.t == b.t && a.triangle < b.triangle)
 }
 
 impl Query for AnyHit {
     const ANY_HIT: bool = true;
+
+    /// Whether there is a hit strictly inside the range.
+    type Answer = bool;
 
     #[inline]
     fn new(ray: &Ray) -> Self {
@@ -102,6 +130,19 @@ impl Query for AnyHit {
     #[inline]
     fn t_end(&self) -> f64 {
         if self.found { f64::NEG_INFINITY } else { self.t_max }
+    }
+
+    #[inline]
+    fn answer(&self) -> bool {
+        self.found
+    }
+
+    fn remaining(ray: &Ray, answer: bool) -> Ray {
+        ray.with_range(ray.t_min, if answer { ray.t_min } else { ray.t_max })
+    }
+
+    fn merge(a: bool, b: bool) -> bool {
+        a | b
     }
 
     #[inline]

@@ -13,7 +13,7 @@ pub struct Triangles {
     all: Arc<[Triangle]>,
     live: Arc<[u32]>,
     bounds: Aabb,
-    /// The length of the longest side of `bounds`.
+    /// The length of the longest side of the bounds of all triangles that are not degenerate.
     extent: f64,
 }
 
@@ -41,6 +41,12 @@ impl Triangles {
             }
         }
         Ok(Self { all: triangles.into(), live: live.into(), bounds, extent: bounds.extent().max_element() })
+    }
+
+    /// The same triangles, of which only these are live.
+    pub(crate) fn with_live(&self, live: Vec<u32>) -> Self {
+        let bounds = live.iter().fold(Aabb::EMPTY, |all, &i| all.union(&self.get(i).bounds()));
+        Self { all: self.all.clone(), live: live.into(), bounds, extent: self.extent }
     }
 
     /// The triangle of this index, degenerate or not.

@@ -1,10 +1,10 @@
 //! A bounding volume hierarchy of eight children for each node, for many rays: traversed in `f32` and decided in `f64`.
 //!
-//! - [`build`]: a k-d tree by the surface area heuristic (Wald and Havran, 2006) down to cells of a few hundred
-//!   triangles, which are clipped to their cells (Havran and Bittner, 2002); below, object splits in bins (Wald, 2007) down
-//!   to leaf blocks of up to eight triangles; or object splits throughout, first between the cells of a grid. The binary
-//!   tree is collapsed into nodes of up to eight children at the least
-//!   expected cost (Ylitie, Karras and Laine, 2017).
+//! - [`build`]: one tree, and others for dense parts that are tiny against the whole. Each is a k-d tree by the surface
+//!   area heuristic (Wald and Havran, 2006) down to cells of a few hundred triangles, which are clipped to their cells
+//!   (Havran and Bittner, 2002); below, object splits in bins (Wald, 2007) down to leaf blocks of up to eight triangles; or
+//!   object splits throughout, first between the cells of a grid. The binary tree is collapsed into nodes of up to eight
+//!   children at the least expected cost (Ylitie, Karras and Laine, 2017).
 //! - [`tree`]: what traversal reads, which are nodes with the bounds of their children, and leaf blocks. The planes
 //!   themselves are not kept.
 //! - [`trace`]: a ray alone, a packet of 64 coherent rays (from a common origin for any query, from anywhere for any
@@ -28,7 +28,12 @@ use tree::Tree;
 
 /// The most rays of a batch that are traversed together: traversal numbers them in 32 bits.
 const MOST_RAYS: usize = 1 << 31;
-const _: () = assert!(MOST_RAYS.is_multiple_of(PACKET), "packets are counted from the start of the batch");
+/// The same if there are several trees, which bounds the memory for the rays that are left for the next one.
+const MOST_RAYS_OF_SEVERAL: usize = 1 << 10;
+const _: () = {
+    let are_whole_packets = MOST_RAYS.is_multiple_of(PACKET) && MOST_RAYS_OF_SEVERAL.is_multiple_of(PACKET);
+    assert!(are_whole_packets, "packets are counted from the start of the batch");
+};
 
 /// A wide bounding volume hierarchy, the fastest structure of this crate. Every node stores the bounds of up to eight
 /// children.
@@ -42,12 +47,17 @@ const _: () = assert!(MOST_RAYS.is_multiple_of(PACKET), "packets are counted fro
 /// 8 pixels, and for any-hit queries other rays as well, such as those from there to one light. Packets are counted from
 /// the start of the batch.
 ///
+/// A dense part that is tiny against the whole scene, such as a mesh beside a sun made of triangles, has a tree of its own
+/// (docs/accelerators.md).
+///
 /// The tree is traversed with the best vector instructions of the machine; the answers are the same with any.
 ///
 /// [`KdTree`]: crate::KdTree
 #[derive(Clone)]
 pub struct WideBvh {
-    tree: Tree,
+    triangles: Triangles,
+    /// One, and one for each [dense part](build), the finest first.
+    trees: Box<[Tree]>,
     token: Token,
 }
 
@@ -73,7 +83,7 @@ impl WideBvh {
     /// # Errors
     /// [`GeomError::Budget`] for more than about 134 million triangles.
     pub fn build_quickly(triangles: &Triangles) -> Result<Self, GeomError> {
-        Ok(Self { tree: build::build_by_grid(triangles)?, token: Token::new(SimdLevel::Avx512) })
+        Ok(Self::of(triangles, build::build_quickly(triangles)?))
     }
 
     /// The options of [`WideBvh::build`], for leaves that are split further: those of [`KdOptions::default`], with a
@@ -99,8 +109,8 @@ impl WideBvh {
     /// ```
     ///
     /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n`
-    /// references (see [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 608` bytes: for
-    /// each reference, a leaf block of one and a node of two children. Building takes at most `1100 b + 2^17` bytes
+    /// references (see [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 1024` bytes: for
+    /// each reference, a leaf block of one and a node of two children; and 1024 more for each dense part. Building takes at most `1100 b + 2^17` bytes
     /// beside the triangles, on up to a hundred threads. For each reference these are two nodes of the k-d tree, a
     /// reference, and a box in a list with room for twice its length, 84 bytes; two binary nodes, 152; a leaf block of
     /// one, twice, 80; and a node, in a list with room for three times its length while it grows, 768. The rest is for
@@ -111,7 +121,11 @@ impl WideBvh {
     /// As [`KdTree::build_with`](crate::KdTree::build_with), and [`GeomError::Budget`] for more than about 134 million
     /// references.
     pub fn build_with(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
-        Ok(Self { tree: build::build(triangles, options)?, token: Token::new(SimdLevel::Avx512) })
+        Ok(Self::of(triangles, build::build(triangles, options)?))
+    }
+
+    fn of(triangles: &Triangles, trees: Box<[Tree]>) -> Self {
+        Self { triangles: triangles.clone(), trees, token: Token::new(SimdLevel::Avx512) }
     }
 
     /// The same tree, traversed with the instructions of `level`, or of the best level below it that this
@@ -128,48 +142,73 @@ impl WideBvh {
 }
 
 impl WideBvh {
-    /// Answers the query of every ray, [`MOST_RAYS`] at a time.
-    fn query_batch<Q: Query, T: Clone + Default>(
-        &self,
-        rays: &[Ray],
-        answers: &mut Vec<T>,
-        answer: impl Fn(Q) -> T + Copy,
-    ) {
-        answers.clear();
-        answers.reserve(rays.len());
-        self.query_parts(rays.chunks(MOST_RAYS), answers, answer);
+    /// Answers the query of one ray in one tree after another, and tells `probe` what is done for it.
+    fn query_one<Q: Query, P: Probe>(&self, ray: &Ray, probe: &mut P) -> Q::Answer {
+        let query_tree = |tree: &Tree, ray: &Ray, probe: &mut P| {
+            vectorized!(self.token, |simd| query_one::<_, Q, P>(simd, tree, ray, probe)).answer()
+        };
+        let answer = query_tree(&self.trees[0], ray, probe);
+        self.trees[1..].iter().fold(answer, |answer, tree| {
+            Q::merge(answer, query_tree(tree, &Q::remaining(ray, answer), probe))
+        })
     }
 
-    /// Adds the answers to the queries of all rays in `parts`. Packets and stream are compiled apart: together they are
-    /// slower.
-    fn query_parts<'a, Q: Query, T: Clone + Default>(
+    /// Answers the query of every ray.
+    fn query_batch<Q: Query>(&self, rays: &[Ray], answers: &mut Vec<Q::Answer>) {
+        answers.clear();
+        answers.reserve(rays.len());
+        let most = if self.trees.len() == 1 { MOST_RAYS } else { MOST_RAYS_OF_SEVERAL };
+        self.query_chunks::<Q>(rays.chunks(most), answers);
+    }
+
+    /// Adds the answers to the queries of all rays, those of a chunk in one tree after another.
+    fn query_chunks<'a, Q: Query>(
         &self,
-        parts: impl Iterator<Item = &'a [Ray]>,
-        answers: &mut Vec<T>,
-        answer: impl Fn(Q) -> T + Copy,
+        chunks: impl Iterator<Item = &'a [Ray]>,
+        answers: &mut Vec<Q::Answer>,
     ) {
         Scratch::lend(|scratch| {
-            for rays in parts {
+            for rays in chunks {
                 let first = answers.len();
-                vectorized!(self.token, |simd| query_packets(
-                    simd, &self.tree, rays, scratch, answers, answer
-                ));
-                let answers = &mut answers[first..];
-                vectorized!(self.token, |simd| query_others(
-                    simd, &self.tree, rays, scratch, answers, answer
-                ));
+                self.query_tree::<Q>(&self.trees[0], rays, scratch, answers);
+                for tree in &self.trees[1..] {
+                    let mut remaining = std::mem::take(&mut scratch.remaining);
+                    remaining.clear();
+                    let answered = rays.iter().zip(&answers[first..]);
+                    remaining.extend(answered.map(|(ray, &answer)| Q::remaining(ray, answer)));
+                    self.query_tree::<Q>(tree, &remaining, scratch, answers);
+                    scratch.remaining = remaining;
+                    let (before, added) = answers[first..].split_at_mut(rays.len());
+                    before.iter_mut().zip(added).for_each(|(a, b)| *a = Q::merge(*a, *b));
+                    answers.truncate(first + rays.len());
+                }
             }
         });
+    }
+
+    /// Adds the answers to the queries of all rays in one tree. Packets and stream are compiled apart: together they are
+    /// slower.
+    fn query_tree<Q: Query>(
+        &self,
+        tree: &Tree,
+        rays: &[Ray],
+        scratch: &mut Scratch,
+        answers: &mut Vec<Q::Answer>,
+    ) {
+        let first = answers.len();
+        vectorized!(self.token, |simd| query_packets::<_, Q>(simd, tree, rays, scratch, answers));
+        let answers = &mut answers[first..];
+        vectorized!(self.token, |simd| query_others::<_, Q>(simd, tree, rays, scratch, answers));
     }
 }
 
 impl Traverse for WideBvh {
     fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        vectorized!(self.token, |simd| query_one::<_, ClosestHit, P>(simd, &self.tree, ray, probe)).hit()
+        self.query_one::<ClosestHit, P>(ray, probe)
     }
 
     fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        vectorized!(self.token, |simd| query_one::<_, AnyHit, P>(simd, &self.tree, ray, probe)).found()
+        self.query_one::<AnyHit, P>(ray, probe)
     }
 }
 
@@ -183,19 +222,19 @@ impl Accel for WideBvh {
     }
 
     fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        self.query_batch(rays, hits, |query: ClosestHit| query.hit());
+        self.query_batch::<ClosestHit>(rays, hits);
     }
 
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
-        self.query_batch(rays, occluded, |query: AnyHit| query.found());
+        self.query_batch::<AnyHit>(rays, occluded);
     }
 
     fn bounds(&self) -> Aabb {
-        self.tree.triangles.bounds()
+        self.triangles.bounds()
     }
 
     fn bytes(&self) -> usize {
-        self.tree.bytes()
+        self.triangles.bytes() + size_of_val(&*self.trees) + self.trees.iter().map(Tree::bytes).sum::<usize>()
     }
 }
 
@@ -203,8 +242,9 @@ impl Accel for WideBvh {
 impl fmt::Debug for WideBvh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("WideBvh")
-            .field("triangles", &self.tree.triangles.len())
-            .field("nodes", &self.tree.nodes.len())
+            .field("triangles", &self.triangles.len())
+            .field("trees", &self.trees.len())
+            .field("nodes", &self.trees.iter().map(|tree| tree.nodes.len()).sum::<usize>())
             .field("level", &self.level())
             .field("bytes", &self.bytes())
             .finish_non_exhaustive()
@@ -237,7 +277,7 @@ mod tests {
         let rays: Vec<Ray> = (0..1000).map(&mut ray).collect();
         let (mut whole, mut in_parts) = (Vec::new(), Vec::new());
         tree.intersect_batch(&rays, &mut whole);
-        tree.query_parts(rays.chunks(3 * PACKET), &mut in_parts, |query: ClosestHit| query.hit());
+        tree.query_chunks::<ClosestHit>(rays.chunks(3 * PACKET), &mut in_parts);
         assert!(whole.iter().any(Option::is_some) && whole.iter().any(Option::is_none));
         assert_eq!(in_parts, whole);
     }
@@ -249,7 +289,7 @@ mod tests {
             let tree = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
                 let built = pool.install(|| build(&triangles)).expect("the tree can be built");
-                format!("{:?}", built.tree)
+                format!("{:?}", built.trees)
             };
             let one = tree(1);
             assert!(one.len() > 1_000_000);

@@ -63,7 +63,7 @@ impl GeneralPacketScratch {
         traversals: &mut [Traversal; PACKET],
         mut report: impl FnMut(usize, Q),
     ) -> bool {
-        if !may_be_coherent(rays, &tree.triangles.bounds()) {
+        if !may_be_coherent(rays, &tree.bounds) {
             return false;
         }
         if self.pause > 0 {
@@ -124,7 +124,7 @@ fn set<S: Simd>(
 ) -> Option<RayMask> {
     let (mut may_hit, mut certain) = (0, 0);
     for (g, (setups, group)) in setups.iter_mut().zip(rays.as_chunks().0).enumerate() {
-        setups.set(&simd.columns(group), &tree.triangles.bounds(), &tree.space);
+        setups.set(&simd.columns(group), &tree.bounds, &tree.space);
         let at = g * LANES;
         for (i, &may_hit_one) in setups.may_hit.iter().enumerate() {
             may_hit |= RayMask::from(may_hit_one) << (at + i);
@@ -331,7 +331,7 @@ mod tests {
     use crate::conformance::{Seeded, Source};
     use crate::cpu::portable;
     use crate::query::AnyHit;
-    use crate::wide::build::build;
+    use crate::wide::build::build_by_kd_tree;
     use crate::wide::tree::normalize::NormalizedSpace;
     use crate::{KdOptions, Triangles};
     use glam::{DVec3, Vec3};
@@ -349,7 +349,7 @@ mod tests {
     #[test]
     fn only_coherent_rays_are_a_packet() {
         let triangles = Triangles::new(icosphere(5).triangles()).unwrap();
-        let tree = build(&triangles, &KdOptions::default()).unwrap();
+        let tree = build_by_kd_tree(&triangles, &KdOptions::default()).unwrap();
         let mut traversals = (0..PACKET).map(|_| Traversal::idle()).collect::<Vec<_>>();
         let mut query = |packet: &mut GeneralPacketScratch, rays: &[Ray; PACKET]| {
             let (mut reported, traversals) = ([0; PACKET], traversals.as_mut_slice().try_into().unwrap());

@@ -34,7 +34,7 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
     let mut query = Q::new(ray);
     let mut setups = RaySetups::idle();
     let columns = Aligned(numbers(ray).map(|x| [x]));
-    setups.set(&columns, &tree.triangles.bounds(), &tree.space);
+    setups.set(&columns, &tree.bounds, &tree.space);
     let Some(setup) = setups.get(0) else { return query };
     Scratch::lend(
         #[inline(always)]
@@ -48,26 +48,25 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
     query
 }
 
-/// Answers the queries of coherent rays, a packet at a time, and leaves the other rays to [`query_others`]; `answer`
-/// makes of each query what is added to `answers`, in the rays' order.
+/// Answers the queries of coherent rays, a packet at a time, and leaves the other rays to [`query_others`]. Adds an
+/// answer for each ray to `answers`, in the rays' order.
 ///
 /// There are at most [`MOST_RAYS`](super::MOST_RAYS) rays.
 #[inline(always)]
-pub(super) fn query_packets<S: Simd, Q: Query, T: Clone + Default>(
+pub(super) fn query_packets<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     rays: &[Ray],
-    Scratch { traversals, packet, general, starts }: &mut Scratch,
-    answers: &mut Vec<T>,
-    answer: impl Fn(Q) -> T,
+    Scratch { traversals, packet, general, starts, .. }: &mut Scratch,
+    answers: &mut Vec<Q::Answer>,
 ) {
     let first = answers.len();
     starts.clear();
     for start in (0..rays.len()).step_by(PACKET) {
         // Packet by packet, so that answers are in the cache when they are overwritten.
-        answers.resize(first + rays.len().min(start + PACKET), T::default());
-        let mut report = |i, query| {
-            answers[first + start + i] = answer(query);
+        answers.resize(first + rays.len().min(start + PACKET), Q::Answer::default());
+        let mut report = |i, query: Q| {
+            answers[first + start + i] = query.answer();
             // The rays of the next packet, which are needed soon.
             prefetch_index(rays, start + PACKET + i);
         };
@@ -86,15 +85,14 @@ pub(super) fn query_packets<S: Simd, Q: Query, T: Clone + Default>(
 
 /// Answers the queries that [`query_packets`] has left; `answers` are those of these rays.
 #[inline(always)]
-pub(super) fn query_others<S: Simd, Q: Query, T>(
+pub(super) fn query_others<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     rays: &[Ray],
     Scratch { traversals, starts, .. }: &mut Scratch,
-    answers: &mut [T],
-    answer: impl Fn(Q) -> T,
+    answers: &mut [Q::Answer],
 ) {
-    query_stream(simd, tree, rays, starts, traversals, |i, query| answers[i] = answer(query));
+    query_stream(simd, tree, rays, starts, traversals, |i, query: Q| answers[i] = query.answer());
 }
 
 /// The memory that traversals work in, kept for each thread so that later queries do not allocate.
@@ -106,6 +104,8 @@ pub(super) struct Scratch {
     general: GeneralPacketScratch,
     /// Where in a batch the sets of rays start that go to the stream, [`PACKET`] from each.
     starts: Vec<u32>,
+    /// The rays of a batch for the next of several trees.
+    pub(super) remaining: Vec<Ray>,
 }
 
 thread_local! {
@@ -133,6 +133,7 @@ impl Scratch {
             packet: PacketScratch::idle(),
             general: GeneralPacketScratch::idle(),
             starts: Vec::new(),
+            remaining: Vec::new(),
         })
     }
 }

@@ -78,14 +78,14 @@ impl<Q: Query, R: FnMut(usize, Q)> RayStream<'_, Q, R> {
             self.end = self.rays.len().min(self.next + PACKET);
         }
         if self.next.is_multiple_of(LANES) {
-            let Tree { triangles, space, .. } = self.tree;
+            let Tree { bounds, space, .. } = self.tree;
             let group = self.rays[self.next..].first_chunk::<LANES>();
             let group = group.copied().unwrap_or_else(|| self.last_group());
             // The rays after these, which are needed soon.
             for i in 0..LANES {
                 prefetch_index(self.rays, self.next + 2 * LANES + i);
             }
-            self.setups.set(&simd.columns(&group), &triangles.bounds(), space);
+            self.setups.set(&simd.columns(&group), bounds, space);
         }
         self.next += 1;
         Some(self.next - 1)

@@ -5,7 +5,7 @@ pub(super) mod leaf;
 pub(super) mod node;
 pub(super) mod normalize;
 
-use crate::Triangles;
+use crate::{Aabb, Triangles};
 use leaf::{LeafBlock, LeafBlocks};
 use node::{Child, Node};
 use normalize::NormalizedSpace;
@@ -22,16 +22,19 @@ pub(super) const MAX_LEVELS: u32 = 60;
 /// A tree of nodes with up to eight children; the first node is the root.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
+    /// All triangles of the scene.
     pub(super) triangles: Triangles,
+    /// The bounds of those in this tree.
+    pub(super) bounds: Aabb,
     pub(super) space: NormalizedSpace,
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: LeafBlocks,
 }
 
 impl Tree {
-    /// Bytes of memory held, the triangles included.
+    /// Bytes of memory held, without the triangles.
     pub(super) fn bytes(&self) -> usize {
-        self.triangles.bytes() + size_of_val(&*self.nodes) + self.leaves.bytes()
+        size_of_val(&*self.nodes) + self.leaves.bytes()
     }
 
     /// The leaf block that is this child.

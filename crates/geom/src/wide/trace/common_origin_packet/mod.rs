@@ -32,7 +32,7 @@ impl PacketScratch {
     ) -> bool {
         let (groups, _) = rays.as_chunks::<LANES>();
         let Some(mut setup) = PacketSetup::new(rays, &tree.space) else { return false };
-        if tree.triangles.bounds().is_empty() || !self.rays.set(simd, &mut setup, groups) {
+        if tree.bounds.is_empty() || !self.rays.set(simd, &mut setup, groups) {
             return false;
         }
         self.candidates.as_flattened_mut().iter_mut().for_each(Candidates::clear);
@@ -64,7 +64,7 @@ mod tests {
     use crate::conformance::{Seeded, Source};
     use crate::cpu::portable;
     use crate::query::ClosestHit;
-    use crate::wide::build::build;
+    use crate::wide::build::build_by_kd_tree;
     use crate::{KdOptions, Triangles};
     use glam::DVec3;
 
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn other_rays_are_refused() {
         let triangles = Triangles::new(icosphere(2).triangles()).unwrap();
-        let tree = build(&triangles, &KdOptions::default()).unwrap();
+        let tree = build_by_kd_tree(&triangles, &KdOptions::default()).unwrap();
         let mut source = Seeded::new(6);
         let is_packet = |rays: &[Ray; PACKET]| {
             PacketScratch::idle().query(portable(), &tree, rays, |_, _: ClosestHit| {})

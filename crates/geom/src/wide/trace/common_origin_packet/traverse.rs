@@ -269,15 +269,22 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
     #[cold]
     fn settle(&mut self, g: usize, i: usize) {
         let (limit, ray) = (self.scratch.rays.limit[g][i], &self.rays[g][i]);
-        let mut query = ClosestHit::new(ray);
-        let candidates = &mut self.scratch.candidates[g][i];
-        candidates.decide(limit, ray, &self.tree.triangles, &mut query);
-        let Some(hit) = query.hit() else { return };
+        let (candidates, triangles) = (&mut self.scratch.candidates[g][i], &self.tree.triangles);
+        // A cold function does not inherit the instructions of its caller.
+        let hit = self.simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut query = ClosestHit::new(ray);
+                candidates.decide(limit, ray, triangles, &mut query);
+                query.answer()
+            },
+        );
+        let Some(hit) = hit else { return };
         if Q::ANY_HIT {
             self.finish(g, i);
         } else {
             // Its lower bound is not known any more, so it is always decided.
-            candidates.add(f32::NEG_INFINITY, hit.triangle);
+            self.scratch.candidates[g][i].add(f32::NEG_INFINITY, hit.triangle);
         }
     }
 }
