@@ -1,7 +1,7 @@
 use super::alias_table::{AliasTable, raised};
 use super::delta::DeltaLight;
 use super::receiver::Receiver;
-use super::tree::{ChosenLight, LightMoments, LightTree, TreeLight};
+use super::tree::{ChosenLight, LightMoments, LightTree, TreeLight, VisibilityCount};
 use glam::DVec3;
 use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
 use globillum_material::Emission;
@@ -12,6 +12,8 @@ use globillum_material::Emission;
 /// there if it is visible, in a light tree (Conty Estevez and Kulla 2018). A light alone, and two triangles without
 /// delta lights, such as a square, are chosen by power, which costs less. A light of less than a 64th of their mean power
 /// then counts as if it had that much.
+///
+/// A picture is rendered with a light tree in which lights that are rarely visible in it are chosen less often.
 ///
 /// Each light has a positive probability, a normal number, for any size and radiance. A
 /// [`LightSampler`](crate::LightSampler) samples points on lights.
@@ -145,6 +147,13 @@ impl Lights {
             LightDistribution::Power(_) => None,
             LightDistribution::Tree(tree) => Some(tree),
         }
+    }
+
+    /// The same lights, chosen by their visibility too, if `counts` holds those of each by its index in the tree; `None` if
+    /// that changes nothing.
+    pub(crate) fn by_visibility(&self, counts: &[VisibilityCount]) -> Option<Self> {
+        let distribution = LightDistribution::Tree(self.tree()?.by_visibility(counts)?);
+        Some(Self { areas: self.areas.clone(), deltas: self.deltas.clone(), distribution })
     }
 
     /// Whether there are no lights of either kind.

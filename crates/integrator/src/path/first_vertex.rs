@@ -15,12 +15,21 @@ pub(super) fn irradiance_vertex(point: SurfacePoint) -> Interaction<'static> {
     Interaction { point, material: &WHITE, wo: point.normal }
 }
 
-/// The first diffuse vertex of the path that begins at `start`, if its prefix may be reused there and no more than
-/// [`MAX_REFLECTIONS`] mirrors precede it. A path that measures irradiance has it where it begins. `None` too if the start
-/// is not valid.
+/// The [first diffuse vertex](diffuse_vertex) of the path that begins at `start`, if its prefix may be reused there.
 pub(super) fn first_diffuse_vertex<'a>(
     context: &RenderContext<'a>,
     start: PathStart,
+) -> Option<Interaction<'a>> {
+    diffuse_vertex(context, start, |bounce| context.may_reuse_prefix(bounce))
+}
+
+/// The first diffuse vertex of the path that begins at `start`, if no more than [`MAX_REFLECTIONS`] mirrors precede it and
+/// `may_end` holds for its bounce and those of the mirrors. A path that measures irradiance has it where it begins. `None` too
+/// if the start is not valid.
+pub(super) fn diffuse_vertex<'a>(
+    context: &RenderContext<'a>,
+    start: PathStart,
+    may_end: impl Fn(u32) -> bool,
 ) -> Option<Interaction<'a>> {
     let mut ray = match start {
         start if !start.is_valid() => return None,
@@ -31,7 +40,7 @@ pub(super) fn first_diffuse_vertex<'a>(
         PathStart::Nowhere => return None,
     };
     for bounce in 0..=MAX_REFLECTIONS {
-        let hit = context.scene.accel().intersect(&ray).filter(|_| context.may_reuse_prefix(bounce))?;
+        let hit = context.scene.accel().intersect(&ray).filter(|_| may_end(bounce))?;
         let at = context.scene.interaction(&ray, &hit);
         match at.material.bsdf {
             _ if !at.point.position.is_finite() => return None,

@@ -1,6 +1,6 @@
 use super::path_vertex::PathVertex;
 use crate::guide::{Guide, PhotonGuide};
-use crate::light::{LargeMirrors, LightSampler, Mirrors, Receiver, SmallMirrors};
+use crate::light::{LargeMirrors, LightSampler, Lights, Mirrors, Receiver, SmallMirrors};
 use crate::{
     ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
 };
@@ -14,6 +14,8 @@ pub(crate) struct RenderContext<'a> {
     pub(crate) settings: &'a Settings,
     /// Whether next event estimation samples lights.
     pub(super) samples_lights: bool,
+    /// The lights, chosen by their visibility too; `None` if they are chosen as the scene's.
+    pub(super) lights_by_visibility: Option<Lights>,
     /// The mirrors in which area lights are sampled; `None` if there are none or the settings rule it out.
     pub(super) mirrors: Option<&'a Mirrors>,
     /// The guide that diffuse vertices scatter by; `None` for the cosine alone.
@@ -29,7 +31,7 @@ pub(crate) struct RenderContext<'a> {
 }
 
 impl<'a> RenderContext<'a> {
-    /// A context without guide, photons or shared caustics, which [`prepared`](super::prepared) adds.
+    /// A context without guide, photons or shared caustics, with the lights of the scene, which [`prepared`](super::prepared) adds.
     pub(super) fn new(
         scene: &'a Scene<dyn Accel + 'a>,
         sensor: &'a dyn Sensor,
@@ -44,6 +46,7 @@ impl<'a> RenderContext<'a> {
             sensor,
             settings,
             samples_lights,
+            lights_by_visibility: None,
             mirrors,
             guide: None,
             large_mirror_prob: 1.0,
@@ -79,10 +82,17 @@ impl RenderContext<'_> {
         self.settings.path_reuse == PathReuse::Tiles && self.settings.sampler == Sampler::Sobol
     }
 
+    /// The lights that vertices sample.
+    #[inline(always)]
+    pub(super) fn lights(&self) -> &Lights {
+        self.lights_by_visibility.as_ref().unwrap_or(self.scene.lights())
+    }
+
     /// What samples lights for `receiver`.
     #[inline(always)]
     pub(super) fn light_sampler(&self, receiver: Receiver) -> LightSampler<'_> {
-        self.scene.light_sampler_of(self.settings.light_sampling, receiver)
+        let (triangles, sampling) = (self.scene.triangles(), self.settings.light_sampling);
+        LightSampler { lights: self.lights(), triangles, sampling, receiver }
     }
 
     /// How many light samples a diffuse vertex takes, by whether it is the first one of the path.

@@ -9,6 +9,7 @@ pub(crate) enum ReservedStream {
     Photons,
     CausticProbes,
     SkyProbes,
+    LightProbes,
 }
 
 /// The independent random numbers of one sample of one pixel, addressed by dimension.

@@ -71,11 +71,7 @@ impl<A: ?Sized> Scene<A> {
     /// ([`Interaction::facing_normal`]). In a light tree, lights in front of it are chosen more often; one behind it has a
     /// probability above zero all the same.
     pub fn light_sampler(&self, sampling: LightSampling, from: DVec3, normal: DVec3) -> LightSampler<'_> {
-        self.light_sampler_of(sampling, Receiver { position: from, side: normal.as_vec3() })
-    }
-
-    #[inline(always)]
-    pub(crate) fn light_sampler_of(&self, sampling: LightSampling, receiver: Receiver) -> LightSampler<'_> {
+        let receiver = Receiver { position: from, side: normal.as_vec3() };
         LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, receiver }
     }
 

@@ -47,6 +47,11 @@ impl FarLights {
         })
     }
 
+    /// Multiplies the irradiance from all by `factor`.
+    pub(super) fn scale(&mut self, factor: f64) {
+        self.irradiance *= factor;
+    }
+
     /// The irradiance from all, about, on the side of a surface to which `side` points.
     #[inline(always)]
     pub(super) fn irradiance_on(&self, side: Vec3) -> f64 {

@@ -6,9 +6,11 @@ mod far_lights;
 mod frame;
 mod light_moments;
 mod node;
+mod visibility;
 
 pub(super) use far_lights::FarLight;
 pub(super) use light_moments::LightMoments;
+pub(crate) use visibility::VisibilityCount;
 
 use super::child_weights::{CHILD_BITS, WIDTH};
 use super::descent::Descent;
@@ -37,7 +39,7 @@ pub(crate) struct LightTree {
 /// A light that a tree has chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ChosenLight {
-    pub(in crate::light) index: u32,
+    pub(crate) index: u32,
     /// The probability of the choice.
     pub(in crate::light) prob: f64,
 }
@@ -87,7 +89,7 @@ impl LightTree {
 
     /// Chooses a light for the receiver by each of `us`, in `[0, 1)`.
     #[inline(never)] // compiled once for all accelerators
-    pub(super) fn choose<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [ChosenLight; N] {
+    pub(crate) fn choose<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [ChosenLight; N] {
         self.simd.run(
             #[inline(always)]
             || {
@@ -217,6 +219,7 @@ mod tests {
     use super::*;
     use crate::Stream;
     use glam::DVec3;
+    use std::iter;
 
     /// Uniform in `[-1, 1]^3`.
     fn vector(numbers: Stream, dimension: u32) -> DVec3 {
@@ -265,10 +268,22 @@ mod tests {
         }
     }
 
+    /// A tree over [`lights`], and the same by visibility, with two of three lights always visible, and one never.
+    fn trees(n: u32) -> impl Iterator<Item = LightTree> {
+        let tree = LightTree::new(&lights(n, 1.0), &Aabb::EMPTY);
+        let counts: Vec<_> =
+            (0..n).map(|i| VisibilityCount::new(1000, 1000 * u32::from(i % 3 > 0))).collect();
+        let by_visibility = tree.by_visibility(&counts);
+        assert!(by_visibility.is_some() || n < 9);
+        iter::once(tree).chain(by_visibility)
+    }
+
     #[test]
     fn each_light_has_a_chance_and_all_together_certainty() {
-        for n in [1, 2, 7, 9, 17, 18, 19, 20, 40, 1000] {
-            let tree = LightTree::new(&lights(n, 1.0), &Aabb::EMPTY);
+        for (n, tree) in [1, 2, 7, 9, 17, 18, 19, 20, 40, 1000]
+            .into_iter()
+            .flat_map(|n| trees(n).map(move |tree| (n, tree)))
+        {
             for receiver in receivers() {
                 let probs = (0..n as usize).map(|index| tree.prob(receiver, index));
                 let (sum, least) =
@@ -283,8 +298,7 @@ mod tests {
     /// far away: of evenly spaced numbers it gets its share, to within one for each end.
     #[test]
     fn lights_are_chosen_with_their_probability() {
-        for n in [1, 5, 40, 300] {
-            let tree = LightTree::new(&lights(n, 1.0), &Aabb::EMPTY);
+        for (n, tree) in [1, 5, 40, 300].into_iter().flat_map(|n| trees(n).map(move |tree| (n, tree))) {
             for receiver in receivers() {
                 let (draws, mut counts) = (10_000, vec![0.0; n as usize]);
                 for i in 0..draws {
@@ -308,6 +322,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Those infinitely far away and every fifth light are never visible, the others from everywhere.
+    #[test]
+    fn hidden_lights_are_chosen_rarely() {
+        let n = 300;
+        let is_hidden = |index: u32| index % 7 == 6 || index.is_multiple_of(5);
+        let tree = LightTree::new(&lights(n, 1.0), &Aabb::EMPTY);
+        let mut counts = vec![VisibilityCount::default(); n as usize];
+        for (k, receiver) in (0..).zip(receivers()) {
+            for i in 0..4000 {
+                let [chosen] = tree.choose(receiver, [Stream::new(16, k, i).uniform(0)]);
+                counts[chosen.index as usize].add(!is_hidden(chosen.index));
+            }
+        }
+        let by_visibility = tree.by_visibility(&counts).expect("some are hidden");
+        let prob_of_hidden = |tree: &LightTree| -> f64 {
+            let of_receiver =
+                |receiver| (0..n).filter(|&i| is_hidden(i)).map(move |i| tree.prob(receiver, i as usize));
+            receivers().flat_map(of_receiver).sum::<f64>() / receivers().count() as f64
+        };
+        let [before, after] = [&tree, &by_visibility].map(prob_of_hidden);
+        assert!(before > 0.6 && after < 0.3, "{before}, {after}");
+        let visible = vec![VisibilityCount::new(10_000, 5000); n as usize];
+        assert!(tree.by_visibility(&visible).is_none());
     }
 
     /// What lights infinitely far away leave of the largest number below 1 must not round to 1. The last light has a
@@ -455,7 +494,7 @@ mod tests {
             let group: Vec<_> = group.iter().map(alike).collect();
             let union = group.iter().copied().reduce(|a, b| a.union(&b)).unwrap();
             let node =
-                Node::new(&[(Child::Light(0), union)], &TreeFrame::around(std::iter::empty(), &Aabb::EMPTY));
+                Node::new(&[(Child::Light(0), union)], &TreeFrame::around(iter::empty(), &Aabb::EMPTY));
             for i in 0..50 {
                 let numbers = Stream::new(9, k, i);
                 let (position, side) = (2.0 * vector(numbers, 0), vector(numbers, 3).normalize());
@@ -494,8 +533,7 @@ mod tests {
             let numbers = Stream::new(19, 0, i);
             let (position, axis) = (vector(numbers, 0), vector(numbers, 3).normalize());
             let spot = LightMoments::of_spot(position, axis, libm::cos(2e-4), 1.0);
-            let node =
-                Node::new(&[(Child::Light(0), spot)], &TreeFrame::around(std::iter::empty(), &Aabb::EMPTY));
+            let node = Node::new(&[(Child::Light(0), spot)], &TreeFrame::around(iter::empty(), &Aabb::EMPTY));
             let along = axis + 1.4e-4 * axis.any_orthonormal_vector();
             let receiver = Receiver { position: position + 3.0 * along, side: -axis.as_vec3() };
             let importance = node.importance(&receiver)[0];

@@ -1,6 +1,6 @@
 use super::frame::TreeFrame;
 use super::light_moments::{LightMoments, twice_positive_part};
-use crate::light::child_weights::{ChildWeights, WIDTH, child_of};
+use crate::light::child_weights::{ChildWeights, WIDTH, child_of, lane_of};
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 
@@ -77,6 +77,11 @@ impl Node {
             children: std::array::from_fn(|number| children.get(number).map_or(first, |(child, _)| *child)),
             count: children.len() as f64,
         }
+    }
+
+    /// Multiplies the importance of a child by `factor`, everywhere.
+    pub(super) fn scale(&mut self, child: usize, factor: f64) {
+        self.intensity[lane_of(child)] *= factor;
     }
 
     #[inline(always)]

@@ -85,7 +85,7 @@ impl Choices<ChosenLight> {
         numbers: &[BounceNumbers],
     ) {
         self.of_paths.clear();
-        let Some(tree) = context.scene.lights().tree().filter(|_| context.samples_lights) else { return };
+        let Some(tree) = context.lights().tree().filter(|_| context.samples_lights) else { return };
         let takes_one = |path: &Path| context.direct_samples(path.is_prefix()) == 1;
         let choose =
             |receivers, us| tree.choose_each(receivers, us).map(|light| PriorChoice::Made(Some(light)));

@@ -30,7 +30,7 @@ impl RenderContext<'_> {
         let count = self.direct_samples(vertex.is_first);
         if count == 1 {
             let light = match vertex.light {
-                PriorChoice::Made(chosen) => chosen.map(|chosen| self.scene.lights().chosen(chosen)),
+                PriorChoice::Made(chosen) => chosen.map(|chosen| self.lights().chosen(chosen)),
                 PriorChoice::Open => sampler.choose([numbers.light])[0],
             };
             if let Some((ray, radiance)) =

@@ -56,7 +56,8 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     }
     let settings = probe_settings(context.settings);
     // Without a guide, which depends on the seed.
-    let context = RenderContext { settings: &settings, guide: None, photons: None, ..*context };
+    let context =
+        RenderContext { guide: None, ..RenderContext::new(context.scene, context.sensor, &settings) };
     let of_tile = |wavefront: &mut Wavefront, (tile, samples): (PixelRect, Range<u32>)| {
         wavefront.later_squares(&context, tile, samples)
     };

@@ -1,9 +1,10 @@
-//! What precedes the first sample: paths that train a guide; a few paths at fixed places of the picture, which find how often
-//! to sample lights in mirrors and whether caustics are rare; and photons from the lights. It follows from the scene, the
+//! What precedes the first sample: paths that train a guide; a few paths at fixed places of the picture, which find which
+//! lights are visible, how often to sample lights in mirrors and whether caustics are rare; and photons from the lights. It follows from the scene, the
 //! sensor and the settings, so all parts of a picture have the same.
 
 mod caustic_photons;
 mod large_mirror_prob;
+mod light_visibility;
 mod path_settings;
 mod rare_caustics;
 mod training;
@@ -24,6 +25,7 @@ pub(crate) fn prepared<'a>(
     guide: Option<&'a Guide>,
 ) -> RenderContext<'a> {
     let context = RenderContext { guide, ..RenderContext::new(scene, sensor, settings) };
+    let context = RenderContext { lights_by_visibility: light_visibility::lights(&context), ..context };
     let context = RenderContext { large_mirror_prob: large_mirror_prob::of(&context), ..context };
     let context = RenderContext { shares_caustics: rare_caustics::are_shared(&context), ..context };
     RenderContext { photons: photon_guide(&context), ..context }

@@ -1,5 +1,6 @@
+use crate::path::render_context::RenderContext;
 use crate::pixel_rect::PixelRect;
-use crate::{PathReuse, Settings, Supersampling};
+use crate::{PathReuse, PathStart, Settings, Supersampling};
 use std::ops::Range;
 
 /// Pixels along the side of a tile.
@@ -25,4 +26,20 @@ pub(super) fn tiles(settings: &Settings, distances: [u32; 2], at_once: u32) -> V
     let ranges = (0..settings.samples).step_by(at_once as usize).map(|first| first..first + at_once);
     let cells = PixelRect::grid([settings.width, settings.height], distances);
     cells.flat_map(|cell| ranges.clone().map(move |range| (cell.corner(SIDE), range))).collect()
+}
+
+/// Where the probes of one of `per_side` rows begin, of which each has as many, evenly spaced over the picture.
+pub(super) fn probe_starts(
+    context: &RenderContext<'_>,
+    per_side: u32,
+    row: u32,
+) -> impl Iterator<Item = PathStart> {
+    let place = move |probe: u32, pixels: u32| {
+        let at = (f64::from(probe) + 0.5) / f64::from(per_side) * f64::from(pixels);
+        (at as u32, at.fract())
+    };
+    (0..per_side).map(move |column| {
+        let ((x, u), (y, v)) = (place(column, context.settings.width), place(row, context.settings.height));
+        context.path_start((x, y), [u, v])
+    })
 }

@@ -1,5 +1,6 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
+use super::path_settings::probe_starts;
 use crate::checked_accel;
 use crate::path::caustics::MIN_WEIGHT;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
@@ -75,15 +76,7 @@ fn scattered_rays(
 
 /// Where the probes begin, row by row.
 fn starts(context: &RenderContext<'_>) -> impl Iterator<Item = PathStart> {
-    let place = |probe: u32, pixels: u32| {
-        let at = (f64::from(probe) + 0.5) / f64::from(PROBES_PER_SIDE) * f64::from(pixels);
-        (at as u32, at.fract())
-    };
-    let places = (0..PROBES_PER_SIDE).flat_map(|row| (0..PROBES_PER_SIDE).map(move |column| (column, row)));
-    places.map(move |(column, row)| {
-        let ((x, u), (y, v)) = (place(column, context.settings.width), place(row, context.settings.height));
-        context.path_start((x, y), [u, v])
-    })
+    (0..PROBES_PER_SIDE).flat_map(|row| probe_starts(context, PROBES_PER_SIDE, row))
 }
 
 #[cfg(test)]

@@ -1,0 +1,201 @@
+//! Which lights are visible: paths at fixed places of the picture sample lights, and those that they rarely see are chosen less
+//! often. Otherwise a strong light behind a wall takes the samples of all others.
+
+use super::path_settings::probe_starts;
+use crate::checked_accel;
+use crate::light::{Lights, VisibilityCount};
+use crate::path::first_vertex::{diffuse_vertex, scattered_ray};
+use crate::path::render_context::RenderContext;
+use crate::sampler::ReservedStream;
+use crate::{Interaction, PathStart, Stream};
+use globillum_geom::Ray;
+use rayon::prelude::*;
+
+/// Paths along each side of the picture.
+const PATHS_PER_SIDE: u32 = 64;
+
+/// The most diffuse vertices of a path that sample lights.
+const VERTICES: u32 = 3;
+
+/// Light samples of a vertex.
+const LIGHT_SAMPLES: usize = 2;
+
+/// Dimensions of the random numbers of a vertex.
+const DIMENSIONS: u32 = 2 + 3 * LIGHT_SAMPLES as u32;
+
+/// A sample of the light of this index in the tree, and whether it was visible.
+type LightVisibility = (u32, bool);
+
+/// The lights, chosen by their visibility too; `None` if that changes nothing.
+pub(super) fn lights(context: &RenderContext<'_>) -> Option<Lights> {
+    let lights = context.scene.lights();
+    lights.tree().filter(|_| context.samples_lights)?;
+    let of_rows: Vec<_> =
+        (0..PATHS_PER_SIDE).into_par_iter().map(|row| samples_of_row(context, row)).collect();
+    let mut counts = vec![VisibilityCount::default(); lights.len()];
+    of_rows.into_iter().flatten().for_each(|(light, is_visible)| counts[light as usize].add(is_visible));
+    lights.by_visibility(&counts)
+}
+
+/// The light samples of the paths of a row.
+fn samples_of_row(context: &RenderContext<'_>, row: u32) -> Vec<LightVisibility> {
+    let mut samples = LightSamples::default();
+    let most = context.settings.max_bounces.map_or(VERTICES, |max| max.min(VERTICES));
+    for (column, start) in (0..).zip(probe_starts(context, PATHS_PER_SIDE, row)) {
+        let numbers = Stream::reserved(ReservedStream::LightProbes, row * PATHS_PER_SIDE + column);
+        let mut start = Some(start);
+        for first in (0..most).map(|vertex| vertex * DIMENSIONS) {
+            let Some(at) = start.and_then(|start| diffuse_vertex(context, start, |_| true)) else { break };
+            samples.add(context, &at, numbers, first + 2);
+            start = scattered_ray(&at, numbers.uniform_pair(first)).map(|(ray, _)| PathStart::Ray(ray));
+        }
+    }
+    samples.finish(context)
+}
+
+/// Light samples whose shadow rays are traced together.
+#[derive(Debug, Default)]
+struct LightSamples {
+    /// Of those without a shadow ray, which are not visible.
+    hidden: Vec<LightVisibility>,
+    /// The lights of the others, and their shadow rays.
+    lights: Vec<u32>,
+    shadow_rays: Vec<Ray>,
+}
+
+impl LightSamples {
+    /// Samples lights at a vertex by the numbers from `dimension` on.
+    fn add(&mut self, context: &RenderContext<'_>, at: &Interaction<'_>, numbers: Stream, dimension: u32) {
+        let sampler = context.light_sampler(at.receiver());
+        let Some(tree) = sampler.lights.tree() else { return };
+        let dimensions: [u32; LIGHT_SAMPLES] = std::array::from_fn(|k| dimension + 3 * k as u32);
+        let chosen = tree.choose(sampler.receiver, dimensions.map(|dimension| numbers.uniform(dimension)));
+        for (chosen, dimension) in chosen.into_iter().zip(dimensions) {
+            let point = numbers.uniform_pair(dimension + 1);
+            let sample = sampler.sample_chosen(&sampler.lights.chosen(chosen), point);
+            let in_front = sample.filter(|sample| sample.direction().dot(at.facing_normal()) > 0.0);
+            match in_front.and_then(|sample| sample.shadow_ray(&at.point)) {
+                Some(ray) => {
+                    self.lights.push(chosen.index);
+                    self.shadow_rays.push(ray);
+                }
+                None => self.hidden.push((chosen.index, false)),
+            }
+        }
+    }
+
+    /// All samples.
+    fn finish(self, context: &RenderContext<'_>) -> Vec<LightVisibility> {
+        let Self { hidden: mut samples, lights, shadow_rays } = self;
+        let mut occluded = Vec::new();
+        checked_accel::occluded(context.scene.accel(), &shadow_rays, &mut occluded);
+        samples.extend(lights.into_iter().zip(occluded).map(|(light, occluded)| (light, !occluded)));
+        samples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::Receiver;
+    use crate::path::preliminary::prepared;
+    use crate::path::test_rooms::built;
+    use crate::path::tile_probes::TileProbes;
+    use crate::path::wavefront::Wavefront;
+    use crate::pixel_rect::PixelRect;
+    use crate::{Camera, Estimator, Model, PathReuse, Scene, Settings};
+    use glam::{DVec3, Vec3};
+    use globillum_geom::KdTree;
+    use globillum_geom::conformance::shapes::quad;
+    use globillum_material::{Material, Rgb};
+
+    const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 12, height: 12 };
+
+    /// A floor of squares, a lamp above its left half, and one of this radiance above its right half, with a wall between them. The
+    /// camera sees the left half, and the right half too if the wall has a hole.
+    fn scene(radiance: f64, has_hole: bool) -> Scene<KdTree> {
+        let p = DVec3::new;
+        let mut model = Model::default();
+        let white = Material::lambert(Rgb::splat(0.7)).unwrap();
+        model.add(white, quad(p(-2.0, 0.0, 1.0), p(2.0, 0.0, 1.0), p(2.0, 0.0, -1.0), p(-2.0, 0.0, -1.0)));
+        let low = if has_hole { 0.6 } else { -1.0 };
+        model.add(white, quad(p(0.0, low, 3.0), p(0.0, low, -3.0), p(0.0, 3.0, -3.0), p(0.0, 3.0, 3.0)));
+        for (x, radiance) in [(-1.0, 1.0), (1.0, radiance)] {
+            let [a, b, c, d] =
+                [(-0.7, -0.7), (0.7, -0.7), (0.7, 0.7), (-0.7, 0.7)].map(|(i, j)| p(x + i, 1.0, j));
+            model.add(Material::light(Rgb::splat(radiance)).unwrap(), quad(a, b, c, d));
+        }
+        built(model)
+    }
+
+    fn camera() -> Camera {
+        Camera::look_at(DVec3::new(-1.2, 0.8, 2.6), DVec3::new(-0.8, 0.3, 0.0), DVec3::Y, 0.7).unwrap()
+    }
+
+    fn settings(seed: u64) -> Settings {
+        Settings { seed, path_reuse: PathReuse::Off, ..Settings::new(12, 12, 4) }
+    }
+
+    fn found(scene: &Scene<KdTree>, settings: &Settings) -> Option<Lights> {
+        prepared(scene, &camera(), settings, None).lights_by_visibility
+    }
+
+    /// The probability of the lamp on the right for a point of the floor on the left.
+    fn prob_of_right(lights: &Lights) -> f64 {
+        let receiver = Receiver { position: DVec3::new(-0.8, 0.0, 0.2), side: Vec3::Y };
+        [6, 7].iter().filter_map(|&triangle| lights.prob(receiver, triangle)).map(|prob| prob.prob).sum()
+    }
+
+    #[test]
+    fn a_strong_light_behind_a_wall_takes_few_samples() {
+        let hidden = scene(1e3, false);
+        let by_visibility = found(&hidden, &settings(0)).expect("one lamp is hidden");
+        let [before, after] = [hidden.lights(), &by_visibility].map(prob_of_right);
+        assert!(before > 0.98 && after < 0.75, "{before}, {after}");
+        assert!(found(&scene(1.0, true), &settings(0)).is_none());
+        let without_lights = Settings { estimator: Estimator::Bsdf, ..settings(0) };
+        assert!(found(&hidden, &without_lights).is_none());
+    }
+
+    /// Neither the seed nor the number of samples changes it, so all parts of a picture have the same.
+    #[test]
+    fn it_follows_from_the_scene() {
+        let hidden = scene(1e3, false);
+        let other = Settings { seed: 5, samples: 64, pass_samples: 64, ..settings(0) };
+        let probs =
+            [settings(0), other].map(|settings| found(&hidden, &settings).as_ref().map(prob_of_right));
+        assert!(probs[0].is_some() && probs[0] == probs[1], "{probs:?}");
+    }
+
+    /// The sum of the radiances of all pixels, with these lights.
+    fn sum(scene: &Scene<KdTree>, seed: u64, lights_by_visibility: Option<Lights>) -> f64 {
+        let (camera, settings) = (camera(), settings(seed));
+        let context = RenderContext { lights_by_visibility, ..RenderContext::new(scene, &camera, &settings) };
+        let mut wavefront = Wavefront::default();
+        wavefront.trace(&context, &TileProbes::of(&context, TILE), 0..4, || false);
+        wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
+    }
+
+    /// As if no sample had found the lamp on the right, which lights both halves. The same seeds, so that most other light
+    /// cancels. The deviation exceeds the limit with a probability of 1e-6 (Student's distribution with 799 degrees of
+    /// freedom).
+    #[test]
+    fn the_mean_does_not_depend_on_what_samples_have_found() {
+        const SEEDS: u64 = 800;
+        let scene = scene(2.0, true);
+        let counts = [1000, 1000, 0, 0].map(|visible| VisibilityCount::new(1000, visible));
+        let misled = scene.lights().by_visibility(&counts).expect("one lamp is thought to be hidden");
+        let [before, after] = [scene.lights(), &misled].map(prob_of_right);
+        assert!(after < 0.1 * before, "{before}, {after}");
+        let (mut level, mut deviation, mut squares) = (0.0, 0.0_f64, 0.0_f64);
+        for seed in 0..SEEDS {
+            let of_scene = sum(&scene, seed, None);
+            let difference = sum(&scene, seed, Some(misled.clone())) - of_scene;
+            (level, deviation) = (level + of_scene, deviation + difference);
+            squares += difference * difference;
+        }
+        let (z, error) = (deviation.abs() / squares.sqrt(), squares.sqrt() / level);
+        assert!(z < 4.93, "{z}");
+        assert!(error > 0.0 && error < 2e-3, "{error}");
+    }
+}
