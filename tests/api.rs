@@ -120,6 +120,7 @@ fn every_type_is_send_sync_and_debug() {
         checked::<io::LoadReport>(),
         checked::<io::Loaded>(),
         checked::<io::Location>(),
+        checked::<io::NamedMaterial>(),
         checked::<io::Object>(),
         checked::<io::PictureData>(),
         checked::<io::PictureFile>(),

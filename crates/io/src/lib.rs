@@ -72,7 +72,7 @@ pub use loader::load_gltf;
 #[cfg(feature = "obj")]
 pub use loader::load_obj;
 #[cfg(any(feature = "obj", feature = "gltf"))]
-pub use loading::{Loaded, Object};
+pub use loading::{Loaded, NamedMaterial, Object};
 pub use location::{Location, Place};
 #[cfg(any(feature = "obj", feature = "gltf"))]
 pub use monitor::{LoadMonitor, LoadProgress};

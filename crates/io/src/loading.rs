@@ -24,12 +24,39 @@ pub struct Loaded {
     pub cameras: Vec<Camera>,
     /// Content that is ignored or approximated.
     pub report: LoadReport,
+    /// The materials that the file names, in the order of the model's: those that an OBJ file uses, and all of a glTF file.
+    pub materials: Vec<NamedMaterial>,
     /// The objects of the file, in the order of their triangles; empty unless
     /// [asked for](crate::Loader::keep_objects).
     pub objects: Vec<Object>,
     /// The files that were read, in this order: the scene file, then those that it refers to, such as material libraries and
     /// buffers, by their names in its folder; no textures. One may be there several times.
     pub files: Vec<PathBuf>,
+}
+
+/// A material of a scene file by its name, for [`Model::set_material`].
+///
+/// ```no_run
+/// use globillum_integrator::Model;
+/// use globillum_material::{Material, Rgb};
+///
+/// /// The scene of a file, with a mirror in place of each material of this name.
+/// fn polished(path: &str, name: &str) -> Result<Model, Box<dyn std::error::Error>> {
+///     let mut loaded = globillum_io::load(path)?;
+///     for material in loaded.materials.iter().filter(|material| material.name == name) {
+///         loaded.model.set_material(material.id, Material::mirror(Rgb::splat(0.9))?);
+///     }
+///     Ok(loaded.model)
+/// }
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct NamedMaterial {
+    /// Its name in the file. In glTF other materials may share it, and one without a name is `material N`; in OBJ the name may
+    /// be empty.
+    pub name: String,
+    /// The material of the model.
+    pub id: MaterialId,
 }
 
 /// An object of a scene file: what follows a statement `o` or `g` of OBJ, or the mesh of a node of glTF.
@@ -56,6 +83,7 @@ pub(crate) struct Loading<'a> {
     pub(crate) limits: &'a Limits,
     pub(crate) jail: Jail<'a>,
     pub(crate) cameras: Vec<Camera>,
+    materials: Vec<NamedMaterial>,
     /// `None` if nobody asks for them.
     pub(crate) objects: Option<Vec<Object>>,
     report: LoadReport,
@@ -76,6 +104,7 @@ impl<'a> Loading<'a> {
             limits,
             jail,
             cameras,
+            materials: Vec::new(),
             objects: None,
             report,
             model,
@@ -109,8 +138,16 @@ impl<'a> Loading<'a> {
         }
     }
 
+    /// Adds a material without a name.
     pub(crate) fn add_material(&mut self, material: Material) -> MaterialId {
         self.model.add_material(material)
+    }
+
+    /// Adds a material of this name.
+    pub(crate) fn add_named_material(&mut self, name: String, material: Material) -> MaterialId {
+        let id = self.add_material(material);
+        self.materials.push(NamedMaterial { name, id });
+        id
     }
 
     #[cfg(feature = "gltf")]
@@ -212,7 +249,7 @@ impl<'a> Loading<'a> {
             self.warn(Place::File, kind);
         }
         let objects = self.objects.unwrap_or_default();
-        let (model, cameras, report, files) = (self.model, self.cameras, self.report, self.jail.files);
-        Ok(Loaded { model, cameras, report, objects, files })
+        let Self { model, cameras, materials, report, jail, .. } = self;
+        Ok(Loaded { model, cameras, materials, report, objects, files: jail.files })
     }
 }

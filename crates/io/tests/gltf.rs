@@ -476,3 +476,16 @@ fn objects_are_the_nodes_that_place_meshes() {
     assert_eq!(objects, [("node 0".to_owned(), 0..1), ("c".to_owned(), 1..2)]);
     assert_eq!(files.load("a.glb").unwrap().objects, []);
 }
+
+#[test]
+fn materials_have_their_names() {
+    let (json, binary) = square(&json!({
+        "materials": [{"name": "wood"}, {}, {"name": "wood"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 1}]}],
+    }));
+    let files = Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]);
+    let loaded = files.load("a.glb").unwrap();
+    let names: Vec<_> = loaded.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["wood", "material 1", "wood"]);
+    assert_eq!(loaded.materials[1].id, loaded.model.material_id(0));
+}

@@ -541,3 +541,26 @@ fn objects_are_what_follows_a_name() {
     assert_eq!(objects(&all), (expected.to_vec(), 5));
     assert_eq!(objects(&format!("o a\n{SQUARE}f 1 2 3\n")), ([name("a", 0..1)].to_vec(), 1));
 }
+
+#[test]
+fn materials_have_their_names() {
+    let obj = format!(
+        "mtllib a.mtl\n{SQUARE}f 1 2 3\nusemtl red wood\nf 1 2 3\nusemtl none\nf 1 2 3\nusemtl red wood\nf 2 3 4\n"
+    );
+    let files = Files::new(&[
+        ("a.obj", obj.as_bytes()),
+        ("a.mtl", b"newmtl unused\nKd 1\nnewmtl red wood\nKd 0.5 0 0\n"),
+    ]);
+    let mut loaded = files.load().unwrap();
+    let names: Vec<_> = loaded.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["red wood", "none"]);
+    let ids: Vec<_> = (0..4).map(|triangle| loaded.model.material_id(triangle)).collect();
+    let [red, none] = [0, 1].map(|at| loaded.materials[at].id);
+    assert!(ids[1..] == [red, none, red] && ids[0] != red && ids[0] != none);
+    let mirror = Material::mirror(Rgb::splat(0.5)).unwrap();
+    loaded.model.set_material(red, mirror);
+    assert_eq!(
+        [0, 1, 2, 3].map(|triangle| *loaded.model.material(triangle) == mirror),
+        [false, true, false, true]
+    );
+}

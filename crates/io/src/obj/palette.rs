@@ -58,7 +58,7 @@ impl<'a> Palette<'a> {
             Entry::Occupied(used) => used.into_mut(),
             Entry::Vacant(entry) => {
                 statement.check_count(count + 1, "materials", loading.limits.materials)?;
-                let id = loading.add_material(default_material());
+                let id = loading.add_named_material(statement.arguments.into(), default_material());
                 entry.insert(Used { first: *statement, id, is_defined: false })
             }
         };
