@@ -593,8 +593,10 @@ fn a_nan_is_an_error_that_names_its_sample() {
 fn path_reuse_does_not_spread_a_nan() {
     let mut settings = Settings::new(64, 64, 64);
     (settings.threads, settings.roulette.start, settings.supersampling) = (1, 20, Supersampling::Off);
-    // No path ends early in a furnace: 2048 rays precede the third rays of the first tile's 4 x 256 samples.
-    let scene = failing_in(&scenes::furnace(0.5, 1.0, DVec3::ZERO), 2048 + 4 * 18 + 3, Failure::NotANumber);
+    // No path ends early in a furnace: 64 x 64 paths of three rays come first, which find out which lights are visible, and
+    // 2048 rays precede the third rays of the first tile's 4 x 256 samples.
+    let ray = 3 * 64 * 64 + 2048 + 4 * 18 + 3;
+    let scene = failing_in(&scenes::furnace(0.5, 1.0, DVec3::ZERO), ray, Failure::NotANumber);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
     assert_eq!(error, RenderError::NonFinite { x: 6, y: 0, sample: 2 });
