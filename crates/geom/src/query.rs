@@ -93,8 +93,7 @@ impl Query for ClosestHit {
 
     fn remaining(ray: &Ray, answer: Option<Hit>) -> Ray {
         // Ranges are open, and a hit at the same `t` may have a smaller index.
-        let t_max = answer.map_or(ray.t_max, |hit| ray.t_max.min(hit.t.next_up()));
-        ray.with_range(ray.t_min, t_max)
+        ray.with_range(ray.t_min, answer.map_or(ray.t_max, |hit| hit.t.next_up()))
     }
 
     fn merge(a: Option<Hit>, b: Option<Hit>) -> Option<Hit> {

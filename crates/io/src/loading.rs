@@ -24,7 +24,8 @@ pub struct Loaded {
     pub cameras: Vec<Camera>,
     /// Content that is ignored or approximated.
     pub report: LoadReport,
-    /// The materials that the file names, in the order of the model's: those that an OBJ file uses, and all of a glTF file.
+    /// The materials with their names, in the order of the model's: those that `usemtl` names in an OBJ file, also if no library
+    /// has them, or all of a glTF file. The material of faces without one is not among them.
     pub materials: Vec<NamedMaterial>,
     /// The objects of the file, in the order of their triangles; empty unless
     /// [asked for](crate::Loader::keep_objects).
@@ -34,7 +35,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
 }
 
-/// A material of a scene file by its name, for [`Model::set_material`].
+/// A material of a scene file by its name, for [`Model::set_material`]. [`MaterialId::index`] finds it in
+/// [`Model::materials`]; after [`Model::append`] it is the material of the first model only.
 ///
 /// ```no_run
 /// use globillum_integrator::Model;

@@ -47,8 +47,8 @@ const _: () = {
 /// 8 pixels, and for any-hit queries other rays as well, such as those from there to one light. Packets are counted from
 /// the start of the batch.
 ///
-/// A dense part that is tiny against the whole scene, such as a mesh beside a sun made of triangles, has a tree of its own
-/// (docs/accelerators.md).
+/// A dense part that is tiny against the whole scene, such as a mesh beside a sun made of triangles (a *teapot in a stadium*),
+/// has a tree of its own (docs/accelerators.md).
 ///
 /// The tree is traversed with the best vector instructions of the machine; the answers are the same with any.
 ///
@@ -56,7 +56,7 @@ const _: () = {
 #[derive(Clone)]
 pub struct WideBvh {
     triangles: Triangles,
-    /// One, and one for each [dense part](build), the finest first.
+    /// One for each [dense part](build), after those of the parts within it, and last that of the rest.
     trees: Box<[Tree]>,
     token: Token,
 }
@@ -156,8 +156,11 @@ impl WideBvh {
     /// Answers the query of every ray.
     fn query_batch<Q: Query>(&self, rays: &[Ray], answers: &mut Vec<Q::Answer>) {
         answers.clear();
-        answers.reserve(rays.len());
-        let most = if self.trees.len() == 1 { MOST_RAYS } else { MOST_RAYS_OF_SEVERAL };
+        let (most, added) = match self.trees.len() {
+            1 => (MOST_RAYS, 0),
+            _ => (MOST_RAYS_OF_SEVERAL, rays.len().min(MOST_RAYS_OF_SEVERAL)),
+        };
+        answers.reserve(rays.len() + added);
         self.query_chunks::<Q>(rays.chunks(most), answers);
     }
 

@@ -13,7 +13,8 @@ use globillum_material::Emission;
 /// delta lights, such as a square, are chosen by power, which costs less. A light of less than a 64th of their mean power
 /// then counts as if it had that much.
 ///
-/// A picture is rendered with a light tree in which lights that are rarely visible in it are chosen less often.
+/// A render chooses lights less often that are rarely visible in its picture. The
+/// [`Scene::light_sampler`](crate::Scene::light_sampler) does not.
 ///
 /// Each light has a positive probability, a normal number, for any size and radiance. A
 /// [`LightSampler`](crate::LightSampler) samples points on lights.

@@ -18,4 +18,4 @@ pub use lights::Lights;
 pub(crate) use mirrors::{ChosenMirror, LargeMirrors, MirrorPoint, Mirrors, SmallMirrors, reflection};
 pub(crate) use receiver::Receiver;
 pub use sampling::{AreaLightSample, LightSample, LightSampler, LightSampling};
-pub(crate) use tree::{ChosenLight, VisibilityCount};
+pub(crate) use tree::{ChosenLight, LightTree, VisibilityCount};

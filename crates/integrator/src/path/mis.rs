@@ -107,7 +107,7 @@ impl MisContext {
             let chosen = mirrors.chosen(triangles, receiver, mirrors.facet_of(mirror)?)?;
             let image = chosen.facet.image_of(receiver);
             let prob = chosen.prob * context.large_mirror_prob(is_first);
-            Some(context.light_sampler(image).pdf(at).chosen_with(prob))
+            Some(context.light_sampler_in_mirror(image).pdf(at).chosen_with(prob))
         };
         small.as_ref().and_then(by_small).or_else(|| by_large(large.as_ref()?))
     }

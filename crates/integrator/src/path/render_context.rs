@@ -5,6 +5,7 @@ use crate::{
     ElementSample, MirrorSampling, PathReuse, PathStart, Sampler, Scene, Sensor, Settings, Supersampling,
 };
 use globillum_geom::{Accel, SimdLevel};
+use std::sync::Arc;
 
 /// What is rendered: a scene as a sensor measures it, with settings.
 #[derive(Debug)]
@@ -15,7 +16,7 @@ pub(crate) struct RenderContext<'a> {
     /// Whether next event estimation samples lights.
     pub(super) samples_lights: bool,
     /// The lights, chosen by their visibility too; `None` if they are chosen as the scene's.
-    pub(super) lights_by_visibility: Option<Lights>,
+    pub(super) lights_by_visibility: Option<Arc<Lights>>,
     /// The mirrors in which area lights are sampled; `None` if there are none or the settings rule it out.
     pub(super) mirrors: Option<&'a Mirrors>,
     /// The guide that diffuse vertices scatter by; `None` for the cosine alone.
@@ -31,7 +32,7 @@ pub(crate) struct RenderContext<'a> {
 }
 
 impl<'a> RenderContext<'a> {
-    /// A context without guide, photons or shared caustics, with the lights of the scene, which [`prepared`](super::prepared) adds.
+    /// A context with the lights of the scene and without guide, photons or shared caustics, which [`prepared`](super::prepared) adds.
     pub(super) fn new(
         scene: &'a Scene<dyn Accel + 'a>,
         sensor: &'a dyn Sensor,
@@ -85,7 +86,7 @@ impl RenderContext<'_> {
     /// The lights that vertices sample.
     #[inline(always)]
     pub(super) fn lights(&self) -> &Lights {
-        self.lights_by_visibility.as_ref().unwrap_or(self.scene.lights())
+        self.lights_by_visibility.as_deref().unwrap_or(self.scene.lights())
     }
 
     /// What samples lights for `receiver`.
@@ -93,6 +94,12 @@ impl RenderContext<'_> {
     pub(super) fn light_sampler(&self, receiver: Receiver) -> LightSampler<'_> {
         let (triangles, sampling) = (self.scene.triangles(), self.settings.light_sampling);
         LightSampler { lights: self.lights(), triangles, sampling, receiver }
+    }
+
+    /// What samples lights for the image of a receiver in a mirror. Lights that are hidden elsewhere may be visible there.
+    #[inline(always)]
+    pub(super) fn light_sampler_in_mirror(&self, image: Receiver) -> LightSampler<'_> {
+        LightSampler { lights: self.scene.lights(), ..self.light_sampler(image) }
     }
 
     /// How many light samples a diffuse vertex takes, by whether it is the first one of the path.

@@ -37,6 +37,13 @@ pub struct Model {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(u32);
 
+impl MaterialId {
+    /// The index of the material in [`Model::materials`] of its model.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 impl Model {
     /// Appends `triangles` of one `material`, and returns this for [`Model::push`] and [`Model::set_material`].
     pub fn add(&mut self, material: Material, triangles: impl IntoIterator<Item = Triangle>) -> MaterialId {
@@ -204,7 +211,8 @@ impl Model {
         Ok(())
     }
 
-    /// Appends the triangles, materials and delta lights of `other`, but not its environment.
+    /// Appends the triangles, materials and delta lights of `other`, but not its environment. A [`MaterialId`] of `other` is
+    /// none of this model's.
     pub fn append(&mut self, other: &Model) {
         let offset = self.materials.len() as u32;
         self.triangles.extend(&other.triangles);

@@ -8,6 +8,7 @@ use globillum_material::{Emission, Material, MaterialError, Reflectance, Rgb, Si
 use gltf::json::material::AlphaMode;
 use gltf::json::validation::Checked::Valid;
 use gltf::json::{self, Index};
+use std::borrow::Cow;
 
 /// The materials of a file, and the default material.
 pub(super) struct Materials {
@@ -35,14 +36,15 @@ pub(super) fn all(document: &Document, loading: &mut Loading<'_>) -> Result<Mate
     let mut all = Vec::with_capacity(count);
     for (index, json) in document.materials.iter().enumerate() {
         let place = Place::Material(index);
-        let name = json.name.clone().unwrap_or_else(|| format!("material {index}"));
+        let name = json.name.as_ref().map_or_else(|| index.to_string().into(), Cow::from);
         let domain = |message| IoError::Domain { at: loading.at(place), message };
         check_factors(json).map_err(domain)?;
-        let refused = |source| IoError::Material { at: loading.at(place), name: name.clone(), source };
+        let refused = |source| IoError::Material { at: loading.at(place), name: name.to_string(), source };
         let material = material(json).map_err(refused)?;
         for kind in losses(json).warnings(&name) {
             loading.warn(place, kind);
         }
+        let name = json.name.clone().unwrap_or_else(|| format!("material {index}"));
         all.push(loading.add_named_material(name, material));
     }
     let refused = |source| IoError::Material { at: loading.at(Place::File), name: "default".into(), source };

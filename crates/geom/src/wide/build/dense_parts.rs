@@ -5,6 +5,7 @@
 
 use crate::ray::power_of_two;
 use crate::{Aabb, Triangles};
+use std::cmp::Reverse;
 
 /// Triangles that are smaller than this fraction of the extent are fine.
 const FINE: f64 = power_of_two(-17);
@@ -12,7 +13,9 @@ const FINE: f64 = power_of_two(-17);
 const TINY: f64 = power_of_two(-4);
 /// Fewer fine triangles than this are not dense.
 const FEWEST: usize = 64;
-/// At most this many parts of a scene are dense: each ray meets a tree for each of them.
+/// Nor is a smaller share of all fine triangles.
+const LEAST_SHARE: usize = 64;
+/// The most dense parts of a scene: each ray meets a tree for each of them.
 const MOST_PARTS: usize = 8;
 /// Bins in which gaps between fine triangles are sought, along each axis.
 const BINS: usize = 64;
@@ -22,41 +25,44 @@ const MOST_GAPS: usize = 64;
 /// The triangles in parts: each dense part that is tiny against what surrounds it, which may hold such parts itself, and last
 /// what is left. Mostly there is one part, which is everything.
 pub(super) fn dense_parts(triangles: &Triangles) -> Vec<Triangles> {
-    let mut parts = Vec::new();
-    add_parts(triangles.clone(), &mut parts);
+    let (mut parts, mut parts_left) = (Vec::new(), MOST_PARTS);
+    add_parts(triangles.clone(), &mut parts_left, &mut parts);
     parts
 }
 
-/// Adds a part of the scene, without the dense parts in it, after these.
-fn add_parts(part: Triangles, parts: &mut Vec<Triangles>) {
-    let bounds = bounds_of_dense_parts(&part);
+/// Adds the dense parts of a part of the scene, and then the rest of it, after these.
+fn add_parts(part: Triangles, parts_left: &mut usize, parts: &mut Vec<Triangles>) {
+    let bounds = bounds_of_dense_parts(&part, *parts_left);
     if bounds.is_empty() {
         return parts.push(part);
     }
+    *parts_left -= bounds.len();
     let (mut inside, mut outside) = (vec![Vec::new(); bounds.len()], Vec::new());
     for &index in part.live() {
         let triangle = part.get(index).bounds();
         let place = bounds.iter().position(|dense| dense.union(&triangle) == *dense);
         place.map_or(&mut outside, |place| &mut inside[place]).push(index);
     }
-    inside.into_iter().for_each(|dense| add_parts(part.with_live(dense), parts));
-    parts.push(part.with_live(outside));
+    inside.into_iter().for_each(|dense| add_parts(part.with_live(dense), parts_left, parts));
+    if !outside.is_empty() {
+        parts.push(part.with_live(outside));
+    }
 }
 
-/// The bounds of the dense parts. They are disjoint.
-fn bounds_of_dense_parts(part: &Triangles) -> Vec<Aabb> {
+/// The bounds of the dense parts, up to `most` of those with the most fine triangles. They are disjoint.
+fn bounds_of_dense_parts(part: &Triangles, most: usize) -> Vec<Aabb> {
     let extent = part.bounds().extent().max_element();
     let bounds = part.live().iter().map(|&index| part.get(index).bounds());
     let fine: Vec<Aabb> = bounds.filter(|b| b.extent().max_element() < FINE * extent).collect();
-    let fewest = FEWEST.max(fine.len() / MOST_PARTS);
+    let fewest = FEWEST.max(fine.len() / LEAST_SHARE);
     let (mut groups, mut dense, mut gaps_left) = (vec![fine], Vec::new(), MOST_GAPS);
     while let Some(group) = groups.pop() {
-        let bounds = group.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
         if group.len() < fewest {
             continue;
         }
+        let bounds = group.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
         if bounds.extent().max_element() <= TINY * extent {
-            dense.push(bounds);
+            dense.push((group.len(), bounds));
         } else if gaps_left > 0
             && let Some(gap) = widest_gap(&group, &bounds)
         {
@@ -65,7 +71,8 @@ fn bounds_of_dense_parts(part: &Triangles) -> Vec<Aabb> {
             groups.extend([below, above]);
         }
     }
-    dense
+    dense.sort_by_key(|&(count, _)| Reverse(count));
+    dense.into_iter().take(most).map(|(_, bounds)| bounds).collect()
 }
 
 /// A plane that no fine triangle of a group meets, with some on both sides.
@@ -82,17 +89,17 @@ fn widest_gap(group: &[Aabb], bounds: &Aabb) -> Option<Gap> {
         let bin = |x: f32| (((f64::from(x) - start) / width) as usize).min(BINS - 1);
         let mut filled = [false; BINS];
         group.iter().for_each(|b| filled[bin(b.min[axis])..=bin(b.max[axis])].fill(true));
-        // The first and the last bin are filled.
-        let gaps = filled.split(|is_filled| *is_filled).map(<[bool]>::len);
-        let mut at = 0;
-        let mut widest = (0, 0);
-        for bins in gaps {
+        // The first and the last bin are filled, unless the group is flat.
+        let (mut at, mut widest) = (0, (0, 0));
+        for bins in filled.split(|is_filled| *is_filled).map(<[bool]>::len) {
             widest = widest.max((bins, at));
             at += bins + 1;
         }
         let (bins, first) = widest;
         let position = (start + (first as f64 + 0.5 * bins as f64) * width) as f32;
-        (bins > 0).then_some(Gap { axis, position, width: bins as f64 * width })
+        // In `f32` the plane may coincide with an end of a group that is hardly wider than that resolves.
+        let separates = bins > 0 && bounds.min[axis] < position && position < bounds.max[axis];
+        separates.then_some(Gap { axis, position, width: bins as f64 * width })
     };
     (0..3).filter_map(gap_along).max_by(|a, b| a.width.total_cmp(&b.width))
 }
@@ -143,6 +150,8 @@ mod tests {
         // A triangle that is not fine, within the bounds of those that are.
         assert_eq!(counts(ball(0.0, 1.0).chain([large(4e4), large(0.5)])), [5121, 1]);
         assert_eq!(counts(ball(-5e5, 1.0).chain([large(1e6)]).chain(ball(5e5, 1.0))), [5120, 5120, 1]);
+        // Nothing is left outside of two balls.
+        assert_eq!(counts(ball(0.0, 1.0).chain(ball(1e6, 1.0))), [5120, 5120]);
         let nested = ball(0.0, 1e-6).chain(ball(0.0, 1.0)).chain([large(1e6), large(0.2)]);
         assert_eq!(counts(nested), [5120, 5121, 1]);
     }
@@ -155,6 +164,12 @@ mod tests {
             Triangle::new(at, at + 1e-7 * Vec3::Y, at + 1e-7 * Vec3::Z)
         });
         assert_eq!(counts(fine.chain([large(1.0)])), [4001]);
+        // The same in groups of a hundred: the row is separated, and nothing is flat by mistake.
+        let squares = (0..4000).map(|i| {
+            let at = Vec3::new((i / 400) as f32 / 5.0 - 1.0, 0.0, (i % 400) as f32 * 1e-6);
+            Triangle::new(at, at + 1e-7 * Vec3::X, at + 1e-7 * Vec3::Z)
+        });
+        assert_eq!(counts(squares.chain([large(1.0)])).len(), 1 + MOST_PARTS);
         // Few fine triangles are not dense.
         assert_eq!(counts(ball(Vec3::ZERO, 1.0).take(60).chain([large(1e6)])), [61]);
     }

@@ -79,6 +79,11 @@ impl Node {
         }
     }
 
+    /// The number of children.
+    pub(super) fn count(&self) -> usize {
+        self.count as usize
+    }
+
     /// Multiplies the importance of a child by `factor`, everywhere.
     pub(super) fn scale(&mut self, child: usize, factor: f64) {
         self.intensity[lane_of(child)] *= factor;

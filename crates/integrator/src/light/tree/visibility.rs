@@ -1,6 +1,6 @@
 //! How often samples find lights visible, and a tree that chooses hidden lights less often.
 
-use super::node::Child;
+use super::node::{Child, Node};
 use super::{Address, LightTree};
 use crate::light::child_weights::{CHILD_BITS, WIDTH};
 use std::ops::AddAssign;
@@ -16,8 +16,9 @@ impl VisibilityCount {
     /// Fewer samples tell too little.
     const FEWEST: u32 = 256;
 
-    /// Counted as if it were visible, since a light that no sample finds may be visible from elsewhere.
-    const UNSEEN: f64 = 0.25;
+    /// This much of a sample counts as visible beside those that are: a light that no sample finds may be visible from
+    /// elsewhere.
+    const PRIOR: f64 = 0.25;
 
     #[cfg(test)]
     pub(crate) fn new(sampled: u32, visible: u32) -> Self {
@@ -32,7 +33,7 @@ impl VisibilityCount {
 
     /// The share of visible samples; `None` if there are too few.
     fn share(self) -> Option<f64> {
-        let share = (f64::from(self.visible) + Self::UNSEEN) / (f64::from(self.sampled) + Self::UNSEEN);
+        let share = (f64::from(self.visible) + Self::PRIOR) / (f64::from(self.sampled) + Self::PRIOR);
         (self.sampled >= Self::FEWEST).then_some(share)
     }
 }
@@ -40,9 +41,10 @@ impl VisibilityCount {
 /// Importances are multiplied by at most this, or by 1: shares of visible samples are known roughly.
 const LARGEST_FACTOR: f64 = 0.25;
 
-/// The share of visible samples of those of some clusters that are visible most often; 0 if none has enough samples.
-fn largest_share(counts: &[VisibilityCount]) -> f64 {
-    counts.iter().filter_map(|count| count.share()).fold(0.0, f64::max)
+/// The largest share of visible samples of some clusters. One of which samples tell too little counts as visible everywhere,
+/// since a hidden one may have taken its samples.
+fn largest_share<'a>(counts: impl IntoIterator<Item = &'a VisibilityCount>) -> f64 {
+    counts.into_iter().map(|count| count.share().unwrap_or(1.0)).fold(0.0, f64::max)
 }
 
 /// By what the importance of a cluster is multiplied, beside clusters of up to the `largest` share.
@@ -77,26 +79,28 @@ impl LightTree {
                 }
             }
         }
-        let mut this = self.clone();
-        let mut is_other = false;
-        let mut factor_of = |count: VisibilityCount, largest: f64| {
-            let factor = factor(count, largest);
-            is_other |= factor < 1.0;
-            factor
-        };
         // Lights that are infinitely far away stand beside the children of the root.
-        let far_share = of_far.share().unwrap_or(0.0);
-        let of_root = of_children.first().map_or(0.0, |counts| largest_share(counts)).max(far_share);
-        for (index, (node, counts)) in this.nodes.iter_mut().zip(&of_children).enumerate() {
-            let largest = if index == 0 { of_root } else { largest_share(counts) };
-            for (child, &count) in counts.iter().enumerate() {
-                node.scale(child, factor_of(count, largest));
-            }
+        let beside = |index: usize| if index == 0 { self.far.as_ref().map(|_| &of_far) } else { None };
+        let of_node = |(index, (node, counts)): (usize, (&Node, &[VisibilityCount; WIDTH]))| {
+            let largest = largest_share(counts[..node.count()].iter().chain(beside(index)));
+            counts.map(|count| factor(count, largest))
+        };
+        let factors: Vec<_> = self.nodes.iter().zip(&of_children).enumerate().map(of_node).collect();
+        let root = self.nodes.first().zip(of_children.first());
+        let far_factor = root.map_or(1.0, |(node, counts)| {
+            factor(of_far, largest_share(counts[..node.count()].iter().chain(beside(0))))
+        });
+        if far_factor == 1.0 && factors.as_flattened().iter().all(|&factor| factor == 1.0) {
+            return None;
+        }
+        let mut this = self.clone();
+        for (node, factors) in this.nodes.iter_mut().zip(factors) {
+            (0..).zip(factors).for_each(|(child, factor)| node.scale(child, factor));
         }
         if let Some(far) = &mut this.far {
-            far.scale(factor_of(of_far, of_root));
+            far.scale(far_factor);
         }
-        is_other.then_some(this)
+        Some(this)
     }
 
     /// Calls `visit` with each node on the path to a light, and the number of the child that the path goes on to.

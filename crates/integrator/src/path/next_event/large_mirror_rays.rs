@@ -100,7 +100,7 @@ fn seen_in(
     let drawn = vertex.large_mirror_numbers;
     let (u_light, u_point) =
         drawn.unwrap_or_else(|| path.numbers.light_in_mirror(MirrorSize::Large, *bounce));
-    let light = match context.light_sampler(facet.image_of(receiver)).sample(u_light, u_point)? {
+    let light = match context.light_sampler_in_mirror(facet.image_of(receiver)).sample(u_light, u_point)? {
         LightSample::Area(light) => light,
         LightSample::Delta(_) => return None,
     };

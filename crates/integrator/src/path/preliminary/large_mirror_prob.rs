@@ -55,9 +55,10 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
         return 1.0;
     }
     let settings = probe_settings(context.settings);
+    let lights_by_visibility = context.lights_by_visibility.clone();
     // Without a guide, which depends on the seed.
     let context =
-        RenderContext { guide: None, ..RenderContext::new(context.scene, context.sensor, &settings) };
+        RenderContext { settings: &settings, lights_by_visibility, guide: None, photons: None, ..*context };
     let of_tile = |wavefront: &mut Wavefront, (tile, samples): (PixelRect, Range<u32>)| {
         wavefront.later_squares(&context, tile, samples)
     };

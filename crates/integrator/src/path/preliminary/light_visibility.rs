@@ -2,13 +2,11 @@
 //! often. Otherwise a strong light behind a wall takes the samples of all others.
 
 use super::path_settings::probe_starts;
-use crate::checked_accel;
-use crate::light::{Lights, VisibilityCount};
+use crate::light::{ChosenLight, LightTree, Lights, VisibilityCount};
 use crate::path::first_vertex::{diffuse_vertex, scattered_ray};
 use crate::path::render_context::RenderContext;
 use crate::sampler::ReservedStream;
 use crate::{Interaction, PathStart, Stream};
-use globillum_geom::Ray;
 use rayon::prelude::*;
 
 /// Paths along each side of the picture.
@@ -23,75 +21,45 @@ const LIGHT_SAMPLES: usize = 2;
 /// Dimensions of the random numbers of a vertex.
 const DIMENSIONS: u32 = 2 + 3 * LIGHT_SAMPLES as u32;
 
-/// A sample of the light of this index in the tree, and whether it was visible.
-type LightVisibility = (u32, bool);
-
 /// The lights, chosen by their visibility too; `None` if that changes nothing.
 pub(super) fn lights(context: &RenderContext<'_>) -> Option<Lights> {
     let lights = context.scene.lights();
-    lights.tree().filter(|_| context.samples_lights)?;
-    let of_rows: Vec<_> =
-        (0..PATHS_PER_SIDE).into_par_iter().map(|row| samples_of_row(context, row)).collect();
+    let tree = lights.tree().filter(|_| context.samples_lights)?;
+    let of_row = |row| samples_of_row(context, tree, row);
+    let of_rows: Vec<_> = (0..PATHS_PER_SIDE).into_par_iter().map(of_row).collect();
     let mut counts = vec![VisibilityCount::default(); lights.len()];
     of_rows.into_iter().flatten().for_each(|(light, is_visible)| counts[light as usize].add(is_visible));
     lights.by_visibility(&counts)
 }
 
-/// The light samples of the paths of a row.
-fn samples_of_row(context: &RenderContext<'_>, row: u32) -> Vec<LightVisibility> {
-    let mut samples = LightSamples::default();
+/// The light samples of the paths of a row: the index of each one's light in the tree, and whether it is visible.
+fn samples_of_row(context: &RenderContext<'_>, tree: &LightTree, row: u32) -> Vec<(u32, bool)> {
+    let mut samples = Vec::new();
     let most = context.settings.max_bounces.map_or(VERTICES, |max| max.min(VERTICES));
     for (column, start) in (0..).zip(probe_starts(context, PATHS_PER_SIDE, row)) {
         let numbers = Stream::reserved(ReservedStream::LightProbes, row * PATHS_PER_SIDE + column);
         let mut start = Some(start);
         for first in (0..most).map(|vertex| vertex * DIMENSIONS) {
             let Some(at) = start.and_then(|start| diffuse_vertex(context, start, |_| true)) else { break };
-            samples.add(context, &at, numbers, first + 2);
-            start = scattered_ray(&at, numbers.uniform_pair(first)).map(|(ray, _)| PathStart::Ray(ray));
+            // A black surface samples no lights that matter.
+            let Some((scattered, _)) = scattered_ray(&at, numbers.uniform_pair(first)) else { break };
+            start = Some(PathStart::Ray(scattered));
+            let dimensions: [u32; LIGHT_SAMPLES] = std::array::from_fn(|k| first + 2 + 3 * k as u32);
+            let chosen = tree.choose(at.receiver(), dimensions.map(|dimension| numbers.uniform(dimension)));
+            samples.extend(chosen.into_iter().zip(dimensions).map(|(chosen, dimension)| {
+                (chosen.index, is_visible(context, &at, chosen, numbers.uniform_pair(dimension + 1)))
+            }));
         }
     }
-    samples.finish(context)
+    samples
 }
 
-/// Light samples whose shadow rays are traced together.
-#[derive(Debug, Default)]
-struct LightSamples {
-    /// Of those without a shadow ray, which are not visible.
-    hidden: Vec<LightVisibility>,
-    /// The lights of the others, and their shadow rays.
-    lights: Vec<u32>,
-    shadow_rays: Vec<Ray>,
-}
-
-impl LightSamples {
-    /// Samples lights at a vertex by the numbers from `dimension` on.
-    fn add(&mut self, context: &RenderContext<'_>, at: &Interaction<'_>, numbers: Stream, dimension: u32) {
-        let sampler = context.light_sampler(at.receiver());
-        let Some(tree) = sampler.lights.tree() else { return };
-        let dimensions: [u32; LIGHT_SAMPLES] = std::array::from_fn(|k| dimension + 3 * k as u32);
-        let chosen = tree.choose(sampler.receiver, dimensions.map(|dimension| numbers.uniform(dimension)));
-        for (chosen, dimension) in chosen.into_iter().zip(dimensions) {
-            let point = numbers.uniform_pair(dimension + 1);
-            let sample = sampler.sample_chosen(&sampler.lights.chosen(chosen), point);
-            let in_front = sample.filter(|sample| sample.direction().dot(at.facing_normal()) > 0.0);
-            match in_front.and_then(|sample| sample.shadow_ray(&at.point)) {
-                Some(ray) => {
-                    self.lights.push(chosen.index);
-                    self.shadow_rays.push(ray);
-                }
-                None => self.hidden.push((chosen.index, false)),
-            }
-        }
-    }
-
-    /// All samples.
-    fn finish(self, context: &RenderContext<'_>) -> Vec<LightVisibility> {
-        let Self { hidden: mut samples, lights, shadow_rays } = self;
-        let mut occluded = Vec::new();
-        checked_accel::occluded(context.scene.accel(), &shadow_rays, &mut occluded);
-        samples.extend(lights.into_iter().zip(occluded).map(|(light, occluded)| (light, !occluded)));
-        samples
-    }
+/// Whether the point of the chosen light that `u` samples is visible from a vertex, on the side of its surface that counts.
+fn is_visible(context: &RenderContext<'_>, at: &Interaction<'_>, chosen: ChosenLight, u: [f64; 2]) -> bool {
+    let sample = context.light_sampler(at.receiver()).sample_chosen(&context.lights().chosen(chosen), u);
+    let in_front = sample.filter(|sample| sample.direction().dot(at.facing_normal()) > 0.0);
+    let shadow_ray = in_front.and_then(|sample| sample.shadow_ray(&at.point));
+    shadow_ray.is_some_and(|ray| !context.scene.accel().occluded(&ray))
 }
 
 #[cfg(test)]
@@ -108,6 +76,7 @@ mod tests {
     use globillum_geom::KdTree;
     use globillum_geom::conformance::shapes::quad;
     use globillum_material::{Material, Rgb};
+    use std::sync::Arc;
 
     const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 12, height: 12 };
 
@@ -136,7 +105,7 @@ mod tests {
         Settings { seed, path_reuse: PathReuse::Off, ..Settings::new(12, 12, 4) }
     }
 
-    fn found(scene: &Scene<KdTree>, settings: &Settings) -> Option<Lights> {
+    fn found(scene: &Scene<KdTree>, settings: &Settings) -> Option<Arc<Lights>> {
         prepared(scene, &camera(), settings, None).lights_by_visibility
     }
 
@@ -148,10 +117,14 @@ mod tests {
 
     #[test]
     fn a_strong_light_behind_a_wall_takes_few_samples() {
+        for (radiance, least) in [(1e2, 20.0), (1e3, 25.0), (1e5, 5.0)] {
+            let hidden = scene(radiance, false);
+            let by_visibility = found(&hidden, &settings(0)).expect("one lamp is hidden");
+            // The odds of the other lamp.
+            let odds = [hidden.lights(), &by_visibility].map(|lights| 1.0 / prob_of_right(lights) - 1.0);
+            assert!(odds[1] > least * odds[0], "{radiance}: {odds:?}");
+        }
         let hidden = scene(1e3, false);
-        let by_visibility = found(&hidden, &settings(0)).expect("one lamp is hidden");
-        let [before, after] = [hidden.lights(), &by_visibility].map(prob_of_right);
-        assert!(before > 0.98 && after < 0.75, "{before}, {after}");
         assert!(found(&scene(1.0, true), &settings(0)).is_none());
         let without_lights = Settings { estimator: Estimator::Bsdf, ..settings(0) };
         assert!(found(&hidden, &without_lights).is_none());
@@ -163,12 +136,12 @@ mod tests {
         let hidden = scene(1e3, false);
         let other = Settings { seed: 5, samples: 64, pass_samples: 64, ..settings(0) };
         let probs =
-            [settings(0), other].map(|settings| found(&hidden, &settings).as_ref().map(prob_of_right));
+            [settings(0), other].map(|settings| found(&hidden, &settings).as_deref().map(prob_of_right));
         assert!(probs[0].is_some() && probs[0] == probs[1], "{probs:?}");
     }
 
     /// The sum of the radiances of all pixels, with these lights.
-    fn sum(scene: &Scene<KdTree>, seed: u64, lights_by_visibility: Option<Lights>) -> f64 {
+    fn sum(scene: &Scene<KdTree>, seed: u64, lights_by_visibility: Option<Arc<Lights>>) -> f64 {
         let (camera, settings) = (camera(), settings(seed));
         let context = RenderContext { lights_by_visibility, ..RenderContext::new(scene, &camera, &settings) };
         let mut wavefront = Wavefront::default();
@@ -184,7 +157,8 @@ mod tests {
         const SEEDS: u64 = 800;
         let scene = scene(2.0, true);
         let counts = [1000, 1000, 0, 0].map(|visible| VisibilityCount::new(1000, visible));
-        let misled = scene.lights().by_visibility(&counts).expect("one lamp is thought to be hidden");
+        let misled = scene.lights().by_visibility(&counts).map(Arc::new);
+        let misled = misled.expect("one lamp is thought to be hidden");
         let [before, after] = [scene.lights(), &misled].map(prob_of_right);
         assert!(after < 0.1 * before, "{before}, {after}");
         let (mut level, mut deviation, mut squares) = (0.0, 0.0_f64, 0.0_f64);

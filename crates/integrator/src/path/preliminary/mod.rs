@@ -1,6 +1,11 @@
-//! What precedes the first sample: paths that train a guide; a few paths at fixed places of the picture, which find which
-//! lights are visible, how often to sample lights in mirrors and whether caustics are rare; and photons from the lights. It follows from the scene, the
-//! sensor and the settings, so all parts of a picture have the same.
+//! What precedes the first sample:
+//!
+//! - [paths that train a guide](training);
+//! - paths at fixed places of the picture, which find [which lights are visible](light_visibility), [how often to sample
+//!   lights in mirrors](large_mirror_prob), and [whether caustics are rare](rare_caustics);
+//! - [photons](caustic_photons) from the lights.
+//!
+//! All of this follows from the scene, the sensor and the settings, so it is the same for all parts of a picture.
 
 mod caustic_photons;
 mod large_mirror_prob;
@@ -16,6 +21,7 @@ use super::render_context::RenderContext;
 use crate::guide::Guide;
 use crate::{Scene, Sensor, Settings};
 use globillum_geom::Accel;
+use std::sync::Arc;
 
 /// What is rendered, with this [`guide`] and all else that precedes the first sample.
 pub(crate) fn prepared<'a>(
@@ -25,7 +31,8 @@ pub(crate) fn prepared<'a>(
     guide: Option<&'a Guide>,
 ) -> RenderContext<'a> {
     let context = RenderContext { guide, ..RenderContext::new(scene, sensor, settings) };
-    let context = RenderContext { lights_by_visibility: light_visibility::lights(&context), ..context };
+    let lights_by_visibility = light_visibility::lights(&context).map(Arc::new);
+    let context = RenderContext { lights_by_visibility, ..context };
     let context = RenderContext { large_mirror_prob: large_mirror_prob::of(&context), ..context };
     let context = RenderContext { shares_caustics: rare_caustics::are_shared(&context), ..context };
     RenderContext { photons: photon_guide(&context), ..context }
