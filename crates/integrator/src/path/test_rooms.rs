@@ -132,3 +132,24 @@ pub(super) fn advanced(context: &RenderContext<'_>) -> Wavefront {
     }
     wavefront
 }
+
+/// The sum of the radiances of four samples of each pixel of a tile.
+pub(super) fn radiance_sum(context: &RenderContext<'_>, tile: PixelRect) -> f64 {
+    let mut wavefront = Wavefront::default();
+    wavefront.trace(context, &TileProbes::of(context, tile), 0..4, || false);
+    wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
+}
+
+/// Asserts that the two numbers that `pair` returns for a seed have the same mean, whose standard error is below `limit` of it. A
+/// deviation exceeds the limit with a probability of 1e-6 (Student's distribution with 799 degrees of freedom).
+pub(super) fn assert_equal_means(limit: f64, pair: impl Fn(u64) -> [f64; 2]) {
+    let (mut level, mut deviation, mut squares) = (0.0, 0.0_f64, 0.0_f64);
+    for seed in 0..800 {
+        let [a, b] = pair(seed);
+        (level, deviation) = (level + a, deviation + (b - a));
+        squares += (b - a) * (b - a);
+    }
+    let (z, error) = (deviation.abs() / squares.sqrt(), squares.sqrt() / level);
+    assert!(z < 4.93, "{z}");
+    assert!(error > 0.0 && error < limit, "{error}");
+}

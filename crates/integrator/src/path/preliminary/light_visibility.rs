@@ -67,9 +67,7 @@ mod tests {
     use super::*;
     use crate::light::Receiver;
     use crate::path::preliminary::prepared;
-    use crate::path::test_rooms::built;
-    use crate::path::tile_probes::TileProbes;
-    use crate::path::wavefront::Wavefront;
+    use crate::path::test_rooms::{assert_equal_means, built, radiance_sum};
     use crate::pixel_rect::PixelRect;
     use crate::{Camera, Estimator, Model, PathReuse, Scene, Settings};
     use glam::{DVec3, Vec3};
@@ -80,8 +78,8 @@ mod tests {
 
     const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 12, height: 12 };
 
-    /// A floor of squares, a lamp above its left half, and one of this radiance above its right half, with a wall between them. The
-    /// camera sees the left half, and the right half too if the wall has a hole.
+    /// A floor before a mirror, a lamp above its left half, and one of this radiance above its right half. A wall between them may
+    /// have a hole at the floor. The camera sees the left half.
     fn scene(radiance: f64, has_hole: bool) -> Scene<KdTree> {
         let p = DVec3::new;
         let mut model = Model::default();
@@ -89,6 +87,8 @@ mod tests {
         model.add(white, quad(p(-2.0, 0.0, 1.0), p(2.0, 0.0, 1.0), p(2.0, 0.0, -1.0), p(-2.0, 0.0, -1.0)));
         let low = if has_hole { 0.6 } else { -1.0 };
         model.add(white, quad(p(0.0, low, 3.0), p(0.0, low, -3.0), p(0.0, 3.0, -3.0), p(0.0, 3.0, 3.0)));
+        let mirror = quad(p(-2.0, 0.0, -1.0), p(2.0, 0.0, -1.0), p(2.0, 2.0, -1.0), p(-2.0, 2.0, -1.0));
+        model.add(Material::mirror(Rgb::splat(0.9)).unwrap(), mirror);
         for (x, radiance) in [(-1.0, 1.0), (1.0, radiance)] {
             let [a, b, c, d] =
                 [(-0.7, -0.7), (0.7, -0.7), (0.7, 0.7), (-0.7, 0.7)].map(|(i, j)| p(x + i, 1.0, j));
@@ -112,7 +112,7 @@ mod tests {
     /// The probability of the lamp on the right for a point of the floor on the left.
     fn prob_of_right(lights: &Lights) -> f64 {
         let receiver = Receiver { position: DVec3::new(-0.8, 0.0, 0.2), side: Vec3::Y };
-        [6, 7].iter().filter_map(|&triangle| lights.prob(receiver, triangle)).map(|prob| prob.prob).sum()
+        [8, 9].iter().filter_map(|&triangle| lights.prob(receiver, triangle)).map(|prob| prob.prob).sum()
     }
 
     #[test]
@@ -140,36 +140,23 @@ mod tests {
         assert!(probs[0].is_some() && probs[0] == probs[1], "{probs:?}");
     }
 
-    /// The sum of the radiances of all pixels, with these lights.
-    fn sum(scene: &Scene<KdTree>, seed: u64, lights_by_visibility: Option<Arc<Lights>>) -> f64 {
-        let (camera, settings) = (camera(), settings(seed));
-        let context = RenderContext { lights_by_visibility, ..RenderContext::new(scene, &camera, &settings) };
-        let mut wavefront = Wavefront::default();
-        wavefront.trace(&context, &TileProbes::of(&context, TILE), 0..4, || false);
-        wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
-    }
-
-    /// As if no sample had found the lamp on the right, which lights both halves. The same seeds, so that most other light
-    /// cancels. The deviation exceeds the limit with a probability of 1e-6 (Student's distribution with 799 degrees of
-    /// freedom).
+    /// As if no sample had found the lamp on the right, which lights both halves, and the left one by way of a mirror too. The same
+    /// seeds, so that most other light cancels.
     #[test]
     fn the_mean_does_not_depend_on_what_samples_have_found() {
-        const SEEDS: u64 = 800;
-        let scene = scene(2.0, true);
+        let (scene, camera) = (scene(2.0, true), camera());
         let counts = [1000, 1000, 0, 0].map(|visible| VisibilityCount::new(1000, visible));
         let misled = scene.lights().by_visibility(&counts).map(Arc::new);
         let misled = misled.expect("one lamp is thought to be hidden");
         let [before, after] = [scene.lights(), &misled].map(prob_of_right);
         assert!(after < 0.1 * before, "{before}, {after}");
-        let (mut level, mut deviation, mut squares) = (0.0, 0.0_f64, 0.0_f64);
-        for seed in 0..SEEDS {
-            let of_scene = sum(&scene, seed, None);
-            let difference = sum(&scene, seed, Some(misled.clone())) - of_scene;
-            (level, deviation) = (level + of_scene, deviation + difference);
-            squares += difference * difference;
-        }
-        let (z, error) = (deviation.abs() / squares.sqrt(), squares.sqrt() / level);
-        assert!(z < 4.93, "{z}");
-        assert!(error > 0.0 && error < 2e-3, "{error}");
+        assert_equal_means(2e-3, |seed| {
+            let settings = settings(seed);
+            [None, Some(misled.clone())].map(|lights_by_visibility| {
+                let context = RenderContext::new(&scene, &camera, &settings);
+                assert!(context.large_mirrors().is_some());
+                radiance_sum(&RenderContext { lights_by_visibility, ..context }, TILE)
+            })
+        });
     }
 }
