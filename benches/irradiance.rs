@@ -35,7 +35,7 @@ fn on_walls() -> Vec<(DVec3, DVec3)> {
 /// Rays a second of one render.
 fn speed(scene: &Scene<dyn Accel + '_>, sensor: &dyn Sensor, settings: &Settings) -> f64 {
     let start = Instant::now();
-    let picture = render(scene, sensor, settings, &()).expect("scene and sensor are good");
+    let picture = render(scene, sensor, settings).expect("scene and sensor are good");
     picture.counters.rays() as f64 / start.elapsed().as_secs_f64()
 }
 
@@ -55,7 +55,7 @@ fn main() {
         let mut list = on_walls();
         let points = IrradiancePoints::new(list.iter().copied()).expect("they are within the domain");
         let readings = |points: &IrradiancePoints| -> Vec<Reading> {
-            let picture = render(&scene, points, &points.settings(1), &()).expect("all is good");
+            let picture = render(&scene, points, &points.settings(1)).expect("all is good");
             points.readings(&picture.film).collect()
         };
         let mut in_order = readings(&points);

@@ -9,7 +9,7 @@ use PathReuse::{Off, Tiles};
 use Sampler::{Independent, Sobol};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use globillum::geom::Accel;
-use globillum::integrator::{Camera, Estimator, Film, PathReuse, Sampler, Scene, Settings, render};
+use globillum::integrator::{Estimator, Film, PathReuse, PinholeCamera, Sampler, Scene, Settings, render};
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::scenes::scene;
 use globillum_testkit::{cornell, hash};
@@ -27,8 +27,8 @@ const PICTURES: [(&str, Estimator, Sampler, PathReuse, u64); 4] = [
     ("Light, Sobol'", Light, Sobol, Off, 0x9e1f_87c4_c93b_0aca),
 ];
 
-fn film(scene: &Scene<Box<dyn Accel>>, camera: &Camera, settings: &Settings) -> Film {
-    render(scene, camera, settings, &()).expect("the box is good").film
+fn film(scene: &Scene<Box<dyn Accel>>, camera: &PinholeCamera, settings: &Settings) -> Film {
+    render(scene, camera, settings).expect("the box is good").film
 }
 
 fn pictures(criterion: &mut Criterion) {

@@ -68,7 +68,7 @@ pub(crate) fn render(options: &Options) -> Result<(), Box<dyn Error>> {
     let settings = Settings::new(options.width, options.height, options.spp);
 
     let (bar, start) = (Bar(ProgressBar::no_length()), Instant::now());
-    let picture = Render::new(&scene, &camera, &settings).run(&bar);
+    let picture = Render::new(&scene, &camera, &settings).monitor(&bar).run();
     bar.0.finish_and_clear();
     let (picture, seconds) = (picture?, start.elapsed().as_secs_f64());
     file.write(&picture.film)?;

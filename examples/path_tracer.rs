@@ -6,8 +6,8 @@
 
 use globillum::geom::{Accel, Frame, PdfSolidAngle, Ray, WideBvh};
 use globillum::integrator::{
-    Camera, Comparison, ElementSample, Estimates, Interaction, LightSampler, LightSampling, Scene, Settings,
-    Stream, render,
+    Comparison, ElementSample, Estimates, Interaction, LightSampler, LightSampling, PinholeCamera, Scene,
+    Settings, Stream, render,
 };
 use globillum::material::{Density, Rgb};
 use globillum::scenes::cornell;
@@ -79,7 +79,7 @@ fn from_lights<A: Accel>(
 }
 
 /// Mean and standard error of the samples of pixel `index`, counted row by row.
-fn pixel<A: Accel>(scene: &Scene<A>, camera: &Camera, index: u32) -> (Rgb, Rgb) {
+fn pixel<A: Accel>(scene: &Scene<A>, camera: &PinholeCamera, index: u32) -> (Rgb, Rgb) {
     let (mut sum, mut squares) = (Rgb::BLACK, Rgb::BLACK);
     for sample in 0..SAMPLES {
         let numbers = Stream::new(0, index.into(), sample);
@@ -102,7 +102,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     (own.means, own.standard_errors) = pixels.unzip();
     own.observations.fill(SAMPLES);
 
-    let picture = render(&scene, &camera, &Settings::new(SIDE, SIDE, SAMPLES), &())?;
+    let picture = render(&scene, &camera, &Settings::new(SIDE, SIDE, SAMPLES))?;
     let comparison =
         Comparison::between(&[own.clone()], &[Estimates::of(&picture.film)]).ok_or("no pixels")?;
     let ([low, high], p) = (comparison.ratio_95, comparison.p_value());

@@ -6,7 +6,7 @@
 //! ```
 //! use globillum::geom::{Triangle, WideBvh};
 //! use globillum::glam::DVec3;
-//! use globillum::integrator::{Camera, Model, Scene, Settings, render};
+//! use globillum::integrator::{Model, PinholeCamera, Scene, Settings, render};
 //! use globillum::material::{Material, Rgb};
 //!
 //! fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -20,8 +20,8 @@
 //!
 //!     let scene = Scene::build(model, WideBvh::build)?;
 //!     // From a point toward another, the direction that is up, and the vertical field of view in radians.
-//!     let camera = Camera::look_at(DVec3::new(0.0, 0.5, 3.0), DVec3::ZERO, DVec3::Y, 0.7)?;
-//!     let picture = render(&scene, &camera, &Settings::new(32, 32, 16), &())?;
+//!     let camera = PinholeCamera::look_at(DVec3::new(0.0, 0.5, 3.0), DVec3::ZERO, DVec3::Y, 0.7)?;
+//!     let picture = render(&scene, &camera, &Settings::new(32, 32, 16))?;
 //!     assert_eq!(picture.film.to_srgb8().len(), 3 * 32 * 32); // red, green, blue of each pixel
 //!     println!("relative RMSE: {:.1} %", 100.0 * picture.film.error().relative_rmse);
 //!     Ok(())

@@ -48,7 +48,7 @@ fn every_type_is_send_sync_and_debug() {
         checked::<geom::decide::Shear>(),
         checked::<geom::shapes::Mesh>(),
         checked::<integrator::AreaLightSample>(),
-        checked::<integrator::Camera>(),
+        checked::<integrator::PinholeCamera>(),
         checked::<integrator::CheckpointError>(),
         checked::<integrator::CheckpointHeader>(),
         checked::<integrator::CheckpointReader<&[u8]>>(),

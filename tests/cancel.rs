@@ -2,7 +2,9 @@
 
 use globillum::geom::Triangle;
 use globillum::glam::{DVec3, Vec3};
-use globillum::integrator::{Camera, Model, Monitor, Progress, RenderError, Roulette, Settings, render};
+use globillum::integrator::{
+    Model, Monitor, PinholeCamera, Progress, Render, RenderError, Roulette, Settings, render,
+};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::{cornell, scenes, shapes};
@@ -37,10 +39,13 @@ fn a_cancelled_render_returns_the_picture_of_its_whole_passes() {
     let camera = cornell::camera().expect("the camera is good");
     let mut samples_seen = Vec::new();
     for limit in [0, 40, 1600] {
-        let picture = render(&scene, &camera, &Settings::new(40, 40, 64), &CancelAt::call(limit)).unwrap();
+        let picture = Render::new(&scene, &camera, &Settings::new(40, 40, 64))
+            .monitor(&CancelAt::call(limit))
+            .run()
+            .unwrap();
         assert!(picture.samples < 64);
         if picture.samples > 0 {
-            let whole = render(&scene, &camera, &Settings::new(40, 40, picture.samples), &()).unwrap();
+            let whole = render(&scene, &camera, &Settings::new(40, 40, picture.samples)).unwrap();
             assert_eq!(whole.film, picture.film);
         }
         samples_seen.push(picture.samples);
@@ -60,10 +65,10 @@ fn cancelling_stops_within_a_tile() {
     let mut settings = Settings::new(4, 4, 1);
     settings.roulette.start = Settings::MAX_BOUNCES;
     let monitor = CancelAt::call(1000);
-    assert_eq!(render(&scene, &camera, &settings, &monitor).unwrap().samples, 0);
+    assert_eq!(Render::new(&scene, &camera, &settings).monitor(&monitor).run().unwrap().samples, 0);
     assert_eq!(monitor.tiles.load(Ordering::Relaxed), 0, "no tile can have ended");
     settings.max_bounces = Some(10_000);
-    let picture = render(&scene, &camera, &settings, &()).unwrap();
+    let picture = render(&scene, &camera, &settings).unwrap();
     assert_eq!((picture.film.image_mean(), picture.counters.limit_ends), (Rgb::BLACK, 16));
 }
 
@@ -92,7 +97,7 @@ fn invalid_settings_are_refused() {
     for (expected, spoil) in spoil {
         let mut settings = good;
         spoil(&mut settings);
-        match render(&scene, &camera, &settings, &()) {
+        match render(&scene, &camera, &settings) {
             Err(RenderError::Param { name, .. }) => assert_eq!(name, expected),
             other => panic!("{expected}: {other:?}"),
         }
@@ -100,7 +105,7 @@ fn invalid_settings_are_refused() {
     for threshold in [Roulette::MIN_THRESHOLD, good.roulette.threshold, 1.0] {
         let mut settings = good;
         settings.roulette.threshold = threshold;
-        assert!(render(&scene, &camera, &settings, &()).is_ok());
+        assert!(render(&scene, &camera, &settings).is_ok());
     }
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         let before = model.clone();
@@ -114,7 +119,8 @@ fn invalid_settings_are_refused() {
 fn cameras_without_a_view_are_refused() {
     let (eye, up) = (DVec3::new(1.0, 2.0, 3.0), DVec3::Y);
     for fov in [0.0, -1.0, std::f64::consts::PI, f64::NAN, f64::INFINITY] {
-        let error = Camera::look_at(eye, DVec3::ZERO, up, fov).expect_err("the field of view is invalid");
+        let error =
+            PinholeCamera::look_at(eye, DVec3::ZERO, up, fov).expect_err("the field of view is invalid");
         assert!(matches!(error, RenderError::Param { name: "fov_y", .. }), "{error}");
     }
     for (target, up) in [
@@ -125,7 +131,7 @@ fn cameras_without_a_view_are_refused() {
         (DVec3::ZERO, DVec3::ZERO),
         (DVec3::ZERO, DVec3::splat(f64::NAN)),
     ] {
-        let error = Camera::look_at(eye, target, up, 0.7).expect_err("the camera is degenerate");
+        let error = PinholeCamera::look_at(eye, target, up, 0.7).expect_err("the camera is degenerate");
         assert!(matches!(error, RenderError::Camera(_)), "{error}");
     }
 }

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
-    Camera, CheckpointError, CheckpointReader, CheckpointWriter, DeltaLight, Ending, ErrorEstimate,
-    Estimator, Guiding, LightSampling, Merge, MergeError, MirrorSampling, Model, Monitor, PathReuse, Picture,
-    PixelFilter, Render, RenderError, Sampler, Scene, Settings, Supersampling, render,
+    CheckpointError, CheckpointReader, CheckpointWriter, DeltaLight, Ending, ErrorEstimate, Estimator,
+    Guiding, LightSampling, Merge, MergeError, MirrorSampling, Model, Monitor, PathReuse, Picture,
+    PinholeCamera, PixelFilter, Render, RenderError, Sampler, Scene, Settings, Supersampling, render,
 };
 use globillum::material::{Bsdf, Emission, Material, Reflectance, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
 
-fn the_box() -> (Scene<Box<dyn Accel>>, Camera) {
+fn the_box() -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let model = cornell::with_blocks(false).expect("the box is good");
     (scenes::scene(&model, STRUCTURES[0].1), cornell::camera().expect("the camera is good"))
 }
@@ -35,7 +35,7 @@ fn changed(mut settings: Settings, change: impl FnOnce(&mut Settings)) -> Settin
 
 fn passes(range: Range<u32>, settings: &Settings) -> Picture {
     let (scene, camera) = the_box();
-    Render::new(&scene, &camera, settings).passes(range).run(&()).expect("the scene is good")
+    Render::new(&scene, &camera, settings).passes(range).run().expect("the scene is good")
 }
 
 /// Cancels after some passes.
@@ -61,21 +61,18 @@ fn one_run_any_threads_two_halves_and_four_ranges_are_the_same_bytes() {
     let (scene, camera) = the_box();
     for sampler in SAMPLERS {
         let mut settings = settings(sampler);
-        let whole = render(&scene, &camera, &settings, &()).expect("the scene is good");
+        let whole = render(&scene, &camera, &settings).expect("the scene is good");
         assert_eq!((whole.samples, whole.ending), (127, Ending::Samples));
         let bytes = whole.to_bytes();
         for threads in [1, 2, 3, 7] {
             settings.threads = threads;
-            assert_eq!(
-                render(&scene, &camera, &settings, &()).expect("likewise").to_bytes(),
-                bytes,
-                "{threads}"
-            );
+            assert_eq!(render(&scene, &camera, &settings).expect("likewise").to_bytes(), bytes, "{threads}");
         }
 
-        let stopped = Render::new(&scene, &camera, &settings).run(&After(31, 0.into())).expect("likewise");
+        let stopped =
+            Render::new(&scene, &camera, &settings).monitor(&After(31, 0.into())).run().expect("likewise");
         assert_eq!((stopped.samples, stopped.ending), (62, Ending::Cancelled));
-        let resumed = Render::new(&scene, &camera, &settings).resume(through_bytes(&stopped)).run(&());
+        let resumed = Render::new(&scene, &camera, &settings).resume(through_bytes(&stopped)).run();
         assert_eq!(resumed.expect("it is the same picture").to_bytes(), bytes);
 
         let parts = [0..8, 8..21, 21..63, 63..64].map(|range| passes(range, &settings));
@@ -93,7 +90,7 @@ fn every_accelerator_makes_the_same_checkpoint() {
     let (model, camera) = (cornell::with_blocks(false).expect("the box is good"), the_box().1);
     let bytes = STRUCTURES.map(|(_, build)| {
         let scene = scenes::scene(&model, build);
-        render(&scene, &camera, &settings(Sampler::Sobol), &()).expect("the scene is good").to_bytes()
+        render(&scene, &camera, &settings(Sampler::Sobol)).expect("the scene is good").to_bytes()
     });
     assert!(bytes.iter().all(|b| *b == bytes[0]));
 }
@@ -102,15 +99,15 @@ fn every_accelerator_makes_the_same_checkpoint() {
 fn a_render_can_be_resumed_with_more_samples() {
     let (scene, camera) = the_box();
     let with = |samples| changed(settings(Sampler::Sobol), |s| s.samples = samples);
-    let whole = render(&scene, &camera, &with(40), &()).expect("the scene is good");
-    let part = render(&scene, &camera, &with(24), &()).expect("likewise");
-    let more = Render::new(&scene, &camera, &with(40)).resume(part.clone()).run(&()).expect("likewise");
+    let whole = render(&scene, &camera, &with(40)).expect("the scene is good");
+    let part = render(&scene, &camera, &with(24)).expect("likewise");
+    let more = Render::new(&scene, &camera, &with(40)).resume(part.clone()).run().expect("likewise");
     assert_eq!(more.to_bytes(), whole.to_bytes());
     // An incomplete pass cannot be completed, and samples cannot be removed.
-    let short = render(&scene, &camera, &with(23), &()).expect("likewise");
+    let short = render(&scene, &camera, &with(23)).expect("likewise");
     let refusals = [(40, short, CheckpointError::CutShort), (20, part, CheckpointError::TooManySamples)];
     for (samples, picture, error) in refusals {
-        let result = Render::new(&scene, &camera, &with(samples)).resume(picture).run(&());
+        let result = Render::new(&scene, &camera, &with(samples)).resume(picture).run();
         assert_eq!(result.expect_err("it does not fit"), RenderError::Checkpoint(error));
     }
 }
@@ -189,28 +186,28 @@ fn another_picture_is_refused() {
     for change in changes {
         let mut other = base;
         change(&mut other);
-        refused(Render::new(&scene, &camera, &other).resume(picture.clone()).run(&()));
+        refused(Render::new(&scene, &camera, &other).resume(picture.clone()).run());
     }
-    let nearly = Camera::look_at(DVec3::new(0.0, 0.0, 3.9_f64.next_up()), DVec3::ZERO, DVec3::Y, 0.7);
-    refused(Render::new(&scene, &nearly.expect("it is good"), &base).resume(picture.clone()).run(&()));
+    let nearly = PinholeCamera::look_at(DVec3::new(0.0, 0.0, 3.9_f64.next_up()), DVec3::ZERO, DVec3::Y, 0.7);
+    refused(Render::new(&scene, &nearly.expect("it is good"), &base).resume(picture.clone()).run());
     let mirror = cornell::with_blocks(true).expect("the box is good");
     let mirror = scenes::scene(&mirror, STRUCTURES[0].1);
-    refused(Render::new(&mirror, &camera, &base).resume(picture.clone()).run(&()));
+    refused(Render::new(&mirror, &camera, &base).resume(picture.clone()).run());
     for other in nearly_the_box() {
         let other = scenes::scene(&other, STRUCTURES[0].1);
-        refused(Render::new(&other, &camera, &base).resume(picture.clone()).run(&()));
+        refused(Render::new(&other, &camera, &base).resume(picture.clone()).run());
     }
     let with_light = |intensity: f64| {
         let mut model = cornell::with_blocks(false).expect("the box is good");
         model.add_delta_light(DeltaLight::point(Vec3::ZERO, Rgb::splat(intensity)).expect("in range"));
         scenes::scene(&model, STRUCTURES[0].1)
     };
-    refused(Render::new(&with_light(1.0), &camera, &base).resume(picture.clone()).run(&()));
-    let lit = Render::new(&with_light(1.0), &camera, &base).passes(0..2).run(&()).expect("the scene is good");
-    refused(Render::new(&with_light(1.0_f64.next_up()), &camera, &base).resume(lit).run(&()));
+    refused(Render::new(&with_light(1.0), &camera, &base).resume(picture.clone()).run());
+    let lit = Render::new(&with_light(1.0), &camera, &base).passes(0..2).run().expect("the scene is good");
+    refused(Render::new(&with_light(1.0_f64.next_up()), &camera, &base).resume(lit).run());
     let model = cornell::with_blocks(false).expect("the box is good");
     let under_a_sky = scenes::scene_under(Rgb::splat(1e-9), &model, STRUCTURES[0].1);
-    refused(Render::new(&under_a_sky, &camera, &base).resume(picture).run(&()));
+    refused(Render::new(&under_a_sky, &camera, &base).resume(picture).run());
 }
 
 #[test]
@@ -229,7 +226,7 @@ fn passes_count_once() {
     }
     for invalid in [5..5, 0..65] {
         let (scene, camera) = the_box();
-        let result = Render::new(&scene, &camera, &base).passes(invalid).run(&());
+        let result = Render::new(&scene, &camera, &base).passes(invalid).run();
         assert!(matches!(result, Err(RenderError::Param { name: "passes", .. })));
     }
 }
@@ -267,7 +264,7 @@ fn merged(checkpoints: &[&[u8]]) -> Result<(Vec<u8>, ErrorEstimate), MergeError>
 fn parts(settings: &Settings, strips: &[Range<u32>], ranges: &[Range<u32>]) -> Vec<Vec<u8>> {
     let (scene, camera) = the_box();
     let all = strips.iter().flat_map(|rows| ranges.iter().map(move |passes| (rows.clone(), passes.clone())));
-    let render = |(rows, passes)| Render::new(&scene, &camera, settings).rows(rows).passes(passes).run(&());
+    let render = |(rows, passes)| Render::new(&scene, &camera, settings).rows(rows).passes(passes).run();
     all.map(|part| render(part).expect("the scene is good").to_bytes()).collect()
 }
 
@@ -287,7 +284,7 @@ fn streams_merge_to_the_bytes_of_one_run() {
     {
         let settings = changed(three_tiles(sampler), |s| s.path_reuse = path_reuse);
         let (scene, camera) = the_box();
-        let whole = render(&scene, &camera, &settings, &()).expect("the scene is good");
+        let whole = render(&scene, &camera, &settings).expect("the scene is good");
         let ranges = [0..1, 1..4, 4..8, 8..13, 13..16];
         for strips in [from_ref(&(0..41)), &[0..16, 16..41], &[0..16, 16..32, 32..41]] {
             let parts = parts(&settings, strips, &ranges);
@@ -356,7 +353,7 @@ fn equal_checkpoints_count_once_and_others_not() {
     let (scene, camera) = the_box();
     let render = |settings: &Settings| {
         let render = Render::new(&scene, &camera, settings).rows(16..41).passes(0..2);
-        render.run(&()).expect("the scene is good")
+        render.run().expect("the scene is good")
     };
     let foreign = render(&seeded);
     let mismatch = CheckpointError::Mismatch("scene, camera, settings or build");
@@ -371,7 +368,7 @@ fn equal_checkpoints_count_once_and_others_not() {
     assert_eq!(merged(&[]), Err(MergeError::Empty));
     // A pass cut short, with one after it in another strip.
     let cut = changed(settings, |s| s.samples = 3);
-    let cut = Render::new(&scene, &camera, &cut).rows(0..16).passes(0..2).run(&()).expect("it is good");
+    let cut = Render::new(&scene, &camera, &cut).rows(0..16).passes(0..2).run().expect("it is good");
     let result = merged(&[&parts[3], &cut.to_bytes()]);
     assert_eq!(result, Err(MergeError::Input { index: 1, error: CheckpointError::CutShort }));
 }
@@ -380,7 +377,7 @@ fn equal_checkpoints_count_once_and_others_not() {
 fn rows_are_whole_rows_of_tiles() {
     let settings = three_tiles(Sampler::Sobol);
     let (scene, camera) = the_box();
-    let run = |rows| Render::new(&scene, &camera, &settings).passes(0..1).rows(rows).run(&());
+    let run = |rows| Render::new(&scene, &camera, &settings).passes(0..1).rows(rows).run();
     let strip = run(16..41).expect("the scene is good");
     assert_eq!((strip.film.rows(), strip.film.height(), strip.height), (16..41, 25, 41));
     let whole = run(0..41).expect("likewise");
@@ -391,7 +388,7 @@ fn rows_are_whole_rows_of_tiles() {
         assert!(matches!(run(rows), Err(RenderError::Param { name: "rows", .. })));
     }
     let mismatch = RenderError::Checkpoint(CheckpointError::Mismatch("range of rows"));
-    let resumed = Render::new(&scene, &camera, &settings).rows(0..16).resume(strip).run(&());
+    let resumed = Render::new(&scene, &camera, &settings).rows(0..16).resume(strip).run();
     assert_eq!(resumed, Err(mismatch));
 }
 
@@ -400,8 +397,8 @@ fn a_checkpoint_without_passes_continues_the_rows_asked_for() {
     let settings = three_tiles(Sampler::Sobol);
     let (scene, camera) = the_box();
     let strip = || Render::new(&scene, &camera, &settings).passes(0..1).rows(16..32);
-    let cancelled = strip().run(&After(0, AtomicU32::new(0))).expect("the scene is good");
+    let cancelled = strip().monitor(&After(0, AtomicU32::new(0))).run().expect("the scene is good");
     assert_eq!((cancelled.ending, cancelled.samples), (Ending::Cancelled, 0));
-    let resumed = strip().resume(through_bytes(&cancelled)).run(&()).expect("it is the same picture");
-    assert_eq!(resumed, strip().run(&()).expect("the scene is good"));
+    let resumed = strip().resume(through_bytes(&cancelled)).run().expect("it is the same picture");
+    assert_eq!(resumed, strip().run().expect("the scene is good"));
 }

@@ -5,7 +5,7 @@ use approx::assert_relative_eq;
 use glam::DVec3;
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, Estimator, Film, LightSampling, Model, Sampler, Scene, Settings, render,
+    Estimator, Film, LightSampling, Model, PinholeCamera, Sampler, Scene, Settings, render,
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
@@ -23,15 +23,15 @@ fn settings(samples: u32) -> Settings {
 }
 
 /// The estimate of the green component.
-fn estimate(model: &Model, camera: &Camera, settings: &Settings) -> Estimate {
+fn estimate(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Estimate {
     Estimate::of_film(&film_in_every_structure(model, camera, settings), |c| c.g)
 }
 
-fn film(scene: &Scene<Box<dyn Accel>>, camera: &Camera, settings: &Settings) -> Film {
-    render(scene, camera, settings, &()).expect("the scene is good").film
+fn film(scene: &Scene<Box<dyn Accel>>, camera: &PinholeCamera, settings: &Settings) -> Film {
+    render(scene, camera, settings).expect("the scene is good").film
 }
 
-fn into_the_furnace() -> Camera {
+fn into_the_furnace() -> PinholeCamera {
     stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0))
 }
 

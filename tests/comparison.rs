@@ -31,7 +31,7 @@ fn settings(side: u32, samples: u32, seed: u64) -> Settings {
 
 fn picture(scene: &Built, settings: &Settings) -> Estimates {
     let camera = cornell::camera().unwrap();
-    Estimates::of(&render(scene, &camera, settings, &()).unwrap().film)
+    Estimates::of(&render(scene, &camera, settings).unwrap().film)
 }
 
 /// Of 40 pairs of seeds, no test of the comparison is biased, by 4.5 of its own standard errors, or off in its variance (a

@@ -3,7 +3,9 @@
 #![allow(clippy::print_stdout, reason = "figures for docs/estimators.md, with --nocapture")]
 
 use glam::DVec3;
-use globillum::integrator::{Camera, Film, Model, PathReuse, Picture, Render, Sampler, Settings, render};
+use globillum::integrator::{
+    Film, Model, PathReuse, Picture, PinholeCamera, Render, Sampler, Settings, render,
+};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::cornell;
@@ -22,12 +24,12 @@ fn light(radiance: f64) -> Material {
     Material::light(Rgb::splat(radiance)).expect("finite")
 }
 
-fn look(eye: DVec3, target: DVec3, fov: f64) -> Camera {
-    Camera::look_at(eye, target, DVec3::Y, fov).expect("they are apart")
+fn look(eye: DVec3, target: DVec3, fov: f64) -> PinholeCamera {
+    PinholeCamera::look_at(eye, target, DVec3::Y, fov).expect("they are apart")
 }
 
 /// A floor of dark and bright squares, seen at an angle.
-fn checkered_floor() -> (Model, Camera) {
+fn checkered_floor() -> (Model, PinholeCamera) {
     let (mut model, p) = (Model::default(), DVec3::new);
     for (i, k) in (-20..20).flat_map(|i| (-40..4).map(move |k| (i, k))) {
         let albedo = if (i + k) % 2 == 0 { 0.1 } else { 0.8 };
@@ -40,7 +42,7 @@ fn checkered_floor() -> (Model, Camera) {
 }
 
 /// A corner with five small mirror balls. Only BSDF sampling finds the light through them, which is rare.
-fn small_mirrors() -> (Model, Camera) {
+fn small_mirrors() -> (Model, PinholeCamera) {
     let (mut model, p) = (Model::default(), DVec3::new);
     model.add(lambert(0.6), quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0)));
     model.add(
@@ -64,7 +66,7 @@ fn small_mirrors() -> (Model, Camera) {
 
 /// Bands of four pixels' width. Each pixel of every second band contains an emitting sliver that covers the
 /// fraction `covered` of it; the other bands are dark.
-fn slivers(covered: f64) -> (Model, Camera) {
+fn slivers(covered: f64) -> (Model, PinholeCamera) {
     let (mut model, p) = (Model::default(), DVec3::new);
     let pixel = 2.0 / f64::from(SIDE);
     for column in (0..SIDE).filter(|column| column / 4 % 2 == 0) {
@@ -76,9 +78,14 @@ fn slivers(covered: f64) -> (Model, Camera) {
 }
 
 /// `count` pictures of `passes` passes each, without common passes.
-fn pictures((model, camera): &(Model, Camera), settings: &Settings, passes: u32, count: u32) -> Vec<Picture> {
+fn pictures(
+    (model, camera): &(Model, PinholeCamera),
+    settings: &Settings,
+    passes: u32,
+    count: u32,
+) -> Vec<Picture> {
     let scene = scenes::scene(model, STRUCTURES[0].1);
-    let of = |i| Render::new(&scene, camera, settings).passes(i * passes..(i + 1) * passes).run(&());
+    let of = |i| Render::new(&scene, camera, settings).passes(i * passes..(i + 1) * passes).run();
     (0..count).map(|i| of(i).expect("the scene is good")).collect()
 }
 
@@ -123,7 +130,7 @@ fn assert_near_95(share: f64, count: usize, what: &str) {
     assert!((0.93 - tolerance..=0.97 + tolerance).contains(&share), "{what}: {share} +- {tolerance}");
 }
 
-fn assert_coverage(what: &str, scene: &(Model, Camera), sampler: Sampler) {
+fn assert_coverage(what: &str, scene: &(Model, PinholeCamera), sampler: Sampler) {
     let mut settings = Settings::new(SIDE, SIDE, 48 * 4 * 16);
     (settings.sampler, settings.path_reuse) = (sampler, PathReuse::Off);
     let four = pictures(scene, &settings, 4, 48);
@@ -198,7 +205,7 @@ fn the_interval_of_a_pictures_error_contains_it_and_is_narrow() {
         (settings.pass_samples, settings.path_reuse) = (2, path_reuse);
         let estimates = (0..PICTURES).map(|seed| {
             settings.seed = seed.into();
-            let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+            let film = render(&scene, &camera, &settings).expect("the scene is good").film;
             let (error, mean) = (film.error(), film.image_mean().mean());
             // In radiance, independent of the error of the picture's mean.
             (error.relative_rmse * mean, error.interval_95.map(|end| end * mean))

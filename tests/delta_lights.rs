@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
-    Camera, DeltaLight, Estimator, Film, LightSampling, MirrorSampling, Model, PathReuse, Sampler, Scene,
-    Settings, Stream, render, replay,
+    DeltaLight, Estimator, Film, LightSampling, MirrorSampling, Model, PathReuse, PinholeCamera, Sampler,
+    Scene, Settings, Stream, render, replay,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
@@ -53,8 +53,8 @@ fn directional(direction: Vec3) -> DeltaLight {
     DeltaLight::directional(direction, INTENSITY).unwrap()
 }
 
-fn film(model: &Model, camera: &Camera, settings: &Settings) -> Film {
-    render(&scenes::scene(model, STRUCTURES[0].1), camera, settings, &()).unwrap().film
+fn film(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Film {
+    render(&scenes::scene(model, STRUCTURES[0].1), camera, settings).unwrap().film
 }
 
 /// [`ESTIMATORS`] in [`WAYS`].
@@ -257,7 +257,8 @@ fn what_lights_emit_in_a_closed_box_is_absorbed() {
 fn assert_mean_of_walls(model: &Model, settings: &Settings, truth: f64, what: &str) {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
     let walls = axes.zip(0..).map(|(axis, seed)| {
-        let camera = Camera::look_at(DVec3::ZERO, axis, axis.any_orthogonal_vector(), PI / 2.0).unwrap();
+        let camera =
+            PinholeCamera::look_at(DVec3::ZERO, axis, axis.any_orthogonal_vector(), PI / 2.0).unwrap();
         Estimate::of_film(&film(model, &camera, &seeded(settings, seed)), |c| c.g)
     });
     let walls: Vec<Estimate> = walls.collect();
@@ -283,7 +284,7 @@ fn a_scene_of_both_kinds_is_the_sum_of_two() {
     let of_areas = scenes::light_beside_mirror();
     let of_deltas = with(darkened(&of_areas), &beside_the_square());
     let of_both = with(of_areas.clone(), &beside_the_square());
-    let camera = Camera::look_at(DVec3::new(0.2, 0.9, 0.1), DVec3::ZERO, DVec3::Z, 1.0).unwrap();
+    let camera = PinholeCamera::look_at(DVec3::new(0.2, 0.9, 0.1), DVec3::ZERO, DVec3::Z, 1.0).unwrap();
     for (estimator, mirror_sampling) in [
         (Estimator::Bsdf, MirrorSampling::Off),
         (Estimator::Light, MirrorSampling::Images),
@@ -380,7 +381,7 @@ fn a_sheet_of_triangles_lets_nothing_through() {
                 }
             }
         }
-        let camera = Camera::look_at(p(0.1, 0.9, 0.2), DVec3::ZERO, DVec3::X, 1.0).unwrap();
+        let camera = PinholeCamera::look_at(p(0.1, 0.9, 0.2), DVec3::ZERO, DVec3::X, 1.0).unwrap();
         let film = film(&model, &camera, &Settings::new(32, 32, 16));
         assert!(film.means().all(Rgb::is_black), "{light:?}");
     }
@@ -389,7 +390,7 @@ fn a_sheet_of_triangles_lets_nothing_through() {
 /// Rounding decides what such lights illuminate, but every sample is a number.
 #[test]
 fn a_light_on_a_surface_does_no_harm() {
-    let camera = Camera::look_at(DVec3::new(0.3, 2.0, 0.2), DVec3::ZERO, DVec3::X, 1.2).unwrap();
+    let camera = PinholeCamera::look_at(DVec3::new(0.3, 2.0, 0.2), DVec3::ZERO, DVec3::X, 1.2).unwrap();
     for position in [Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0), Vec3::new(0.25, 0.0, 0.125), Vec3::splat(1e-30)] {
         for light in [point(position), spot(position, Vec3::X), spot(position, Vec3::Y)] {
             let model = with(floor(1.0), &[light]);
@@ -419,7 +420,7 @@ fn every_accelerator_and_thread_count_makes_the_same_picture() {
         for threads in [1, 3] {
             let mut settings = Settings::new(40, 30, 4);
             settings.threads = threads;
-            let film = render(&scene, &camera, &settings, &()).unwrap().film;
+            let film = render(&scene, &camera, &settings).unwrap().film;
             assert_eq!(*first.get_or_insert_with(|| film.clone()), film, "{name}, {threads} threads");
         }
     }
@@ -450,7 +451,7 @@ fn powers_of_two_change_no_bit() {
             ];
             let model = with(model, &lights.map(Result::unwrap));
             let (eye, target) = (DVec3::new(-0.7, 0.9, 1.5), DVec3::new(0.5, 0.1, 0.0));
-            let camera = Camera::look_at(size * eye, size * target, DVec3::Y, 1.2).unwrap();
+            let camera = PinholeCamera::look_at(size * eye, size * target, DVec3::Y, 1.2).unwrap();
             let film = film(&model, &camera, &settings);
             let means: Vec<Rgb> = film.means().map(|mean| mean / radiance).collect();
             let variances: Vec<Rgb> =
@@ -474,7 +475,7 @@ fn replays_add_up_to_the_picture() {
         cornell::camera().unwrap(),
     );
     for settings in each_setting(20, 16) {
-        let film = render(&scene, &camera, &settings, &()).unwrap().film;
+        let film = render(&scene, &camera, &settings).unwrap().film;
         for (x, y) in [(4, 15), (10, 3), (13, 12)] {
             let paths = (0..16).map(|sample| replay(&scene, &camera, &settings, (x, y), sample).unwrap());
             let paths: Vec<_> = paths.collect();

@@ -4,7 +4,7 @@
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
-    Camera, Film, Guiding, IrradiancePoints, Model, Scene, Sensor, Settings, render,
+    Film, Guiding, IrradiancePoints, Model, PinholeCamera, Scene, Sensor, Settings, render,
 };
 use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
 use globillum_testkit::{cornell, scenes, shapes};
@@ -17,7 +17,7 @@ fn settings(samples: u32) -> Settings {
 
 fn film(scene: &Scene<Box<dyn Accel>>, settings: &Settings) -> Film {
     let camera = cornell::camera().expect("the camera is good");
-    render(scene, &camera, settings, &()).expect("the scene is good").film
+    render(scene, &camera, settings).expect("the scene is good").film
 }
 
 /// Asserts the same film, to the bit, in every accelerator and for several numbers of threads.
@@ -68,9 +68,9 @@ fn scaling_by_powers_of_two_changes_no_bit() {
             let scale = 2.0_f32.powi(exponent);
             let scene = scenes::scene(&scaled(model, scale), build);
             let eye = DVec3::new(0.0, 0.0, 3.9) * f64::from(scale);
-            let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("the camera is good");
+            let camera = PinholeCamera::look_at(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("the camera is good");
             let samples = if name == "brute force" { 2 } else { 8 };
-            render(&scene, &camera, &settings(samples), &()).expect("the scene is good").film
+            render(&scene, &camera, &settings(samples)).expect("the scene is good").film
         });
         assert_eq!(films[0], films[1], "2^40, {name}");
         assert_eq!(films[0], films[2], "2^-40, {name}");
@@ -86,12 +86,12 @@ fn scaling_by_powers_of_two_changes_no_bit_of_guides_and_irradiance() {
         let scene = scenes::scene(&scaled(&model, scale), STRUCTURES[0].1);
         let [eye, point] =
             [DVec3::new(0.0, 0.0, 3.9), DVec3::new(0.1, -0.9, 0.4)].map(|p| p * f64::from(scale));
-        let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("the camera is good");
+        let camera = PinholeCamera::look_at(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("the camera is good");
         let points = IrradiancePoints::new([(point, DVec3::Y)]).expect("a point");
         let sensors: [(&dyn Sensor, Settings); 2] = [(&camera, settings(8)), (&points, points.settings(64))];
         sensors.map(|(sensor, mut settings)| {
             settings.guiding = Guiding::Trained;
-            render(&scene, sensor, &settings, &()).expect("the scene is good").film
+            render(&scene, sensor, &settings).expect("the scene is good").film
         })
     });
     assert!(films[0] == films[1] && films[0] == films[2]);

@@ -4,8 +4,8 @@
 use glam::DVec3;
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, Film, Guiding, Model, OrthographicCamera, PathReuse, Render, Sampler, Scene, Sensor, Settings,
-    render, replay,
+    Film, Guiding, Model, OrthographicCamera, PathReuse, PinholeCamera, Render, Sampler, Scene, Sensor,
+    Settings, render, replay,
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -29,7 +29,7 @@ fn mirror_ball(radius: f64, center: DVec3) -> (Material, Vec<globillum::geom::Tr
 }
 
 /// A room whose window is half of one wall, perhaps with a mirror ball.
-fn room(has_ball: bool) -> (Scene<Box<dyn Accel>>, Camera) {
+fn room(has_ball: bool) -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let p = DVec3::new;
     let mut model = Model::default();
     let mut walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
@@ -41,12 +41,12 @@ fn room(has_ball: bool) -> (Scene<Box<dyn Accel>>, Camera) {
         let (mirror, ball) = mirror_ball(0.3, p(0.3, -0.5, -0.4));
         model.add(mirror, ball);
     }
-    let camera = Camera::look_at(p(0.9, 0.3, 0.9), p(0.0, -0.5, 0.0), DVec3::Y, 0.5);
+    let camera = PinholeCamera::look_at(p(0.9, 0.3, 0.9), p(0.0, -0.5, 0.0), DVec3::Y, 0.5);
     (in_sky(&model), camera.expect("they are apart"))
 }
 
 /// A floor with a block and a mirror ball.
-fn plain() -> (Scene<Box<dyn Accel>>, Camera) {
+fn plain() -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let p = DVec3::new;
     let mut model = Model::default();
     let floor = quad(p(-9.0, 0.0, 9.0), p(9.0, 0.0, 9.0), p(9.0, 0.0, -9.0), p(-9.0, 0.0, -9.0));
@@ -54,26 +54,26 @@ fn plain() -> (Scene<Box<dyn Accel>>, Camera) {
     model.add(lambert(0.2, 0.6, 0.4), cuboid(p(0.6, 0.5, 0.0), p(0.3, 0.5, 0.3), 0.4));
     let (mirror, ball) = mirror_ball(0.6, p(-0.6, 0.7, 0.2));
     model.add(mirror, ball);
-    let camera = Camera::look_at(p(0.3, 1.6, 3.0), p(0.0, 0.4, 0.0), DVec3::Y, 0.8);
+    let camera = PinholeCamera::look_at(p(0.3, 1.6, 3.0), p(0.0, 0.4, 0.0), DVec3::Y, 0.8);
     (in_sky(&model), camera.expect("they are apart"))
 }
 
 /// A picture of 16 x 16 pixels and 256 passes.
 fn picture(
-    (scene, camera): &(Scene<Box<dyn Accel>>, Camera),
+    (scene, camera): &(Scene<Box<dyn Accel>>, PinholeCamera),
     path_reuse: PathReuse,
     change: impl Fn(&mut Settings),
 ) -> Film {
     let mut settings = Settings::new(16, 16, 4096);
     (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
     change(&mut settings);
-    render(scene, camera, &settings, &()).expect("the scene is good").film
+    render(scene, camera, &settings).expect("the scene is good").film
 }
 
 /// Asserts that each pixel has the same mean with and without path reuse; the ratio of both variances.
 fn variance_with_reuse(
     what: &str,
-    view: &(Scene<Box<dyn Accel>>, Camera),
+    view: &(Scene<Box<dyn Accel>>, PinholeCamera),
     change: impl Fn(&mut Settings),
 ) -> f64 {
     let films = [PathReuse::Off, PathReuse::Tiles].map(|reuse| picture(view, reuse, &change));
@@ -120,9 +120,9 @@ fn wall_and_tunnel() -> (Scene<Box<dyn Accel>>, OrthographicCamera) {
 fn squares_of_a_tile_have_the_bits_of_the_squares_alone() {
     let (scene, camera) = wall_and_tunnel();
     let settings = Settings::new(8, 64, 16);
-    let whole = Render::new(&scene, &camera, &settings).run(&()).expect("the scene is good").film;
+    let whole = Render::new(&scene, &camera, &settings).run().expect("the scene is good").film;
     for rows in [16..48, 48..64] {
-        let strip = Render::new(&scene, &camera, &settings).rows(rows.clone()).run(&());
+        let strip = Render::new(&scene, &camera, &settings).rows(rows.clone()).run();
         let strip = strip.expect("the scene is good").film;
         let places = rows.clone().flat_map(|y| (0..8).map(move |x| (x, y)));
         assert!(strip.means().eq(places.map(|(x, y)| whole.mean(x, y))), "{rows:?}");

@@ -11,8 +11,8 @@
 use glam::DVec3;
 use globillum::geom::Triangle;
 use globillum::integrator::{
-    Camera, Estimator, Film, LightSampling, MirrorSampling, Model, PathReuse, PixelFilter, Sampler, Settings,
-    Supersampling, render,
+    Estimator, Film, LightSampling, MirrorSampling, Model, PathReuse, PinholeCamera, PixelFilter, Sampler,
+    Settings, Supersampling, render,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::ACCELERATORS;
@@ -42,8 +42,9 @@ fn mirror(reflectance: f64, sides: Sides) -> Material {
     balanced(Material::mirror(reflectance).expect("a reflectance"), reflectance, sides)
 }
 
-fn look(eye: [f64; 3], target: [f64; 3]) -> Camera {
-    Camera::look_at(eye.into(), target.into(), DVec3::new(0.1, 1.0, 0.05), 1.3).expect("they are apart")
+fn look(eye: [f64; 3], target: [f64; 3]) -> PinholeCamera {
+    PinholeCamera::look_at(eye.into(), target.into(), DVec3::new(0.1, 1.0, 0.05), 1.3)
+        .expect("they are apart")
 }
 
 /// The six walls of a cube of half side 1, seen from within, each of two triangles.
@@ -53,7 +54,7 @@ fn walls() -> Vec<Triangle> {
 
 /// A closed room that emits inward only. A path that leaves it or hits a wall from behind has too little
 /// radiance.
-fn room() -> (Model, Camera) {
+fn room() -> (Model, PinholeCamera) {
     let albedos = [[0.7, 0.2, 0.1], [0.3, 0.6, 0.5], [0.5; 3], [0.0, 0.9, 0.4], [0.8, 0.7, 0.6], [0.4; 3]];
     let mut model = Model::default();
     for (wall, albedo) in walls().chunks(2).zip(albedos) {
@@ -63,7 +64,7 @@ fn room() -> (Model, Camera) {
 }
 
 /// A room with closed bodies, which emit outward only and occlude each other.
-fn crowd() -> (Model, Camera) {
+fn crowd() -> (Model, PinholeCamera) {
     let (mut model, camera) = room();
     let ball = icosphere(2).placed(0.3, DVec3::new(-0.5, 0.4, -0.3)).triangles();
     let ring = torus(16, 8).placed(0.3, DVec3::new(0.2, -0.3, -0.5)).triangles();
@@ -74,7 +75,7 @@ fn crowd() -> (Model, Camera) {
 }
 
 /// Two-sided sheets that intersect each other, surrounded by the environment only.
-fn sheets() -> (Model, Camera) {
+fn sheets() -> (Model, PinholeCamera) {
     let p = DVec3::new;
     let mut model = Model::default();
     let sheet = |albedo| diffuse(albedo, Sides::Both);
@@ -94,7 +95,7 @@ fn sheets() -> (Model, Camera) {
 }
 
 /// A room with a perfect mirror and one of reflectance 0.9 as walls, and a block of mirrors.
-fn mirrors() -> (Model, Camera) {
+fn mirrors() -> (Model, PinholeCamera) {
     let (_, camera) = room();
     let mut model = Model::default();
     for (i, wall) in walls().chunks(2).enumerate() {
@@ -115,7 +116,7 @@ fn mirrors() -> (Model, Camera) {
 }
 
 /// A room with a mirror ball and a mirror ring.
-fn curved_mirrors() -> (Model, Camera) {
+fn curved_mirrors() -> (Model, PinholeCamera) {
     let (mut model, camera) = room();
     let ball = icosphere(2).placed(0.4, DVec3::new(-0.4, 0.3, -0.3)).triangles();
     let ring = torus(16, 8).placed(0.3, DVec3::new(0.3, -0.4, -0.3)).triangles();
@@ -125,7 +126,7 @@ fn curved_mirrors() -> (Model, Camera) {
 }
 
 /// A statue on a floor, in the open.
-fn statue_in_the_open() -> (Model, Camera) {
+fn statue_in_the_open() -> (Model, PinholeCamera) {
     let mut model = Model::default();
     let p = DVec3::new;
     let floor = quad(p(-2.0, -1.0, 2.0), p(2.0, -1.0, 2.0), p(2.0, -1.0, -2.0), p(-2.0, -1.0, -2.0));
@@ -136,7 +137,7 @@ fn statue_in_the_open() -> (Model, Camera) {
 
 /// A white floor, which does not emit, under black sheets, which do not reflect, and a mirror. No reflecting
 /// surface touches a light, so the variance of `Light` is finite.
-fn white_floor() -> (Model, Camera) {
+fn white_floor() -> (Model, PinholeCamera) {
     let (mut model, p) = (Model::default(), DVec3::new);
     let floor = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
     model.add(diffuse([1.0; 3], Sides::Both), floor);
@@ -150,7 +151,7 @@ fn white_floor() -> (Model, Camera) {
 }
 
 /// A room whose walls are fans of slivers.
-fn slivers() -> (Model, Camera) {
+fn slivers() -> (Model, PinholeCamera) {
     let (_, camera) = room();
     let mut model = Model::default();
     for (i, [a, b, c]) in walls().iter().map(|wall| wall.vertices).enumerate() {
@@ -165,7 +166,7 @@ fn slivers() -> (Model, Camera) {
 }
 
 /// [`crowd`], scaled by `size` and centered at `center`.
-fn crowd_at(size: f64, center: DVec3) -> (Model, Camera) {
+fn crowd_at(size: f64, center: DVec3) -> (Model, PinholeCamera) {
     let (crowd, _) = crowd();
     let mut model = Model::default();
     for (index, triangle) in crowd.triangles().iter().enumerate() {
@@ -173,7 +174,7 @@ fn crowd_at(size: f64, center: DVec3) -> (Model, Camera) {
         model.add(*crowd.material(index), [Triangle { vertices }]);
     }
     let [eye, target] = [DVec3::new(0.6, -0.2, 0.8), DVec3::new(-0.2, 0.1, -0.4)].map(|v| size * v + center);
-    (model, Camera::look_at(eye, target, DVec3::Y, 1.3).expect("they are apart"))
+    (model, PinholeCamera::look_at(eye, target, DVec3::Y, 1.3).expect("they are apart"))
 }
 
 /// The reflectance of all surfaces of [`grey`].
@@ -181,7 +182,7 @@ const GREY: f64 = 0.6;
 
 /// A room of diffuse surfaces and mirrors of one reflectance. With a limit of `n` bounces the radiance is too
 /// low by the fraction `GREY^(n + 1)`.
-fn grey() -> (Model, Camera) {
+fn grey() -> (Model, PinholeCamera) {
     let (_, camera) = room();
     let mut model = Model::default();
     model.add(diffuse([GREY; 3], Sides::Front), walls());
@@ -197,19 +198,27 @@ fn grey() -> (Model, Camera) {
 /// A scene in equilibrium with its settings.
 struct Stage {
     what: &'static str,
-    scene: fn() -> (Model, Camera),
+    scene: fn() -> (Model, PinholeCamera),
     /// Changes [`Settings::new`].
     change: fn(&mut Settings),
     /// Whether every sample is exact.
     is_exact: bool,
 }
 
-const fn stage(what: &'static str, scene: fn() -> (Model, Camera), change: fn(&mut Settings)) -> Stage {
+const fn stage(
+    what: &'static str,
+    scene: fn() -> (Model, PinholeCamera),
+    change: fn(&mut Settings),
+) -> Stage {
     Stage { what, scene, change, is_exact: false }
 }
 
 /// A stage with BSDF sampling and without Russian roulette.
-const fn exact(what: &'static str, scene: fn() -> (Model, Camera), change: fn(&mut Settings)) -> Stage {
+const fn exact(
+    what: &'static str,
+    scene: fn() -> (Model, PinholeCamera),
+    change: fn(&mut Settings),
+) -> Stage {
     Stage { what, scene, change, is_exact: true }
 }
 
@@ -315,7 +324,7 @@ impl Stage {
         let (model, camera) = (self.scene)();
         let (_, build) = ACCELERATORS[1 + number % (ACCELERATORS.len() - 1)];
         let scene = scenes::scene_under(RADIANCE, &model, build);
-        render(&scene, &camera, settings, &()).expect("the scene is good").film
+        render(&scene, &camera, settings).expect("the scene is good").film
     }
 
     /// A description of the failure, if the stage fails.

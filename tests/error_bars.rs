@@ -5,7 +5,8 @@
 use glam::DVec3;
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, Estimator, Film, LightSampling, PathReuse, Render, Sampler, Scene, Settings, Stream, render,
+    Estimator, Film, LightSampling, PathReuse, PinholeCamera, Render, Sampler, Scene, Settings, Stream,
+    render,
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
@@ -39,7 +40,7 @@ fn variance_of(estimator: Estimator, sampling: LightSampling) -> f64 {
     }
 }
 
-fn scene() -> (Scene<Box<dyn Accel>>, Camera) {
+fn scene() -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     (scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1), camera)
 }
@@ -52,7 +53,7 @@ fn settings(samples: u32, sampler: Sampler, estimator: Estimator) -> Settings {
 
 fn film(settings: &Settings) -> Film {
     let (scene, camera) = scene();
-    render(&scene, &camera, settings, &()).expect("the scene is good").film
+    render(&scene, &camera, settings).expect("the scene is good").film
 }
 
 /// The true error of the film's pixels.
@@ -94,7 +95,7 @@ fn solid_angle_sampling_bounds_the_variance_near_a_light() {
     let mut settings = settings(16, Sampler::Independent, Estimator::Light);
     let [area, solid_angle] = SAMPLINGS.map(|sampling| {
         (settings.light_sampling, settings.max_bounces) = (sampling, Some(1));
-        let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+        let film = render(&scene, &camera, &settings).expect("the scene is good").film;
         Estimate::of_film(&film, |c| c.g).sample_variance()
     });
     assert!((solid_angle / 0.080_373 - 1.0).abs() < 0.055, "{solid_angle}");
@@ -260,7 +261,7 @@ fn intervals_of_sobol_passes_have_the_coverage_of_independent_draws() {
         [(4, 3.182_446, Estimator::Light), (8, 2.364_624, Estimator::Mis), (32, 2.039_513, Estimator::Mis)]
     {
         let settings = settings(16 * passes, Sampler::Sobol, estimator);
-        let pass = |i| Render::new(&scene, &camera, &settings).passes(i..i + 1).run(&());
+        let pass = |i| Render::new(&scene, &camera, &settings).passes(i..i + 1).run();
         let mut whole = pass(0).expect("the scene is good");
         let mut pass_means: Vec<f64> = whole.film.means().map(|mean| mean.g).collect();
         for next in (1..passes).map(|i| pass(i).expect("the scene is good")) {

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
-    Camera, Estimator, Film, Model, PathReuse, RenderError, Sampler, Scene, Settings, render,
+    Estimator, Film, Model, PathReuse, PinholeCamera, RenderError, Sampler, Scene, Settings, render,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -35,7 +35,7 @@ fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
 }
 
 /// The camera at the floor under the square light, for a scene scaled by `size`.
-fn camera(size: f64) -> Camera {
+fn camera(size: f64) -> PinholeCamera {
     stare(size * DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO)
 }
 
@@ -70,7 +70,7 @@ fn accepted_lights_are_rendered_correctly() {
                 let mut settings = independent_pixels(32, 32, 128);
                 settings.estimator = estimator;
                 let what = format!("radiance {radiance:e}, size {size:e}, {estimator:?}");
-                let picture = render(&scene, &camera(size), &settings, &());
+                let picture = render(&scene, &camera(size), &settings);
                 assert_is_square_light(&picture.expect(&what).film, radiance, &what);
             }
         }
@@ -93,8 +93,9 @@ fn powers_of_two_change_no_bit() {
                 let (size, radiance) = (2.0_f64.powi(size), 2.0_f64.powi(radiance));
                 let model = scaled(&mirrors, size as f32, radiance).expect("within the range");
                 let (eye, target) = (DVec3::new(-0.7, 0.9, 1.5), DVec3::new(0.5, 0.1, 0.0));
-                let camera = Camera::look_at(size * eye, size * target, DVec3::Y, 1.2).expect("a view");
-                let film = render(&scene(&model), &camera, &settings, &()).expect("a good scene").film;
+                let camera =
+                    PinholeCamera::look_at(size * eye, size * target, DVec3::Y, 1.2).expect("a view");
+                let film = render(&scene(&model), &camera, &settings).expect("a good scene").film;
                 let means: Vec<Rgb> = film.means().map(|mean| mean / radiance).collect();
                 let variances: Vec<Rgb> =
                     film.variances_of_mean().map(|variance| variance / radiance / radiance).collect();
@@ -122,7 +123,7 @@ fn a_dim_light_is_found_beside_a_strong_one() {
     for estimator in [Estimator::Bsdf, Estimator::Mis] {
         let mut settings = independent_pixels(32, 32, 128);
         settings.estimator = estimator;
-        let film = render(&scene, &camera(1.0), &settings, &()).expect("the scene is good").film;
+        let film = render(&scene, &camera(1.0), &settings).expect("the scene is good").film;
         assert_is_square_light(&film, dim, &format!("{estimator:?}"));
     }
 }

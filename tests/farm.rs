@@ -4,7 +4,7 @@
 use glam::DVec3;
 use globillum::geom::Accel;
 use globillum::integrator::{
-    Camera, CheckpointReader, CheckpointWriter, Estimator, Merge, PathReuse, Picture, Render, Scene,
+    CheckpointReader, CheckpointWriter, Estimator, Merge, PathReuse, Picture, PinholeCamera, Render, Scene,
     Settings, Stop,
 };
 use globillum_testkit::accelerators::STRUCTURES;
@@ -21,7 +21,7 @@ const PILOT: u32 = 4;
 
 struct Farm {
     scene: Scene<Box<dyn Accel>>,
-    camera: Camera,
+    camera: PinholeCamera,
     settings: Settings,
 }
 
@@ -41,7 +41,7 @@ impl Farm {
         for rows in [0..16, 16..32] {
             for passes in [passes.start..middle, middle..passes.end] {
                 let task = Render::new(&self.scene, &self.camera, &self.settings).rows(rows.clone());
-                parts.push(task.passes(passes).run(&()).expect("the scene is good").to_bytes());
+                parts.push(task.passes(passes).run().expect("the scene is good").to_bytes());
             }
         }
         let readers = parts.iter().map(|part| CheckpointReader::new(&part[..]).expect("it was just written"));

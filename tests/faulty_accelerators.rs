@@ -76,7 +76,7 @@ fn error_of(model: Model, fault: Fault, supersampling: Supersampling) -> RenderE
     let camera = stare(DVec3::new(0.1, 0.8, 0.2), DVec3::new(0.3, 0.0, -0.1));
     let mut settings = Settings::new(32, 32, 32);
     settings.supersampling = supersampling;
-    render(&scene, &camera, &settings, &()).expect_err("the accelerator is faulty")
+    render(&scene, &camera, &settings).expect_err("the accelerator is faulty")
 }
 
 #[test]
@@ -103,8 +103,7 @@ fn view_factors_name_the_patch() {
         (Fault::UnknownTriangle, "999"),
     ] {
         let accel = Faulty { inner: BruteForce::build(&triangles), fault };
-        let error =
-            FactorRun::new(&triangles, &accel, &patches, &settings).run(&()).expect_err("it is faulty");
+        let error = FactorRun::new(&triangles, &accel, &patches, &settings).run().expect_err("it is faulty");
         assert!(matches!(error, FactorError::Worker { .. }), "{fault:?}: {error:?}");
         assert!(error.to_string().contains(said), "{fault:?}: {error}");
     }
@@ -131,7 +130,7 @@ fn an_accelerator_over_other_triangles_is_refused() {
 
     let triangles = Triangles::new(cuboid(DVec3::ZERO, DVec3::splat(2.0), 0.0)).expect("good triangles");
     let (patches, settings) = (Patches::of_triangles(triangles.len() as u32), FactorSettings::new(64));
-    let run = |accel: &dyn Accel| FactorRun::new(&triangles, accel, &patches, &settings).run(&());
+    let run = |accel: &dyn Accel| FactorRun::new(&triangles, accel, &patches, &settings).run();
     assert_eq!(run(&other).err(), Some(FactorError::OtherTriangles));
     assert!(run(&BruteForce::build(&triangles)).is_ok());
 }

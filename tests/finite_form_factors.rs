@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use globillum::geom::Triangle;
-use globillum::integrator::{Camera, Estimator, Model, render};
+use globillum::integrator::{Estimator, Model, PinholeCamera, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::polygon;
@@ -14,11 +14,11 @@ use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 use Estimator::{Bsdf, Light, Mis};
 
 /// The mean radiance of the picture with one bounce, by Sobol' points.
-fn estimate(model: &Model, camera: &Camera, estimator: Estimator, samples: u32) -> Estimate {
+fn estimate(model: &Model, camera: &PinholeCamera, estimator: Estimator, samples: u32) -> Estimate {
     let scene = scenes::scene(model, STRUCTURES[0].1);
     let mut settings = independent_pixels(64, 64, samples);
     (settings.estimator, settings.max_bounces) = (estimator, Some(1));
-    let film = render(&scene, camera, &settings, &()).expect("the scene is good").film;
+    let film = render(&scene, camera, &settings).expect("the scene is good").film;
     Estimate::of_film(&film, |c| c.g)
 }
 
@@ -64,9 +64,9 @@ fn polygonal_discs_and_spheres() {
 
 /// A camera above the square of half side `half` around the origin of the floor. The square fills the
 /// picture, and all pixels cover equal parts of it.
-fn above_square(half: f64, height: f64) -> Camera {
+fn above_square(half: f64, height: f64) -> PinholeCamera {
     let fov = 2.0 * (half / height).atan();
-    Camera::look_at(DVec3::new(0.0, height, 0.0), DVec3::ZERO, DVec3::Z, fov).expect("it looks down")
+    PinholeCamera::look_at(DVec3::new(0.0, height, 0.0), DVec3::ZERO, DVec3::Z, fov).expect("it looks down")
 }
 
 fn square(height: f64) -> [Triangle; 2] {
@@ -139,7 +139,7 @@ fn an_integrating_sphere() {
     let scene = scenes::scene(&model, STRUCTURES[0].1);
     let mut settings = independent_pixels(64, 64, 64);
     settings.estimator = Mis;
-    let film = render(&scene, &stare(DVec3::ZERO, middle), &settings, &()).expect("the scene is good").film;
+    let film = render(&scene, &stare(DVec3::ZERO, middle), &settings).expect("the scene is good").film;
     let found = Estimate::of_film(&film, |c| c.g);
     assert!(Z_LIMIT * found.std_err < 0.005 * 1.5, "{found:?}");
     assert!((found.mean / 1.5 - 1.0).abs() < 0.005, "{found:?}");

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use globillum::geom::Triangle;
-use globillum::integrator::{Camera, FirstHit, FirstHits, Model, RenderError, Settings};
+use globillum::integrator::{FirstHit, FirstHits, Model, PinholeCamera, RenderError, Settings};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::{cornell, scenes};
@@ -20,7 +20,8 @@ fn wall(left: f64) -> FirstHits {
     model.add(Material::lambert(GREY).unwrap(), [Triangle::new(a, b, c), Triangle::new(a, c, d)]);
     let scene = scenes::scene(&model, ACCELERATORS[0].1);
     // A field of view of 90 degrees: half the picture is as wide as it is far.
-    let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, std::f64::consts::FRAC_PI_2).unwrap();
+    let camera =
+        PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, std::f64::consts::FRAC_PI_2).unwrap();
     FirstHits::of(&scene, &camera, &Settings::new(8, 8, 1)).unwrap()
 }
 

@@ -131,7 +131,7 @@ fn a_convex_body_under_a_white_sky_shows_its_albedo() {
             let scene = scenes::scene_under(Rgb::WHITE, &scenes::cube(rho), build);
             let mut settings = independent_pixels(16, 16, 16);
             settings.estimator = estimator;
-            let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+            let film = render(&scene, &camera, &settings).expect("the scene is good").film;
             assert!(film.means().all(|mean| mean == Rgb::splat(rho)), "{rho}, {estimator:?}");
         }
     }

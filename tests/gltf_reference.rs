@@ -35,7 +35,7 @@ fn check(name: &str, samples: [u32; 2]) {
     for (max_bounces, samples) in [None, Some(1)].into_iter().zip(samples) {
         let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
         settings.max_bounces = max_bounces;
-        let film = render(&scene, &loaded.cameras[0], &settings, &()).expect("the scene is good").film;
+        let film = render(&scene, &loaded.cameras[0], &settings).expect("the scene is good").film;
         let blocks = if max_bounces.is_some() { &reference.direct } else { &reference.path };
         let deviation = reference.deviation(&film, blocks);
         assert!(deviation.image_mean < MEAN_LIMIT, "{name}, bounces {max_bounces:?}: {deviation:?}");

@@ -4,8 +4,8 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, KdTree, Ray};
 use globillum::integrator::{
-    Camera, Ending, Estimator, Film, Guiding, IrradiancePoints, Model, Monitor, PathReuse, Render, Sampler,
-    Scene, Sensor, Settings, Supersampling, render, replay,
+    Ending, Estimator, Film, Guiding, IrradiancePoints, Model, Monitor, PathReuse, PinholeCamera, Render,
+    Sampler, Scene, Sensor, Settings, Supersampling, render, replay,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
@@ -23,8 +23,8 @@ fn lambert(albedo: Rgb) -> Material {
     Material::lambert(albedo).expect("an albedo")
 }
 
-fn look(eye: DVec3, target: DVec3) -> Camera {
-    Camera::look_at(eye, target, DVec3::Y, 0.8).expect("they are apart")
+fn look(eye: DVec3, target: DVec3) -> PinholeCamera {
+    PinholeCamera::look_at(eye, target, DVec3::Y, 0.8).expect("they are apart")
 }
 
 fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
@@ -32,7 +32,7 @@ fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
 }
 
 /// Two rooms with a lamp in the one and the camera in the other. A wall with a gap is between them.
-fn two_rooms() -> (Model, Camera) {
+fn two_rooms() -> (Model, PinholeCamera) {
     let p = DVec3::new;
     let mut model = Model::default();
     model.add(lambert(Rgb::new(0.8, 0.7, 0.6)), inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0)));
@@ -43,7 +43,7 @@ fn two_rooms() -> (Model, Camera) {
 }
 
 /// A room of which one wall emits, half of it near enough to the floor for both techniques to count.
-fn bright_wall() -> (Model, Camera) {
+fn bright_wall() -> (Model, PinholeCamera) {
     let p = DVec3::new;
     let mut model = Model::default();
     let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
@@ -56,7 +56,7 @@ fn bright_wall() -> (Model, Camera) {
 }
 
 /// The box with a block that is a mirror.
-fn mirror_box() -> (Model, Camera) {
+fn mirror_box() -> (Model, PinholeCamera) {
     let model = cornell::with_blocks(true).expect("the box is good");
     (model, look(DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0)))
 }
@@ -69,7 +69,7 @@ fn settings(guiding: Guiding, change: impl Fn(&mut Settings)) -> Settings {
 }
 
 fn film(scene: &Scene<Box<dyn Accel>>, sensor: &dyn Sensor, settings: &Settings) -> Film {
-    render(scene, sensor, settings, &()).expect("the scene is good").film
+    render(scene, sensor, settings).expect("the scene is good").film
 }
 
 /// Asserts that each pixel has the same mean with and without a guide. `max_margin` bounds the tolerance of the picture's
@@ -161,14 +161,14 @@ fn guided_pictures_have_the_same_bits_in_parts() {
         assert_eq!(means(&with(3, accelerator)), means(&whole), "{name}");
     }
     let scene = scene(&model);
-    let part = |passes| Render::new(&scene, &camera, &settings).passes(passes).run(&()).expect("it is good");
+    let part = |passes| Render::new(&scene, &camera, &settings).passes(passes).run().expect("it is good");
     let first = part(0..1);
     let mut merged = part(1..2);
     merged.merge(first.clone()).expect("they fit");
     assert_eq!(means(&merged.film), means(&whole));
-    let resumed = Render::new(&scene, &camera, &settings).resume(first).run(&()).expect("it fits");
+    let resumed = Render::new(&scene, &camera, &settings).resume(first).run().expect("it fits");
     assert_eq!(means(&resumed.film), means(&whole));
-    let crop = Render::new(&scene, &camera, &settings).crop(0..16, 0..16).run(&()).expect("it is good").film;
+    let crop = Render::new(&scene, &camera, &settings).crop(0..16, 0..16).run().expect("it is good").film;
     assert_eq!(crop.mean(9, 14), whole.mean(9, 14));
     let radiance = |sample| replay(&scene, &camera, &settings, (9, 14), sample).expect("it exists").radiance;
     let sum = |first: u32| (first..first + 4).fold(Rgb::BLACK, |sum, sample| sum + radiance(sample));
@@ -219,7 +219,8 @@ fn training_can_be_cancelled() {
         Ok(CountsRays { inner: KdTree::build(triangles)?, rays: AtomicU64::new(0) })
     });
     let scene = scene.expect("the model is good");
-    let picture = Render::new(&scene, &camera, &settings).run(&CancelsAtOnce).expect("the scene is good");
+    let picture =
+        Render::new(&scene, &camera, &settings).monitor(&CancelsAtOnce).run().expect("the scene is good");
     assert_eq!((picture.ending, picture.samples), (Ending::Cancelled, 0));
     assert_eq!(scene.accel().rays.load(Ordering::Relaxed), 0, "training began");
 }

@@ -25,7 +25,7 @@ fn first_structure(model: &Model) -> Scene<Box<dyn Accel>> {
 }
 
 fn readings(scene: &Scene<Box<dyn Accel>>, points: &IrradiancePoints, settings: &Settings) -> Vec<Reading> {
-    let picture = render(scene, points, settings, &()).expect("scene and points are good");
+    let picture = render(scene, points, settings).expect("scene and points are good");
     points.readings(&picture.film).collect()
 }
 
@@ -219,7 +219,7 @@ fn the_film_of_a_picture_has_no_readings() {
     let points = on_floor(16, 1.0);
     let camera = scenes::stare(DVec3::Z, DVec3::ZERO);
     let scene = first_structure(&Model::default());
-    let picture = render(&scene, &camera, &Settings::new(2, 2, 1), &()).expect("scene and camera are good");
+    let picture = render(&scene, &camera, &Settings::new(2, 2, 1)).expect("scene and camera are good");
     let _ = points.readings(&picture.film).count();
 }
 
@@ -234,7 +234,7 @@ fn a_camera_sees_the_irradiance_that_is_measured() {
     let measured = readings(&scene, &points, &points.settings(2048));
     let camera = scenes::stare(DVec3::new(-0.4, 0.2, 0.9), at);
     let settings = globillum_testkit::stats::independent_pixels(16, 16, 2048);
-    let seen = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+    let seen = render(&scene, &camera, &settings).expect("the scene is good").film;
     let index = scene.accel().intersect(&camera.ray(0.0, 0.0, 1.0)).expect("the floor").triangle;
     let globillum::material::Bsdf::Lambert(albedo) = model.material(index as usize).bsdf else {
         panic!("matte")
@@ -273,21 +273,21 @@ fn bits_depend_on_no_accelerator_thread_pass_or_part() {
         let scene = scenes::scene(&model, build);
         for threads in [1, 3] {
             settings.threads = threads;
-            let bytes = render(&scene, &points, &settings, &()).expect("all is good").to_bytes();
+            let bytes = render(&scene, &points, &settings).expect("all is good").to_bytes();
             assert!(*first.get_or_insert_with(|| bytes.clone()) == bytes, "{name}, {threads} threads");
         }
     }
     let scene = first_structure(&model);
     assert_eq!(settings.path_reuse, PathReuse::Tiles, "it is asked for, and has no effect on points");
-    let film = render(&scene, &points, &settings, &()).expect("all is good").film;
+    let film = render(&scene, &points, &settings).expect("all is good").film;
     assert_eq!(film.path_reuse(), PathReuse::Off);
     let render = || Render::new(&scene, &points, &settings);
-    let part = |passes| render().passes(passes).run(&()).expect("all is good").to_bytes();
+    let part = |passes| render().passes(passes).run().expect("all is good").to_bytes();
     let mut merged = Picture::from_bytes(&part(1..3)).expect("its bytes are good");
     merged.merge(Picture::from_bytes(&part(0..1)).expect("its bytes are good")).expect("one picture");
     assert!(first == Some(merged.to_bytes()), "parts");
     let resumed = render().resume(Picture::from_bytes(&part(0..2)).expect("its bytes are good"));
-    assert!(first == Some(resumed.run(&()).expect("all is good").to_bytes()), "resumed");
+    assert!(first == Some(resumed.run().expect("all is good").to_bytes()), "resumed");
 }
 
 /// Rows follow a curve through space, whatever the order of the list; strips hold the readings of their rows.
@@ -304,7 +304,7 @@ fn readings_do_not_depend_on_the_order_of_the_list() {
     assert!(readings(&scene, &reversed, &settings).iter().rev().eq(&in_order), "reversed");
 
     let strips = [0..256, 256..600].map(|rows| {
-        let strip = Render::new(&scene, &points, &settings).rows(rows).run(&()).expect("all is good");
+        let strip = Render::new(&scene, &points, &settings).rows(rows).run().expect("all is good");
         points.readings(&strip.film).collect::<Vec<Reading>>()
     });
     assert_eq!(strips.each_ref().map(Vec::len), [256, 344]);
@@ -323,7 +323,7 @@ fn margins_hold_the_truth() {
         (settings.sampler, settings.pass_samples) = (sampler, 8);
         let mut stop = Stop::default();
         stop.relative_rmse = Some(0.02);
-        let picture = Render::new(&scene, &points, &settings).until(stop).run(&()).expect("all is good");
+        let picture = Render::new(&scene, &points, &settings).until(stop).run().expect("all is good");
         assert_eq!(picture.ending, Ending::Goals);
         let readings: Vec<Reading> = points.readings(&picture.film).collect();
         let off = |r: &Reading| r.irradiance.g - truth(r.position);
@@ -359,6 +359,6 @@ fn points_out_of_range_are_named() {
 #[test]
 fn settings_of_another_size_are_refused() {
     let (scene, points) = (first_structure(&scenes::light_over_floor()), on_floor(3, 1.0));
-    let error = render(&scene, &points, &Settings::new(3, 1, 1), &()).expect_err("it has one column");
+    let error = render(&scene, &points, &Settings::new(3, 1, 1)).expect_err("it has one column");
     assert_eq!(error, RenderError::SensorSize { settings: [3, 1], sensor: [1, 3] });
 }

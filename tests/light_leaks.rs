@@ -5,7 +5,7 @@
 
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
-use globillum::integrator::{Camera, Estimator, Film, Model, Scene, Settings, render};
+use globillum::integrator::{Estimator, Film, Model, PinholeCamera, Scene, Settings, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::effort;
@@ -32,9 +32,9 @@ fn light() -> Material {
 }
 
 /// A camera with a field of view of 2.5 radians.
-fn wide(eye: DVec3, target: DVec3) -> Camera {
+fn wide(eye: DVec3, target: DVec3) -> PinholeCamera {
     let up = (target - eye).normalize().any_orthogonal_vector();
-    Camera::look_at(eye, target, up, 2.5).expect("eye and target are apart")
+    PinholeCamera::look_at(eye, target, up, 2.5).expect("eye and target are apart")
 }
 
 /// The scene in every accelerator. Brute force is left out above 50 triangles, where it takes too long.
@@ -47,13 +47,13 @@ fn scenes_of(model: &Model) -> Vec<(&'static str, Scene<Box<dyn Accel>>)> {
 /// The film of a scene. Asserts that it is the same in every accelerator.
 fn one_film(
     scenes: &[(&str, Scene<Box<dyn Accel>>)],
-    camera: &Camera,
+    camera: &PinholeCamera,
     settings: &Settings,
     what: &str,
 ) -> Film {
     let mut films = scenes
         .iter()
-        .map(|(name, scene)| (name, render(scene, camera, settings, &()).expect("the scene is good").film));
+        .map(|(name, scene)| (name, render(scene, camera, settings).expect("the scene is good").film));
     let (_, first) = films.next().expect("there are accelerators");
     for (name, film) in films {
         assert_eq!(film, first, "{what}: a different picture in the {name}");
@@ -75,7 +75,7 @@ fn furnace(walls: Vec<Triangle>) -> Model {
 
 /// Asserts that every path in a furnace has all its bounces. A path that leaves the room, or hits a wall from
 /// behind, has too little radiance.
-fn assert_no_escape(model: &Model, camera: &Camera, what: &str) {
+fn assert_no_escape(model: &Model, camera: &PinholeCamera, what: &str) {
     // One sample per pixel: a sum of several equal samples would be rounded.
     let mut settings = independent_pixels(32, 32, 1);
     (settings.estimator, settings.max_bounces) = (Estimator::Bsdf, Some(64));
@@ -188,7 +188,7 @@ fn no_light_enters_a_closed_box_at_its_seams() {
         for target in [a, a.lerp(b, 0.37)] {
             let up = (target - eye).any_orthogonal_vector();
             // All rays aim at the point, up to a few roundings.
-            let camera = Camera::look_at(eye, target, up, 2e-15).expect("eye and target are apart");
+            let camera = PinholeCamera::look_at(eye, target, up, 2e-15).expect("eye and target are apart");
             let what = format!("toward {target}");
             assert_black(&one_film(&scenes, &camera, &settings, &what), &what);
         }
@@ -268,7 +268,7 @@ fn light_in_ceiling(drop: f64, half: f64, ceiling_first: bool) -> (Model, Model)
 /// Points of the floor: below the light, and at an oblique angle to it.
 const PLACES: [(f64, f64); 2] = [(0.0, 0.0), (2.5, 0.7)];
 
-fn toward_floor((x, z): (f64, f64)) -> Camera {
+fn toward_floor((x, z): (f64, f64)) -> PinholeCamera {
     let target = DVec3::new(x, -1.0, z);
     stare(target + DVec3::new(0.1, 0.5, 0.2), target)
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use globillum::geom::Triangle;
 use globillum::integrator::{
-    Camera, DeltaLight, Estimator, Film, Model, PathReuse, Sampler, Settings, render,
+    DeltaLight, Estimator, Film, Model, PathReuse, PinholeCamera, Sampler, Settings, render,
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::ACCELERATORS;
@@ -63,14 +63,12 @@ fn crowded(ball: Material) -> Model {
     model
 }
 
-fn camera() -> Camera {
+fn camera() -> PinholeCamera {
     stare(TARGET + DVec3::new(0.02, 0.04, 0.01), TARGET)
 }
 
 fn film(model: &Model, settings: &Settings) -> Film {
-    render(&scenes::scene(model, ACCELERATORS[3].1), &camera(), settings, &())
-        .expect("the scene is good")
-        .film
+    render(&scenes::scene(model, ACCELERATORS[3].1), &camera(), settings).expect("the scene is good").film
 }
 
 fn green(film: &Film) -> Estimate {

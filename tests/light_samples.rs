@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, BruteForce, Ray, SphericalTriangle, Triangle};
 use globillum::integrator::{
-    AreaLightSample, Camera, DeltaLight, DeltaLightError, DeltaLightSample, LightSample, LightSampling,
-    Model, Scene, Settings, Stream, render,
+    AreaLightSample, DeltaLight, DeltaLightError, DeltaLightSample, LightSample, LightSampling, Model,
+    PinholeCamera, Scene, Settings, Stream, render,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::stats::Z_LIMIT;
@@ -162,9 +162,9 @@ fn pictures_under_lights_with_other_numbers_have_other_keys() {
         DeltaLight::directional(Vec3::Y, VALUE),
         DeltaLight::directional(Vec3::Y, Rgb::WHITE),
     ];
-    let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 1.0).unwrap();
+    let camera = PinholeCamera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 1.0).unwrap();
     let key = |light: Result<DeltaLight, _>| {
-        render(&alone(&[light.unwrap()]), &camera, &Settings::new(1, 1, 1), &()).unwrap().key
+        render(&alone(&[light.unwrap()]), &camera, &Settings::new(1, 1, 1)).unwrap().key
     };
     let mut keys = lights.map(key);
     keys.sort_unstable();

@@ -2,7 +2,7 @@
 
 use globillum::geom::Accel;
 use globillum::integrator::view_factors::{FactorRun, FactorSettings, Patches};
-use globillum::integrator::{Camera, FirstHits, Scene, Settings, render, replay};
+use globillum::integrator::{FirstHits, PinholeCamera, Scene, Settings, render, replay};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::{cornell, scenes};
 use rayon::prelude::*;
@@ -26,10 +26,10 @@ fn most_at_a_time(job: impl Fn() + Sync) -> usize {
 fn a_worker_of_another_pool_renders_one_picture_at_a_time() {
     let model = cornell::with_blocks(false).expect("the box is good");
     let scene: Scene<Box<dyn Accel>> = scenes::scene(&model, STRUCTURES[0].1);
-    let camera: Camera = cornell::camera().expect("it is good");
+    let camera: PinholeCamera = cornell::camera().expect("it is good");
     let mut settings = Settings::new(4, 4, 1);
     settings.threads = 1;
-    let picture = || drop(render(&scene, &camera, &settings, &()).expect("it is good"));
+    let picture = || drop(render(&scene, &camera, &settings).expect("it is good"));
     let hits = || drop(FirstHits::of(&scene, &camera, &settings).expect("it is good"));
     let path = || drop(replay(&scene, &camera, &settings, (1, 2), 0).expect("it is good"));
     let patches = Patches::of_triangles(model.triangles().len() as u32);
@@ -37,7 +37,7 @@ fn a_worker_of_another_pool_renders_one_picture_at_a_time() {
     of_factors.threads = 1;
     let factors = || {
         let run = FactorRun::new(scene.triangles(), scene.accel(), &patches, &of_factors);
-        drop(run.run(&()).expect("it is good"));
+        drop(run.run().expect("it is good"));
     };
     let jobs: [(&str, &(dyn Fn() + Sync)); 4] =
         [("render", &picture), ("first hits", &hits), ("replay", &path), ("view factors", &factors)];

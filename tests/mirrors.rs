@@ -4,7 +4,7 @@
 
 use glam::{DVec3, Vec3};
 use globillum::geom::Triangle;
-use globillum::integrator::{Camera, Estimator, Film, MirrorSampling, Model, Settings, render};
+use globillum::integrator::{Estimator, Film, MirrorSampling, Model, PinholeCamera, Settings, render};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::{ACCELERATORS, Builder};
 use globillum_testkit::polygon::form_factor;
@@ -87,7 +87,7 @@ fn radiance(parts: &[(f64, &[Triangle])]) -> f64 {
 }
 
 /// A camera below the shade.
-fn camera() -> Camera {
+fn camera() -> PinholeCamera {
     stare(TARGET + DVec3::new(0.02, 0.04, 0.01), TARGET)
 }
 
@@ -100,7 +100,7 @@ fn settings(estimator: Estimator, mirror_sampling: MirrorSampling, samples: u32)
 }
 
 fn film(model: &Model, build: Builder, settings: &Settings) -> Film {
-    render(&scenes::scene(model, build), &camera(), settings, &()).expect("the scene is good").film
+    render(&scenes::scene(model, build), &camera(), settings).expect("the scene is good").film
 }
 
 /// The target's radiance in accelerator number `turn`.

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use globillum::geom::{Aabb, GeomError, Triangle};
-use globillum::integrator::{Camera, DeltaLight, DeltaLightError, Model, RenderError};
+use globillum::integrator::{DeltaLight, DeltaLightError, Model, PinholeCamera, RenderError};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes;
@@ -104,7 +104,7 @@ fn a_transform_out_of_the_domain_is_refused() {
 
 #[test]
 fn corners_of_the_film_see_the_corners_of_the_view() {
-    let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, FRAC_PI_2).unwrap();
+    let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, FRAC_PI_2).unwrap();
     let corner = camera.ray(1.0, 1.0, 2.0).direction;
     assert!((corner - DVec3::new(2.0, 1.0, -1.0)).length() < 1e-15);
 }
@@ -114,6 +114,6 @@ fn a_camera_that_looks_along_up_is_refused_at_any_rounding() {
     let view = DVec3::new(0.3, -0.7, 0.2);
     for i in 1..100 {
         let up = view * 0.1 * f64::from(i);
-        assert!(Camera::look_at(DVec3::ZERO, view, up, 1.0).is_err(), "{up}");
+        assert!(PinholeCamera::look_at(DVec3::ZERO, view, up, 1.0).is_err(), "{up}");
     }
 }

@@ -1,7 +1,7 @@
 //! The estimators agree with each other, each in another accelerator.
 
 use glam::DVec3;
-use globillum::integrator::{Camera, Estimator, Model, Settings, render};
+use globillum::integrator::{Estimator, Model, PinholeCamera, Settings, render};
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels};
@@ -14,7 +14,7 @@ fn assert_agreement(
     what: &str,
     turn: usize,
     model: &Model,
-    camera: &Camera,
+    camera: &PinholeCamera,
     settings: &Settings,
     samples: [u32; 3],
 ) {
@@ -28,7 +28,7 @@ fn assert_agreement(
         // An error needs two passes.
         settings.pass_samples = settings.pass_samples.min(1 << (samples[i] / 2).ilog2());
         let scene = scenes::scene(model, build);
-        let film = render(&scene, camera, &settings, &()).expect("the scene is good").film;
+        let film = render(&scene, camera, &settings).expect("the scene is good").film;
         found.push((format!("{estimator:?} in the {name}"), Estimate::of_film(&film, |c| c.g)));
     }
     for (i, (name, a)) in found.iter().enumerate() {

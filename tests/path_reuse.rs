@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use globillum::integrator::{
-    Camera, Estimator, Film, Guiding, Model, PathReuse, Render, Sampler, Settings, render,
+    Estimator, Film, Guiding, Model, PathReuse, PinholeCamera, Render, Sampler, Settings, render,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -21,13 +21,18 @@ const SIDE: u32 = 16;
 
 const PASSES: u32 = 256;
 
-fn film(model: &Model, camera: &Camera, settings: &Settings) -> Film {
+fn film(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Film {
     let scene = scenes::scene(model, STRUCTURES[0].1);
-    render(&scene, camera, settings, &()).expect("the scene is good").film
+    render(&scene, camera, settings).expect("the scene is good").film
 }
 
 /// A picture of `3 * PASSES` passes of four samples per pixel.
-fn picture(model: &Model, camera: &Camera, path_reuse: PathReuse, change: impl Fn(&mut Settings)) -> Film {
+fn picture(
+    model: &Model,
+    camera: &PinholeCamera,
+    path_reuse: PathReuse,
+    change: impl Fn(&mut Settings),
+) -> Film {
     let mut settings = Settings::new(SIDE, SIDE, 12 * PASSES);
     (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
     settings.pass_samples = 4;
@@ -36,7 +41,7 @@ fn picture(model: &Model, camera: &Camera, path_reuse: PathReuse, change: impl F
 }
 
 /// Asserts that each pixel has the same mean with and without path reuse, and that path reuse changes the errors.
-fn assert_same_mean(what: &str, model: &Model, camera: &Camera, change: impl Fn(&mut Settings)) {
+fn assert_same_mean(what: &str, model: &Model, camera: &PinholeCamera, change: impl Fn(&mut Settings)) {
     let without = picture(model, camera, PathReuse::Off, &change);
     assert_same_mean_as(&without, what, model, camera, change);
 }
@@ -46,7 +51,7 @@ fn assert_same_mean_as(
     without: &Film,
     what: &str,
     model: &Model,
-    camera: &Camera,
+    camera: &PinholeCamera,
     change: impl Fn(&mut Settings),
 ) {
     let with = picture(model, camera, PathReuse::Tiles, &change);
@@ -72,7 +77,7 @@ fn assert_same_mean_as(
 fn pixels_of_a_box_have_the_mean_of_their_own_paths() {
     // The light is not visible: its edge would dominate the error.
     let (eye, target) = (DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0));
-    let camera = Camera::look_at(eye, target, DVec3::Y, 0.6).expect("they are apart");
+    let camera = PinholeCamera::look_at(eye, target, DVec3::Y, 0.6).expect("they are apart");
     for (what, specular, estimator) in [("diffuse", false, Mis), ("a mirror", true, Light)] {
         let model = cornell::with_blocks(specular).expect("the box is good");
         assert_same_mean(&format!("{what}, {estimator:?}"), &model, &camera, |s| s.estimator = estimator);
@@ -84,7 +89,7 @@ fn pixels_of_a_box_have_the_mean_of_their_own_paths() {
 fn pixels_under_early_roulette_have_the_mean_of_their_own_paths() {
     let model = cornell::with_blocks(true).expect("the box is good");
     let (eye, target) = (DVec3::new(0.5, -0.2, 1.4), DVec3::new(-0.3, -0.4, -0.3));
-    let camera = Camera::look_at(eye, target, DVec3::Y, 0.5).expect("they are apart");
+    let camera = PinholeCamera::look_at(eye, target, DVec3::Y, 0.5).expect("they are apart");
     assert_same_mean("early roulette", &model, &camera, |s| {
         (s.roulette.start, s.roulette.threshold) = (1, 1.0);
         (s.samples, s.pass_samples) = (32 * PASSES, 16);
@@ -94,7 +99,7 @@ fn pixels_under_early_roulette_have_the_mean_of_their_own_paths() {
 /// A room with a different albedo on each wall, one of which emits. Thin sheets intersect each other before
 /// the camera, with a mirror behind them. Path prefixes end on both sides of a sheet, before and behind it,
 /// and at different bounces.
-fn sheets() -> (Model, Camera) {
+fn sheets() -> (Model, PinholeCamera) {
     let p = DVec3::new;
     let mut model = Model::default();
     let emission = Emission::new(Rgb::new(1.0, 0.7, 0.4), Sides::Front).expect("finite");
@@ -110,7 +115,8 @@ fn sheets() -> (Model, Camera) {
     model.add(sheet, quad(p(0.05, -0.7, 0.4), p(-0.1, -0.7, -0.4), p(0.0, 0.7, -0.5), p(0.1, 0.6, 0.5)));
     let mirror = Material::mirror(Rgb::splat(0.9)).expect("a reflectance");
     model.add(mirror, quad(p(-0.9, -0.9, -0.8), p(0.9, -0.9, -0.8), p(0.9, 0.2, -0.9), p(-0.9, 0.3, -0.9)));
-    let camera = Camera::look_at(p(0.2, 0.3, 0.95), p(0.0, 0.0, 0.0), DVec3::Y, 1.5).expect("they are apart");
+    let camera =
+        PinholeCamera::look_at(p(0.2, 0.3, 0.95), p(0.0, 0.0, 0.0), DVec3::Y, 1.5).expect("they are apart");
     (model, camera)
 }
 
@@ -129,7 +135,7 @@ fn pixels_of_crossing_sheets_have_the_mean_of_their_own_paths() {
 
 /// A diffuse room with coloured mirrors: one that emits and reflects no blue, one between camera and wall that reflects on
 /// both sides, and a ball of small triangles. Prefixes end before mirrors, behind them, and in what they show.
-fn mirrors() -> (Model, Camera) {
+fn mirrors() -> (Model, PinholeCamera) {
     let p = DVec3::new;
     let mut model = Model::default();
     let walls = inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
@@ -149,7 +155,7 @@ fn mirrors() -> (Model, Camera) {
     );
     model.add(mirror(0.9, 0.9, 0.9), icosphere(1).placed(0.25, p(-0.3, -0.7, -0.4)).triangles());
     let camera =
-        Camera::look_at(p(0.1, 0.2, 0.95), p(0.0, -0.3, -0.2), DVec3::Y, 1.2).expect("they are apart");
+        PinholeCamera::look_at(p(0.1, 0.2, 0.95), p(0.0, -0.3, -0.2), DVec3::Y, 1.2).expect("they are apart");
     (model, camera)
 }
 
@@ -185,7 +191,8 @@ fn pixels_share_what_mirrors_show() {
     add(mirror, [p(-1.0, 0.0, -1.1), p(1.0, 0.0, -1.1), p(1.0, 2.0, -1.1), p(-1.0, 2.0, -1.1)]);
     let light = Material::light(Rgb::splat(50.0)).expect("a radiance");
     add(light, [p(-0.1, 1.6, 0.6), p(0.1, 1.6, 0.6), p(0.1, 1.8, 0.6), p(-0.1, 1.8, 0.6)]);
-    let camera = Camera::look_at(p(0.0, 0.6, 0.0), p(0.0, 0.0, -0.1), DVec3::Z, 0.6).expect("they are apart");
+    let camera =
+        PinholeCamera::look_at(p(0.0, 0.6, 0.0), p(0.0, 0.0, -0.1), DVec3::Z, 0.6).expect("they are apart");
     let films = [PathReuse::Off, PathReuse::Tiles]
         .map(|path_reuse| picture(&model, &camera, path_reuse, |s| s.samples = 8 * PASSES));
     let z = largest_z(&films[0], &films[1]);
@@ -214,7 +221,8 @@ fn dark_neighbours_do_not_raise_the_variance() {
     }
     // One pixel per square of the floor.
     let fov = 2.0 * (0.4_f64 / 1.5).atan();
-    let camera = Camera::look_at(p(0.0, 0.6, 0.0), p(0.0, -0.9, 0.0), DVec3::Z, fov).expect("they are apart");
+    let camera =
+        PinholeCamera::look_at(p(0.0, 0.6, 0.0), p(0.0, -0.9, 0.0), DVec3::Z, fov).expect("they are apart");
     let [without, with] = [PathReuse::Off, PathReuse::Tiles].map(|path_reuse| {
         let mut settings = Settings::new(SIDE, SIDE, 1024);
         (settings.path_reuse, settings.seed) = (path_reuse, path_reuse as u64);
@@ -276,7 +284,7 @@ fn variance_ratio(path_reuse: PathReuse) -> f64 {
     let mut settings = Settings::new(SIDE, SIDE, PASSES);
     (settings.path_reuse, settings.pass_samples) = (path_reuse, 1);
     let means = (0..PASSES).map(|pass| {
-        let picture = Render::new(&scene, &camera, &settings).passes(pass..pass + 1).run(&());
+        let picture = Render::new(&scene, &camera, &settings).passes(pass..pass + 1).run();
         picture.expect("the scene is good").film.image_mean().g
     });
     let means: Vec<f64> = means.collect();

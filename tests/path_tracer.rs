@@ -7,7 +7,7 @@ mod example;
 use example::radiance;
 use glam::DVec3;
 use globillum::geom::Accel;
-use globillum::integrator::{Camera, DeltaLight, Estimator, Model, Scene, Stream, render};
+use globillum::integrator::{DeltaLight, Estimator, Model, PinholeCamera, Scene, Stream, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::{self, stare};
@@ -36,7 +36,7 @@ fn model() -> Model {
 
 const TARGET: DVec3 = DVec3::new(-0.4, 0.0, 0.1);
 
-fn camera() -> Camera {
+fn camera() -> PinholeCamera {
     stare(DVec3::new(-0.5, 0.4, 0.3), TARGET)
 }
 
@@ -64,7 +64,7 @@ fn the_example_agrees_with_the_library() {
     let mut settings = independent_pixels(64, 64, 64);
     for (estimator, precision) in [(Estimator::Light, 0.04), (Estimator::Mis, 0.02)] {
         settings.estimator = estimator;
-        let film = render(&scene, &camera(), &settings, &()).expect("the scene is good").film;
+        let film = render(&scene, &camera(), &settings).expect("the scene is good").film;
         let components: [fn(Rgb) -> f64; 3] = [|c| c.r, |c| c.g, |c| c.b];
         for (own, component) in own.iter().zip(components) {
             let other = Estimate::of_film(&film, component);

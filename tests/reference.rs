@@ -24,7 +24,7 @@ fn deviation(
     let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
     (settings.estimator, settings.path_reuse, settings.max_bounces) = (estimator, path_reuse, max_bounces);
     let camera = cornell::camera().expect("the camera is good");
-    let film = render(&scene, &camera, &settings, &()).expect("the box is good").film;
+    let film = render(&scene, &camera, &settings).expect("the box is good").film;
     let deviation = reference.deviation(&film, blocks);
     assert!(deviation.image_mean < MEAN_LIMIT, "{deviation:?}");
     deviation

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
-    Camera, Estimator, MirrorSampling, Model, PathReuse, PixelFilter, Replay, Sampler, Scene, Settings,
-    render, replay,
+    Estimator, MirrorSampling, Model, PathReuse, PinholeCamera, PixelFilter, Replay, Sampler, Scene,
+    Settings, render, replay,
 };
 use globillum::material::{Bsdf, Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -33,7 +33,7 @@ fn the_samples_of_a_pixel_add_up_to_it() {
             let mut settings = Settings::new(20, 18, 11);
             (settings.sampler, settings.estimator, settings.filter) = (sampler, estimator, filter);
             (settings.pass_samples, settings.seed) = (8, 3);
-            let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+            let film = render(&scene, &camera, &settings).expect("the scene is good").film;
             for (x, y) in [(0, 0), (10, 3), (13, 12), (19, 17)] {
                 let sum = |samples: std::ops::Range<u32>| {
                     let add = |sum: Rgb, sample| sum + replayed(&scene, &settings, (x, y), sample).radiance;
@@ -88,7 +88,7 @@ fn facing_mirrors() -> Vec<Triangle> {
 }
 
 /// A floor among `mirrors`, under a small light and `ceiling`, and a camera that sees the floor.
-fn floor_among(mirrors: Vec<Triangle>, ceiling: Vec<Triangle>) -> (Scene<Box<dyn Accel>>, Camera) {
+fn floor_among(mirrors: Vec<Triangle>, ceiling: Vec<Triangle>) -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let p = DVec3::new;
     let mut model = Model::default();
     let floor = quad(p(-2.0, 0.0, 2.0), p(2.0, 0.0, 2.0), p(2.0, 0.0, -2.0), p(-2.0, 0.0, -2.0));
@@ -97,7 +97,8 @@ fn floor_among(mirrors: Vec<Triangle>, ceiling: Vec<Triangle>) -> (Scene<Box<dyn
     model.add(Material::mirror(Rgb::splat(0.9)).expect("a reflectance"), mirrors);
     let light = quad(p(-0.1, 2.0, -0.1), p(0.1, 2.0, -0.1), p(0.1, 2.0, 0.1), p(-0.1, 2.0, 0.1));
     model.add(Material::light(Rgb::splat(5.0)).expect("finite"), light);
-    let camera = Camera::look_at(p(0.2, 1.9, 0.3), p(0.2, 0.0, 0.0), DVec3::Y, 0.3).expect("they are apart");
+    let camera =
+        PinholeCamera::look_at(p(0.2, 1.9, 0.3), p(0.2, 0.0, 0.0), DVec3::Y, 0.3).expect("they are apart");
     (scenes::scene(&model, STRUCTURES[0].1), camera)
 }
 
@@ -139,7 +140,7 @@ fn shared_caustics_are_those_of_the_picture() {
         let (scene, camera) = floor_among(mirrors, Vec::new());
         let mut settings = Settings::new(7, 40, samples);
         settings.mirror_sampling = sampling;
-        let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+        let film = render(&scene, &camera, &settings).expect("the scene is good").film;
         let mut shared = 0;
         for (x, y) in (0..40).flat_map(|y| (0..7).map(move |x| (x, y))) {
             let mut sum = Rgb::BLACK;

@@ -1,7 +1,7 @@
 //! A scene written by hand in two formats gives the same triangles, materials and pictures.
 
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, Film, Model, Settings, render};
+use globillum::integrator::{Film, Model, PinholeCamera, Settings, render};
 use globillum::io::load;
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::scenes;
@@ -87,8 +87,8 @@ const INDICES: [u8; 14] = [0, 1, 2, 0, 2, 3, 3, 2, 5, 4, 6, 7, 8, 9];
 fn picture(model: &Model) -> Film {
     let scene = scenes::scene(model, ACCELERATORS[1].1);
     let camera =
-        Camera::look_at(DVec3::new(0.3, 1.0, 4.0), DVec3::Y * 0.6, DVec3::Y, 0.7).expect("it is good");
-    render(&scene, &camera, &Settings::new(24, 24, 16), &()).expect("it is good").film
+        PinholeCamera::look_at(DVec3::new(0.3, 1.0, 4.0), DVec3::Y * 0.6, DVec3::Y, 0.7).expect("it is good");
+    render(&scene, &camera, &Settings::new(24, 24, 16)).expect("it is good").film
 }
 
 #[test]

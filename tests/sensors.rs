@@ -3,9 +3,9 @@
 use glam::DVec3;
 use globillum::geom::{Accel, Ray};
 use globillum::integrator::{
-    Camera, CheckpointReader, CheckpointWriter, ElementSample, IrradiancePoints, Merge, OrthographicCamera,
-    PathReuse, PathStart, Render, RenderError, Sampler, Scene, Sensor, Settings, SphericalCamera, render,
-    replay,
+    CheckpointReader, CheckpointWriter, ElementSample, IrradiancePoints, Merge, OrthographicCamera,
+    PathReuse, PathStart, PinholeCamera, Render, RenderError, Sampler, Scene, Sensor, Settings,
+    SphericalCamera, render, replay,
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
@@ -54,10 +54,10 @@ fn a_sensor_may_start_paths_in_any_way() {
     let (scene, sensor, camera) = (the_box(), mixed(), cornell::camera().expect("the camera is good"));
     let mut settings = Settings::new(24, 24, 256);
     settings.path_reuse = PathReuse::Off;
-    let alone = render(&scene, &sensor, &settings, &()).expect("all is good").film;
-    let pixels = render(&scene, &camera, &settings, &()).expect("all is good").film;
+    let alone = render(&scene, &sensor, &settings).expect("all is good").film;
+    let pixels = render(&scene, &camera, &settings).expect("all is good").film;
     settings.path_reuse = PathReuse::Tiles;
-    let reused = render(&scene, &sensor, &settings, &()).expect("all is good").film;
+    let reused = render(&scene, &sensor, &settings).expect("all is good").film;
     let mut of_points = [0.0; 3];
     for (x, y) in (0..24).flat_map(|y| (0..24).map(move |x| (x, y))) {
         match (x + y) % 3 {
@@ -81,7 +81,7 @@ fn samples_of_any_start_are_replayed_to_the_bit() {
     for sampler in [Sampler::Sobol, Sampler::Independent] {
         let mut settings = Settings::new(8, 8, 8);
         (settings.sampler, settings.pass_samples) = (sampler, 8);
-        let film = render(&scene, &sensor, &settings, &()).expect("all is good").film;
+        let film = render(&scene, &sensor, &settings).expect("all is good").film;
         for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (x, y))) {
             let path = |sample| replay(&scene, &sensor, &settings, (x, y), sample).expect("it exists");
             let sum = (0..8).fold(Rgb::BLACK, |sum, sample| sum + path(sample).radiance);
@@ -119,7 +119,7 @@ fn what_cannot_be_traced_is_an_error_that_names_the_element() {
             (18, 3) => start,
             _ => PathStart::Nowhere,
         });
-        let error = render(&scene, &sensor, &Settings::new(20, 20, 2), &()).expect_err("it is bad");
+        let error = render(&scene, &sensor, &Settings::new(20, 20, 2)).expect_err("it is bad");
         assert_eq!(error, RenderError::NonFinite { x: 18, y: 3, sample: 0 });
     }
 }
@@ -129,8 +129,8 @@ fn sensors_have_keys_of_their_own() {
     let scene = the_box();
     let (eye, target, up) = (DVec3::Z, DVec3::ZERO, DVec3::Y);
     let sensors: [Box<dyn Sensor>; 7] = [
-        Box::new(Camera::look_at(eye, target, up, 0.7).expect("good")),
-        Box::new(Camera::look_at(eye, target, up, 0.8).expect("good")),
+        Box::new(PinholeCamera::look_at(eye, target, up, 0.7).expect("good")),
+        Box::new(PinholeCamera::look_at(eye, target, up, 0.8).expect("good")),
         Box::new(OrthographicCamera::look_at(eye, target, up, 2.0).expect("good")),
         Box::new(OrthographicCamera::look_at(eye, target, up, 3.0).expect("good")),
         Box::new(SphericalCamera::look_at(eye, target, up).expect("good")),
@@ -160,7 +160,7 @@ fn stitched(render: impl Fn() -> Render<'static>, columns: &[u32], rows: &[u32])
     let (width, height) = (columns[columns.len() - 1], rows[rows.len() - 1]);
     let mut pixels = vec![Rgb::BLACK; (width * height) as usize];
     for (x, y) in columns.windows(2).flat_map(|x| rows.windows(2).map(move |y| (x[0]..x[1], y[0]..y[1]))) {
-        let film = render().crop(x.clone(), y.clone()).run(&()).expect("all is good").film;
+        let film = render().crop(x.clone(), y.clone()).run().expect("all is good").film;
         assert_eq!((film.width(), film.height()), (x.end - x.start, y.end - y.start));
         for (i, j) in (0..film.width()).flat_map(|i| (0..film.height()).map(move |j| (i, j))) {
             pixels[((y.start + j) * width + x.start + i) as usize] = film.mean(i, j);
@@ -172,7 +172,7 @@ fn stitched(render: impl Fn() -> Render<'static>, columns: &[u32], rows: &[u32])
 #[test]
 fn nine_crops_have_the_bits_of_the_whole() {
     let scene: &'static Scene<_> = Box::leak(Box::new(the_box()));
-    let camera: &'static Camera = Box::leak(Box::new(cornell::camera().expect("the camera is good")));
+    let camera: &'static PinholeCamera = Box::leak(Box::new(cornell::camera().expect("the camera is good")));
     for (path_reuse, columns, rows) in [
         (PathReuse::Tiles, [0, 16, 32, 53], [0, 16, 32, 46]),
         (PathReuse::Off, [0, 9, 26, 53], [0, 17, 18, 46]),
@@ -180,7 +180,7 @@ fn nine_crops_have_the_bits_of_the_whole() {
         let mut settings = Settings::new(53, 46, 20);
         settings.path_reuse = path_reuse;
         let settings: &'static Settings = Box::leak(Box::new(settings));
-        let whole = render(scene, camera, settings, &()).expect("all is good").film;
+        let whole = render(scene, camera, settings).expect("all is good").film;
         let pixels = stitched(|| Render::new(scene, camera, settings), &columns, &rows);
         assert!(whole.means().eq(pixels), "{path_reuse:?}");
     }
@@ -192,9 +192,9 @@ fn crops_are_pictures_of_their_own() {
         (the_box(), cornell::camera().expect("the camera is good"), Settings::new(50, 60, 32));
     let render = || Render::new(&scene, &camera, &settings);
     let crop = || render().crop(16..50, 16..48);
-    let whole = crop().run(&()).expect("all is good");
+    let whole = crop().run().expect("all is good");
     assert_eq!((whole.film.width(), whole.height), (34, 32));
-    let strip = |rows: std::ops::Range<u32>| crop().rows(rows).run(&()).expect("all is good").to_bytes();
+    let strip = |rows: std::ops::Range<u32>| crop().rows(rows).run().expect("all is good").to_bytes();
     let (upper, lower) = (strip(0..16), strip(16..32));
     let readers = [&upper, &lower].map(|bytes| CheckpointReader::new(&bytes[..]).expect("good bytes"));
     let merge = Merge::new(readers.into()).expect("they are of one picture");
@@ -210,7 +210,7 @@ fn crops_are_pictures_of_their_own() {
         (0..51, 16..32, "columns of the crop", 51.0),
         (16..26, 16..32, "columns of the crop", 26.0),
     ] {
-        let error = render().crop(columns, rows).run(&()).expect_err("it is bad");
+        let error = render().crop(columns, rows).run().expect_err("it is bad");
         let is_named =
             matches!(error, RenderError::Param { name: n, value: v, .. } if (n, v) == (name, value));
         assert!(is_named, "{error}");

@@ -3,8 +3,9 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray, Triangle};
 use globillum::integrator::{
-    Camera, ElementSample, Ending, Estimator, Guiding, IrradiancePoints, Model, Monitor, PathStart, Picture,
-    PixelGoal, Progress, Render, RenderError, Scene, Sensor, Settings, Stop, Supersampling, render, replay,
+    ElementSample, Ending, Estimator, Guiding, IrradiancePoints, Model, Monitor, PathStart, Picture,
+    PinholeCamera, PixelGoal, Progress, Render, RenderError, Scene, Sensor, Settings, Stop, Supersampling,
+    render, replay,
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -19,7 +20,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 /// A square light of side 2 at height 1 above a floor.
-fn light_over_floor() -> (Scene<Box<dyn Accel>>, Camera) {
+fn light_over_floor() -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
     (scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1), camera)
 }
@@ -39,7 +40,7 @@ fn with_samples(mut settings: Settings, samples: u32) -> Settings {
 
 fn run(settings: &Settings, stop: Stop, monitor: &impl Monitor) -> Picture {
     let (scene, camera) = light_over_floor();
-    Render::new(&scene, &camera, settings).until(stop).run(monitor).expect("the scene is good")
+    Render::new(&scene, &camera, settings).until(stop).monitor(monitor).run().expect("the scene is good")
 }
 
 #[test]
@@ -64,7 +65,7 @@ fn a_goal_is_not_met_by_a_few_passes_that_are_equal() {
     let settings = Settings::new(4, 4, 1 << 14);
     let goal = stop(|s| s.relative_rmse = Some(0.01));
     let render = |settings: &Settings| {
-        Render::new(&black, &camera, settings).until(goal).run(&()).expect("the scene is good")
+        Render::new(&black, &camera, settings).until(goal).run().expect("the scene is good")
     };
     let few = render(&with_samples(settings, 63 * 16));
     assert_eq!(few.ending, Ending::Samples);
@@ -91,7 +92,7 @@ fn a_goal_waits_for_light_through_a_gap() {
         let mut settings = points.settings(1 << 20);
         (settings.max_bounces, settings.seed) = (Some(1), seed);
         let goal = stop(|s| s.relative_rmse = Some(0.05));
-        let picture = Render::new(&scene, &points, &settings).until(goal).run(&()).expect("it is good");
+        let picture = Render::new(&scene, &points, &settings).until(goal).run().expect("it is good");
         assert_eq!(picture.ending, Ending::Goals);
         let error = picture.film.mean(0, 0).g / truth - 1.0;
         assert!(error.abs() < 0.2, "{seed}: {error} after {} samples", picture.samples);
@@ -159,10 +160,10 @@ fn what_precedes_the_passes_is_not_the_time_of_one() {
 fn a_resumed_run_completes_at_least_one_pass() {
     let (scene, camera) = light_over_floor();
     let settings = Settings::new(32, 32, 64);
-    let passes = |range| Render::new(&scene, &camera, &settings).passes(range).run(&()).expect("it is good");
+    let passes = |range| Render::new(&scene, &camera, &settings).passes(range).run().expect("it is good");
     let at_once = stop(|s| s.seconds = Some(1e-9));
     let resume = |picture, stop| {
-        Render::new(&scene, &camera, &settings).until(stop).resume(picture).run(&()).expect("it is good")
+        Render::new(&scene, &camera, &settings).until(stop).resume(picture).run().expect("it is good")
     };
     for (held, then) in [(0..1, 0..2), (0..2, 0..3), (1..3, 0..3)] {
         let picture = resume(passes(held), at_once);
@@ -189,7 +190,7 @@ fn the_pilot_determines_the_number_of_passes() {
     assert!((error / 0.01 - 1.0).abs() < 0.15, "{error}");
     let (scene, camera) = light_over_floor();
     let passes = picture.film.passes()[0].clone();
-    let same = Render::new(&scene, &camera, &settings).passes(passes).run(&()).expect("the scene is good");
+    let same = Render::new(&scene, &camera, &settings).passes(passes).run().expect("the scene is good");
     assert_eq!(same.film, picture.film);
     // An unreachable goal uses all samples.
     let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(1e-6), Some(2)));
@@ -230,7 +231,7 @@ fn a_pilot_must_leave_a_pass() {
     let settings = Settings::new(16, 16, 64);
     for (pilot, is_good) in [(3, true), (4, false), (5, false)] {
         let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(0.5), Some(pilot)));
-        let result = Render::new(&scene, &camera, &settings).until(plan).run(&());
+        let result = Render::new(&scene, &camera, &settings).until(plan).run();
         let is_refused = matches!(result, Err(RenderError::Param { name: "pilot passes", .. }));
         assert_eq!((result.is_ok(), is_refused), (is_good, !is_good), "{pilot}");
     }
@@ -246,7 +247,7 @@ fn mean_of_stopped(pilot: Option<u32>, seeds: u64) -> (f64, f64) {
     let means = (0..seeds).map(|seed| {
         settings.seed = seed;
         let render = Render::new(&scene, &camera, &settings).until(stop);
-        render.run(&()).expect("the scene is good").film.mean(0, 0).g
+        render.run().expect("the scene is good").film.mean(0, 0).g
     });
     let means: Vec<f64> = means.collect();
     let n = means.len() as f64;
@@ -280,7 +281,7 @@ fn invalid_conditions_are_refused() {
         (stop(|s| s.pixels = goal(0.1, 1.5)), "share of pixels"),
         (stop(|s| s.pilot = Some(1)), "pilot passes"),
     ] {
-        match Render::new(&scene, &camera, &settings).until(bad).run(&()) {
+        match Render::new(&scene, &camera, &settings).until(bad).run() {
             Err(RenderError::Param { name: found, .. }) => assert_eq!(found, name),
             other => panic!("{name}: {other:?}"),
         }
@@ -349,7 +350,7 @@ fn cancelling_finishes_no_further_tile() {
 
 /// Counts the rays that begin at it.
 #[derive(Debug)]
-struct Counting(Camera, AtomicU32);
+struct Counting(PinholeCamera, AtomicU32);
 
 impl Sensor for Counting {
     fn start(&self, sample: &ElementSample) -> PathStart {
@@ -380,7 +381,7 @@ fn cancelling_begins_no_further_tile() {
     let sensor = Counting(camera, AtomicU32::new(0));
     let after = 50_000;
     let monitor = CancelsAfter(&sensor, after);
-    let picture = Render::new(&scene, &sensor, &settings).run(&monitor).expect("the scene is good");
+    let picture = Render::new(&scene, &sensor, &settings).monitor(&monitor).run().expect("the scene is good");
     assert_eq!((picture.ending, picture.samples), (Ending::Cancelled, 0));
     // A tile has 16 probes in each of 18 x 18 pixels, and then four samples in 16 x 16.
     let of_tile = 18 * 18 * 16 + 16 * 16 * 4;
@@ -393,13 +394,14 @@ fn cancelling_begins_no_further_tile() {
 fn passes_that_a_picture_holds_are_not_done_again() {
     let (scene, camera) = light_over_floor();
     let settings = Settings::new(32, 32, 96);
-    let held = Render::new(&scene, &camera, &settings).passes(1..4).run(&()).expect("the scene is good");
+    let held = Render::new(&scene, &camera, &settings).passes(1..4).run().expect("the scene is good");
     let unreachable = stop(|s| s.relative_rmse = Some(1e-9));
     // The pilot takes passes 0 and 1.
     let pilot = stop(|s| (s.relative_rmse, s.pilot) = (Some(1e-9), Some(2)));
     for (stop, first, count) in [(Stop::default(), 0, 3), (unreachable, 0, 3), (pilot, 1, 2)] {
         let recorder = Recorder::default();
-        let picture = Render::new(&scene, &camera, &settings).until(stop).resume(held.clone()).run(&recorder);
+        let picture =
+            Render::new(&scene, &camera, &settings).until(stop).resume(held.clone()).monitor(&recorder).run();
         assert_eq!(picture.expect("it is the same picture").film.passes(), vec![first..6]);
         assert_eq!(recorder.passes.load(Ordering::Relaxed), count);
     }
@@ -422,9 +424,13 @@ impl Monitor for FirstError {
 fn the_error_of_a_resumed_picture_is_told_from_the_start() {
     let (scene, camera) = light_over_floor();
     let settings = Settings::new(32, 32, 96);
-    let held = Render::new(&scene, &camera, &settings).passes(0..4).run(&()).expect("the scene is good");
+    let held = Render::new(&scene, &camera, &settings).passes(0..4).run().expect("the scene is good");
     let (error, first) = (held.film.error().relative_rmse, FirstError::default());
-    Render::new(&scene, &camera, &settings).resume(held).run(&first).expect("it is the same picture");
+    Render::new(&scene, &camera, &settings)
+        .resume(held)
+        .monitor(&first)
+        .run()
+        .expect("it is the same picture");
     assert_eq!(*first.0.lock().unwrap(), Some(error));
 }
 
@@ -433,8 +439,10 @@ fn a_film_without_passes_plans_no_number_of_them() {
     let (scene, camera) = light_over_floor();
     let monitor =
         Recorder { cancel_after: Some(Duration::ZERO), start: Some(Instant::now()), ..Recorder::default() };
-    let empty =
-        Render::new(&scene, &camera, &Settings::new(16, 16, 16)).run(&monitor).expect("the scene is good");
+    let empty = Render::new(&scene, &camera, &Settings::new(16, 16, 16))
+        .monitor(&monitor)
+        .run()
+        .expect("the scene is good");
     assert_eq!(empty.samples, 0);
     let goal = PixelGoal { error: 0.1, share: 0.5 };
     for stop in [stop(|s| s.relative_rmse = Some(0.1)), stop(|s| s.pixels = Some(goal))] {
@@ -482,7 +490,7 @@ impl Accel for Failing {
     }
 }
 
-fn failing(rays: u32, how: Failure) -> (Scene<Box<dyn Accel>>, Camera) {
+fn failing(rays: u32, how: Failure) -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     (failing_in(&scenes::light_over_floor(), rays, how), light_over_floor().1)
 }
 
@@ -518,14 +526,14 @@ fn a_panic_is_an_error_and_the_next_render_works() {
         // Before and in the first pass are 1.3 * 2^16 probes for lights, 2^16 camera rays, and further rays.
         let (scene, camera) = failing(300_000, Failure::Panic);
         let recorder = Recorder::default();
-        let error = render(&scene, &camera, &settings, &recorder).expect_err("it panics");
+        let error = Render::new(&scene, &camera, &settings).monitor(&recorder).run().expect_err("it panics");
         assert!(
             matches!(&error, RenderError::Worker { message, .. } if message == "intersection failed"),
             "{error:?}"
         );
         assert!(error.to_string().contains("panic in the tile at pixel ("), "{error}");
         assert!(recorder.passes.load(Ordering::Relaxed) >= 1, "whole passes were reported");
-        let again = render(&scene, &camera, &settings, &()).expect("it panics only once");
+        let again = render(&scene, &camera, &settings).expect("it panics only once");
         assert_eq!(again.film, run(&settings, Stop::default(), &()).film);
     }
 }
@@ -560,7 +568,7 @@ fn a_panic_in_any_method_of_a_monitor_is_an_error() {
     let plan = stop(|s| (s.relative_rmse, s.pilot) = (Some(1e-6), Some(2)));
     for faulty in [Faulty::Progress, Faulty::Cancelled, Faulty::PassDone] {
         for stop in [Stop::default(), plan] {
-            let error = Render::new(&scene, &camera, &settings).until(stop).run(&faulty);
+            let error = Render::new(&scene, &camera, &settings).until(stop).monitor(&faulty).run();
             let error = error.expect_err("the monitor panics");
             let message = match (&error, faulty) {
                 (RenderError::Monitor { message, samples }, Faulty::PassDone) => {
@@ -584,7 +592,7 @@ fn a_nan_is_an_error_that_names_its_sample() {
     (settings.threads, settings.supersampling) = (1, Supersampling::Off);
     // A camera ray of the first tile: four samples of a pixel, block after block of 4 x 4 pixels.
     let (scene, camera) = failing(4 * 18 + 3, Failure::NotANumber);
-    let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
+    let error = render(&scene, &camera, &settings).expect_err("a point is not a number");
     assert_eq!(error, RenderError::NonFinite { x: 6, y: 0, sample: 2 });
 }
 
@@ -598,6 +606,6 @@ fn path_reuse_does_not_spread_a_nan() {
     let ray = 3 * 64 * 64 + 2048 + 4 * 18 + 3;
     let scene = failing_in(&scenes::furnace(0.5, 1.0, DVec3::ZERO), ray, Failure::NotANumber);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
-    let error = render(&scene, &camera, &settings, &()).expect_err("a point is not a number");
+    let error = render(&scene, &camera, &settings).expect_err("a point is not a number");
     assert_eq!(error, RenderError::NonFinite { x: 6, y: 0, sample: 2 });
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
-    Camera, ElementSample, Film, Model, OrthographicCamera, PathReuse, PathStart, PixelFilter, Render,
+    ElementSample, Film, Model, OrthographicCamera, PathReuse, PathStart, PinholeCamera, PixelFilter, Render,
     Sampler, Scene, Sensor, Settings, Supersampling, render,
 };
 use globillum::material::{Material, Rgb};
@@ -21,7 +21,7 @@ fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
 }
 
 fn film(scene: &Scene<Box<dyn Accel>>, camera: &dyn Sensor, settings: &Settings) -> Film {
-    render(scene, camera, settings, &()).expect("the scene is good").film
+    render(scene, camera, settings).expect("the scene is good").film
 }
 
 /// A rectangle in the plane at `z` whose right edge leans: `x` is `0.1 + 0.3 y` there. It faces the camera.
@@ -102,9 +102,9 @@ fn between_mirrors() -> Model {
 }
 
 /// The nearer `z` is to 1.5, the more mirrors are between the camera and the light.
-fn between_mirrors_camera(z: f64) -> Camera {
+fn between_mirrors_camera(z: f64) -> PinholeCamera {
     let eye = DVec3::new(-0.2, 0.5, 1.5);
-    Camera::look_at(eye, DVec3::new(0.5, 0.4, z), DVec3::Y, 0.9).expect("the camera is good")
+    PinholeCamera::look_at(eye, DVec3::new(0.5, 0.4, z), DVec3::Y, 0.9).expect("the camera is good")
 }
 
 /// Directly seen, in mirrors that face each other, with more reflections than supersampling follows, and in a ball; with
@@ -183,13 +183,13 @@ fn crops_strips_and_passes_have_the_bits_of_the_picture() {
     settings.threads = 1;
     // The light is between the columns 15 and 25 and above row 6.
     for (columns, rows) in [(16..32, 0..16), (0..16, 16..32), (0..40, 0..36)] {
-        let crop = Render::new(&scene, &camera, &settings).crop(columns.clone(), rows.clone()).run(&());
+        let crop = Render::new(&scene, &camera, &settings).crop(columns.clone(), rows.clone()).run();
         let crop = crop.expect("it is good").film;
         for (x, y) in rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y))) {
             assert_eq!(crop.mean(x - columns.start, y - rows.start), whole.mean(x, y), "{x}, {y}");
         }
     }
-    let strip = Render::new(&scene, &camera, &settings).rows(0..16).run(&()).expect("it is good").film;
+    let strip = Render::new(&scene, &camera, &settings).rows(0..16).run().expect("it is good").film;
     assert!((0..16).all(|y| (0..40).all(|x| strip.mean(x, y) == whole.mean(x, y))));
 }
 
@@ -197,7 +197,7 @@ fn crops_strips_and_passes_have_the_bits_of_the_picture() {
 #[test]
 fn without_neighbours_or_lights_nothing_is_supersampled() {
     #[derive(Debug)]
-    struct Apart(Camera);
+    struct Apart(PinholeCamera);
 
     impl Sensor for Apart {
         fn has_neighbours(&self) -> bool {
@@ -215,7 +215,7 @@ fn without_neighbours_or_lights_nothing_is_supersampled() {
 
     let camera = cornell::camera().expect("it is good");
     let rays = |scene: &Scene<Box<dyn Accel>>, sensor: &dyn Sensor| {
-        let picture = render(scene, sensor, &Settings::new(24, 24, 1), &()).expect("it is good");
+        let picture = render(scene, sensor, &Settings::new(24, 24, 1)).expect("it is good");
         picture.counters.camera_rays
     };
     let scene_with = scene(&cornell::with_blocks(false).expect("it is good"));

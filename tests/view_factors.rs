@@ -40,7 +40,7 @@ impl Scene {
     }
 
     fn factors(&self, settings: &FactorSettings) -> ViewFactors {
-        self.run(settings).run(&()).expect("the scene is good")
+        self.run(settings).run().expect("the scene is good")
     }
 }
 
@@ -377,14 +377,14 @@ fn the_same_bytes_for_any_threads_accelerator_and_break() {
     for (name, build) in ACCELERATORS {
         let accel = build(&scene.triangles).expect("the triangles are good");
         let run = FactorRun::new(&scene.triangles, &accel, &scene.patches, &settings);
-        assert!(run.run(&()).expect("good").to_bytes() == bytes, "{name}");
+        assert!(run.run().expect("good").to_bytes() == bytes, "{name}");
     }
     for most in [0, 36, 100, 500] {
         let monitor = Patience { most, ..Patience::default() };
-        let part = scene.run(&settings).run(&monitor).expect("the scene is good");
+        let part = scene.run(&settings).monitor(&monitor).run().expect("the scene is good");
         assert!(part.ending() == Ending::Cancelled && u64::from(part.passes()) <= most / 36, "{most}");
         let part = ViewFactors::from_bytes(&part.to_bytes()).expect("its own bytes");
-        let rest = scene.run(&settings).resume(part).run(&()).expect("the same run");
+        let rest = scene.run(&settings).resume(part).run().expect("the same run");
         assert!(rest.to_bytes() == bytes, "resumed after {most} patches");
     }
 }
@@ -416,7 +416,7 @@ fn a_run_with_a_goal_has_the_same_bytes_for_any_break() {
         let mut shorter = settings;
         (shorter.passes, shorter.error) = (done, None);
         let part = scene.factors(&shorter);
-        let rest = scene.run(&settings).resume(part).run(&()).expect("the same run");
+        let rest = scene.run(&settings).resume(part).run().expect("the same run");
         assert!(rest.to_bytes() == whole.to_bytes(), "broken off after {done}: {}", rest.passes());
     }
 }
@@ -425,7 +425,7 @@ fn a_run_with_a_goal_has_the_same_bytes_for_any_break() {
 fn before_the_first_pass_factors_are_unknown() {
     let scene = back_to_front();
     let nothing = Patience { most: 0, ..Patience::default() };
-    let factors = scene.run(&FactorSettings::new(64)).run(&nothing).expect("the scene is good");
+    let factors = scene.run(&FactorSettings::new(64)).monitor(&nothing).run().expect("the scene is good");
     let factor = factors.factor(0, Patch(1));
     assert_eq!((factors.passes(), factor.hits, factor.value, factor.std_err), (0, 0, 0.0, f64::INFINITY));
     assert_eq!(factors.interval_95(0, Patch(1)), [0.0, 1.0]);
@@ -464,7 +464,7 @@ fn a_goal_of_factors_that_are_not_there_is_an_error() {
     settings.least_factor = 0.5 * (largest + end);
     assert_eq!(scene.factors(&settings).ending(), Ending::Samples, "a factor may be as large");
     (settings.least_factor, settings.passes) = (1.001 * end, FactorSettings::MAX_PASSES);
-    let error = scene.run(&settings).run(&()).expect_err("none is as large");
+    let error = scene.run(&settings).run().expect_err("none is as large");
     assert_eq!(error, FactorError::NoneAsLarge { least: 1.001 * end, most: end });
 }
 
@@ -474,7 +474,7 @@ fn bad_input_is_named() {
     let settings = FactorSettings::new(64);
     let fails = |patches: &Patches, settings: &FactorSettings| {
         FactorRun::new(&scene.triangles, &scene.accel, patches, settings)
-            .run(&())
+            .run()
             .expect_err("bad input")
             .to_string()
     };
@@ -524,11 +524,7 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     {
         let mut other = settings;
         change(&mut other);
-        assert_eq!(
-            scene.run(&other).resume(factors.clone()).run(&()),
-            Err(FactorError::OtherRun),
-            "{other:?}"
-        );
+        assert_eq!(scene.run(&other).resume(factors.clone()).run(), Err(FactorError::OtherRun), "{other:?}");
     }
     let unit = [[0.0, 1.0]; 2];
     let mut squares = [rectangle(unit, 0.0), rectangle(unit, 1.0)];
@@ -536,7 +532,7 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     exchanged.patches = Patches::new(0, exchanged.patches.ids().iter().map(|id| 1 - id).collect());
     squares[1][5].vertices[0].z = 1.0_f32.next_up();
     for other in [Scene::new(&squares), exchanged] {
-        let resumed = other.run(&settings).resume(factors.clone()).run(&());
+        let resumed = other.run(&settings).resume(factors.clone()).run();
         assert_eq!(resumed, Err(FactorError::OtherRun));
     }
 }
@@ -569,7 +565,7 @@ fn a_panic_in_any_method_of_a_monitor_is_an_error() {
     let scene = back_to_front();
     let settings = FactorSettings::new(256);
     for faulty in [Faulty::Progress, Faulty::Cancelled, Faulty::PassDone] {
-        let error = scene.run(&settings).run(&faulty).expect_err("the monitor panics");
+        let error = scene.run(&settings).monitor(&faulty).run().expect_err("the monitor panics");
         let message = match (&error, faulty) {
             (FactorError::Monitor { passes: 1, message }, Faulty::PassDone) => message,
             (FactorError::Worker { message, .. }, Faulty::Progress | Faulty::Cancelled) => message,
@@ -651,7 +647,7 @@ fn a_street_of_22000_facets() {
     let rays = std::env::var("VIEW_FACTOR_RAYS").map_or(1 << 16, |rays| rays.parse().expect("a number"));
     let settings = FactorSettings::new(rays);
     let start = std::time::Instant::now();
-    let factors = FactorRun::new(&triangles, &accel, &patches, &settings).run(&()).expect("a street");
+    let factors = FactorRun::new(&triangles, &accel, &patches, &settings).run().expect("a street");
     let seconds = start.elapsed().as_secs_f64();
     let million = factors.rays() as f64 * triangles.len() as f64 / 1e6;
     println!(

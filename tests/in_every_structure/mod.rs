@@ -1,6 +1,6 @@
 //! Films of which all structures agree.
 
-use globillum::integrator::{Camera, Film, Model, Settings, render};
+use globillum::integrator::{Film, Model, PinholeCamera, Settings, render};
 use globillum_testkit::accelerators::STRUCTURES;
 use globillum_testkit::scenes::scene;
 
@@ -9,9 +9,9 @@ use globillum_testkit::scenes::scene;
 /// # Panics
 /// If the model is not valid, or if four samples per pixel have other bits with another structure. A comparison
 /// of bits needs fewer samples than a mean.
-pub(crate) fn film_in_every_structure(model: &Model, camera: &Camera, settings: &Settings) -> Film {
+pub(crate) fn film_in_every_structure(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Film {
     let [(_, first), others @ ..] = STRUCTURES.map(|(name, build)| (name, scene(model, build)));
-    let film = |scene, settings| render(scene, camera, settings, &()).expect("the scene is good").film;
+    let film = |scene, settings| render(scene, camera, settings).expect("the scene is good").film;
     let mut few = *settings;
     few.samples = few.samples.min(4);
     let expected = film(&first, &few);

@@ -101,7 +101,7 @@ impl Job {
         let monitor = RenderMonitor::new(checkpoint, &interrupt).with_preview(preview);
         let mut failures = Failures::default();
         let (picture, render_seconds, traced) = monitor
-            .run(|monitor| render.run(monitor), &mut failures)
+            .run(|monitor| render.monitor(monitor).run(), &mut failures)
             .map_err(|error| flags.checkpoints.save.explain(error))?;
         let ended_by = summary::reason(picture.ending, &interrupt);
         let timing = Timing { build_seconds, render_seconds, traced, ended_by };

@@ -17,7 +17,7 @@ const RAYS: u32 = 4;
 ///
 /// ```
 /// use globillum_integrator::{FirstHits, Scene};
-/// # use globillum_integrator::{Camera, Model, Settings};
+/// # use globillum_integrator::{Model, PinholeCamera, Settings};
 /// # use glam::{DVec3, Vec3};
 /// # use globillum_geom::{KdTree, Triangle};
 /// # use globillum_material::{Material, Rgb};
@@ -25,7 +25,7 @@ const RAYS: u32 = 4;
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -2.0), Vec3::new(9.0, -9.0, -2.0), Vec3::new(0.0, 9.0, -2.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
 /// # let scene = Scene::build(model, KdTree::build)?;
-/// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+/// # let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let hits = FirstHits::of(&scene, &camera, &Settings::new(8, 8, 1))?;
 /// assert_eq!((hits.pixels[9].triangle, hits.pixels[9].depth), (Some(0), 2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,7 +1,7 @@
 //! A Monte Carlo path tracer over wavefronts of rays.
 //!
 //! A [`Model`] holds triangles with materials, and delta lights. [`Scene::build`] turns it into a [`Scene`] with an
-//! accelerator and [`Lights`]. [`render`] traces paths from a [`Camera`] through the scene, one tile of
+//! accelerator and [`Lights`]. [`render`] traces paths from a [`PinholeCamera`] through the scene, one tile of
 //! the picture at a time, with random numbers from a [`Sampler`]. A [`Film`] sums their radiance and
 //! estimates its own error; a [`Stop`] ends the render when that is small enough. Radiance has the unit of the lights'.
 //!
@@ -14,15 +14,15 @@
 //! ```
 //! use glam::{DVec3, Vec3};
 //! use globillum_geom::{KdTree, Triangle};
-//! use globillum_integrator::{Camera, Model, Scene, Settings, render};
+//! use globillum_integrator::{Model, PinholeCamera, Scene, Settings, render};
 //! use globillum_material::{Material, Rgb};
 //!
 //! let mut model = Model::default();
 //! let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 //! model.add(Material::light(Rgb::new(1.0, 0.5, 0.25))?, [Triangle::new(a, b, c)]);
 //! let scene = Scene::build(model, KdTree::build)?;
-//! let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 40.0_f64.to_radians())?;
-//! let picture = render(&scene, &camera, &Settings::new(8, 8, 4), &())?;
+//! let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 40.0_f64.to_radians())?;
+//! let picture = render(&scene, &camera, &Settings::new(8, 8, 4))?;
 //! assert_eq!(picture.film.mean(3, 3), Rgb::new(1.0, 0.5, 0.25));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -66,7 +66,8 @@ pub use run::{Monitor, PixelGoal, Progress, Render, Stop, render};
 pub use sampler::{Sampler, Stream};
 pub use scene::{Interaction, MaterialId, Model, Scene};
 pub use sensor::{
-    Camera, ElementSample, IrradiancePoints, OrthographicCamera, PathStart, Reading, Sensor, SphericalCamera,
+    ElementSample, IrradiancePoints, OrthographicCamera, PathStart, PinholeCamera, Reading, Sensor,
+    SphericalCamera,
 };
 pub use settings::{
     Estimator, Guiding, MirrorSampling, PathReuse, PixelFilter, Roulette, Settings, Supersampling,

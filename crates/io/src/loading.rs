@@ -7,7 +7,7 @@ use crate::{IoError, Limits, LoadMonitor, LoadProgress, LoadReport, Location, Pl
 use globillum_geom::Triangle;
 #[cfg(feature = "gltf")]
 use globillum_integrator::DeltaLight;
-use globillum_integrator::{Camera, MaterialId, Model};
+use globillum_integrator::{MaterialId, Model, PinholeCamera};
 use globillum_material::Material;
 use std::io;
 use std::ops::Range;
@@ -21,7 +21,7 @@ pub struct Loaded {
     pub model: Model,
     /// The cameras that can be used, in the order of their nodes. Those that cannot are left out, each with a warning, so
     /// that an index here need not be the camera's index in the file.
-    pub cameras: Vec<Camera>,
+    pub cameras: Vec<PinholeCamera>,
     /// Content that is ignored or approximated.
     pub report: LoadReport,
     /// The materials with their names, in the order of the model's: those that `usemtl` names in an OBJ file, also if no library
@@ -84,7 +84,7 @@ pub(crate) struct Loading<'a> {
     pub(crate) path: &'a Path,
     pub(crate) limits: &'a Limits,
     pub(crate) jail: Jail<'a>,
-    pub(crate) cameras: Vec<Camera>,
+    pub(crate) cameras: Vec<PinholeCamera>,
     materials: Vec<NamedMaterial>,
     /// `None` if nobody asks for them.
     pub(crate) objects: Option<Vec<Object>>,

@@ -1,5 +1,5 @@
 use globillum_integrator::{
-    Camera, CheckpointHeader, Estimates, Film, FirstHits, PathReuse, Picture, Settings,
+    CheckpointHeader, Estimates, Film, FirstHits, PathReuse, Picture, PinholeCamera, Settings,
 };
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -71,7 +71,7 @@ impl PictureData {
     ///
     /// Settings that do not change a sample, such as the number of threads, are left out. Of a crop, set
     /// [`Estimates::origin`] and [`PictureData::whole`], which a film does not know.
-    pub fn of_render(picture: &Picture, settings: &Settings, camera: Option<&Camera>) -> Self {
+    pub fn of_render(picture: &Picture, settings: &Settings, camera: Option<&PinholeCamera>) -> Self {
         let mut data = Self::of(&picture.film);
         data.set_key(picture.key);
         data.set_settings(settings);
@@ -118,7 +118,7 @@ impl PictureData {
     }
 
     /// [`PictureData::camera`] of a pinhole.
-    pub fn frame(camera: &Camera) -> ([f32; 16], f32) {
+    pub fn frame(camera: &PinholeCamera) -> ([f32; 16], f32) {
         let [middle, right, up] = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| camera.ray(x, y, 1.0));
         let (eye, forward) = (middle.origin, middle.direction);
         let [right, up] = [right, up].map(|ray| ray.direction - forward);
@@ -182,7 +182,8 @@ mod tests {
     #[test]
     fn the_camera_is_a_matrix_for_row_vectors() {
         let eye = DVec3::new(1.0, 2.0, 5.0);
-        let camera = Camera::look_at(eye, DVec3::new(1.0, 2.0, 0.0), DVec3::Y, 1.0).expect("it is one");
+        let camera =
+            PinholeCamera::look_at(eye, DVec3::new(1.0, 2.0, 0.0), DVec3::Y, 1.0).expect("it is one");
         let (matrix, fov) = PictureData::frame(&camera);
         // One to the right, two up, and three in front of the camera.
         let point = [2.0, 4.0, 2.0, 1.0];

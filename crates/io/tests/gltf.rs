@@ -8,7 +8,7 @@ mod files;
 use files::{Files, floats};
 use glam::{DVec3, Vec3};
 use globillum_geom::Triangle;
-use globillum_integrator::{Camera, DeltaLight};
+use globillum_integrator::{DeltaLight, PinholeCamera};
 use globillum_io::{IoError, LoadMonitor, LoadProgress, Loaded, Loader, Place, WarningKind};
 use globillum_material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::bad_input::glb;
@@ -307,7 +307,7 @@ fn perspective_cameras_are_placed_by_their_nodes() {
             {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}},
         ],
     })));
-    let expected = Camera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7_f32.into()).unwrap();
+    let expected = PinholeCamera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7_f32.into()).unwrap();
     assert_eq!(loaded.cameras, [expected]);
     assert_eq!(warnings(&loaded), [(Place::Camera(1), WarningKind::CameraIgnored)]);
 }
@@ -325,7 +325,7 @@ fn cameras_that_their_nodes_flatten_are_left_out() {
         ],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}],
     })));
-    let expected = Camera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7_f32.into()).unwrap();
+    let expected = PinholeCamera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7_f32.into()).unwrap();
     assert_eq!(loaded.cameras, [expected]);
     let flattened = [1, 2, 4].map(|node| (Place::Node(node), WarningKind::CameraFlattened));
     assert_eq!(warnings(&loaded), flattened);

@@ -9,7 +9,8 @@ use exr::prelude::{
 use glam::{DVec3, Vec3};
 use globillum_geom::{KdTree, Triangle};
 use globillum_integrator::{
-    Camera, Estimates, Film, FirstHits, Model, PathReuse, Picture, Scene, Settings, Supersampling, render,
+    Estimates, Film, FirstHits, Model, PathReuse, Picture, PinholeCamera, Scene, Settings, Supersampling,
+    render,
 };
 use globillum_io::{IoError, PictureData, PictureFile, PictureFormat};
 use globillum_material::{Material, Rgb};
@@ -21,13 +22,13 @@ fn film() -> Film {
     rendered(&Settings::new(3, 2, 1)).0.film
 }
 
-fn rendered(settings: &Settings) -> (Picture, Camera) {
+fn rendered(settings: &Settings) -> (Picture, PinholeCamera) {
     let corners = [Vec3::new(-9.0, 0.0, -1.0), Vec3::new(0.0, -99.0, -1.0), Vec3::new(9.0, 0.0, -1.0)];
     let mut model = Model::default();
     model.add(Material::light(Rgb::new(2.0, 0.5, 0.25)).unwrap(), [Triangle { vertices: corners }]);
     let scene = Scene::build(model, KdTree::build).unwrap();
-    let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7).unwrap();
-    (render(&scene, &camera, settings, &()).unwrap(), camera)
+    let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7).unwrap();
+    (render(&scene, &camera, settings).unwrap(), camera)
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::accelerators::{Builder, Measurable};
 use crate::shapes::{cuboid, icosphere, inside_out, quad};
 use glam::DVec3;
 use globillum_geom::{Accel, Triangle};
-use globillum_integrator::{Camera, Model, Scene};
+use globillum_integrator::{Model, PinholeCamera, Scene};
 use globillum_material::{Emission, Material, Rgb, Sides};
 
 /// The scene of a valid model.
@@ -30,9 +30,9 @@ pub fn scene_under(sky: Rgb, model: &Model, build: Builder) -> Scene<Box<dyn Acc
 ///
 /// # Panics
 /// If the two coincide.
-pub fn stare(eye: DVec3, target: DVec3) -> Camera {
+pub fn stare(eye: DVec3, target: DVec3) -> PinholeCamera {
     let up = (target - eye).any_orthogonal_vector();
-    Camera::look_at(eye, target, up, 1e-9).expect("eye and target are apart")
+    PinholeCamera::look_at(eye, target, up, 1e-9).expect("eye and target are apart")
 }
 
 fn lambert(albedo: f64) -> Material {

@@ -7,7 +7,7 @@ use crate::view::{CameraType, Up, View};
 use crate::{load, parse};
 use anyhow::{Result, ensure};
 use globillum::geom::Triangle;
-use globillum::integrator::{Camera, Model};
+use globillum::integrator::{Model, PinholeCamera};
 use globillum::io::Loader;
 use globillum::scenes::cornell;
 use std::path::{Path, PathBuf};
@@ -96,7 +96,7 @@ impl Options {
     }
 
     /// The scene and its camera. Adds the files of its meshes to `files`.
-    fn scene(&self, interrupt: &Interrupt, files: &mut Vec<PathBuf>) -> Result<(Model, Camera)> {
+    fn scene(&self, interrupt: &Interrupt, files: &mut Vec<PathBuf>) -> Result<(Model, PinholeCamera)> {
         self.check()?;
         let mesh = |path: &PathBuf| self.mesh(path, interrupt, files);
         let meshes = self.mesh.iter().map(mesh).collect::<Result<Vec<_>>>()?;

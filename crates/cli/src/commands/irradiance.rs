@@ -95,7 +95,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let monitor = RenderMonitor::new(checkpoint, &interrupt);
     let mut failures = Failures::default();
     let (picture, render_seconds, traced) = monitor
-        .run(|monitor| render.run(monitor), &mut failures)
+        .run(|monitor| render.monitor(monitor).run(), &mut failures)
         .map_err(|error| flags.checkpoints.save.explain(error))?;
     let ended_by = reason(picture.ending, &interrupt);
     let timing = Timing { build_seconds, render_seconds, traced, ended_by };

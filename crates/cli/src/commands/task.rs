@@ -83,7 +83,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let render = before.into_iter().fold(render, Render::resume);
     let monitor = RenderMonitor::new(Some(checkpoint), &interrupt);
     let mut failures = Failures::default();
-    let (picture, ..) = monitor.run(|monitor| render.run(monitor), &mut failures)?;
+    let (picture, ..) = monitor.run(|monitor| render.monitor(monitor).run(), &mut failures)?;
     failures.into_result()?;
     let kept = format!("{task}: {} of {passes} passes are kept", passes_of(&picture));
     interrupt.check_ending(picture.ending, kept)?;

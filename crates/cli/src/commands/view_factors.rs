@@ -124,8 +124,9 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let run = before.into_iter().fold(run, FactorRun::resume);
     let monitor = RenderMonitor::new(checkpoint, &interrupt);
     let mut failures = Failures::default();
-    let compute =
-        |monitor: &dyn Monitor<_>| run.run(monitor).map_err(|error| options.explain(error, &patches));
+    let compute = |monitor: &dyn Monitor<_>| {
+        run.monitor(monitor).run().map_err(|error| options.explain(error, &patches))
+    };
     let (factors, seconds, traced) = monitor.run(compute, &mut failures)?;
 
     let reciprocity = Reciprocity::of(&factors);

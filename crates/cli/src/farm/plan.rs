@@ -1,7 +1,7 @@
 use super::Division;
 use crate::checkpoint_coverage::format_range;
 use anyhow::{Context, Result, anyhow, ensure};
-use globillum::integrator::Camera;
+use globillum::integrator::PinholeCamera;
 use globillum::io::PictureData;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -48,7 +48,7 @@ impl Plan {
     pub(crate) fn new(
         key: u64,
         picture: Vec<String>,
-        camera: Option<&Camera>,
+        camera: Option<&PinholeCamera>,
         samples: u32,
         division: Division,
     ) -> Self {

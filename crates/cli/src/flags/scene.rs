@@ -2,7 +2,7 @@ use crate::interrupt::Interrupt;
 use crate::load::Warnings;
 use crate::{console, load, parse, view};
 use anyhow::Result;
-use globillum::integrator::{Camera, Model};
+use globillum::integrator::{Model, PinholeCamera};
 use globillum::io::{Limits, Loaded, Loader, WarningKind};
 use globillum::material::Rgb;
 use std::path::PathBuf;
@@ -42,7 +42,7 @@ pub(crate) struct LoadedScene {
     pub(crate) name: String,
     /// In the environment asked for, or a black one.
     pub(crate) model: Model,
-    pub(crate) cameras: Vec<Camera>,
+    pub(crate) cameras: Vec<PinholeCamera>,
     /// The files that it was read from.
     pub(crate) files: Vec<PathBuf>,
     /// The environment asked for.

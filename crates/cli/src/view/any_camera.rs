@@ -1,6 +1,6 @@
 use clap::ValueEnum;
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, OrthographicCamera, RenderError, Sensor, SphericalCamera};
+use globillum::integrator::{OrthographicCamera, PinholeCamera, RenderError, Sensor, SphericalCamera};
 use serde::Serialize;
 
 /// How a camera maps directions to the picture.
@@ -21,7 +21,7 @@ pub(crate) enum CameraType {
 /// A camera of any type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum AnyCamera {
-    Pinhole(Camera),
+    Pinhole(PinholeCamera),
     Orthographic(OrthographicCamera),
     Spherical(SphericalCamera),
 }
@@ -30,7 +30,7 @@ impl AnyCamera {
     /// A camera of another type that stands and looks as `camera`. An orthographic one shows as much of the plane
     /// through `near`; a spherical one has `up` upward.
     pub(super) fn like(
-        camera: Camera,
+        camera: PinholeCamera,
         camera_type: CameraType,
         near: DVec3,
         up: DVec3,
@@ -71,7 +71,7 @@ impl AnyCamera {
     }
 
     /// The camera, if it is a pinhole.
-    pub(crate) fn pinhole(&self) -> Option<&Camera> {
+    pub(crate) fn pinhole(&self) -> Option<&PinholeCamera> {
         if let Self::Pinhole(camera) = self { Some(camera) } else { None }
     }
 

@@ -2,7 +2,7 @@ use super::any_camera::{AnyCamera, CameraType};
 use super::axes::Up;
 use super::outside::FIELD_OF_VIEW;
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, OrthographicCamera, RenderError, SphericalCamera};
+use globillum::integrator::{OrthographicCamera, PinholeCamera, RenderError, SphericalCamera};
 use globillum::material::{Emission, Rgb};
 
 /// The largest coordinate and size of a camera. The origins of its rays are then within
@@ -15,12 +15,12 @@ const FARTHEST: f64 = 1e60;
 ///
 /// # Errors
 /// What is wrong with it, in a few words.
-pub fn parse_camera(text: &str, up: Up) -> Result<Camera, String> {
+pub fn parse_camera(text: &str, up: Up) -> Result<PinholeCamera, String> {
     let CameraParts { eye, target, up, size } =
         CameraParts::parse(text, up, "two to four parts: from/to/up/degrees")?;
     let degrees = size.unwrap_or(FIELD_OF_VIEW);
     let range = "the field of view must be above 0 and below 180 degrees";
-    Camera::look_at(eye, target, up, degrees.to_radians()).map_err(|error| reason(error, range))
+    PinholeCamera::look_at(eye, target, up, degrees.to_radians()).map_err(|error| reason(error, range))
 }
 
 /// Parses a camera of any type. The fourth part of an orthographic one is its height in units of length, at most 1e60; by
@@ -206,7 +206,7 @@ mod tests {
             let eye = DVec3::new(place, place, place + distance);
             for degrees in [1e-3, 40.0, 179.9999] {
                 let aside = DVec3::new(0.3 * distance, -0.2 * distance, -distance);
-                let camera = Camera::look_at(eye, eye + aside, DVec3::Y, f64::to_radians(degrees));
+                let camera = PinholeCamera::look_at(eye, eye + aside, DVec3::Y, f64::to_radians(degrees));
                 let camera = camera.expect("it is one");
                 let text = format_camera(&AnyCamera::Pinhole(camera), DVec3::splat(place));
                 let parsed = parse_camera(&text, Up::Y).expect("it is well-formed");

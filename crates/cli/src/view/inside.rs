@@ -3,7 +3,7 @@
 use super::axes::Up;
 use globillum::geom::{Accel, Hit, Ray};
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, Monitor, RenderError, Scene, Settings, render};
+use globillum::integrator::{Monitor, PinholeCamera, Render, RenderError, Scene, Settings};
 
 /// Degrees from bottom to top: rooms are narrow.
 const FIELD_OF_VIEW: f64 = 65.0;
@@ -32,9 +32,9 @@ pub(crate) fn of_room<A: Accel>(
     scene: &Scene<A>,
     up: Up,
     aspect: f64,
-    outside: &Camera,
+    outside: &PinholeCamera,
     cancelled: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Camera>, RenderError> {
+) -> Result<Option<PinholeCamera>, RenderError> {
     let eyes = eyes(scene, up);
     if enclosed_share(scene, &eyes) < CLOSED {
         return Ok(None);
@@ -90,15 +90,15 @@ fn best_view<A: Accel>(
     eye: DVec3,
     up: Up,
     aspect: f64,
-) -> Result<(f64, Camera), RenderError> {
+) -> Result<(f64, PinholeCamera), RenderError> {
     let axes = up.axes();
     let around = (-2..=2).flat_map(|x: i32| (-2..=2).map(move |z: i32| (x, z)));
     let around = around.filter(|(x, z)| x.abs().max(z.abs()) == 2);
-    let mut best: Option<(f64, Camera)> = None;
+    let mut best: Option<(f64, PinholeCamera)> = None;
     for (x, z) in around {
         let ahead = DVec3::new(x.into(), 0.0, z.into()).normalize() - 0.2 * DVec3::Y;
         let target = eye + scene.triangles().bounds().extent().max_element() * (axes * ahead);
-        let camera = Camera::look_at(eye, target, axes.y_axis, FIELD_OF_VIEW.to_radians())?;
+        let camera = PinholeCamera::look_at(eye, target, axes.y_axis, FIELD_OF_VIEW.to_radians())?;
         let depth = depth(scene, &camera, aspect);
         if best.is_none_or(|(deepest, _)| depth > deepest) {
             best = Some((depth, camera));
@@ -109,7 +109,7 @@ fn best_view<A: Accel>(
 
 /// The mean over a picture of `d / (d + unit)`, with the distance `d` and a quarter of the scene's diagonal as
 /// `unit`: what is close to the eye costs more than what is far away brings. A ray that leaves the scene has 0.
-fn depth<A: Accel>(scene: &Scene<A>, camera: &Camera, aspect: f64) -> f64 {
+fn depth<A: Accel>(scene: &Scene<A>, camera: &PinholeCamera, aspect: f64) -> f64 {
     let middle = |i, count| (2.0 * f64::from(i) + 1.0) / f64::from(count) - 1.0;
     let pixels = (0..8).flat_map(|y| (0..12).map(move |x| (middle(x, 12), middle(y, 8))));
     let rays: Vec<Ray> = pixels.map(|(x, y)| camera.ray(x, y, aspect)).collect();
@@ -132,12 +132,12 @@ impl Monitor for Canceller<'_> {
 /// The mean luminance of a small picture.
 fn brightness<A: Accel>(
     scene: &Scene<A>,
-    camera: &Camera,
+    camera: &PinholeCamera,
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Result<f64, RenderError> {
     let mut settings = Settings::new(12, 8, 16);
     settings.max_bounces = Some(BOUNCES);
-    let picture = render(scene, camera, &settings, &Canceller(cancelled))?;
+    let picture = Render::new(scene, camera, &settings).monitor(&Canceller(cancelled)).run()?;
     Ok(picture.film.image_mean().luminance())
 }
 
@@ -178,7 +178,7 @@ mod tests {
         cuboid(at, DVec3::splat(0.1), 0.0)
     }
 
-    fn view(mut model: Model, up: Up, environment: f64, accel: AccelKind) -> (Camera, CameraBy) {
+    fn view(mut model: Model, up: Up, environment: f64, accel: AccelKind) -> (PinholeCamera, CameraBy) {
         model.set_environment(Rgb::splat(environment)).expect("in range");
         let scene = Scene::build(model, |triangles| accel.build(triangles)).expect("a good model");
         match View::Automatic(CameraType::Pinhole, up)

@@ -15,7 +15,7 @@ pub use outside::of_all;
 
 use globillum::geom::{Aabb, Accel};
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, RenderError, Scene};
+use globillum::integrator::{PinholeCamera, RenderError, Scene};
 use serde::Serialize;
 
 /// Where a picture is seen from.
@@ -24,7 +24,7 @@ pub(crate) enum View {
     /// By the camera of the flag.
     Given(AnyCamera),
     /// By the scene's camera, as one of this type.
-    Own(Camera, CameraType, Up),
+    Own(PinholeCamera, CameraType, Up),
     /// By a camera of this type that depends on the scene.
     Automatic(CameraType, Up),
 }

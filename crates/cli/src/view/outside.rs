@@ -1,7 +1,7 @@
 use super::axes::Up;
 use globillum::geom::Aabb;
 use globillum::glam::{BVec3, DMat3, DVec2, DVec3, Vec3Swizzles};
-use globillum::integrator::{Camera, RenderError};
+use globillum::integrator::{PinholeCamera, RenderError};
 
 /// Degrees from bottom to top, where nothing else is asked for.
 pub(crate) const FIELD_OF_VIEW: f64 = 40.0;
@@ -18,7 +18,7 @@ const FILLED: f64 = 0.95;
 ///
 /// # Errors
 /// [`RenderError::Camera`] if `bounds` have no extent, or one beyond what `f64` can hold.
-pub fn of_all(bounds: &Aabb, up: Up, aspect: f64) -> Result<Camera, RenderError> {
+pub fn of_all(bounds: &Aabb, up: Up, aspect: f64) -> Result<PinholeCamera, RenderError> {
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let size = max - min;
     if !(size.is_finite() && size.max_element() > 0.0) {
@@ -28,9 +28,10 @@ pub fn of_all(bounds: &Aabb, up: Up, aspect: f64) -> Result<Camera, RenderError>
     let corner = |i| DVec3::select(BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), min, max);
     let corners = (0..8).map(|i| view.transpose() * corner(i));
     let fov = FIELD_OF_VIEW.to_radians();
-    let edges = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, fov)?.ray(1.0, 1.0, aspect).direction;
+    let edges =
+        PinholeCamera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, fov)?.ray(1.0, 1.0, aspect).direction;
     let eye = view * eye_that_fits(corners, FILLED * edges.xy());
-    Camera::look_at(eye, eye - size.max_element() * view.z_axis, up.axes().y_axis, fov)
+    PinholeCamera::look_at(eye, eye - size.max_element() * view.z_axis, up.axes().y_axis, fov)
 }
 
 /// The unit vectors rightward and upward in the picture and toward the eye, as columns, for a box of `size`.
@@ -64,7 +65,7 @@ mod tests {
     use globillum::glam::Vec3;
 
     /// Where the corners of the box are in the picture: from -1 to 1 rightward and upward.
-    fn corners(bounds: &Aabb, camera: &Camera, aspect: f64) -> Vec<DVec2> {
+    fn corners(bounds: &Aabb, camera: &PinholeCamera, aspect: f64) -> Vec<DVec2> {
         let origin = camera.ray(0.0, 0.0, aspect);
         let rightward = camera.ray(1.0, 0.0, aspect).direction - origin.direction;
         let upward = camera.ray(0.0, 1.0, aspect).direction - origin.direction;

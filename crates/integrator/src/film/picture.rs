@@ -8,7 +8,7 @@ use crate::{CheckpointError, Counters};
 ///
 /// ```
 /// use globillum_integrator::{Picture, Render, Settings, render};
-/// # use globillum_integrator::{Camera, Model, Scene};
+/// # use globillum_integrator::{Model, PinholeCamera, Scene};
 /// # use glam::{DVec3, Vec3};
 /// # use globillum_geom::{KdTree, Triangle};
 /// # use globillum_material::{Material, Rgb};
@@ -16,12 +16,12 @@ use crate::{CheckpointError, Counters};
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
 /// # let scene = Scene::build(model, KdTree::build)?;
-/// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+/// # let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let settings = Settings::new(8, 8, 64); // four passes of 16 samples
-/// let mut here = Render::new(&scene, &camera, &settings).passes(0..2).run(&())?;
-/// let elsewhere = Render::new(&scene, &camera, &settings).passes(2..4).run(&())?.to_bytes();
+/// let mut here = Render::new(&scene, &camera, &settings).passes(0..2).run()?;
+/// let elsewhere = Render::new(&scene, &camera, &settings).passes(2..4).run()?.to_bytes();
 /// here.merge(Picture::from_bytes(&elsewhere)?)?;
-/// assert_eq!(here.film, render(&scene, &camera, &settings, &())?.film);
+/// assert_eq!(here.film, render(&scene, &camera, &settings)?.film);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

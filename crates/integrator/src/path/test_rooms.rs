@@ -6,7 +6,7 @@ use super::tile_probes::LightEdges;
 use super::{RenderContext, TileProbes, Wavefront, guide};
 use crate::guide::{Guide, PhotonGuide};
 use crate::pixel_rect::PixelRect;
-use crate::{Camera, Guiding, Model, Scene, Sensor, Settings};
+use crate::{Guiding, Model, PinholeCamera, Scene, Sensor, Settings};
 use glam::DVec3;
 use globillum_geom::conformance::shapes::{icosphere, quad};
 use globillum_geom::{KdTree, Triangle};
@@ -56,8 +56,8 @@ pub(super) fn room_model(size: f64) -> Model {
     model
 }
 
-pub(super) fn camera(fov: f64) -> Camera {
-    Camera::look_at(DVec3::new(0.3, 0.9, 2.2), DVec3::new(0.1, 0.0, 0.0), DVec3::Y, fov).unwrap()
+pub(super) fn camera(fov: f64) -> PinholeCamera {
+    PinholeCamera::look_at(DVec3::new(0.3, 0.9, 2.2), DVec3::new(0.1, 0.0, 0.0), DVec3::Y, fov).unwrap()
 }
 
 pub(super) fn settings() -> Settings {

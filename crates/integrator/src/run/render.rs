@@ -11,12 +11,13 @@ use crate::worker_threads::run_in_threads;
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use std::cmp::Ordering;
+use std::fmt;
 use std::ops::{ControlFlow, Range};
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Renders all samples of `scene` as measured by `sensor`, such as a [`Camera`](crate::Camera): [`Render`] without
-/// further conditions.
+/// Renders all samples of `scene` as measured by `sensor`, such as a [`PinholeCamera`](crate::PinholeCamera):
+/// [`Render`] without further conditions and without a monitor.
 ///
 /// # Errors
 /// Those of [`Render::run`].
@@ -24,12 +25,11 @@ pub fn render(
     scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,
     settings: &Settings,
-    monitor: &dyn Monitor,
 ) -> Result<Picture, RenderError> {
-    Render::new(scene, sensor, settings).run(monitor)
+    Render::new(scene, sensor, settings).run()
 }
 
-/// A render, with the conditions that stop it.
+/// A render, with the conditions that stop it and the monitor that observes it.
 ///
 /// A render adds passes of a few samples per pixel. Each tile of a pass is one task, and each pixel belongs
 /// to one tile. Samples and passes are summed in a fixed order, so that the bits of the picture depend
@@ -39,7 +39,7 @@ pub fn render(
 ///
 /// ```
 /// use globillum_integrator::{Ending, Render, Settings, Stop};
-/// # use globillum_integrator::{Camera, Model, Scene};
+/// # use globillum_integrator::{Model, PinholeCamera, Scene};
 /// # use glam::{DVec3, Vec3};
 /// # use globillum_geom::{KdTree, Triangle};
 /// # use globillum_material::{Material, Rgb};
@@ -47,20 +47,20 @@ pub fn render(
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
 /// # let scene = Scene::build(model, KdTree::build)?;
-/// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+/// # let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let settings = Settings::new(32, 32, u32::MAX);
 /// let mut stop = Stop::default();
 /// stop.relative_rmse = Some(0.02);
-/// let picture = Render::new(&scene, &camera, &settings).until(stop).run(&())?;
+/// let picture = Render::new(&scene, &camera, &settings).until(stop).run()?;
 /// assert_eq!(picture.ending, Ending::Goals);
 /// assert!(picture.film.error().relative_rmse <= 0.02);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
 pub struct Render<'a> {
     scene: &'a Scene<dyn Accel + 'a>,
     sensor: &'a dyn Sensor,
     settings: Settings,
+    monitor: &'a dyn Monitor,
     stop: Stop,
     passes: Option<Range<u32>>,
     crop: Option<[Range<u32>; 2]>,
@@ -72,7 +72,23 @@ impl<'a> Render<'a> {
     /// A render of all samples of `settings`, of a scene with any accelerator.
     pub fn new(scene: &'a Scene<dyn Accel + 'a>, sensor: &'a dyn Sensor, settings: &Settings) -> Self {
         let (settings, stop) = (*settings, Stop::default());
-        Self { scene, sensor, settings, stop, passes: None, crop: None, rows: None, before: None }
+        Self {
+            scene,
+            sensor,
+            settings,
+            monitor: &(),
+            stop,
+            passes: None,
+            crop: None,
+            rows: None,
+            before: None,
+        }
+    }
+
+    /// The same render, observed by `monitor`, which may cancel it.
+    #[must_use]
+    pub fn monitor(self, monitor: &'a dyn Monitor) -> Self {
+        Self { monitor, ..self }
     }
 
     /// Stops early by `stop`.
@@ -95,7 +111,7 @@ impl<'a> Render<'a> {
     /// of equal crops can be merged.
     ///
     /// ```
-    /// # use globillum_integrator::{Camera, Model, Render, Scene, Settings};
+    /// # use globillum_integrator::{Model, PinholeCamera, Render, Scene, Settings};
     /// # use glam::{DVec3, Vec3};
     /// # use globillum_geom::{KdTree, Triangle};
     /// # use globillum_material::{Material, Rgb};
@@ -103,9 +119,9 @@ impl<'a> Render<'a> {
     /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
     /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
     /// # let scene = Scene::build(model, KdTree::build)?;
-    /// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+    /// # let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
     /// let settings = Settings::new(640, 480, 16);
-    /// let crop = Render::new(&scene, &camera, &settings).crop(320..352, 240..304).run(&())?;
+    /// let crop = Render::new(&scene, &camera, &settings).crop(320..352, 240..304).run()?;
     /// assert_eq!((crop.film.width(), crop.film.height()), (32, 64));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -136,7 +152,7 @@ impl<'a> Render<'a> {
         Self { before: Some(picture), ..self }
     }
 
-    /// Renders. If `monitor` cancels, the current pass is dropped and the passes before it are returned.
+    /// Renders. If the monitor cancels, the current pass is dropped and the passes before it are returned.
     ///
     /// # Errors
     /// [`RenderError::Param`] for settings, stop conditions, passes, crop or rows out of range,
@@ -147,8 +163,8 @@ impl<'a> Render<'a> {
     /// [`RenderError::Worker`] for one in an accelerator, the sensor,
     /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
     /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
-    pub fn run(mut self, monitor: &dyn Monitor) -> Result<Picture, RenderError> {
-        let start = Instant::now();
+    pub fn run(mut self) -> Result<Picture, RenderError> {
+        let (start, monitor) = (Instant::now(), self.monitor);
         let settings = self.settings.for_sensor(self.sensor)?;
         self.stop.validate()?;
         let passes = self.checked_passes()?;
@@ -235,6 +251,22 @@ impl<'a> Render<'a> {
             Ordering::Equal => Ok(picture),
             Ordering::Greater => Err(CheckpointError::TooManySamples.into()),
         }
+    }
+}
+
+impl fmt::Debug for Render<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { scene, sensor, settings, stop, passes, crop, rows, before, monitor: _ } = self;
+        f.debug_struct("Render")
+            .field("scene", scene)
+            .field("sensor", sensor)
+            .field("settings", settings)
+            .field("stop", stop)
+            .field("passes", passes)
+            .field("crop", crop)
+            .field("rows", rows)
+            .field("before", before)
+            .finish_non_exhaustive()
     }
 }
 

@@ -35,7 +35,7 @@ use std::ops::Range;
 /// let points = IrradiancePoints::new((0..10).map(|i| (DVec3::X * 0.1 * f64::from(i), DVec3::Y)))?;
 /// let mut stop = Stop::default();
 /// stop.relative_rmse = Some(0.01);
-/// let picture = Render::new(&scene, &points, &points.settings(u32::MAX)).until(stop).run(&())?;
+/// let picture = Render::new(&scene, &points, &points.settings(u32::MAX)).until(stop).run()?;
 /// for reading in points.readings(&picture.film) {
 ///     println!("{}: {} +- {} W/m^2", reading.position, reading.irradiance.g, reading.margin_95.g);
 /// }

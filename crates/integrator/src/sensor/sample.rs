@@ -5,8 +5,8 @@ use std::hash::Hasher;
 
 /// What a render measures with: a grid of elements, each the mean of a quantity over the samples that it takes.
 ///
-/// The elements of a [`Camera`](crate::Camera) are pixels, those of [`IrradiancePoints`](crate::IrradiancePoints)
-/// points of a list. All else of a render, such as estimators, errors, stop conditions and checkpoints, is the same
+/// The elements of a [`PinholeCamera`](crate::PinholeCamera) are pixels, those of
+/// [`IrradiancePoints`](crate::IrradiancePoints) points of a list. All else of a render, such as estimators, errors, stop conditions and checkpoints, is the same
 /// for any sensor. Elements are taken in tiles of 16 x 16, row by row, or of up to 256 elements in a grid of at most
 /// eight columns; the bits of a picture do not depend on the tiles.
 ///
@@ -54,7 +54,7 @@ use std::hash::Hasher;
 /// # let scene = Scene::build(model, KdTree::build)?;
 ///
 /// let fisheye = Fisheye { eye: DVec3::ZERO, axes: DMat3::IDENTITY };
-/// let picture = render(&scene, &fisheye, &Settings::new(16, 16, 4), &())?;
+/// let picture = render(&scene, &fisheye, &Settings::new(16, 16, 4))?;
 /// assert_eq!((picture.film.mean(8, 8), picture.film.mean(0, 0)), (Rgb::WHITE, Rgb::BLACK));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -26,7 +26,7 @@
 //! let triangles = Triangles::new(vec![Triangle::new(a, b, c), Triangle { vertices: facing }])?;
 //! let accel = WideBvh::build(&triangles)?;
 //! let patches = Patches::of_triangles(2);
-//! let factors = FactorRun::new(&triangles, &accel, &patches, &FactorSettings::new(1 << 14)).run(&())?;
+//! let factors = FactorRun::new(&triangles, &accel, &patches, &FactorSettings::new(1 << 14)).run()?;
 //! let [across, away] = [Target::Patch(1), Target::Surroundings].map(|target| factors.factor(0, target));
 //! assert_eq!(across.hits + away.hits, factors.rays());
 //! assert!((across.value - 0.1).abs() < 0.02, "{} +- {}", across.value, across.std_err);

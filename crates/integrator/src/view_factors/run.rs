@@ -10,18 +10,19 @@ use crate::{Counters, Ending, Monitor};
 use globillum_geom::{Accel, Triangles};
 use globillum_material::Sides;
 use rayon::prelude::*;
+use std::fmt;
 use std::time::Instant;
 
 /// The computation of view factors.
 ///
 /// A pass traces the same number of rays from each patch, which is one task. Counts are integers, so their sums
 /// depend neither on the number of threads nor on when passes were traced; hits are the same in each accelerator.
-#[derive(Debug)]
 pub struct FactorRun<'a, A: ?Sized> {
     triangles: &'a Triangles,
     accel: &'a A,
     patches: &'a Patches,
     settings: &'a FactorSettings,
+    monitor: &'a dyn Monitor<ViewFactors>,
     before: Option<ViewFactors>,
 }
 
@@ -33,7 +34,13 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
         patches: &'a Patches,
         settings: &'a FactorSettings,
     ) -> Self {
-        Self { triangles, accel, patches, settings, before: None }
+        Self { triangles, accel, patches, settings, monitor: &(), before: None }
+    }
+
+    /// The same computation, observed by `monitor`, which may cancel it.
+    #[must_use]
+    pub fn monitor(self, monitor: &'a dyn Monitor<ViewFactors>) -> Self {
+        Self { monitor, ..self }
     }
 
     /// Continues from `before`: the passes that it holds are not traced again. The result has the bits of a run
@@ -43,7 +50,7 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
         Self { before: Some(before), ..self }
     }
 
-    /// Traces rays until all passes are done or the goal is met. If `monitor` cancels, the current pass is dropped
+    /// Traces rays until all passes are done or the goal is met. If the monitor cancels, the current pass is dropped
     /// and the passes before it are returned; [`Monitor::cancelled`] is called before the rays of each patch.
     /// [`Progress`](crate::Progress) counts rays as samples.
     ///
@@ -55,14 +62,13 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
     /// [`FactorError::Threads`] if no threads can be started. Panics are caught: [`FactorError::Worker`]
     /// for one in an accelerator, [`Monitor::progress`] or [`Monitor::cancelled`], [`FactorError::Monitor`] for one in
     /// [`Monitor::pass_done`].
-    pub fn run(mut self, monitor: &dyn Monitor<ViewFactors>) -> Result<ViewFactors, FactorError> {
+    pub fn run(mut self) -> Result<ViewFactors, FactorError> {
         self.settings.validate()?;
         if !checked_accel::is_over(self.accel, self.triangles) {
             return Err(FactorError::OtherTriangles);
         }
         let start = self.start()?;
-        run_in_threads(self.settings.threads, || self.add_passes(start, monitor))
-            .map_err(FactorError::Threads)?
+        run_in_threads(self.settings.threads, || self.add_passes(start)).map_err(FactorError::Threads)?
     }
 
     /// The view factors to continue.
@@ -88,11 +94,7 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
         sources().chain(settings).chain(vertices).chain(patches).fold(0, fold)
     }
 
-    fn add_passes(
-        &self,
-        mut factors: ViewFactors,
-        monitor: &dyn Monitor<ViewFactors>,
-    ) -> Result<ViewFactors, FactorError> {
+    fn add_passes(&self, mut factors: ViewFactors) -> Result<ViewFactors, FactorError> {
         let passes = self.settings.passes;
         let tracer = Tracer::new(self.triangles, self.accel, self.patches, self.settings);
         let meter = Meter::new(Instant::now(), None);
@@ -113,12 +115,12 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
             }
             let left = u64::from(planned.saturating_sub(factors.passes));
             meter.expect(left * self.rays_of_pass());
-            let Some(rows) = self.pass(&tracer, factors.passes, &meter, monitor)? else {
+            let Some(rows) = self.pass(&tracer, factors.passes, &meter)? else {
                 factors.ending = Ending::Cancelled;
                 return Ok(factors);
             };
             factors.add_pass(&rows);
-            caught(|| monitor.pass_done(&factors))
+            caught(|| self.monitor.pass_done(&factors))
                 .map_err(|message| FactorError::Monitor { passes: factors.passes, message })?;
         }
     }
@@ -147,15 +149,14 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
         tracer: &Tracer<'a, A>,
         pass: u32,
         meter: &Meter,
-        monitor: &dyn Monitor<ViewFactors>,
     ) -> Result<Option<Vec<Row>>, FactorError> {
         let of_patch = |buffers: &mut Buffers, patch: u32| {
             let traced = caught(|| {
-                (!monitor.cancelled()).then(|| {
+                (!self.monitor.cancelled()).then(|| {
                     let row = tracer.trace(patch, pass, buffers);
                     let camera_rays = self.settings.pass_rays.into();
                     meter.add(camera_rays, &Counters { camera_rays, ..Counters::default() });
-                    monitor.progress(meter.progress());
+                    self.monitor.progress(meter.progress());
                     row
                 })
             });
@@ -163,5 +164,18 @@ impl<'a, A: Accel + ?Sized> FactorRun<'a, A> {
             traced.map_err(|message| FactorError::Worker { patch, message })
         };
         (0..self.patches.len() as u32).into_par_iter().map_init(Buffers::default, of_patch).collect()
+    }
+}
+
+impl<A: fmt::Debug + ?Sized> fmt::Debug for FactorRun<'_, A> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { triangles, accel, patches, settings, before, monitor: _ } = self;
+        f.debug_struct("FactorRun")
+            .field("triangles", triangles)
+            .field("accel", accel)
+            .field("patches", patches)
+            .field("settings", settings)
+            .field("before", before)
+            .finish_non_exhaustive()
     }
 }

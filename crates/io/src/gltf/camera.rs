@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use glam::DVec3;
-use globillum_integrator::{Camera, RenderError};
+use globillum_integrator::{PinholeCamera, RenderError};
 use gltf::json::camera::Type;
 use gltf::json::validation::Checked::Valid;
 
@@ -36,11 +36,11 @@ pub(super) fn add_all(document: &Document, tree: &Tree<'_>, loading: &mut Loadin
 /// # Errors
 /// [`RenderError::Camera`] if the node flattens the view: coordinates are finite, but its -z axis is zero, or its y axis is
 /// zero or parallel to that. [`RenderError::Param`] for a field of view out of range.
-fn of(placed: &Placed<'_>, field_of_view: f64) -> Result<Camera, RenderError> {
+fn of(placed: &Placed<'_>, field_of_view: f64) -> Result<PinholeCamera, RenderError> {
     let world = placed.world;
     let eye = world.translation;
     let forward = world.transform_vector3(DVec3::NEG_Z).normalize_or_zero();
     // At this distance the difference to the eye is precise.
     let target = eye + forward * eye.length().max(1.0);
-    Camera::look_at(eye, target, world.transform_vector3(DVec3::Y), field_of_view)
+    PinholeCamera::look_at(eye, target, world.transform_vector3(DVec3::Y), field_of_view)
 }

@@ -2,7 +2,7 @@
 
 use super::errors::Truth;
 use globillum::glam::DVec3;
-use globillum::integrator::Camera;
+use globillum::integrator::PinholeCamera;
 use globillum::material::Rgb;
 use globillum_testkit::form_factor::corner;
 
@@ -18,9 +18,9 @@ fn radiance(x: f64, z: f64) -> f64 {
 
 /// A camera under the light. A picture that is at most as wide as high shows only floor, from its middle
 /// nearly to its edge.
-pub(super) fn camera() -> Camera {
+pub(super) fn camera() -> PinholeCamera {
     let (eye, target) = (DVec3::new(0.2, 0.9, 0.45), DVec3::new(0.15, 0.0, 0.2));
-    Camera::look_at(eye, target, DVec3::Y, 0.7).expect("eye and target are apart")
+    PinholeCamera::look_at(eye, target, DVec3::Y, 0.7).expect("eye and target are apart")
 }
 
 /// The exact picture of [`camera`] with `side` pixels along each side: the mean over each pixel by quadrature.
@@ -32,7 +32,7 @@ pub(super) fn picture(side: u32) -> Truth {
 }
 
 /// The mean over a pixel, by the tensor product of Gauss quadrature with four nodes.
-fn pixel(camera: &Camera, side: u32, x: u32, y: u32) -> f64 {
+fn pixel(camera: &PinholeCamera, side: u32, x: u32, y: u32) -> f64 {
     const NODES: [(f64, f64); 4] = [
         (-0.861_136_311_594_052_6, 0.347_854_845_137_453_86),
         (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),

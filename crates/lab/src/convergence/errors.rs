@@ -242,7 +242,7 @@ mod tests {
         settings.seed = samples.into();
         let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
         let scene = scene(&furnace(0.5, 1.0, DVec3::ZERO), STRUCTURES[0].1);
-        render(&scene, &camera, &settings, &()).expect("the scene is good").film
+        render(&scene, &camera, &settings).expect("the scene is good").film
     }
 
     fn truth() -> Truth {

@@ -2,7 +2,7 @@
 //! shows.
 
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, Estimator, render};
+use globillum::integrator::{Estimator, PinholeCamera, render};
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::Builder;
 use globillum_testkit::furnace::truncated_series;
@@ -32,13 +32,13 @@ pub(crate) fn loss(build: Builder, half: f64, center: DVec3, side: u32) -> Loss 
     let eye = center + half * DVec3::new(0.1, 0.2, 0.3);
     let toward = half * DVec3::new(0.4, -0.3, 0.8);
     let up = toward.any_orthogonal_vector();
-    let camera = Camera::look_at(eye, eye + toward, up, 2.5).expect("eye and target are apart");
+    let camera = PinholeCamera::look_at(eye, eye + toward, up, 2.5).expect("eye and target are apart");
     // One sample per pixel: a sum of several equal samples would be rounded.
     let mut settings = independent_pixels(side, side, 1);
     (settings.estimator, settings.max_bounces) = (Estimator::Bsdf, Some(BOUNCES));
     settings.roulette.start = u32::MAX;
     let scene = scene(&furnace(RHO, half, center), build);
-    let film = render(&scene, &camera, &settings, &()).expect("the scene is good").film;
+    let film = render(&scene, &camera, &settings).expect("the scene is good").film;
     let truth = Rgb::splat(truncated_series(RHO, BOUNCES));
     let lost = film.means().filter(|&mean| mean != truth).count() as u32;
     Loss { paths: side * side, lost, mean: film.image_mean().g }

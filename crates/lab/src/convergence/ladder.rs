@@ -51,7 +51,7 @@ impl Ladder {
             settings
         };
         let run = |samples: u32| -> Result<(Film, f64)> {
-            let (picture, seconds) = timed(|| render(scene, &subject.camera, &settings(samples), &()));
+            let (picture, seconds) = timed(|| render(scene, &subject.camera, &settings(samples)));
             Ok((picture?.film, seconds))
         };
         let first: Vec<(Film, f64)> = plan.samples.iter().map(|&n| run(n)).collect::<Result<_>>()?;

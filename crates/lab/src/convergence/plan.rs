@@ -4,7 +4,7 @@ use super::combination::accel_name;
 use super::subject::Subject;
 use anyhow::{Result, ensure};
 use clap::Parser;
-use globillum::integrator::{Camera, Settings, Stop};
+use globillum::integrator::{PinholeCamera, Settings, Stop};
 use globillum::material::Rgb;
 use globillum_cli::{AccelKind, view};
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ pub struct Options {
     /// For files: camera position, target, up vector and vertical field of view in degrees; by default the
     /// file's first camera, else a view of the whole scene
     #[arg(long, value_name = "X,Y,Z/X,Y,Z[/X,Y,Z[/FOV]]", allow_hyphen_values = true, value_parser = |text: &str| view::parse_camera(text, view::Up::Y))]
-    camera: Option<Camera>,
+    camera: Option<PinholeCamera>,
     /// For files: radiance of the environment in all directions
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, default_value = "0", value_parser = view::parse_colour)]
     environment: Rgb,

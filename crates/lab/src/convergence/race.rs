@@ -38,7 +38,7 @@ impl Race {
         let mut settings = plan.settings(u32::MAX);
         combination.apply(&mut settings);
         let start = Instant::now();
-        let picture = Render::new(scene, &subject.camera, &settings).until(plan.stop()).run(&())?;
+        let picture = Render::new(scene, &subject.camera, &settings).until(plan.stop()).run()?;
         let seconds = start.elapsed().as_secs_f64();
         let truth = reference.truth(combination);
         Ok(Self {

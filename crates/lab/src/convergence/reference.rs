@@ -49,7 +49,7 @@ impl Reference {
             (settings.estimator, settings.sampler) = (estimator, Sampler::Sobol);
             (settings.pass_samples, settings.seed) = (PASS, SEED ^ plan.seed ^ seed);
             settings.path_reuse = PathReuse::Off;
-            let picture = render(&scene, &subject.camera, &settings, &())?;
+            let picture = render(&scene, &subject.camera, &settings)?;
             done();
             Ok(Truth::of_film(&picture.film).counting(counted.clone()))
         };
@@ -92,7 +92,7 @@ impl Reference {
 fn without_lights(subject: &Subject, accel: AccelKind, plan: &Plan) -> Result<Vec<bool>> {
     let mut settings = plan.settings(LIGHT_SAMPLES);
     (settings.max_bounces, settings.pass_samples) = (Some(0), LIGHT_SAMPLES);
-    let emitted = render(&subject.without_environment(accel)?, &subject.camera, &settings, &())?.film;
+    let emitted = render(&subject.without_environment(accel)?, &subject.camera, &settings)?.film;
     let dark: Vec<bool> = emitted.means().map(|mean| mean.is_black()).collect();
     Ok(if dark.contains(&true) { dark } else { vec![true; dark.len()] })
 }

@@ -5,7 +5,7 @@ use super::errors::Truth;
 use anyhow::{Context, Result, ensure};
 use globillum::geom::{Accel, GeomError};
 use globillum::glam::DVec3;
-use globillum::integrator::{Camera, Model, RenderError, Scene};
+use globillum::integrator::{Model, PinholeCamera, RenderError, Scene};
 use globillum::io::WarningKind;
 use globillum::material::Rgb;
 use globillum_cli::{AccelKind, view, warn};
@@ -17,7 +17,7 @@ use std::path::Path;
 pub(crate) struct Subject {
     pub(crate) name: String,
     pub(crate) model: Model,
-    pub(crate) camera: Camera,
+    pub(crate) camera: PinholeCamera,
     known: Known,
 }
 
@@ -67,7 +67,7 @@ impl Subject {
     }
 
     /// A scene from a file.
-    pub(crate) fn load(path: &Path, camera: Option<Camera>, environment: Rgb) -> Result<Self> {
+    pub(crate) fn load(path: &Path, camera: Option<PinholeCamera>, environment: Rgb) -> Result<Self> {
         let mut loaded = globillum::io::load(path)?;
         loaded.model.set_environment(environment)?;
         let camera = match camera.or(loaded.cameras.first().copied()) {
@@ -114,7 +114,7 @@ impl Subject {
     }
 }
 
-fn in_box(model: Model) -> Result<(Model, Camera, Known), RenderError> {
+fn in_box(model: Model) -> Result<(Model, PinholeCamera, Known), RenderError> {
     Ok((model, cornell::camera()?, Known::Nothing))
 }
 

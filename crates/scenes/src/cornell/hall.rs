@@ -4,7 +4,7 @@ use super::{CLAY, GREEN, RED, SILVER, WHITE, stand};
 use glam::DVec3;
 use globillum_geom::Triangle;
 use globillum_geom::shapes::{cuboid, icosphere, quad};
-use globillum_integrator::{Camera, Model, RenderError};
+use globillum_integrator::{Model, PinholeCamera, RenderError};
 use globillum_material::{Material, MaterialError, Rgb};
 
 const LOW: DVec3 = DVec3::new(-2.0, 0.0, -8.0);
@@ -29,9 +29,9 @@ const COOL: Rgb = Rgb::new(3.6, 6.0, 9.9);
 /// The camera of [`hall_with_statues`](super::hall_with_statues), at the entrance: it looks down the aisle.
 ///
 /// # Errors
-/// Never: all constants are in range. The type is that of [`Camera::look_at`].
-pub fn camera() -> Result<Camera, RenderError> {
-    Camera::look_at(DVec3::new(-0.35, 1.2, 2.45), DVec3::new(0.3, 0.9, -2.0), DVec3::Y, 0.95)
+/// Never: all constants are in range. The type is that of [`PinholeCamera::look_at`].
+pub fn camera() -> Result<PinholeCamera, RenderError> {
+    PinholeCamera::look_at(DVec3::new(-0.35, 1.2, 2.45), DVec3::new(0.3, 0.9, -2.0), DVec3::Y, 0.95)
 }
 
 /// A hall with eight statues, which are copies of `meshes` in turn (none if there are no meshes), a mirror as

@@ -11,7 +11,7 @@ mod statues;
 use glam::{DQuat, DVec3};
 use globillum_geom::shapes::{cuboid, quad};
 use globillum_geom::{Aabb, Triangle};
-use globillum_integrator::{Camera, Model, RenderError};
+use globillum_integrator::{Model, PinholeCamera, RenderError};
 use globillum_material::{Material, MaterialError, Rgb};
 
 pub use hall::{camera as hall_camera, with_statues as hall_with_statues};
@@ -32,9 +32,9 @@ pub const SILVER: Rgb = Rgb::splat(0.95);
 /// box fills the view.
 ///
 /// # Errors
-/// Never: all constants are in range. The type is that of [`Camera::look_at`].
-pub fn camera() -> Result<Camera, RenderError> {
-    Camera::look_at(DVec3::new(0.0, 0.0, 3.9), DVec3::ZERO, DVec3::Y, 39.3_f64.to_radians())
+/// Never: all constants are in range. The type is that of [`PinholeCamera::look_at`].
+pub fn camera() -> Result<PinholeCamera, RenderError> {
+    PinholeCamera::look_at(DVec3::new(0.0, 0.0, 3.9), DVec3::ZERO, DVec3::Y, 39.3_f64.to_radians())
 }
 
 /// The empty box: five walls and the light.

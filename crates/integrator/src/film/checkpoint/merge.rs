@@ -19,7 +19,7 @@ const AT_ONCE: usize = 16;
 ///
 /// ```
 /// use globillum_integrator::{CheckpointReader, CheckpointWriter, Merge, Render, Settings, render};
-/// # use globillum_integrator::{Camera, Model, Scene};
+/// # use globillum_integrator::{Model, PinholeCamera, Scene};
 /// # use glam::{DVec3, Vec3};
 /// # use globillum_geom::{KdTree, Triangle};
 /// # use globillum_material::{Material, Rgb};
@@ -27,21 +27,21 @@ const AT_ONCE: usize = 16;
 /// # let [a, b, c] = [Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, -9.0, -1.0), Vec3::new(0.0, 9.0, -1.0)];
 /// # model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c)]);
 /// # let scene = Scene::build(model, KdTree::build)?;
-/// # let camera = Camera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+/// # let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
 /// let settings = Settings::new(8, 32, 64); // four passes of 16 samples
 /// // The tasks of a farm: two strips, and two ranges of passes of each.
 /// let mut tasks = Vec::new();
 /// for rows in [0..16, 16..32] {
 ///     for passes in [0..2, 2..4] {
 ///         let task = Render::new(&scene, &camera, &settings).rows(rows.clone()).passes(passes);
-///         tasks.push(task.run(&())?.to_bytes());
+///         tasks.push(task.run()?.to_bytes());
 ///     }
 /// }
 /// let readers = tasks.iter().map(|bytes| CheckpointReader::new(&bytes[..])).collect::<Result<_, _>>()?;
 /// let merge = Merge::new(readers)?;
 /// let mut merged = CheckpointWriter::new(Vec::new(), merge.header())?;
 /// let error = merge.run(|rows| merged.write(rows))?;
-/// let whole = render(&scene, &camera, &settings, &())?;
+/// let whole = render(&scene, &camera, &settings)?;
 /// assert_eq!((merged.finish()?, error), (whole.to_bytes(), whole.film.error()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -138,7 +138,7 @@ impl PhotonRays {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Camera;
+    use crate::PinholeCamera;
     use crate::guide::{Photon, guide_vertex};
     use crate::light::Receiver;
     use crate::path::test_rooms::{Setup, TILE, settings, shaft};
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn rays_of_photons_follow_as_many_mirrors_as_paths_do() {
         let (scene, settings) = (shaft(0.5), settings());
-        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.02).unwrap();
+        let camera = PinholeCamera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.02).unwrap();
         for mirrors in [1.0, 2.0, 8.0, 9.0] {
             let vertex = guide_vertex(Receiver { position: DVec3::ZERO, side: Vec3::Y });
             let photon = Photon { vertex, exit: Vec3::new(0.5, 2.0 / mirrors, 0.0) };

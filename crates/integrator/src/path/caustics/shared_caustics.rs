@@ -192,7 +192,7 @@ mod tests {
     use crate::path::test_rooms::{Setup, TILE, advanced, camera, room, room_with_wall, settings, shaft};
     use crate::path::{TileProbes, Wavefront};
     use crate::{
-        Camera, ElementSample, Estimator, Guiding, MirrorSampling, PathStart, Roulette, Scene, Sensor,
+        ElementSample, Estimator, Guiding, MirrorSampling, PathStart, PinholeCamera, Roulette, Scene, Sensor,
         Settings,
     };
     use glam::DVec3;
@@ -318,7 +318,7 @@ mod tests {
     #[test]
     fn each_path_finds_its_own_caustic_again() {
         let (scene, settings) = (shaft(0.5), settings());
-        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
+        let camera = PinholeCamera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
         let photons = Setup::new(&scene, &camera, Guiding::Off).photons;
         let [lit, weighted] = [None, Some(photons)].map(|photons| {
             let context = RenderContext::new(&scene, &camera, &settings);

@@ -118,7 +118,7 @@ mod tests {
     use crate::path::test_rooms::built;
     use crate::sampler::Member;
     use crate::sampler::MirrorSize;
-    use crate::{Camera, Model, Scene, Settings};
+    use crate::{Model, PinholeCamera, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
     use globillum_geom::{Accel, KdTree};
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn each_diffuse_vertex_has_what_it_chooses_alone() {
         let (scene, eye) = (scene(), DVec3::new(0.3, 0.8, 2.5));
-        let camera = Camera::look_at(eye, DVec3::new(-0.4, 0.5, 0.0), DVec3::Y, 1.0).unwrap();
+        let camera = PinholeCamera::look_at(eye, DVec3::new(-0.4, 0.5, 0.0), DVec3::Y, 1.0).unwrap();
         let settings = Settings::new(8, 8, 4);
         let context = RenderContext::new(&scene, &camera, &settings);
         let small_mirrors = context.small_mirrors().unwrap();
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn without_numbers_nothing_is_chosen() {
         let scene = scene();
-        let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 1.0).unwrap();
+        let camera = PinholeCamera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 1.0).unwrap();
         let settings = Settings::new(8, 8, 4);
         let context = RenderContext::new(&scene, &camera, &settings);
         let (ray, draw) =

@@ -127,7 +127,7 @@ impl PhotonPath {
 mod tests {
     use super::*;
     use crate::path::test_rooms::built;
-    use crate::{Camera, Model, Scene, Settings};
+    use crate::{Model, PinholeCamera, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::KdTree;
     use globillum_geom::conformance::shapes::quad;
@@ -159,7 +159,7 @@ mod tests {
     }
 
     fn photons_in(scene: &Scene<KdTree>) -> Vec<Photon> {
-        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 3.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
+        let camera = PinholeCamera::look_at(DVec3::new(0.0, 2.0, 3.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
         let settings = Settings::new(128, 128, 4);
         photons(&RenderContext::new(scene, &camera, &settings))
     }

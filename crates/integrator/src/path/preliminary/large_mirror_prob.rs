@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::path::preliminary::prepared;
     use crate::path::test_rooms::{assert_equal_means, built, radiance_sum};
-    use crate::{Camera, Model, PathReuse, Scene};
+    use crate::{Model, PathReuse, PinholeCamera, Scene};
     use glam::DVec3;
     use globillum_geom::KdTree;
     use globillum_geom::conformance::shapes::{icosphere, quad};
@@ -167,8 +167,8 @@ mod tests {
         built(model)
     }
 
-    fn camera() -> Camera {
-        Camera::look_at(DVec3::new(0.4, 1.0, 2.2), DVec3::new(0.1, 0.4, 0.0), DVec3::Y, 0.9).unwrap()
+    fn camera() -> PinholeCamera {
+        PinholeCamera::look_at(DVec3::new(0.4, 1.0, 2.2), DVec3::new(0.1, 0.4, 0.0), DVec3::Y, 0.9).unwrap()
     }
 
     fn settings(seed: u64) -> Settings {

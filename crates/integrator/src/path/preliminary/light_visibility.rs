@@ -69,7 +69,7 @@ mod tests {
     use crate::path::preliminary::prepared;
     use crate::path::test_rooms::{assert_equal_means, built, radiance_sum};
     use crate::pixel_rect::PixelRect;
-    use crate::{Camera, Estimator, Model, PathReuse, Scene, Settings};
+    use crate::{Estimator, Model, PathReuse, PinholeCamera, Scene, Settings};
     use glam::{DVec3, Vec3};
     use globillum_geom::KdTree;
     use globillum_geom::conformance::shapes::quad;
@@ -97,8 +97,8 @@ mod tests {
         built(model)
     }
 
-    fn camera() -> Camera {
-        Camera::look_at(DVec3::new(-1.2, 0.8, 2.6), DVec3::new(-0.8, 0.3, 0.0), DVec3::Y, 0.7).unwrap()
+    fn camera() -> PinholeCamera {
+        PinholeCamera::look_at(DVec3::new(-1.2, 0.8, 2.6), DVec3::new(-0.8, 0.3, 0.0), DVec3::Y, 0.7).unwrap()
     }
 
     fn settings(seed: u64) -> Settings {

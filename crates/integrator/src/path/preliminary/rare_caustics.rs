@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crate::path::prepared;
     use crate::path::test_rooms::{built, camera, room, settings, shaft, shaft_model};
-    use crate::{Camera, ElementSample, PathReuse, Roulette, Sensor, Settings};
+    use crate::{ElementSample, PathReuse, PinholeCamera, Roulette, Sensor, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
     use globillum_material::{Material, Rgb};
@@ -109,7 +109,7 @@ mod tests {
     fn first_diffuse_vertices_count_wherever_paths_meet_them() {
         let all = (PROBES_PER_SIDE * PROBES_PER_SIDE) as usize;
         let eye = DVec3::new(0.0, 2.0, 0.5);
-        let toward = |x: f64| Camera::look_at(eye, DVec3::new(x, 0.0, 0.0), DVec3::Y, 0.1).unwrap();
+        let toward = |x: f64| PinholeCamera::look_at(eye, DVec3::new(x, 0.0, 0.0), DVec3::Y, 0.1).unwrap();
         let [direct, by_one, by_two] = [0.0, 1.0, 2.0].map(toward);
         let sensors: [(&dyn Sensor, u32); 4] = [(&direct, 1), (&by_one, 2), (&by_two, 3), (&Floor, 1)];
         for (sensor, start) in sensors {
@@ -138,7 +138,8 @@ mod tests {
         let ceiling = quad(p(-0.5, 2.0), p(-0.5, -2.0), p(0.5, -2.0), p(0.5, 2.0));
         model.add(Material::lambert(Rgb::splat(0.8)).unwrap(), ceiling);
         let scene = built(model);
-        let camera = Camera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::Y * 3.9, DVec3::X, 0.1).unwrap();
+        let camera =
+            PinholeCamera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::Y * 3.9, DVec3::X, 0.1).unwrap();
         let settings = Settings::new(16, 16, 4);
         let context = RenderContext::new(&scene, &camera, &settings);
         let first = scattered_rays(&context, 0, starts(&context));

@@ -168,7 +168,7 @@ impl Probes {
 mod tests {
     use super::*;
     use crate::path::test_rooms::built;
-    use crate::{Camera, ElementSample, Model, OrthographicCamera, Scene, Sensor};
+    use crate::{ElementSample, Model, OrthographicCamera, PinholeCamera, Scene, Sensor};
     use globillum_geom::conformance::shapes::{icosphere, quad};
     use globillum_geom::{KdTree, Ray, Triangle};
     use globillum_material::Material;
@@ -203,8 +203,8 @@ mod tests {
             .collect()
     }
 
-    fn camera() -> Camera {
-        Camera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap()
+    fn camera() -> PinholeCamera {
+        PinholeCamera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap()
     }
 
     /// The variance of one camera ray in each pixel, as 32 x 32 of them tell.
@@ -237,7 +237,7 @@ mod tests {
 
     /// A camera with directions of this length.
     #[derive(Debug)]
-    struct WithLength(Camera, f64);
+    struct WithLength(PinholeCamera, f64);
 
     impl Sensor for WithLength {
         fn start(&self, sample: &ElementSample) -> PathStart {

@@ -281,7 +281,7 @@ mod tests {
     use crate::path::test_rooms::built;
     use crate::path::tile_probes::TileProbes;
     use crate::pixel_rect::PixelRect;
-    use crate::{Camera, Estimator, Model, Sampler, Scene, Settings};
+    use crate::{Estimator, Model, PinholeCamera, Sampler, Scene, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
     use globillum_geom::{KdTree, SimdLevel};
@@ -306,7 +306,8 @@ mod tests {
     fn shading_gives_the_same_bits_with_any_instructions() {
         let scene = corner();
         let camera =
-            Camera::look_at(DVec3::new(0.3, 0.8, 2.5), DVec3::new(0.0, 0.6, 0.0), DVec3::Y, 0.8).unwrap();
+            PinholeCamera::look_at(DVec3::new(0.3, 0.8, 2.5), DVec3::new(0.0, 0.6, 0.0), DVec3::Y, 0.8)
+                .unwrap();
         let tile = PixelRect { x: 0, y: 0, width: 16, height: 16 };
         for (sampler, estimator) in [Sampler::Sobol, Sampler::Independent]
             .into_iter()

@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use crate::path::test_rooms::built;
     use crate::pixel_rect::PixelRect;
-    use crate::{Camera, Model, Settings};
+    use crate::{Model, PinholeCamera, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::{icosphere, quad};
     use globillum_material::Material;
@@ -100,7 +100,7 @@ mod tests {
         let ball = icosphere(4).placed(0.3, DVec3::new(-0.4, 0.0, 0.5)).triangles();
         model.add(Material::mirror(Rgb::WHITE).unwrap(), ball);
         let scene = built(model);
-        let camera = Camera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
+        let camera = PinholeCamera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
         let settings = Settings::new(16, 16, 3);
         let context = RenderContext::new(&scene, &camera, &settings);
         let tile = PixelRect { x: 0, y: 0, width: 16, height: 16 };

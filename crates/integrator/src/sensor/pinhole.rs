@@ -9,20 +9,20 @@ use std::hash::Hasher;
 ///
 /// ```
 /// use glam::DVec3;
-/// use globillum_integrator::Camera;
+/// use globillum_integrator::PinholeCamera;
 ///
 /// let (eye, target) = (DVec3::new(0.0, 1.0, 5.0), DVec3::ZERO);
-/// let camera = Camera::look_at(eye, target, DVec3::Y, 40.0_f64.to_radians())?;
+/// let camera = PinholeCamera::look_at(eye, target, DVec3::Y, 40.0_f64.to_radians())?;
 /// assert_eq!(camera.ray(0.0, 0.0, 1.0).origin, eye); // the middle of the picture
 /// # Ok::<(), globillum_integrator::RenderError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
+pub struct PinholeCamera {
     /// Right and up are half the picture's height at distance 1.
     view: Orientation,
 }
 
-impl Camera {
+impl PinholeCamera {
     /// A camera at `eye` that looks at `target`, with `up` upward in the picture and a vertical
     /// field of view of `fov_y` radians.
     ///
@@ -47,7 +47,7 @@ impl Camera {
     }
 }
 
-impl Sensor for Camera {
+impl Sensor for PinholeCamera {
     #[inline]
     fn start(&self, sample: &ElementSample) -> PathStart {
         PathStart::Ray(self.ray(sample.x, sample.y, sample.aspect))
