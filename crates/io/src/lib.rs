@@ -29,8 +29,6 @@ mod atomic;
 mod error;
 #[cfg(feature = "gltf")]
 mod gltf;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod jail;
 mod limits;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod lint;
@@ -59,6 +57,8 @@ mod plain;
 mod range;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod report;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+mod scene_files;
 mod special;
 mod temporary;
 

@@ -1,5 +1,6 @@
 use crate::loading::{Loaded, Loading};
 use crate::path::extension_of;
+use crate::scene_files::Storage;
 use crate::{IoError, Limits, LoadMonitor, Place};
 use std::fmt;
 use std::path::Path;
@@ -22,6 +23,7 @@ use std::path::Path;
 /// ```
 #[derive(Clone, Copy)]
 pub struct Loader<'a> {
+    storage: Storage<'a>,
     limits: Limits,
     monitor: &'a dyn LoadMonitor,
     luminous_efficacy: f64,
@@ -29,9 +31,32 @@ pub struct Loader<'a> {
 }
 
 impl<'a> Loader<'a> {
-    /// A loader with the default limits and no monitor.
+    /// A loader of files on disk, with the default limits and no monitor.
     pub fn new() -> Self {
-        Self { limits: Limits::default(), monitor: &(), luminous_efficacy: 683.0, keeps_objects: false }
+        let (storage, limits) = (Storage::Disk, Limits::default());
+        Self { storage, limits, monitor: &(), luminous_efficacy: 683.0, keeps_objects: false }
+    }
+
+    /// The same loader, which reads these files, each with its name and its content, and none on disk. The scene file and
+    /// those that it refers to, such as material libraries and buffers, are found by their names; a name may have folders,
+    /// separated by `/`.
+    ///
+    /// ```
+    /// use globillum_io::Loader;
+    ///
+    /// # #[cfg(feature = "obj")] {
+    /// // A program may contain its files, by `include_bytes!`.
+    /// let obj = b"mtllib floor.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl floor\nf 1 2 3";
+    /// let mtl = b"newmtl floor\nKd 0.7 0.6 0.5";
+    /// let files: [(&str, &[u8]); 2] = [("floor.obj", obj), ("floor.mtl", mtl)];
+    /// let loaded = Loader::new().files(&files).load("floor.obj")?;
+    /// assert_eq!(loaded.materials[0].name, "floor");
+    /// # }
+    /// # Ok::<(), globillum_io::IoError>(())
+    /// ```
+    #[must_use]
+    pub fn files(self, files: &'a [(&'a str, &'a [u8])]) -> Self {
+        Self { storage: Storage::Memory(files), ..self }
     }
 
     /// The same loader with other limits.
@@ -42,9 +67,8 @@ impl<'a> Loader<'a> {
 
     /// The same loader, observed by `monitor`.
     #[must_use]
-    pub fn monitor<'b>(self, monitor: &'b dyn LoadMonitor) -> Loader<'b> {
-        let Self { limits, luminous_efficacy, keeps_objects, .. } = self;
-        Loader { limits, monitor, luminous_efficacy, keeps_objects }
+    pub fn monitor(self, monitor: &'a dyn LoadMonitor) -> Self {
+        Self { monitor, ..self }
     }
 
     /// The same loader with a luminous efficacy of `lumens_per_watt` for the delta lights of glTF.
@@ -106,9 +130,9 @@ impl<'a> Loader<'a> {
         path: &Path,
         read: impl FnOnce(Vec<u8>, &mut Loading<'_>) -> crate::error::Result<()>,
     ) -> Result<Loaded, IoError> {
-        let mut loading = Loading::new(path, &self.limits, self.monitor);
+        let mut loading = Loading::new(path, self.storage, &self.limits, self.monitor);
         loading.objects = self.keeps_objects.then(Vec::new);
-        let bytes = loading.jail.read(path)?;
+        let bytes = loading.files.read(path)?;
         if bytes.is_empty() {
             return Err(IoError::Parse { at: Place::File.of(path), message: "file is empty".into() });
         }

@@ -1,8 +1,8 @@
 use crate::error::Result;
-use crate::jail::Jail;
 #[cfg(feature = "gltf")]
 use crate::limits::check_count;
 use crate::lint;
+use crate::scene_files::{SceneFiles, Storage};
 use crate::{IoError, Limits, LoadMonitor, LoadProgress, LoadReport, Location, Place, Warning, WarningKind};
 use globillum_geom::Triangle;
 #[cfg(feature = "gltf")]
@@ -83,7 +83,7 @@ const ROOM_FOR_WARNINGS: u64 = 128 << 10;
 pub(crate) struct Loading<'a> {
     pub(crate) path: &'a Path,
     pub(crate) limits: &'a Limits,
-    pub(crate) jail: Jail<'a>,
+    pub(crate) files: SceneFiles<'a>,
     pub(crate) cameras: Vec<PinholeCamera>,
     materials: Vec<NamedMaterial>,
     /// `None` if nobody asks for them.
@@ -97,14 +97,19 @@ pub(crate) struct Loading<'a> {
 }
 
 impl<'a> Loading<'a> {
-    pub(crate) fn new(path: &'a Path, limits: &'a Limits, monitor: &'a dyn LoadMonitor) -> Self {
-        let jail = Jail::around(path, limits);
+    pub(crate) fn new(
+        path: &'a Path,
+        storage: Storage<'a>,
+        limits: &'a Limits,
+        monitor: &'a dyn LoadMonitor,
+    ) -> Self {
+        let files = SceneFiles::around(path, storage, limits);
         let (report, model) = (LoadReport::default(), Model::default());
         let (cameras, reported, bytes_of_warnings, warnings_left_out) = (Vec::new(), 0, 0, 0);
         Self {
             path,
             limits,
-            jail,
+            files,
             cameras,
             materials: Vec::new(),
             objects: None,
@@ -132,7 +137,7 @@ impl<'a> Loading<'a> {
     pub(crate) fn warn_of(&mut self, at: Location, kind: WarningKind) {
         let warning = Warning { at, kind };
         let bytes = self.bytes_of_warnings + warning.bytes() as u64;
-        if bytes <= ROOM_FOR_WARNINGS + self.jail.bytes_read() / 4 {
+        if bytes <= ROOM_FOR_WARNINGS + self.files.bytes_read() / 4 {
             self.bytes_of_warnings = bytes;
             self.report.warnings.push(warning);
         } else {
@@ -166,7 +171,7 @@ impl<'a> Loading<'a> {
     #[cfg(feature = "gltf")]
     pub(crate) fn check_triangles(&self, count: u64) -> Result<()> {
         self.check_count(count, self.limits.triangles, "triangles")?;
-        let beyond = count.saturating_sub(self.jail.bytes_read());
+        let beyond = count.saturating_sub(self.files.bytes_read());
         self.check_count(beyond, self.limits.instanced, "triangles of repeated mesh instances")
     }
 
@@ -251,7 +256,7 @@ impl<'a> Loading<'a> {
             self.warn(Place::File, kind);
         }
         let objects = self.objects.unwrap_or_default();
-        let Self { model, cameras, materials, report, jail, .. } = self;
-        Ok(Loaded { model, cameras, materials, report, objects, files: jail.files })
+        let Self { model, cameras, materials, report, files, .. } = self;
+        Ok(Loaded { model, cameras, materials, report, objects, files: files.read })
     }
 }

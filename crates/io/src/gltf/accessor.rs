@@ -195,7 +195,7 @@ impl<'a> Accessors<'a> {
         let sparse = Sparse { indices, values, count: json.count.0 as usize };
         // Accessors may share their sparse elements, but each checks all of them.
         self.sparse_elements = self.sparse_elements.saturating_add(json.count.0);
-        let limit = loading.jail.bytes_read();
+        let limit = loading.files.bytes_read();
         check_count(self.sparse_elements, limit, "elements of sparse accessors", || at.clone())?;
         check_order(&sparse, count, at)?;
         Ok(sparse)

@@ -61,13 +61,13 @@ impl Files {
         match Target::of(uri) {
             Ok(Target::Data(bytes)) => Ok(Rc::new(bytes)),
             Ok(Target::File(name)) => {
-                let path = loading.jail.resolve(&name, &at)?;
+                let path = loading.files.resolve(&name, &at)?;
                 // A file may have several names.
                 let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
                 if let Some(bytes) = self.0.get(&canonical) {
                     return Ok(Rc::clone(bytes));
                 }
-                let bytes = Rc::new(loading.jail.read_named(&path, &name, &at)?);
+                let bytes = Rc::new(loading.files.read_named(&path, &name, &at)?);
                 self.0.insert(canonical, Rc::clone(&bytes));
                 Ok(bytes)
             }

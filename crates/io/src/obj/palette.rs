@@ -106,13 +106,13 @@ impl<'a> Palette<'a> {
         name: &str,
         loading: &mut Loading<'_>,
     ) -> Result<bool> {
-        let path = match loading.jail.resolve(name, &statement.at()) {
+        let path = match loading.files.resolve(name, &statement.at()) {
             Err(IoError::Reference { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
                 return Ok(false);
             }
             path => path?,
         };
-        let bytes = loading.jail.read_named(&path, name, &statement.at())?;
+        let bytes = loading.files.read_named(&path, name, &statement.at())?;
         self.define(&Source::of(&path, bytes, loading)?, loading)?;
         Ok(true)
     }
