@@ -1,22 +1,22 @@
 //! Physically based global illumination: a path tracer for triangle meshes, whose renders are repeatable to the bit
 //! and state their own error. This crate re-exports the crates of the library as modules.
 //!
-//! A floor under a triangle that emits:
+//! A floor under a square light:
 //!
 //! ```
 //! use globillum::geom::{Triangle, WideBvh};
-//! use globillum::glam::DVec3;
+//! use globillum::glam::{DVec3, Vec3};
 //! use globillum::integrator::{Model, PinholeCamera, Scene, Settings, render};
 //! use globillum::material::{Material, Rgb};
 //!
 //! fn main() -> Result<(), Box<dyn std::error::Error>> {
-//!     let triangle = |a: [f32; 3], b: [f32; 3], c: [f32; 3]| Triangle::new(a.into(), b.into(), c.into());
+//!     let p = Vec3::new;
 //!     let mut model = Model::default();
-//!     let floor = triangle([-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [0.0, 0.0, -2.0]);
-//!     model.add(Material::lambert(Rgb::new(0.7, 0.6, 0.5))?, [floor]);
+//!     let floor = Triangle::quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
+//!     model.add(Material::lambert(Rgb::new(0.7, 0.6, 0.5))?, floor);
 //!     // A light emits from its front, the side from which its vertices run counter-clockwise.
-//!     let light = triangle([-0.3, 1.0, -0.3], [0.3, 1.0, -0.3], [0.0, 1.0, 0.3]);
-//!     model.add(Material::light(Rgb::splat(10.0))?, [light]);
+//!     let light = Triangle::quad(p(-0.2, 1.0, -0.2), p(0.2, 1.0, -0.2), p(0.2, 1.0, 0.2), p(-0.2, 1.0, 0.2));
+//!     model.add(Material::light(Rgb::splat(10.0))?, light);
 //!
 //!     let scene = Scene::build(model, WideBvh::build)?;
 //!     // From a point toward another, the direction that is up, and the vertical field of view in radians.

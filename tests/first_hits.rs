@@ -17,7 +17,7 @@ fn wall(left: f64) -> FirstHits {
     let [a, b, c, d] = corners;
     let mut model = Model::default();
     model.add(Material::light(Rgb::WHITE).unwrap(), []);
-    model.add(Material::lambert(GREY).unwrap(), [Triangle::new(a, b, c), Triangle::new(a, c, d)]);
+    model.add(Material::lambert(GREY).unwrap(), Triangle::quad(a, b, c, d));
     let scene = scenes::scene(&model, ACCELERATORS[0].1);
     // A field of view of 90 degrees: half the picture is as wide as it is far.
     let camera =

@@ -68,7 +68,7 @@ pub(crate) fn terrain(side: u32) -> Result<Scene> {
     let cells = (0..side as usize).flat_map(|z| (0..side as usize).map(move |x| (x, z)));
     let split = |(x, z): (usize, usize)| {
         let [a, b, c, d] = [rows[z][x], rows[z + 1][x], rows[z + 1][x + 1], rows[z][x + 1]];
-        [Triangle::new(a, b, c), Triangle::new(a, c, d)]
+        Triangle::quad(a, b, c, d)
     };
     Ok(Scene {
         name: "terrain".to_owned(),

@@ -40,8 +40,7 @@ impl Mesh {
 
 /// The quadrilateral `a b c d` as the triangles `a b c` and `a c d`.
 pub fn quad(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> [Triangle; 2] {
-    let [a, b, c, d] = [a, b, c, d].map(|v| v.as_vec3());
-    [Triangle::new(a, b, c), Triangle::new(a, c, d)]
+    Triangle::quad(a.as_vec3(), b.as_vec3(), c.as_vec3(), d.as_vec3())
 }
 
 /// A box around `center` with half sides `half`, rotated by `yaw` radians about the y axis; its front is

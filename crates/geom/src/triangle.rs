@@ -21,6 +21,28 @@ impl Triangle {
         Self { vertices: [v0, v1, v2] }
     }
 
+    /// The quadrilateral `a b c d` as the triangles `a b c` and `a c d`. It should be flat and convex.
+    pub const fn quad(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [Self; 2] {
+        [Self::new(a, b, c), Self::new(a, c, d)]
+    }
+
+    /// The triangles of a mesh, in the order of `faces`, each three indices of `vertices`.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use globillum_geom::Triangle;
+    ///
+    /// let vertices = [Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::Y];
+    /// let triangles: Vec<_> = Triangle::indexed(&vertices, &[[0, 1, 2], [0, 2, 3]]).collect();
+    /// assert_eq!(triangles, Triangle::quad(Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::Y));
+    /// ```
+    ///
+    /// # Panics
+    /// The iterator panics at an index that is not below the number of vertices.
+    pub fn indexed(vertices: &[Vec3], faces: &[[u32; 3]]) -> impl ExactSizeIterator<Item = Self> {
+        faces.iter().map(|face| Self { vertices: face.map(|index| vertices[index as usize]) })
+    }
+
     /// The triangle with the vertices `corners` after `transform`, computed in `f64` and rounded once.
     ///
     /// The front stays the front: if the determinant of `transform` is negative, which reverses the

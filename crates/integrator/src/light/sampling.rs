@@ -51,9 +51,9 @@ pub enum LightSampling {
 /// let mut model = Model::default();
 /// let square = |y: f32| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x, y, z));
 /// let [a, b, c, d] = square(0.0);
-/// model.add(Material::lambert(Rgb::splat(0.5))?, [Triangle::new(a, c, b), Triangle::new(a, d, c)]);
+/// model.add(Material::lambert(Rgb::splat(0.5))?, Triangle::quad(a, d, c, b));
 /// let [a, b, c, d] = square(1.0);
-/// model.add(Material::light(Rgb::WHITE)?, [Triangle::new(a, b, c), Triangle::new(a, c, d)]);
+/// model.add(Material::light(Rgb::WHITE)?, Triangle::quad(a, b, c, d));
 /// let scene = Scene::build(model, WideBvh::build)?;
 /// let eye = DVec3::new(0.1, 0.5, 0.2);
 /// let ray = Ray::new(eye, -eye); // toward the middle of the floor

@@ -29,7 +29,7 @@ use std::ops::Range;
 ///
 /// let mut model = Model::default();
 /// let [a, b, c, d] = [(-1, -1), (1, -1), (1, 1), (-1, 1)].map(|(x, z)| Vec3::new(x as f32, 1.0, z as f32));
-/// model.add(Material::light(Rgb::splat(10.0))?, [Triangle::new(a, b, c), Triangle::new(a, c, d)]);
+/// model.add(Material::light(Rgb::splat(10.0))?, Triangle::quad(a, b, c, d));
 /// let scene = Scene::build(model, WideBvh::build)?;
 ///
 /// let points = IrradiancePoints::new((0..10).map(|i| (DVec3::X * 0.1 * f64::from(i), DVec3::Y)))?;
