@@ -162,8 +162,8 @@ impl LightSample {
 
 impl LightSampler<'_> {
     /// Samples a light by `u_light` in `[0, 1)` and a point on it by `u_point` in `[0, 1)^2`; the three numbers are
-    /// independent. `None` if there is no light or it does not emit toward the receiver: the sample then
-    /// contributes 0.
+    /// independent. `None` if there is no light, it does not emit toward the receiver, or it lies behind the receiver's
+    /// surface: the sample then contributes 0.
     #[inline(always)]
     pub fn sample(&self, u_light: f64, u_point: [f64; 2]) -> Option<LightSample> {
         let [light] = self.choose([u_light]);
@@ -188,6 +188,10 @@ impl LightSampler<'_> {
     #[inline(always)]
     fn sample_area(&self, light: &AreaLight, prob: AreaProb, u: [f64; 2]) -> Option<AreaLightSample> {
         let triangle = self.triangles.get(light.triangle);
+        // A tree seldom chooses a light behind the surface.
+        if self.lights.tree().is_none() && self.receiver.has_behind(triangle) {
+            return None;
+        }
         let spherical =
             if light.may_look_large(self.receiver.position) { self.by_solid_angle(triangle) } else { None };
         let (u, v) = match &spherical {
