@@ -28,6 +28,12 @@ fn the_domain_of_rays_ends_at_powers_of_two() {
 }
 
 #[test]
+#[should_panic(expected = "the len is 3 but the index is 3")]
+fn a_face_without_a_vertex_panics() {
+    let _ = Triangle::indexed(&CORNER.vertices, &[[0, 1, 2], [1, 2, 3]]).count();
+}
+
+#[test]
 fn frames_are_orthonormal_and_right_handed() {
     let poles = [DVec3::Z, -DVec3::Z, DVec3::new(0.0, 0.0, -1.0)];
     let others = (0..10_000).map(|i| {

@@ -119,6 +119,35 @@ fn a_spot_light_among_many_is_chosen_by_its_irradiance() {
     }
 }
 
+/// Two triangles are chosen by power: those behind the surface give no sample, and of those that cross its plane the points
+/// in front do.
+#[test]
+fn a_light_behind_the_surface_gives_no_sample() {
+    let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    let [a, b, c, d] = square;
+    let mut model = Model::default();
+    model.add(emitting(Rgb::WHITE, Sides::Both), Triangle::quad(a, b, c, d));
+    let scene = scene(model, &[]);
+    let samples = |sampling, from: DVec3, normal: DVec3| {
+        let sampler = scene.light_sampler(sampling, from, normal);
+        let of_sample = |i| {
+            let stream = Stream::new(3, 0, i);
+            let light = sampler.sample(stream.uniform(0), stream.uniform_pair(1))?;
+            Some(light.direction().dot(normal) > 0.0)
+        };
+        (0..1000).map(of_sample).collect::<Vec<_>>()
+    };
+    for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
+        let count = |from, normal, of| samples(sampling, from, normal).iter().filter(|&&s| s == of).count();
+        assert_eq!(count(DVec3::Z, DVec3::Z, None), 1000, "{sampling:?}: behind");
+        assert_eq!(count(DVec3::Z, DVec3::NEG_Z, Some(true)), 1000, "{sampling:?}: in front");
+        // The plane x = 0 through both triangles.
+        let in_front = count(DVec3::Z, DVec3::X, Some(true));
+        assert!((430..570).contains(&in_front), "{sampling:?}: {in_front} in front of a plane between");
+        assert_eq!(count(DVec3::Z, DVec3::X, None), 0, "{sampling:?}: both triangles are partly in front");
+    }
+}
+
 #[test]
 fn impossible_delta_lights_are_refused() {
     let limit = Triangle::MAX_COORDINATE;

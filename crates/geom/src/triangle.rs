@@ -21,7 +21,9 @@ impl Triangle {
         Self { vertices: [v0, v1, v2] }
     }
 
-    /// The quadrilateral `a b c d` as the triangles `a b c` and `a c d`. It should be flat and convex.
+    /// The quadrilateral `a b c d` as the triangles `a b c` and `a c d`. Seen from its front, the vertices are in
+    /// counter-clockwise order. One that is not flat is folded along `a c`; of one that is not convex, the triangles may
+    /// overlap.
     pub const fn quad(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [Self; 2] {
         [Self::new(a, b, c), Self::new(a, c, d)]
     }

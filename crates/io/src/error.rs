@@ -23,7 +23,8 @@ pub enum IoError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The error of the operating system, or [`InvalidData`](io::ErrorKind::InvalidData) for a pointer of Git LFS.
+        /// The error of the operating system, [`InvalidData`](io::ErrorKind::InvalidData) for a pointer of Git LFS, or
+        /// [`NotFound`](io::ErrorKind::NotFound) for a file that is not among those of `Loader::files`.
         source: io::Error,
     },
     /// The path names a folder, a FIFO or a device.
@@ -40,7 +41,8 @@ pub enum IoError {
         /// The name of the file, as the scene gives it.
         name: String,
         /// The error of the operating system, or [`InvalidInput`](io::ErrorKind::InvalidInput) for what is no regular file,
-        /// [`InvalidData`](io::ErrorKind::InvalidData) for a pointer of Git LFS.
+        /// [`InvalidData`](io::ErrorKind::InvalidData) for a pointer of Git LFS, [`NotFound`](io::ErrorKind::NotFound) for
+        /// a file that is not among those of `Loader::files`.
         source: io::Error,
     },
     /// The extension names no supported scene format.

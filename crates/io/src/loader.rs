@@ -5,7 +5,7 @@ use crate::{IoError, Limits, LoadMonitor, Place};
 use std::fmt;
 use std::path::Path;
 
-/// Loads scene files within given [`Limits`], observed by a [`LoadMonitor`].
+/// Loads scene files, on disk or in memory, within given [`Limits`], observed by a [`LoadMonitor`].
 ///
 /// ```no_run
 /// use globillum_io::{Limits, LoadMonitor, LoadProgress, Loader};
@@ -38,8 +38,9 @@ impl<'a> Loader<'a> {
     }
 
     /// The same loader, which reads these files, each with its name and its content, and none on disk. The scene file and
-    /// those that it refers to, such as material libraries and buffers, are found by their names; a name may have folders,
-    /// separated by `/`.
+    /// those that it refers to, such as material libraries and buffers, are found by their names. A name may have folders,
+    /// separated by `/`; upper and lower case differ; `./` changes nothing. Of equal names the first counts. Files that are
+    /// read are copied.
     ///
     /// ```
     /// use globillum_io::Loader;

@@ -257,6 +257,6 @@ impl<'a> Loading<'a> {
         }
         let objects = self.objects.unwrap_or_default();
         let Self { model, cameras, materials, report, files, .. } = self;
-        Ok(Loaded { model, cameras, materials, report, objects, files: files.read })
+        Ok(Loaded { model, cameras, materials, report, objects, files: files.paths_read })
     }
 }

@@ -26,12 +26,12 @@ pub(crate) struct SceneFiles<'a> {
     bytes_left: u64,
     limit: u64,
     /// The files that have been read, in the order of reading.
-    pub(crate) read: Vec<PathBuf>,
+    pub(crate) paths_read: Vec<PathBuf>,
 }
 
 impl<'a> SceneFiles<'a> {
     pub(crate) fn around(scene: &'a Path, storage: Storage<'a>, limits: &Limits) -> Self {
-        Self { scene, storage, bytes_left: limits.bytes, limit: limits.bytes, read: Vec::new() }
+        Self { scene, storage, bytes_left: limits.bytes, limit: limits.bytes, paths_read: Vec::new() }
     }
 
     /// Total bytes of the files that have been read.
@@ -49,7 +49,7 @@ impl<'a> SceneFiles<'a> {
             return Err(escape());
         }
         let path = self.scene.with_file_name(name);
-        match self.is_in_folder(&path)? {
+        match self.is_in_folder(&path, name)? {
             Err(error) if error.kind() == io::ErrorKind::NotFound && name.contains('\\') => {
                 self.resolve(&name.replace('\\', "/"), at)
             }
@@ -59,14 +59,24 @@ impl<'a> SceneFiles<'a> {
         }
     }
 
-    /// Whether the file `path` lies in the scene's folder or below; the inner error if it cannot be found.
-    fn is_in_folder(&self, path: &Path) -> Result<io::Result<bool>> {
+    /// Whether the file `path`, called `name`, lies in the scene's folder or below; the inner error if it cannot be found.
+    fn is_in_folder(&self, path: &Path, name: &str) -> Result<io::Result<bool>> {
         if let Storage::Memory(files) = self.storage {
-            return Ok(in_memory(files, path).map(|_| true));
+            let names_folder = parts(Path::new(name)).next().is_none();
+            return Ok(if names_folder { Err(not_regular()) } else { in_memory(files, path).map(|_| true) });
         }
         // Links may lead outside the folder; the canonical path shows where.
         let folder = folder_of(self.scene).canonicalize().map_err(|source| read_error(self.scene, source))?;
         Ok(path.canonicalize().map(|path| path.starts_with(folder)))
+    }
+
+    /// What a file has only one of, whatever its names.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn identity(&self, path: &Path) -> PathBuf {
+        match self.storage {
+            Storage::Disk => path.canonicalize().unwrap_or_else(|_| path.into()),
+            Storage::Memory(_) => parts(path).collect(),
+        }
     }
 
     /// Reads the file `path`, which the location `at` refers to as `name`.
@@ -74,9 +84,7 @@ impl<'a> SceneFiles<'a> {
         let failed = |source| IoError::Reference { at: at.clone(), name: name.into(), source };
         self.read(path).map_err(|error| match error {
             IoError::Read { source, .. } => failed(source),
-            IoError::NotRegularFile { .. } => {
-                failed(io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file"))
-            }
+            IoError::NotRegularFile { .. } => failed(not_regular()),
             other => other,
         })
     }
@@ -86,9 +94,11 @@ impl<'a> SceneFiles<'a> {
         let bytes = match self.storage {
             Storage::Disk => self.read_from_disk(path)?,
             Storage::Memory(files) => {
-                let bytes = in_memory(files, path).map_err(|source| read_error(path, source))?;
-                self.check_size(path, bytes.len() as u64)?;
-                bytes.into()
+                let content = in_memory(files, path).map_err(|source| read_error(path, source))?;
+                self.check_size(path, content.len() as u64)?;
+                let mut bytes = reserved(path, content.len())?;
+                bytes.extend_from_slice(content);
+                bytes
             }
         };
         if bytes.starts_with(LFS_POINTER) {
@@ -96,7 +106,7 @@ impl<'a> SceneFiles<'a> {
             return Err(read_error(path, io::Error::new(io::ErrorKind::InvalidData, message)));
         }
         self.bytes_left -= bytes.len() as u64;
-        self.read.push(path.into());
+        self.paths_read.push(path.into());
         Ok(bytes)
     }
 
@@ -108,9 +118,7 @@ impl<'a> SceneFiles<'a> {
             return Err(IoError::NotRegularFile { path: path.into() });
         }
         self.check_size(path, metadata.len())?;
-        let mut bytes = Vec::new();
-        let reserved = bytes.try_reserve_exact(metadata.len() as usize);
-        reserved.map_err(|_| failed(io::ErrorKind::OutOfMemory.into()))?;
+        let mut bytes = reserved(path, metadata.len() as usize)?;
         // The file may grow while it is being read.
         let mut file = File::open(path).map_err(failed)?.take(self.bytes_left.saturating_add(1));
         file.read_to_end(&mut bytes).map_err(failed)?;
@@ -125,11 +133,27 @@ impl<'a> SceneFiles<'a> {
     }
 }
 
-/// The content of the file `path`, which may begin with `./`.
+/// Memory for the file `path` of this length.
+fn reserved(path: &Path, length: usize) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let reserved = bytes.try_reserve_exact(length);
+    reserved.map_err(|_| read_error(path, io::ErrorKind::OutOfMemory.into()))?;
+    Ok(bytes)
+}
+
+/// The parts of a path without those that change nothing, `.`.
+fn parts(path: &Path) -> impl Iterator<Item = Component<'_>> {
+    path.components().filter(|part| *part != Component::CurDir)
+}
+
+/// The content of the file `path`.
 fn in_memory<'a>(files: &[(&str, &'a [u8])], path: &Path) -> io::Result<&'a [u8]> {
-    let parts = |path| Path::components(path).filter(|part| *part != Component::CurDir);
     let found = files.iter().find(|(name, _)| parts(Path::new(name)).eq(parts(path)));
     found.map(|&(_, bytes)| bytes).ok_or_else(|| io::ErrorKind::NotFound.into())
+}
+
+fn not_regular() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file")
 }
 
 fn read_error(path: &Path, source: io::Error) -> IoError {

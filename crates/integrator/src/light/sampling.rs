@@ -162,8 +162,8 @@ impl LightSample {
 
 impl LightSampler<'_> {
     /// Samples a light by `u_light` in `[0, 1)` and a point on it by `u_point` in `[0, 1)^2`; the three numbers are
-    /// independent. `None` if there is no light, it does not emit toward the receiver, or it lies behind the receiver's
-    /// surface: the sample then contributes 0.
+    /// independent. `None` if there is no light, or it does not emit toward the receiver: the sample then contributes 0. It
+    /// may also be `None` where a triangle lies behind the receiver's surface; other samples from behind contribute 0, too.
     #[inline(always)]
     pub fn sample(&self, u_light: f64, u_point: [f64; 2]) -> Option<LightSample> {
         let [light] = self.choose([u_light]);
@@ -212,7 +212,8 @@ impl LightSampler<'_> {
     }
 
     /// The density per steradian with which [`LightSampler::sample`] samples the direction to `at`, the
-    /// interaction of a ray from the receiver. 0 if the point does not emit toward the receiver or is seen edge-on.
+    /// interaction of a ray from the receiver. 0 if the point does not emit toward the receiver or is seen edge-on. Means
+    /// nothing for directions behind the receiver's surface.
     ///
     /// Multiple importance sampling needs it for a direction from BSDF sampling with density `p`: the weight is
     /// [`PdfSolidAngle::power_heuristic`].

@@ -68,8 +68,8 @@ impl<A: ?Sized> Scene<A> {
     /// Samples lights and points on them, distributed as `sampling` says, for the receiver `from`.
     ///
     /// `normal` is the unit normal of the surface there, on the side where light counts
-    /// ([`Interaction::facing_normal`]). In a light tree, lights in front of it are chosen more often; one behind it has a
-    /// probability above zero all the same.
+    /// ([`Interaction::facing_normal`]). In a light tree, lights in front of it are chosen more often. One behind it has a
+    /// probability above zero all the same, but may give no sample.
     pub fn light_sampler(&self, sampling: LightSampling, from: DVec3, normal: DVec3) -> LightSampler<'_> {
         let receiver = Receiver { position: from, side: normal.as_vec3() };
         LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, receiver }

@@ -63,12 +63,12 @@ impl Files {
             Ok(Target::File(name)) => {
                 let path = loading.files.resolve(&name, &at)?;
                 // A file may have several names.
-                let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
-                if let Some(bytes) = self.0.get(&canonical) {
+                let identity = loading.files.identity(&path);
+                if let Some(bytes) = self.0.get(&identity) {
                     return Ok(Rc::clone(bytes));
                 }
                 let bytes = Rc::new(loading.files.read_named(&path, &name, &at)?);
-                self.0.insert(canonical, Rc::clone(&bytes));
+                self.0.insert(identity, Rc::clone(&bytes));
                 Ok(bytes)
             }
             Ok(Target::Other(scheme)) => Err(IoError::Scheme { at, scheme: scheme.into() }),
