@@ -86,10 +86,10 @@ impl Wavefront {
         let wave = (&*self.paths, &*self.rays, &*self.hits);
         self.light_choices.choose_lights(context, wave, &self.bounce_numbers);
         self.small_mirror_choices.choose_small_mirrors(context, wave, &self.small_mirror_numbers);
-        let mut kept = 0;
-        for i in 0..self.paths.len() {
-            let (mut path, numbers) = (self.paths[i], self.bounce_numbers[i]);
-            let Some(at) = self.find_vertex(context, &mut path, i, bounce) else { continue };
+        let (mut paths, mut kept) = (std::mem::take(&mut self.paths), 0);
+        for i in 0..paths.len() {
+            let (path, numbers) = (&mut paths[i], self.bounce_numbers[i]);
+            let Some(at) = self.find_vertex(context, path, i, bounce) else { continue };
             if context.settings.max_bounces == Some(bounce) {
                 counters.limit_ends += 1;
                 continue;
@@ -99,14 +99,13 @@ impl Wavefront {
             vertex.light = self.light_choices.of_path(i);
             vertex.small_mirror = self.small_mirror_choices.of_path(i);
             vertex.large_mirror_numbers = self.large_mirror_numbers.get(i).copied();
-            self.meet_vertex(&mut path, &vertex);
-            let Some(next) = self.sample_and_scatter(context, &mut path, &vertex, counters) else {
-                continue;
-            };
-            (self.paths[kept], self.rays[kept]) = (path, next);
+            self.meet_vertex(path, &vertex);
+            let Some(next) = self.sample_and_scatter(context, path, &vertex, counters) else { continue };
+            (paths[kept], self.rays[kept]) = (*path, next);
             kept += 1;
         }
-        self.paths.truncate(kept);
+        paths.truncate(kept);
+        self.paths = paths;
         self.rays.truncate(kept);
     }
 
