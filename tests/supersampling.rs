@@ -1,10 +1,10 @@
 //! Supersampling of lights: more camera rays where pixels see the edge of a light.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
     ElementSample, Film, Model, OrthographicCamera, PathReuse, PathStart, PinholeCamera, PixelFilter, Render,
-    Sampler, Scene, Sensor, Settings, Supersampling, render,
+    Sampler, Scene, Sensor, Settings, SphericalCamera, Supersampling, render,
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::ACCELERATORS;
@@ -105,6 +105,105 @@ fn between_mirrors() -> Model {
 fn between_mirrors_camera(z: f64) -> PinholeCamera {
     let eye = DVec3::new(-0.2, 0.5, 1.5);
     PinholeCamera::look_at(eye, DVec3::new(0.5, 0.4, z), DVec3::Y, 0.9).expect("the camera is good")
+}
+
+/// Small lamps that face downward, one in four of them a long one. In pictures of 37 x 29 pixels they have an area of 1/1000 to 1/20 of one.
+fn small_lamps() -> Vec<[Triangle; 2]> {
+    let lamp = |k: u32| {
+        let [x, y, z] = [0.755, 0.57, 0.431].map(|step| 2.0 * (f64::from(k) * step).fract() - 1.0);
+        let half = [if k.is_multiple_of(4) { 0.1 } else { 0.004 }, 0.004];
+        let corner = |i: f64, j: f64| DVec3::new(x + i * half[0], 0.4 * y, z + j * half[1]);
+        quad(corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0))
+    };
+    (0..60).map(lamp).collect()
+}
+
+/// Sees the lamps from a little below.
+fn small_lamps_eye() -> DVec3 {
+    DVec3::new(0.2, -0.45, 4.0)
+}
+
+fn small_lamps_camera() -> PinholeCamera {
+    PinholeCamera::look_at(small_lamps_eye(), DVec3::ZERO, DVec3::Y, 0.6).expect("the camera is good")
+}
+
+/// A camera that does not tell where it sees a point.
+#[derive(Debug)]
+struct Unprojected(PinholeCamera);
+
+impl Sensor for Unprojected {
+    fn start(&self, sample: &ElementSample) -> PathStart {
+        self.0.start(sample)
+    }
+
+    fn hash(&self, key: &mut dyn Hasher) {
+        key.write(b"unprojected");
+        self.0.hash(key);
+    }
+}
+
+/// Parallel rays show each lamp with its area times the cosine, as no lamp hides another.
+#[test]
+fn small_lamps_are_seen_with_their_area() {
+    let scene = scene(&light(small_lamps().into_iter().flatten()));
+    let forward = DVec3::new(0.1, 0.3, -1.0).normalize();
+    let camera = OrthographicCamera::look_at(-4.0 * forward, DVec3::ZERO, DVec3::Y, 4.0).expect("it is good");
+    let area: f64 = small_lamps().iter().flatten().map(|triangle| triangle.area()).sum();
+    let truth = RADIANCE * area * forward.y / (4.0 * 4.0 * 37.0 / 29.0);
+    for (sampler, precision) in [(Sampler::Sobol, 0.01), (Sampler::Independent, 0.02)] {
+        let mut settings = Settings::new(37, 29, 1024);
+        settings.sampler = sampler;
+        let estimate = Estimate::of_film(&film(&scene, &camera, &settings), |c| c.g);
+        let z = (estimate.mean - truth) / estimate.std_err;
+        assert!(
+            z.abs() < Z_LIMIT && estimate.std_err < precision * truth,
+            "{sampler:?}: {estimate:?}, {truth}"
+        );
+    }
+}
+
+/// A grid of probes misses most of these lamps.
+#[test]
+fn lamps_that_are_smaller_than_the_distance_between_probes_are_supersampled() {
+    let scene = scene(&light(small_lamps().into_iter().flatten()));
+    let variance = |camera: &dyn Sensor, supersampling| {
+        let mut settings = Settings::new(37, 29, 64);
+        (settings.supersampling, settings.max_bounces) = (supersampling, Some(0));
+        film(&scene, camera, &settings).variances_of_mean().map(|v| v.g).sum::<f64>()
+    };
+    let ratio =
+        |camera: &dyn Sensor| variance(camera, Supersampling::Lights) / variance(camera, Supersampling::Off);
+    let (eye, target) = (small_lamps_eye(), DVec3::new(0.0, -0.1, 0.0));
+    let parallel = OrthographicCamera::look_at(eye, target, DVec3::Y, 2.0).expect("it is good");
+    let around =
+        SphericalCamera::look_at(DVec3::new(0.0, -0.45, 0.0), DVec3::Z, DVec3::Y).expect("it is good");
+    let ratios = [&small_lamps_camera() as &dyn Sensor, &parallel, &around].map(ratio);
+    assert!(ratios.iter().all(|&ratio| ratio < 0.1), "{ratios:?}");
+    let unprojected = ratio(&Unprojected(small_lamps_camera()));
+    assert!(unprojected > 0.5, "{unprojected}");
+}
+
+/// The cameras find the place of what they show at a place.
+#[test]
+fn cameras_project_points_to_where_they_show_them() {
+    let (eye, target, up) =
+        (DVec3::new(1.0, -2.0, 3.0), DVec3::new(-4.0, 0.5, 1.0), DVec3::new(0.1, 1.0, 0.2));
+    let pinhole = PinholeCamera::look_at(eye, target, up, 1.1).expect("it is good");
+    let parallel = OrthographicCamera::look_at(eye, target, up, 7.0).expect("it is good");
+    let around = SphericalCamera::look_at(eye, target, up).expect("it is good");
+    for camera in [&pinhole as &dyn Sensor, &parallel, &around] {
+        for (column, row) in (0..23).flat_map(|column| (0..17).map(move |row| (column, row))) {
+            let sample = ElementSample::new((column, row), [0.3, 0.9], [23, 17]);
+            let PathStart::Ray(ray) = camera.start(&sample) else { panic!("{sample:?} has no ray") };
+            for distance in [1e-3, 0.7, 1e4] {
+                let position = camera.project(ray.at(distance), sample.aspect).expect("it is in front");
+                let error = position.distance(DVec2::new(sample.x, sample.y));
+                assert!(error < 1e-10, "{camera:?}, {sample:?}: {position}");
+            }
+        }
+    }
+    let behind = eye - (target - eye);
+    assert_eq!([pinhole.project(behind, 1.0), parallel.project(behind, 1.0)], [None; 2]);
 }
 
 /// Directly seen, in mirrors that face each other, with more reflections than supersampling follows, and in a ball; with

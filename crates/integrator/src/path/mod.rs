@@ -14,6 +14,7 @@ mod caustics;
 mod counters;
 mod emission_rays;
 mod first_vertex;
+mod light_points;
 mod mis;
 mod next_event;
 mod path_state;

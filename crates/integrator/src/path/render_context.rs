@@ -1,3 +1,4 @@
+use super::light_points::LightPoints;
 use super::path_vertex::PathVertex;
 use crate::guide::{Guide, PhotonGuide};
 use crate::light::{LargeMirrors, LightSampler, Lights, Mirrors, Receiver, SmallMirrors};
@@ -27,6 +28,8 @@ pub(crate) struct RenderContext<'a> {
     pub(super) shares_caustics: bool,
     /// The photons by which first diffuse vertices look for caustics of several mirrors; `None` if they do not.
     pub(super) photons: Option<PhotonGuide>,
+    /// Where probes look for small lights.
+    pub(super) light_points: LightPoints,
     /// The instructions that shade; they change no bit.
     pub(super) simd: SimdLevel,
 }
@@ -53,6 +56,7 @@ impl<'a> RenderContext<'a> {
             large_mirror_prob: 1.0,
             shares_caustics: false,
             photons: None,
+            light_points: LightPoints::default(),
             simd: SimdLevel::best(),
         }
     }
@@ -74,8 +78,13 @@ impl RenderContext<'_> {
 
     /// Where the path of a sample of `element` begins that the pixel filter places by `u`.
     pub(super) fn path_start(&self, element: (u32, u32), u: [f64; 2]) -> PathStart {
-        let Settings { width, height, filter, .. } = *self.settings;
-        self.sensor.start(&ElementSample::new(element, filter.place(u), [width, height]))
+        self.element_start(element, self.settings.filter.place(u))
+    }
+
+    /// Where the path of a sample at this offset from the upper left corner of `element` begins, in elements.
+    pub(super) fn element_start(&self, element: (u32, u32), offset: [f64; 2]) -> PathStart {
+        let Settings { width, height, .. } = *self.settings;
+        self.sensor.start(&ElementSample::new(element, offset, [width, height]))
     }
 
     /// Whether the samples of pixels that reuse each other's paths are one net.

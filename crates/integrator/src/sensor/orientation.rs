@@ -1,5 +1,5 @@
 use crate::RenderError;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::hash::Hasher;
 
 /// Where a camera stands, and the unit vectors of its view.
@@ -37,6 +37,12 @@ impl Orientation {
             right = (right - right.dot(forward) * forward).normalize();
         }
         Ok(Self { eye, forward, right, up: right.cross(forward) })
+    }
+
+    /// The coordinates of `v` along right, over the aspect, and up, in units of their lengths.
+    pub(super) fn in_plane(&self, v: DVec3, aspect: f64) -> DVec2 {
+        let along = |axis: DVec3| v.dot(axis) / axis.length_squared();
+        DVec2::new(along(self.right) / aspect, along(self.up))
     }
 
     /// Hands the vectors to `key`.

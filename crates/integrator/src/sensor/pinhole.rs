@@ -1,7 +1,7 @@
 use super::orientation::Orientation;
 use super::sample::{ElementSample, PathStart, Sensor};
 use crate::RenderError;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use globillum_geom::Ray;
 use std::hash::Hasher;
 
@@ -51,6 +51,12 @@ impl Sensor for PinholeCamera {
     #[inline]
     fn start(&self, sample: &ElementSample) -> PathStart {
         PathStart::Ray(self.ray(sample.x, sample.y, sample.aspect))
+    }
+
+    fn project(&self, point: DVec3, aspect: f64) -> Option<DVec2> {
+        let (view, toward) = (&self.view, point - self.view.eye);
+        let depth = toward.dot(view.forward);
+        (depth > 0.0).then(|| view.in_plane(toward / depth, aspect))
     }
 
     fn hash(&self, key: &mut dyn Hasher) {

@@ -1,7 +1,7 @@
 use super::orientation::Orientation;
 use super::sample::{ElementSample, PathStart, Sensor};
 use crate::RenderError;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use globillum_geom::Ray;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::hash::Hasher;
@@ -52,6 +52,14 @@ impl SphericalCamera {
 impl Sensor for SphericalCamera {
     fn start(&self, sample: &ElementSample) -> PathStart {
         PathStart::Ray(self.ray(sample.x, sample.y))
+    }
+
+    fn project(&self, point: DVec3, _aspect: f64) -> Option<DVec2> {
+        let Orientation { eye, forward, right, up } = self.view;
+        let toward = point - eye;
+        let [ahead, aside, above] = [forward, right, up].map(|axis| toward.dot(axis));
+        let latitude = libm::atan2(above, libm::hypot(ahead, aside));
+        Some(DVec2::new(libm::atan2(aside, ahead) / PI, latitude / FRAC_PI_2))
     }
 
     fn hash(&self, key: &mut dyn Hasher) {

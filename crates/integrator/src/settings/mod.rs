@@ -160,9 +160,9 @@ pub enum MirrorSampling {
 pub enum Supersampling {
     /// Each sample has one camera ray.
     Off,
-    /// Where neighbouring pixels see different emission, directly or by way of mirrors, each sample has sixteen more
-    /// camera rays, or 32 if its pixel sees a curved mirror. They follow mirrors up to eight times and find emission only;
-    /// the sample's path leaves it out.
+    /// Where neighbouring pixels see different emission, directly or by way of mirrors, or a pixel sees a small light
+    /// ([`Sensor::project`](crate::Sensor::project)), each sample has sixteen more camera rays, or 32 if its pixel sees a
+    /// curved mirror. They follow mirrors up to eight times and find emission only; the sample's path leaves it out.
     #[default]
     Lights,
 }

@@ -57,8 +57,10 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     let settings = probe_settings(context.settings);
     let lights_by_visibility = context.lights_by_visibility.clone();
     // Without a guide, which depends on the seed.
-    let context =
-        RenderContext { settings: &settings, lights_by_visibility, guide: None, photons: None, ..*context };
+    let context = RenderContext {
+        lights_by_visibility,
+        ..RenderContext::new(context.scene, context.sensor, &settings)
+    };
     let of_tile = |wavefront: &mut Wavefront, (tile, samples): (PixelRect, Range<u32>)| {
         wavefront.later_squares(&context, tile, samples)
     };

@@ -3,7 +3,8 @@
 //! - [paths that train a guide](training);
 //! - paths at fixed places of the picture, which find [which lights are visible](light_visibility), [how often to sample
 //!   lights in mirrors](large_mirror_prob), and [whether caustics are rare](rare_caustics);
-//! - [photons](caustic_photons) from the lights.
+//! - [photons](caustic_photons) from the lights;
+//! - where the sensor may see small lights ([`LightPoints`]).
 //!
 //! All of this follows from the scene, the sensor and the settings, so it is the same for all parts of a picture.
 
@@ -17,6 +18,7 @@ mod training;
 pub(super) use caustic_photons::photon_guide;
 pub(crate) use training::guide;
 
+use super::light_points::LightPoints;
 use super::render_context::RenderContext;
 use crate::guide::Guide;
 use crate::{Scene, Sensor, Settings};
@@ -35,5 +37,10 @@ pub(crate) fn prepared<'a>(
     let context = RenderContext { lights_by_visibility, ..context };
     let context = RenderContext { large_mirror_prob: large_mirror_prob::of(&context), ..context };
     let context = RenderContext { shares_caustics: rare_caustics::are_shared(&context), ..context };
-    RenderContext { photons: photon_guide(&context), ..context }
+    let context = RenderContext { photons: photon_guide(&context), ..context };
+    let light_points = match context.supersamples_lights() {
+        true => LightPoints::of(scene, sensor, [settings.width, settings.height]),
+        false => LightPoints::default(),
+    };
+    RenderContext { light_points, ..context }
 }

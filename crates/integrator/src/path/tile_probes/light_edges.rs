@@ -109,26 +109,41 @@ fn seen_by(context: &RenderContext<'_>, tile: PixelRect) -> Vec<Seen> {
             }
         }
     }
+    let points: Vec<_> = context.light_points.within(tile).collect();
+    for chunk in points.chunks(PIXELS_AT_ONCE * PIXELS_AT_ONCE) {
+        probes
+            .trace_starts(context, chunk.iter().map(|&(pixel, offset)| context.element_start(pixel, offset)));
+        for (&((x, y), _), found) in chunk.iter().zip(&probes.emission) {
+            let Seen { emission, .. } = &mut seen[tile.index(x, y)];
+            *emission = emission.filter(|emission| emission == found);
+        }
+    }
     seen
 }
 
 impl Probes {
     /// Traces `side` x `side` probes of each pixel.
     fn trace(&mut self, context: &RenderContext<'_>, pixels: impl Iterator<Item = (u32, u32)>, side: u32) {
+        self.count = (side * side) as usize;
+        let place = |k: u32| (f64::from(k) + 0.5) / f64::from(side);
+        let of_pixel = |pixel| {
+            let probe = move |probe: u32| context.path_start(pixel, [probe % side, probe / side].map(place));
+            (0..side * side).map(probe)
+        };
+        self.trace_starts(context, pixels.flat_map(of_pixel));
+    }
+
+    /// Traces the probes that begin there.
+    fn trace_starts(&mut self, context: &RenderContext<'_>, starts: impl Iterator<Item = PathStart>) {
         self.emission.clear();
         self.directions.clear();
-        self.count = (side * side) as usize;
-        for pixel in pixels {
-            for probe in 0..side * side {
-                let u = [probe % side, probe / side].map(|k| (f64::from(k) + 0.5) / f64::from(side));
-                let start = context.path_start(pixel, u);
-                self.rays.push_start(start, self.emission.len() as u32);
-                self.emission.push(Rgb::BLACK);
-                self.directions.push(match start {
-                    PathStart::Ray(ray) if start.is_valid() => Some([unit(ray.direction); 2]),
-                    _ => None,
-                });
-            }
+        for start in starts {
+            self.rays.push_start(start, self.emission.len() as u32);
+            self.emission.push(Rgb::BLACK);
+            self.directions.push(match start {
+                PathStart::Ray(ray) if start.is_valid() => Some([unit(ray.direction); 2]),
+                _ => None,
+            });
         }
         let Self { rays, emission, directions, .. } = self;
         let add = |found: FoundEmission<'_>| emission[found.tag as usize] += found.radiance;
