@@ -107,7 +107,8 @@ fn between_mirrors_camera(z: f64) -> PinholeCamera {
     PinholeCamera::look_at(eye, DVec3::new(0.5, 0.4, z), DVec3::Y, 0.9).expect("the camera is good")
 }
 
-/// Small lamps that face downward, one in four of them a long one. In pictures of 37 x 29 pixels they have an area of 1/1000 to 1/20 of one.
+/// Small lamps that face downward, one in four of them a long one. In pictures of 37 x 29 pixels the pinhole camera sees them
+/// with 1/1900 to 1/39 of the area of a pixel.
 fn small_lamps() -> Vec<[Triangle; 2]> {
     let lamp = |k: u32| {
         let [x, y, z] = [0.755, 0.57, 0.431].map(|step| 2.0 * (f64::from(k) * step).fract() - 1.0);
@@ -116,6 +117,11 @@ fn small_lamps() -> Vec<[Triangle; 2]> {
         quad(corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0))
     };
     (0..60).map(lamp).collect()
+}
+
+/// Whether a lamp is none of the long ones.
+fn is_square([triangle, _]: &[Triangle; 2]) -> bool {
+    triangle.area() < 1e-4
 }
 
 /// Sees the lamps from a little below.
@@ -165,7 +171,7 @@ fn small_lamps_are_seen_with_their_area() {
 /// A grid of probes misses most of these lamps.
 #[test]
 fn lamps_that_are_smaller_than_the_distance_between_probes_are_supersampled() {
-    let scene = scene(&light(small_lamps().into_iter().flatten()));
+    let scene = scene(&light(small_lamps().into_iter().filter(is_square).flatten()));
     let variance = |camera: &dyn Sensor, supersampling| {
         let mut settings = Settings::new(37, 29, 64);
         (settings.supersampling, settings.max_bounces) = (supersampling, Some(0));
@@ -181,6 +187,46 @@ fn lamps_that_are_smaller_than_the_distance_between_probes_are_supersampled() {
     assert!(ratios.iter().all(|&ratio| ratio < 0.1), "{ratios:?}");
     let unprojected = ratio(&Unprojected(small_lamps_camera()));
     assert!(unprojected > 0.5, "{unprojected}");
+}
+
+/// Needles of half a picture's length and up to a fifth of a pixel's width, of which the grid of probes finds a part.
+#[test]
+fn long_thin_lamps_are_supersampled_from_end_to_end() {
+    let p = DVec3::new;
+    let needle = |k: u32| {
+        let (sin, cos) = (0.3 + f64::from(k)).sin_cos();
+        let (along, aside) = (p(cos, sin, 0.0), 0.004 * p(-sin, cos, 0.0));
+        Triangle::new((0.1 * along + aside).as_vec3(), (0.1 * along - aside).as_vec3(), along.as_vec3())
+    };
+    let scene = scene(&light((0..6).map(needle)));
+    let camera = OrthographicCamera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 2.0).expect("it is good");
+    let variance = |camera: &dyn Sensor, supersampling| {
+        let mut settings = Settings::new(48, 48, 64);
+        settings.supersampling = supersampling;
+        film(&scene, camera, &settings).variances_of_mean().map(|v| v.g).sum::<f64>()
+    };
+    let [on, off] = [Supersampling::Lights, Supersampling::Off].map(|mode| variance(&camera, mode));
+    assert!(on < 0.05 * off, "{on} and {off}");
+}
+
+/// A strip in the middle of a ceiling, from behind the camera far to the front.
+#[test]
+fn a_strip_that_passes_the_camera_is_supersampled() {
+    let p = |x: f64, z: f64| DVec3::new(x, 0.05, z);
+    let scene = scene(&light(quad(p(-2e-4, -20.0), p(2e-4, -20.0), p(2e-4, 3.0), p(-2e-4, 3.0))));
+    let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 1.0).expect("it is good");
+    let variance = |supersampling| {
+        let mut settings = Settings::new(47, 47, 64);
+        settings.supersampling = supersampling;
+        let film = film(&scene, &camera, &settings);
+        // At the top the strip is wide enough for the grid of probes.
+        (0..47)
+            .flat_map(|x| (10..47).map(move |y| (x, y)))
+            .map(|(x, y)| film.variance_of_mean(x, y).g)
+            .sum::<f64>()
+    };
+    let (on, off) = (variance(Supersampling::Lights), variance(Supersampling::Off));
+    assert!(on < 0.05 * off, "{on} and {off}");
 }
 
 /// The cameras find the place of what they show at a place.
@@ -274,22 +320,26 @@ fn the_variance_falls_where_lights_have_edges() {
 
 #[test]
 fn crops_strips_and_passes_have_the_bits_of_the_picture() {
-    let scene = scene(&cornell::with_blocks(true).expect("it is good"));
-    let camera = cornell::camera().expect("it is good");
-    let mut settings = Settings::new(40, 36, 8);
-    settings.pass_samples = 2;
-    let whole = film(&scene, &camera, &settings);
-    settings.threads = 1;
-    // The light is between the columns 15 and 25 and above row 6.
-    for (columns, rows) in [(16..32, 0..16), (0..16, 16..32), (0..40, 0..36)] {
-        let crop = Render::new(&scene, &camera, &settings).crop(columns.clone(), rows.clone()).run();
-        let crop = crop.expect("it is good").film;
-        for (x, y) in rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y))) {
-            assert_eq!(crop.mean(x - columns.start, y - rows.start), whole.mean(x, y), "{x}, {y}");
+    let (cornell, camera) = (cornell::with_blocks(true), cornell::camera());
+    let cornell = (cornell.expect("it is good"), camera.expect("it is good"));
+    let lamps = (light(small_lamps().into_iter().flatten()), small_lamps_camera());
+    for (model, camera) in [cornell, lamps] {
+        let scene = scene(&model);
+        let mut settings = Settings::new(40, 36, 8);
+        settings.pass_samples = 2;
+        let whole = film(&scene, &camera, &settings);
+        settings.threads = 1;
+        // The light of the box is between the columns 15 and 25 and above row 6.
+        for (columns, rows) in [(16..32, 0..16), (0..16, 16..32), (0..40, 0..36)] {
+            let crop = Render::new(&scene, &camera, &settings).crop(columns.clone(), rows.clone()).run();
+            let crop = crop.expect("it is good").film;
+            for (x, y) in rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y))) {
+                assert_eq!(crop.mean(x - columns.start, y - rows.start), whole.mean(x, y), "{x}, {y}");
+            }
         }
+        let strip = Render::new(&scene, &camera, &settings).rows(0..16).run().expect("it is good").film;
+        assert!((0..16).all(|y| (0..40).all(|x| strip.mean(x, y) == whole.mean(x, y))));
     }
-    let strip = Render::new(&scene, &camera, &settings).rows(0..16).run().expect("it is good").film;
-    assert!((0..16).all(|y| (0..40).all(|x| strip.mean(x, y) == whole.mean(x, y))));
 }
 
 /// Elements that are no neighbours, and a scene without lights, have one ray per sample.

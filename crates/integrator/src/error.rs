@@ -57,8 +57,9 @@ pub enum RenderError {
         /// Index of the sample within the pixel.
         sample: u32,
     },
-    /// A panic before the first tile, while probes and photons are traced: in an accelerator or
-    /// [`Sensor::start`](crate::Sensor::start). The process and later renders go on.
+    /// A panic before the first tile, while probes and photons are traced: in an accelerator,
+    /// [`Sensor::start`](crate::Sensor::start) or [`Sensor::project`](crate::Sensor::project). The process and later renders
+    /// go on.
     #[error("panic before the first tile: {message}")]
     Preparation {
         /// The message of the panic.

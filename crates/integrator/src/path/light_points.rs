@@ -21,15 +21,21 @@ struct LightPoint {
 }
 
 impl LightPoints {
-    /// Of each triangle that emits, one point for each pixel of its length in a picture of this size. In all, there are no
-    /// more of them than pixels or triangles.
+    /// Of each triangle that emits, about one point for each pixel of its length in a picture of this size. In all, there are
+    /// no more of them than pixels, or than triangles where these are more.
     pub(super) fn of(scene: &Scene<dyn Accel + '_>, sensor: &dyn Sensor, size: [u32; 2]) -> Self {
         let lights: Vec<u32> = scene.lights().triangles().collect();
         let projection = Projection { sensor, size: size.map(f64::from).into() };
-        let most = size.map(f64::from).iter().product::<f64>() / lights.len() as f64;
-        let of_light = |light: u32| projection.points_of(scene.triangles().get(light), most);
+        let pixels = size[0] as usize * size[1] as usize;
+        let halvings = (pixels / lights.len().max(1)).max(1).ilog2();
+        let of_light = |light: u32| {
+            let mut points = Vec::new();
+            let median = projection.median(scene.triangles().get(light));
+            projection.add_points(median, halvings, &mut points);
+            points
+        };
         let mut points: Vec<LightPoint> = lights.into_par_iter().flat_map_iter(of_light).collect();
-        points.par_sort_by_key(|point| (point.row, point.column));
+        points.par_sort_unstable_by_key(|point| (point.row, point.column));
         Self { points }
     }
 
@@ -55,21 +61,42 @@ struct Projection<'a> {
 }
 
 impl Projection<'_> {
-    /// Points of a triangle, evenly spaced along its median to the side that is shortest in the picture: one for each pixel,
-    /// but no more than `most`, or one. None if the sensor cannot tell where it sees the corners.
-    fn points_of(self, triangle: &Triangle, most: f64) -> impl Iterator<Item = LightPoint> {
+    /// The median to the side that is shortest in the picture, or in space if the sensor does not see all corners.
+    fn median(self, triangle: &Triangle) -> [DVec3; 2] {
         let corners = triangle.vertices.map(|v| v.as_dvec3());
-        let medians = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(|order| {
-            let [from, a, b] = order.map(|i| corners[i]);
-            let [end, p, q] = [self.place(from)?, self.place(a)?, self.place(b)?];
-            Some((p.distance(q), end.distance(0.5 * (p + q)), [from, 0.5 * (a + b)]))
-        });
-        let shortest = medians.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
-        shortest.into_iter().flat_map(move |(_, length, [from, to])| {
-            let count = length.ceil().min(most).max(1.0) as u32;
-            let at = move |i: u32| from.lerp(to, (f64::from(i) + 0.5) / f64::from(count));
-            (0..count).filter_map(move |i| self.light_point(self.place(at(i))?))
-        })
+        let [p, q, r] = corners.map(|corner| self.place(corner));
+        let places = p.zip(q).zip(r).map(|((p, q), r)| [p, q, r]);
+        let others = |i: usize| [(i + 1) % 3, (i + 2) % 3];
+        let side = |i: usize| {
+            let [a, b] = others(i);
+            places.map_or(corners[a].distance(corners[b]), |places| places[a].distance(places[b]))
+        };
+        let from = if side(0) <= side(1).min(side(2)) { 0 } else { 1 + usize::from(side(2) < side(1)) };
+        let [a, b] = others(from);
+        [corners[from], 0.5 * (corners[a] + corners[b])]
+    }
+
+    /// Halves a segment until its parts are no longer than a pixel, but not more often than `halvings`. Adds the middles of
+    /// the parts that the sensor may see.
+    fn add_points(self, [from, to]: [DVec3; 2], halvings: u32, points: &mut Vec<LightPoint>) {
+        let is_short = match (self.place(from), self.place(to)) {
+            (Some(from), Some(to)) if self.are_beside(from, to) => return,
+            (None, None) => return,
+            (Some(from), Some(to)) => from.distance(to) <= 1.0,
+            _ => false,
+        };
+        let middle = 0.5 * (from + to);
+        if is_short || halvings == 0 {
+            points.extend(self.place(middle).and_then(|place| self.light_point(place)));
+        } else {
+            self.add_points([from, middle], halvings - 1, points);
+            self.add_points([middle, to], halvings - 1, points);
+        }
+    }
+
+    /// Whether both places are beyond the same side of the picture.
+    fn are_beside(self, a: DVec2, b: DVec2) -> bool {
+        a.max(b).cmplt(DVec2::ZERO).any() || a.min(b).cmpgt(self.size).any()
     }
 
     /// Where the sensor sees `point`, in pixels from the upper left corner of the picture; `None` if it cannot tell.
@@ -81,8 +108,8 @@ impl Projection<'_> {
 
     /// The point at this place; `None` outside the picture.
     fn light_point(self, place: DVec2) -> Option<LightPoint> {
-        let corner = place.floor();
-        let is_inside = corner.cmpge(DVec2::ZERO).all() && corner.cmplt(self.size).all();
+        let is_inside = place.cmpge(DVec2::ZERO).all() && place.cmple(self.size).all();
+        let corner = place.floor().min(self.size - 1.0);
         let (column, row) = (corner.x as u32, corner.y as u32);
         is_inside.then(|| LightPoint { column, row, offset: (place - corner).to_array() })
     }

@@ -76,17 +76,20 @@ pub trait Sensor: fmt::Debug + Sync {
     /// [`FirstHits`](crate::FirstHits); equal samples must get equal answers.
     fn start(&self, sample: &ElementSample) -> PathStart;
 
-    /// Where in the grid the sensor sees `point` if nothing occludes it: the `x` and `y` of an [`ElementSample`] of this
-    /// `aspect`, of which the ray passes through `point`. They may lie outside the grid. `None`, the default, if there are
-    /// none, or the sensor cannot tell. A render looks there for lights that are smaller than a pixel
-    /// ([`Supersampling`](crate::Supersampling)). This changes the error, not the mean.
+    /// Where in the grid the sensor sees `point` if nothing occludes it: `x` and `y` of an [`ElementSample`] of this `aspect`
+    /// whose ray passes through `point`. They may lie outside the grid. `None`, the default, if no ray does or the sensor
+    /// cannot tell; numbers that are not finite count as `None`. Called from several threads; equal points must get equal
+    /// answers.
+    ///
+    /// A render looks there for lights that are smaller than a pixel ([`Supersampling`](crate::Supersampling)). This changes
+    /// the error, not the mean.
     fn project(&self, point: DVec3, aspect: f64) -> Option<DVec2> {
         let _ = (point, aspect);
         None
     }
 
-    /// Hands to `key` all that [`Sensor::start`] and [`Sensor::project`] depend on, and the name of the kind of sensor: renders with
-    /// different sensors must not be mixed ([`Render::key`](crate::Render::key)).
+    /// Hands to `key` all that [`Sensor::start`] and [`Sensor::project`] depend on, and the name of the kind of sensor:
+    /// renders with different sensors must not be mixed ([`Render::key`](crate::Render::key)).
     fn hash(&self, key: &mut dyn Hasher);
 }
 

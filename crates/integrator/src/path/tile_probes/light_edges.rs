@@ -1,4 +1,4 @@
-//! Where lights are supersampled: where neighbouring pixels see different emission.
+//! Where lights are supersampled: where neighbouring pixels, or points of one pixel, see different emission.
 //!
 //! Which pixels these are depends on probes at fixed places, never on samples, so the mean is that of one camera ray
 //! per sample.
@@ -30,6 +30,9 @@ const LEAST_ANGLE: f64 = 1e-6;
 /// Pixels whose probes are traced at once.
 const PIXELS_AT_ONCE: usize = 16;
 
+/// Points of lights at which probes are traced at once.
+const POINTS_AT_ONCE: usize = 256;
+
 /// The pixels of a tile that may see the edge of a light, as indices into [`PixelRect::pixels`], in ascending order.
 #[derive(Debug, Default)]
 pub(crate) struct LightEdges {
@@ -51,11 +54,11 @@ struct Seen {
 #[derive(Debug, Default)]
 struct Probes {
     rays: EmissionRays,
-    /// What each has found, pixel by pixel.
+    /// What each has found.
     emission: Vec<Rgb>,
     /// The unit direction of each, from the camera and from the last mirror; `None` if there is no ray.
     directions: Vec<Option<[DVec3; 2]>>,
-    /// How many each pixel has.
+    /// How many each pixel has, of those in a grid.
     count: usize,
 }
 
@@ -110,10 +113,12 @@ fn seen_by(context: &RenderContext<'_>, tile: PixelRect) -> Vec<Seen> {
         }
     }
     let points: Vec<_> = context.light_points.within(tile).collect();
-    for chunk in points.chunks(PIXELS_AT_ONCE * PIXELS_AT_ONCE) {
+    for chunk in points.chunks(POINTS_AT_ONCE) {
+        let is_open = |&&((x, y), _): &&((u32, u32), _)| seen[tile.index(x, y)].emission.is_some();
+        let open: Vec<_> = chunk.iter().filter(is_open).collect();
         probes
-            .trace_starts(context, chunk.iter().map(|&(pixel, offset)| context.element_start(pixel, offset)));
-        for (&((x, y), _), found) in chunk.iter().zip(&probes.emission) {
+            .trace_starts(context, open.iter().map(|&&(pixel, offset)| context.element_start(pixel, offset)));
+        for (&&((x, y), _), found) in open.iter().zip(&probes.emission) {
             let Seen { emission, .. } = &mut seen[tile.index(x, y)];
             *emission = emission.filter(|emission| emission == found);
         }
@@ -122,7 +127,7 @@ fn seen_by(context: &RenderContext<'_>, tile: PixelRect) -> Vec<Seen> {
 }
 
 impl Probes {
-    /// Traces `side` x `side` probes of each pixel.
+    /// Traces a grid of `side` x `side` probes of each pixel, pixel by pixel.
     fn trace(&mut self, context: &RenderContext<'_>, pixels: impl Iterator<Item = (u32, u32)>, side: u32) {
         self.count = (side * side) as usize;
         let place = |k: u32| (f64::from(k) + 0.5) / f64::from(side);
