@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
     DeltaLight, Estimator, Film, LightSampling, MirrorSampling, Model, PathReuse, PinholeCamera, Sampler,
-    Scene, Settings, Stream, render, replay,
+    Scene, Settings, Stream, render, replay_samples,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
@@ -477,8 +477,7 @@ fn replays_add_up_to_the_picture() {
     for settings in each_setting(20, 16) {
         let film = render(&scene, &camera, &settings).unwrap().film;
         for (x, y) in [(4, 15), (10, 3), (13, 12)] {
-            let paths = (0..16).map(|sample| replay(&scene, &camera, &settings, (x, y), sample).unwrap());
-            let paths: Vec<_> = paths.collect();
+            let paths = replay_samples(&scene, &camera, &settings, (x, y), 0..16).unwrap();
             let sum = paths.iter().map(|path| path.radiance).sum::<Rgb>();
             assert_eq!(film.mean(x, y), sum / 16.0, "{}, {x}, {y}", named(&settings));
             assert!(paths.iter().all(|path| path.alone == direct(path)), "{}", named(&settings));

@@ -4,7 +4,7 @@ use glam::DVec3;
 use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
     Estimator, MirrorSampling, Model, PathReuse, PinholeCamera, PixelFilter, Replay, Sampler, Scene,
-    Settings, render, replay,
+    Settings, render, replay, replay_samples,
 };
 use globillum::material::{Bsdf, Material, Rgb};
 use globillum_testkit::accelerators::STRUCTURES;
@@ -15,9 +15,10 @@ fn the_box() -> Scene<Box<dyn Accel>> {
     scenes::scene(&cornell::with_blocks(true).expect("the box is good"), STRUCTURES[0].1)
 }
 
-fn replayed(scene: &Scene<Box<dyn Accel>>, settings: &Settings, pixel: (u32, u32), sample: u32) -> Replay {
+/// All samples of a pixel of the box.
+fn replays(scene: &Scene<Box<dyn Accel>>, settings: &Settings, pixel: (u32, u32)) -> Vec<Replay> {
     let camera = cornell::camera().expect("the camera is good");
-    replay(scene, &camera, settings, pixel, sample).expect("the sample exists")
+    replay_samples(scene, &camera, settings, pixel, 0..settings.samples).expect("the samples exist")
 }
 
 #[test]
@@ -35,15 +36,15 @@ fn the_samples_of_a_pixel_add_up_to_it() {
             (settings.pass_samples, settings.seed) = (8, 3);
             let film = render(&scene, &camera, &settings).expect("the scene is good").film;
             for (x, y) in [(0, 0), (10, 3), (13, 12), (19, 17)] {
-                let sum = |samples: std::ops::Range<u32>| {
-                    let add = |sum: Rgb, sample| sum + replayed(&scene, &settings, (x, y), sample).radiance;
-                    samples.fold(Rgb::BLACK, add)
-                };
+                let replays = replays(&scene, &settings, (x, y));
+                let sum = |of: &[Replay]| of.iter().map(|path| path.radiance).sum::<Rgb>();
                 assert_eq!(
                     film.mean(x, y),
-                    (sum(0..8) + sum(8..11)) / 11.0,
+                    (sum(&replays[..8]) + sum(&replays[8..])) / 11.0,
                     "{sampler:?}, {estimator:?}, {x}, {y}"
                 );
+                let one = replay(&scene, &camera, &settings, (x, y), 7).expect("the sample exists");
+                assert_eq!(one, replays[7]);
             }
         }
     }
@@ -53,8 +54,7 @@ fn the_samples_of_a_pixel_add_up_to_it() {
 fn a_replay_lists_the_vertices_of_the_path() {
     let (scene, settings) = (the_box(), Settings::new(64, 64, 64));
     let (mut seen_mirror, mut seen_direct, mut seen_mirrored, mut seen_shared) = (false, false, false, false);
-    for sample in 0..64 {
-        let path = replayed(&scene, &settings, (26, 40), sample);
+    for path in replays(&scene, &settings, (26, 40)) {
         let contributions =
             path.vertices.iter().fold(Rgb::BLACK, |sum, v| sum + v.emitted + v.direct + v.mirrored);
         assert!((contributions.g - path.alone.g).abs() <= 1e-15 * path.alone.g);
@@ -78,6 +78,12 @@ fn samples_outside_the_picture_are_refused() {
         let error = replay(&scene, &camera, &settings, pixel, sample).expect_err("there is no such sample");
         assert!(error.to_string().starts_with(name), "{error}");
     }
+    let error = replay(&scene, &camera, &settings, (0, 0), u32::MAX).expect_err("there is no such sample");
+    assert!(error.to_string().starts_with("sample"), "{error}");
+    let of = |samples| replay_samples(&scene, &camera, &settings, (3, 2), samples);
+    let error = of(1..3).expect_err("there is no sample 2");
+    assert!(error.to_string().starts_with("sample = 2"), "{error}");
+    assert_eq!(of(5..5), Ok(Vec::new()));
 }
 
 /// Two mirrors that face each other.
@@ -111,8 +117,7 @@ fn path_reuse_keeps_the_radiance_of_two_mirrors() {
     let mut settings = Settings::new(16, 16, 1024);
     settings.sampler = Sampler::Independent;
     let [mut kept, mut shared] = [0, 0];
-    for sample in 0..1024 {
-        let path = replay(&scene, &camera, &settings, (5, 8), sample).expect("the sample exists");
+    for path in replay_samples(&scene, &camera, &settings, (5, 8), 0..1024).expect("the samples exist") {
         let mirrors =
             path.vertices.iter().skip(1).take_while(|vertex| vertex.material.bsdf.is_delta()).count();
         let end = path.vertices.get(1 + mirrors);
@@ -144,8 +149,8 @@ fn shared_caustics_are_those_of_the_picture() {
         let mut shared = 0;
         for (x, y) in (0..40).flat_map(|y| (0..7).map(move |x| (x, y))) {
             let mut sum = Rgb::BLACK;
-            for sample in 0..samples {
-                let path = replay(&scene, &camera, &settings, (x, y), sample).expect("the sample exists");
+            let paths = replay_samples(&scene, &camera, &settings, (x, y), 0..samples);
+            for path in paths.expect("the samples exist") {
                 sum += path.radiance;
                 let mirrors =
                     path.vertices.iter().skip(1).take_while(|vertex| vertex.material.bsdf.is_delta());
@@ -164,8 +169,7 @@ fn without_path_reuse_a_path_has_the_whole_radiance_of_its_sample() {
     let scene = the_box();
     let mut settings = Settings::new(64, 64, 64);
     settings.path_reuse = PathReuse::Off;
-    for sample in 0..64 {
-        let path = replayed(&scene, &settings, (26, 40), sample);
+    for path in replays(&scene, &settings, (26, 40)) {
         assert_eq!(path.alone, path.radiance);
     }
 }

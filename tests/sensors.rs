@@ -5,7 +5,7 @@ use globillum::geom::{Accel, Ray};
 use globillum::integrator::{
     CheckpointReader, CheckpointWriter, ElementSample, IrradiancePoints, Merge, OrthographicCamera,
     PathReuse, PathStart, PinholeCamera, Render, RenderError, Sampler, Scene, Sensor, Settings,
-    SphericalCamera, render, replay,
+    SphericalCamera, render, replay_samples,
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
@@ -83,10 +83,10 @@ fn samples_of_any_start_are_replayed_to_the_bit() {
         (settings.sampler, settings.pass_samples) = (sampler, 8);
         let film = render(&scene, &sensor, &settings).expect("all is good").film;
         for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (x, y))) {
-            let path = |sample| replay(&scene, &sensor, &settings, (x, y), sample).expect("it exists");
-            let sum = (0..8).fold(Rgb::BLACK, |sum, sample| sum + path(sample).radiance);
+            let paths = replay_samples(&scene, &sensor, &settings, (x, y), 0..8).expect("they exist");
+            let sum = paths.iter().map(|path| path.radiance).sum::<Rgb>();
             assert_eq!(film.mean(x, y), sum / 8.0, "{x}, {y}");
-            let path = path(0);
+            let path = &paths[0];
             let contributions =
                 path.vertices.iter().fold(path.environment, |sum, v| sum + v.emitted + v.direct + v.mirrored);
             assert!((contributions.g - path.alone.g).abs() <= 1e-14 * path.alone.g);

@@ -61,7 +61,7 @@ pub use glam;
 pub use light::{
     AreaLightSample, DeltaLight, DeltaLightSample, LightSample, LightSampler, LightSampling, Lights,
 };
-pub use path::{Counters, Replay, Vertex, replay};
+pub use path::{Counters, Replay, Vertex, replay, replay_samples};
 pub use run::{Monitor, PixelGoal, Progress, Render, Stop, render};
 pub use sampler::{Sampler, Stream};
 pub use scene::{Interaction, MaterialId, Model, Scene};

@@ -34,6 +34,6 @@ mod wavefront;
 pub use counters::Counters;
 pub(crate) use preliminary::{guide, prepared};
 pub(crate) use render_context::RenderContext;
-pub use replay::{Replay, Vertex, replay};
+pub use replay::{Replay, Vertex, replay, replay_samples};
 pub(crate) use tile_probes::TileProbes;
 pub(crate) use wavefront::Wavefront;

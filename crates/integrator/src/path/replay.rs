@@ -75,37 +75,64 @@ pub fn replay(
     (x, y): (u32, u32),
     sample: u32,
 ) -> Result<Replay, RenderError> {
+    // A range of all numbers up to the largest one has no end.
+    let samples = sample..sample.saturating_add(1);
+    let replays = replay_samples(scene, sensor, settings, (x, y), samples)?;
+    replays.into_iter().next().ok_or_else(|| not_a_sample(sample))
+}
+
+/// What [`replay`] returns for each of these samples of pixel (`x`, `y`), in order. What precedes them is done once.
+///
+/// # Errors
+/// As those of [`replay`].
+pub fn replay_samples(
+    scene: &Scene<dyn Accel + '_>,
+    sensor: &dyn Sensor,
+    settings: &Settings,
+    (x, y): (u32, u32),
+    samples: Range<u32>,
+) -> Result<Vec<Replay>, RenderError> {
     let settings = &settings.for_sensor(sensor)?;
-    let within = [
-        ("x", x, settings.width, "[0, width)"),
-        ("y", y, settings.height, "[0, height)"),
-        ("sample", sample, settings.samples, "[0, samples)"),
-    ];
+    let within = [("x", x, settings.width, "[0, width)"), ("y", y, settings.height, "[0, height)")];
     if let Some((name, value, _, range)) = within.into_iter().find(|(_, value, end, _)| value >= end) {
         return Err(RenderError::Param { name, value: value.into(), range });
+    }
+    if !samples.is_empty() && samples.end > settings.samples {
+        return Err(not_a_sample(samples.end - 1));
     }
     let work = || {
         let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
         let tile = PixelRect::square_around(x, y, [settings.width, settings.height]);
-        let replay =
-            || replay_within(&prepared(scene, sensor, settings, guide.as_ref()), tile, (x, y), sample);
-        caught(replay).map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
+        let replays = || {
+            let context = prepared(scene, sensor, settings, guide.as_ref());
+            let probes = TileProbes::of(&context, tile);
+            samples.map(|sample| replay_within(&context, &probes, (x, y), sample)).collect()
+        };
+        caught(replays).map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
     };
     run_in_threads(settings.threads, work).map_err(RenderError::Threads)?
 }
 
-/// [`replay`], given what is done before the first sample and the tile of the pixel.
-fn replay_within(context: &RenderContext<'_>, tile: PixelRect, (x, y): (u32, u32), sample: u32) -> Replay {
+fn not_a_sample(sample: u32) -> RenderError {
+    RenderError::Param { name: "sample", value: sample.into(), range: "[0, samples)" }
+}
+
+/// [`replay`], given what is done before the first sample and before those of the tile.
+fn replay_within(
+    context: &RenderContext<'_>,
+    probes: &TileProbes,
+    (x, y): (u32, u32),
+    sample: u32,
+) -> Replay {
     let one = sample..sample + 1;
-    let pixel = tile.index(x, y) as u32;
+    let pixel = probes.tile.index(x, y) as u32;
     let mut wavefront = Wavefront::default();
-    let probes = TileProbes::of(context, tile);
-    wavefront.trace(context, &probes, one.clone(), || false);
+    wavefront.trace(context, probes, one.clone(), || false);
     let radiance = wavefront.radiance()[pixel as usize];
     let lights = wavefront.lights_seen_by(pixel);
     let mut replay =
         Replay { vertices: Vec::new(), environment: Rgb::BLACK, lights, alone: Rgb::BLACK, radiance };
-    wavefront.start(context, &probes, one);
+    wavefront.start(context, probes, one);
     for bounce in 0.. {
         if !wavefront.step(context, pixel, bounce, &mut replay) {
             break;
