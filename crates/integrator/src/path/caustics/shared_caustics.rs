@@ -200,7 +200,7 @@ mod tests {
     use std::hash::Hasher;
     use std::ops::Range;
 
-    const SEEDS: u64 = 200;
+    const SEEDS: u64 = 100;
 
     /// Points of the floor that measure irradiance.
     #[derive(Debug)]
@@ -234,7 +234,7 @@ mod tests {
 
     /// Compares the pixels of each case with those that share nothing, by the same seeds, so that all other light cancels.
     /// Single pixels of few caustics have a skewed distribution, so rows are compared together. Any of the deviations of
-    /// twelve cases exceeds the limit with a probability of 9e-6 (Student's distribution with 199 degrees of freedom).
+    /// twelve cases exceeds the limit with a probability of 2.3e-5 (Student's distribution with 99 degrees of freedom).
     fn check_means(cases: &[(&Scene<KdTree>, &dyn Sensor, Settings)]) {
         for (i, &(scene, sensor, settings)) in cases.iter().enumerate() {
             let setup = Setup::new(scene, sensor, settings.guiding);
@@ -251,7 +251,7 @@ mod tests {
                 let largest = deviations.as_flattened().iter().map(z).fold(0.0, f64::max);
                 let error = deviations[4].iter().map(|(_, square)| square).sum::<f64>().sqrt() / level;
                 assert!(largest < 5.85, "{i}, {photons}: {largest}");
-                assert!(error > 0.0 && error < 0.0065, "{i}, {photons}: {error}");
+                assert!(error > 0.0 && error < 0.0092, "{i}, {photons}: {error}");
             }
         }
     }
