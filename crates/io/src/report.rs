@@ -61,6 +61,8 @@ pub enum WarningKind {
     NotTriangles { count: usize },
     /// Curves and surfaces of free form: Bézier, B-spline and others.
     FreeFormIgnored { count: usize },
+    /// Statements that OBJ or MTL does not define, or that name another OBJ file: they are ignored. The first has this keyword.
+    UnknownStatements { keyword: String, count: usize },
     /// Bytes of a .glb file after the length that its header states.
     BytesAfterEnd { count: usize },
     /// Vertices of a primitive after its last complete triangle.
@@ -110,6 +112,7 @@ impl WarningKind {
             Self::ShortFaces { .. }
             | Self::NotTriangles { .. }
             | Self::FreeFormIgnored { .. }
+            | Self::UnknownStatements { .. }
             | Self::LeftOver { .. }
             | Self::NoPositions
             | Self::Degenerate { .. } => true,
@@ -131,6 +134,7 @@ impl Warning {
             | WarningKind::SpectrumIgnored { name }
             | WarningKind::Approximated { name, .. }
             | WarningKind::ExtensionIgnored { name } => name.len(),
+            WarningKind::UnknownStatements { keyword, .. } => keyword.len(),
             _ => 0,
         };
         size_of::<Self>() + self.at.path.as_os_str().len() + name
@@ -175,6 +179,9 @@ impl fmt::Display for WarningKind {
             Self::NotTriangles { count } => write!(f, "primitives of points or lines are skipped: {count}"),
             Self::FreeFormIgnored { count } => {
                 write!(f, "free-form curves and surfaces are skipped: {count}")
+            }
+            Self::UnknownStatements { keyword, count } => {
+                write!(f, "unknown statements are ignored, first `{keyword}`: {count}")
             }
             Self::BytesAfterEnd { count } => write!(f, "bytes after the end of the GLB are ignored: {count}"),
             Self::LeftOver { count } => {

@@ -148,6 +148,32 @@ fn free_form_curves_and_surfaces_are_counted() {
 }
 
 #[test]
+fn statements_of_no_meaning_are_counted() {
+    let unknown = |keyword: &str, count| WarningKind::UnknownStatements { keyword: keyword.into(), count };
+    let loaded = load(format!("{SQUARE}fo 1 2 3\nf 1 2 3\nF 1 3 4\ncall b.obj\n")).unwrap();
+    assert_eq!(loaded.model.triangles().len(), 1);
+    assert_eq!(warnings(&loaded), [(Place::Line(5), unknown("fo", 3))]);
+    let text = loaded.report.warnings[0].to_string();
+    assert!(text.ends_with("a.obj:5: unknown statements are ignored, first `fo`: 3"), "{text}");
+    let loaded = load_with("newmtl n\nkd 1 1 1\nnewmtl m\nKd 1 0 0\nKE 1 1 1\n").unwrap();
+    assert_eq!(warnings(&loaded), [(Place::Line(2), unknown("kd", 2))]);
+    let text = load("ply\nformat ascii 1.0\n").unwrap_err().to_string();
+    assert!(text.contains("unknown statements are ignored, first `ply`: 2"), "{text}");
+}
+
+#[test]
+fn statements_without_effect_are_known() {
+    let obj = "vt 0 0\no a\ng a b\ns off\nvp 0 1\ncstype bezier\ndeg 3 3\nbmat u 1 0 0 1\nstep 1 1\nparm u 0 1\n\
+        trim 0 1 1\nhole 0 1 1\nscrv 0 1 1\nsp 1\nend\ncon 1 0 1 1 2 0 1 1\nmg 1 0.5\nres 1 1\nctech cparm 1\n\
+        stech cparma 1 1\nbevel on\nc_interp on\nd_interp on\nlod 1\nusemap off\nmaplib a\nshadow_obj a\n\
+        trace_obj a\n";
+    assert_eq!(warnings(&load(format!("{SQUARE}f 1 2 3\n{obj}")).unwrap()), []);
+    let mtl = "newmtl m\nKd 1 0 0\nKa 1 1 1\nKm 0\nNi 1\nNs 10\nPc 0\nPcr 0\nPs 0\nTf 1 1 1\naniso 0\nanisor 0\n\
+        sharpness 60\nillum 2\nd 1\n";
+    assert_eq!(warnings(&load_with(mtl).unwrap()), []);
+}
+
+#[test]
 fn short_faces_are_skipped_and_counted() {
     let loaded = load(format!("{SQUARE}f 1 2\nf 1 2 3\nf 1\n")).unwrap();
     assert_eq!(loaded.model.triangles().len(), 1);

@@ -12,6 +12,7 @@ mod palette;
 mod polygon;
 mod scan;
 mod source;
+mod unknown;
 
 use crate::error::Result;
 use crate::loading::Loading;

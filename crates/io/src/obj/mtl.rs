@@ -1,5 +1,6 @@
 use super::lines::{self, write};
 use super::source::{Source, Statement};
+use super::unknown::UnknownStatements;
 use crate::Location;
 use crate::error::Result;
 use crate::losses::{Losses, MEAN_OF_TEXTURE};
@@ -64,15 +65,17 @@ const MIRROR: u8 = 3;
 /// The illumination models of glass.
 const GLASS: [u8; 4] = [4, 6, 7, 9];
 
-/// The materials of a library, in order. `begin` checks the statement that begins each.
+/// The materials of a library, in order. `begin` checks the statement that begins each. Adds the statements that MTL does not
+/// define to `unknown`.
 pub(super) fn read<'a>(
     library: &'a Source,
+    unknown: &mut UnknownStatements<'a>,
     mut begin: impl FnMut(&Statement<'a>) -> Result<()>,
 ) -> Result<impl Iterator<Item = Description<'a>>> {
     let mut begun: Vec<(Statement<'a>, Notes)> = Vec::new();
     let pass = |statement: &Statement<'a>, line: &mut String| {
         if statement.keyword != "newmtl" {
-            return begun.last_mut().map_or(Ok(()), |(_, notes)| pass(statement, notes, line));
+            return begun.last_mut().map_or(Ok(()), |(_, notes)| pass(statement, notes, unknown, line));
         }
         begin(statement)?;
         begun.push((*statement, Notes::default()));
@@ -86,7 +89,12 @@ pub(super) fn read<'a>(
 }
 
 /// Checks a statement of a material, and writes the line that tobj reads for it or notes what is lost.
-fn pass(statement: &Statement<'_>, notes: &mut Notes, line: &mut String) -> Result<()> {
+fn pass<'a>(
+    statement: &Statement<'a>,
+    notes: &mut Notes,
+    unknown: &mut UnknownStatements<'a>,
+    line: &mut String,
+) -> Result<()> {
     let Notes { losses, lines } = notes;
     match statement.keyword {
         "Kd" | "Ks" | "Ke" if statement.words().next() == Some("spectral") => losses.spectral = true,
@@ -104,7 +112,8 @@ fn pass(statement: &Statement<'_>, notes: &mut Notes, line: &mut String) -> Resu
                 line.push_str("map_Kd m\n");
             }
         }
-        _ => {}
+        "Ka" | "Km" | "Ni" | "Ns" | "Pc" | "Pcr" | "Ps" | "Tf" | "aniso" | "anisor" | "sharpness" => {}
+        _ => unknown.add(statement),
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 use super::mtl::{self, default_material};
 use super::source::{Source, Statement};
+use super::unknown::UnknownStatements;
 use crate::error::Result;
 use crate::loading::Loading;
 use crate::{IoError, WarningKind};
@@ -120,7 +121,8 @@ impl<'a> Palette<'a> {
     /// Sets the materials of a library. A second material of the same name replaces the first.
     fn define(&mut self, library: &Source, loading: &mut Loading<'_>) -> Result<()> {
         let (count, names) = &mut self.defined;
-        let descriptions = mtl::read(library, |begin| {
+        let mut unknown = UnknownStatements::default();
+        let descriptions = mtl::read(library, &mut unknown, |begin| {
             *count += 1;
             begin.check_count(*count, "materials", loading.limits.materials)
         })?;
@@ -139,6 +141,7 @@ impl<'a> Palette<'a> {
                 loading.set_material(used.id, material);
             }
         }
+        unknown.warn(loading);
         Ok(())
     }
 }

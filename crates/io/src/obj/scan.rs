@@ -2,6 +2,7 @@ use super::corner;
 use super::lines::write;
 use super::palette::Palette;
 use super::source::Statement;
+use super::unknown::UnknownStatements;
 use crate::error::Result;
 use crate::loading::Loading;
 use crate::occurrences::Occurrences;
@@ -22,6 +23,7 @@ pub(super) struct Scan<'a> {
     short_faces: Occurrences,
     points_and_lines: Occurrences,
     free_form: Occurrences,
+    unknown: UnknownStatements<'a>,
     /// The number of corners in tobj's current mesh.
     mesh_corners: usize,
     /// The number of triangles of all faces, with degenerate ones.
@@ -44,6 +46,7 @@ impl<'a> Scan<'a> {
             short_faces: Occurrences::default(),
             points_and_lines: Occurrences::default(),
             free_form: Occurrences::default(),
+            unknown: UnknownStatements::default(),
             mesh_corners: 0,
             triangles: 0,
             runs: Vec::new(),
@@ -72,8 +75,14 @@ impl<'a> Scan<'a> {
             "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdc" | "cdp" => {
                 self.free_form.add(statement.place(), 1)
             }
-            // Other names, and what describes curves and surfaces without being one.
-            _ => {}
+            // Texture coordinates and names.
+            "vt" | "o" | "g" | "s" => {}
+            // What describes curves and surfaces without being one.
+            "vp" | "cstype" | "deg" | "bmat" | "step" | "parm" | "trim" | "hole" | "scrv" | "sp" | "end"
+            | "con" | "mg" | "res" | "ctech" | "stech" => {}
+            // How other renderers show it.
+            "bevel" | "c_interp" | "d_interp" | "lod" | "usemap" | "maplib" | "shadow_obj" | "trace_obj" => {}
+            _ => self.unknown.add(statement),
         }
         Ok(())
     }
@@ -83,6 +92,7 @@ impl<'a> Scan<'a> {
         self.short_faces.warn(loading, |count| WarningKind::ShortFaces { count });
         self.points_and_lines.warn(loading, |count| WarningKind::NotTriangles { count });
         self.free_form.warn(loading, |count| WarningKind::FreeFormIgnored { count });
+        self.unknown.warn(loading);
         self.normals.warn(loading, |count| WarningKind::NormalsIgnored { count });
         self.colours.warn(loading, |count| WarningKind::ColorsIgnored { count });
     }
