@@ -189,13 +189,13 @@ fn lamps_that_are_smaller_than_the_distance_between_probes_are_supersampled() {
     assert!(unprojected > 0.5, "{unprojected}");
 }
 
-/// Needles of half a picture's length and up to a fifth of a pixel's width, of which the grid of probes finds a part.
+/// Needles of half a picture's length and up to a twentieth of a pixel's width, of which the grid of probes finds a part.
 #[test]
 fn long_thin_lamps_are_supersampled_from_end_to_end() {
     let p = DVec3::new;
     let needle = |k: u32| {
         let (sin, cos) = (0.3 + f64::from(k)).sin_cos();
-        let (along, aside) = (p(cos, sin, 0.0), 0.004 * p(-sin, cos, 0.0));
+        let (along, aside) = (p(cos, sin, 0.0), 0.001 * p(-sin, cos, 0.0));
         Triangle::new((0.1 * along + aside).as_vec3(), (0.1 * along - aside).as_vec3(), along.as_vec3())
     };
     let scene = scene(&light((0..6).map(needle)));
