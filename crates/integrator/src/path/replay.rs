@@ -75,7 +75,7 @@ pub fn replay(
     (x, y): (u32, u32),
     sample: u32,
 ) -> Result<Replay, RenderError> {
-    // A range of all numbers up to the largest one has no end.
+    // Empty for `u32::MAX`, which no picture has as a sample.
     let samples = sample..sample.saturating_add(1);
     let replays = replay_samples(scene, sensor, settings, (x, y), samples)?;
     replays.into_iter().next().ok_or_else(|| not_a_sample(sample))
