@@ -166,7 +166,7 @@ fn a_mirrors_edge_cuts_the_image() {
         "a small mirror",
         &model(&whole_light(), &small, &shade()),
         truth,
-        &[(Bsdf, 512), (Light, 512), (Mis, 512)],
+        &[(Bsdf, 1024), (Light, 512), (Mis, 512)],
     );
     // In x and y, the direction from the target to the mirror's lower edge is (1, 1).
     let high = upright(WALL, [0.2, 3.0], [-3.0, 3.0]);

@@ -140,7 +140,7 @@ fn path_reuse_keeps_the_radiance_of_two_mirrors() {
 fn shared_caustics_are_those_of_the_picture() {
     let ring = torus(48, 24).placed(1.0, DVec3::new(0.0, 0.3, 0.0)).triangles();
     for (mirrors, sampling, samples) in
-        [(ring, MirrorSampling::Off, 16), (facing_mirrors(), MirrorSampling::Images, 4)]
+        [(ring, MirrorSampling::Off, 16), (facing_mirrors(), MirrorSampling::Images, 8)]
     {
         let (scene, camera) = floor_among(mirrors, Vec::new());
         let mut settings = Settings::new(7, 40, samples);

@@ -21,26 +21,23 @@ pub(super) const SOBOL: [Axis; 4] = [Axis::First, Axis::Second, Axis::ThirdSobol
 pub(super) const FAURE: [Axis; 4] = [Axis::First, Axis::Second, Axis::ThirdFaure, Axis::FourthFaure];
 
 impl Axis {
-    /// The first `digits` binary digits of the points of these indices, which have as many.
+    /// The binary digits of the points of these indices, which are below `2^32`. The first digit is the lowest bit.
     #[inline(always)]
-    pub(super) fn digits_of<const N: usize>(self, mut indices: [u64; N], digits: u32) -> [u64; N] {
+    pub(super) fn digits_of<const N: usize>(self, mut indices: [u64; N]) -> [u64; N] {
         for x in &mut indices {
             *x = match self {
-                Self::First | Self::ThirdSobol | Self::FourthSobol => *x,
+                Self::First => *x,
                 Self::Second => skewed(pascal(*x)),
+                Self::ThirdSobol => skewed(in_powers::<2>(*x)),
+                Self::FourthSobol => {
+                    let digits = in_powers::<3>(*x);
+                    digits ^ digits >> 1 & const { ones(1, 3) }
+                }
                 Self::ThirdFaure => times_powers(pascal(times_powers(*x, false)), true),
                 Self::FourthFaure => skewed(times_powers(pascal(times_powers(*x, true)), false)),
             };
         }
-        match self {
-            Self::ThirdSobol => {
-                sobol(indices, digits, [1 << 31, 3 << 30], |[m0, m1]| [m1, m1 ^ m0 ^ (m0 >> 2)])
-            }
-            Self::FourthSobol => sobol(indices, digits, [1 << 31, 3 << 30, 1 << 29], |[m0, m1, m2]| {
-                [m1, m2, m1 ^ m0 ^ (m0 >> 3)]
-            }),
-            _ => backward(indices, digits),
-        }
+        indices
     }
 }
 
@@ -78,47 +75,81 @@ fn times_powers(x: u64, inverse: bool) -> u64 {
     x & PLACES[0] | one & PLACES[1] | two & PLACES[2]
 }
 
-/// The first `digits` binary digits of a Sobol' dimension, given by its first direction numbers and by how each follows
-/// from those before it: the third from the polynomial x^2 + x + 1 with initial numbers 1 and 3, the fourth from
-/// x^3 + x + 1 with 1, 3 and 1 (Joe and Kuo 2008).
+/// The polynomial modulo two whose coefficients are the digits of `x`, as a sum of powers of `x^DEGREE + x + 1`, for degrees 2
+/// and 3: each `DEGREE` digits of the result are the coefficients of a factor.
+///
+/// Up to a fixed matrix for the digits of a factor, these are the digits of Sobol's coordinate of this polynomial: for degree
+/// 2 with the initial numbers 1 and 3, for degree 3 with 1, 3 and 1 (Joe and Kuo 2008).
 #[inline(always)]
-fn sobol<const N: usize, const D: usize>(
-    mut indices: [u64; N],
-    digits: u32,
-    mut directions: [u64; D],
-    next: impl Fn([u64; D]) -> [u64; D],
-) -> [u64; N] {
-    let mut sums = [0; N];
-    for _ in 0..digits {
-        for (sum, index) in sums.iter_mut().zip(&mut indices) {
-            *sum ^= directions[0] & (*index & 1).wrapping_neg();
-            *index >>= 1;
-        }
-        directions = next(directions);
-    }
-    sums.map(|sum| sum << digits >> 32)
+fn in_powers<const DEGREE: u32>(x: u64) -> u64 {
+    let x = divided::<DEGREE, 8>(x);
+    let x = divided::<DEGREE, 4>(x);
+    let x = divided::<DEGREE, 2>(x);
+    divided::<DEGREE, 1>(x)
 }
 
-/// The last `digits` binary digits in reverse order.
+/// Divides each polynomial of twice as many digits as the divisor `(x^DEGREE + x + 1)^POWER`, which is `x^WIDTH + x^POWER + 1`
+/// for a power of two. The quotient follows the remainder.
 #[inline(always)]
-pub(super) fn backward<const N: usize>(mut indices: [u64; N], digits: u32) -> [u64; N] {
-    for index in &mut indices {
-        *index = index.reverse_bits() >> (63 - digits) >> 1;
+fn divided<const DEGREE: u32, const POWER: u32>(x: u64) -> u64 {
+    let width = DEGREE * POWER;
+    let lows = const { ones(DEGREE * POWER, 2 * DEGREE * POWER) };
+    let high = x >> width & lows;
+    let quotient = high ^ high >> (width - POWER) & const { ones(POWER, 2 * DEGREE * POWER) };
+    let remainder = x & lows ^ quotient ^ quotient << POWER & lows;
+    remainder | quotient << width
+}
+
+/// The first `count` bits of each `period` bits.
+const fn ones(count: u32, period: u32) -> u64 {
+    let (mut ones, mut first) = (0, 0);
+    while first < u64::BITS {
+        ones |= ((1 << count) - 1) << first;
+        first += period;
     }
-    indices
+    ones
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::nested::backward;
     use super::*;
 
     #[test]
     fn the_first_points_are_those_of_sobol() {
-        let [first, second, third, fourth] = SOBOL.map(|axis| axis.digits_of([0, 1, 2, 3, 4, 5, 6, 7], 3));
+        let [first, second, third, fourth] =
+            SOBOL.map(|axis| backward(axis.digits_of([0, 1, 2, 3, 4, 5, 6, 7]), 3));
         // In eighths.
         assert_eq!(first, [0, 4, 2, 6, 1, 5, 3, 7]);
         assert_eq!(second, [0, 4, 6, 2, 5, 1, 3, 7]);
         assert_eq!(third, [0, 4, 6, 2, 3, 7, 5, 1]);
         assert_eq!(fourth, [0, 4, 6, 2, 1, 5, 7, 3]);
+    }
+
+    /// Digits from direction numbers, by the recurrence of Joe and Kuo (2008), as sums of a column for each digit of the index.
+    #[test]
+    fn coordinates_of_powers_are_those_of_direction_numbers() {
+        let third = directions([1, 3], |[v0, v1]| [v1, v1 ^ v0 ^ v0 << 2]);
+        let fourth = directions([1, 3, 4], |[v0, v1, v2]| [v1, v2, v1 ^ v0 ^ v0 << 3]);
+        let many = (0..4096).chain((0..4096).map(|i| crate::hash::mix(i) >> 32));
+        for index in many {
+            let sum = |directions: &[u64; 32]| {
+                directions
+                    .iter()
+                    .enumerate()
+                    .fold(0, |sum, (k, &v)| if index >> k & 1 == 1 { sum ^ v } else { sum })
+            };
+            assert_eq!(Axis::ThirdSobol.digits_of([index]), [sum(&third)]);
+            assert_eq!(Axis::FourthSobol.digits_of([index]), [sum(&fourth)]);
+        }
+    }
+
+    /// The lowest bit of a direction number is its first digit.
+    fn directions<const D: usize>(mut last: [u64; D], next: impl Fn([u64; D]) -> [u64; D]) -> [u64; 32] {
+        std::array::from_fn(|_| {
+            let direction = last[0];
+            last = next(last);
+            direction
+        })
     }
 }

@@ -1,7 +1,7 @@
 use super::decision::Decision;
-use super::digits::{Axis, FAURE, SOBOL, backward};
+use super::digits::{Axis, FAURE, SOBOL};
 use super::member::Member;
-use super::nested::{LEVELS, NestedPermutations, permuted};
+use super::nested::{backward, permuted};
 use crate::hash::{fold, nth, unit};
 
 /// A point of a replicate: a net for each decision of a path, stratified in all dimensions of the decision.
@@ -15,7 +15,7 @@ use crate::hash::{fold, nth, unit};
 /// the members of a group, whose numbers begin with the same digits (Ahmed and Wonka 2020, who number pixels in Morton
 /// order). For decisions up to [`Decision::LAST_OF_BLOCKS`], this holds for the members of a block instead.
 ///
-/// Each point is uniform in the unit cube, so the mean over a replicate is unbiased. Points of one replicate
+/// Each point is uniform in the unit cube (to `2^-32`), so the mean over a replicate is unbiased. Points of one replicate
 /// are dependent, replicates are independent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SobolPoint {
@@ -37,12 +37,8 @@ struct Shape {
     sample_digits: u32,
 }
 
-/// Purposes of permutations: two for the order of the points, and one for each [`Axis`].
-const MIXING: u64 = 0;
-const ORDER: u64 = 1;
-
-/// The first of the hashes of a key by which members are ordered.
-const MEMBERS: u64 = 1 << 60;
+/// The hash of a key for the second permutation of many digits. Those of [`Axis`] follow.
+const SECOND: u64 = 1;
 
 /// Two of four coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +82,7 @@ impl SobolPoint {
     #[inline(always)]
     pub(crate) fn hypercube<const N: usize>(&self) -> [[f64; N]; 4] {
         let points = SobolPoints::successive(self);
-        points.coordinates(SOBOL, points.keys, points.indices)
+        coordinates(SOBOL, points.keys, points.indices)
     }
 }
 
@@ -128,7 +124,7 @@ impl<const N: usize> SobolPoints<N> {
     #[inline(always)]
     pub(super) fn uniform<const D: usize>(&self, decision: Decision) -> [[f64; N]; D] {
         let (keys, places) = self.places(decision);
-        self.coordinates(SOBOL, keys, places)
+        coordinates(SOBOL, keys, places)
     }
 
     /// The first or last two of the four coordinates of the points of `decision`.
@@ -137,25 +133,9 @@ impl<const N: usize> SobolPoints<N> {
         let [first, second, third, fourth] = FAURE;
         let (keys, places) = self.places(decision);
         match half {
-            Half::First => self.coordinates([first, second], keys, places),
-            Half::Last => self.coordinates([third, fourth], keys, places),
+            Half::First => coordinates([first, second], keys, places),
+            Half::Last => coordinates([third, fourth], keys, places),
         }
-    }
-
-    /// The coordinates by the first `D` of `axes` of the points at `places` of the sequence.
-    #[inline(always)]
-    fn coordinates<const D: usize, const A: usize>(
-        &self,
-        axes: [Axis; A],
-        keys: [u64; N],
-        places: [u64; N],
-    ) -> [[f64; N]; D] {
-        const { assert!(D <= A) };
-        let mut all = [[0.0; N]; D];
-        for (axis, coordinates) in axes.into_iter().zip(&mut all) {
-            *coordinates = self.scrambled(keys, axis, axis.digits_of(places, self.shape.digits));
-        }
-        all
     }
 
     /// The keys of a decision, and the indices of the points in the sequence: members in a random order, and in each
@@ -163,7 +143,7 @@ impl<const N: usize> SobolPoints<N> {
     #[inline(always)]
     fn places(&self, decision: Decision) -> ([u64; N], [u64; N]) {
         let Shape { digits, sample_digits } = self.shape;
-        let keys = of_decision(self.keys, decision);
+        let keys = hashed(self.keys, decision.0.into());
         if digits == sample_digits {
             return (keys, shuffled(keys, self.indices, digits));
         }
@@ -172,55 +152,67 @@ impl<const N: usize> SobolPoints<N> {
             *member >>= sample_digits;
             *sample &= (1 << sample_digits) - 1;
         }
+        let member_digits = digits - sample_digits;
         if decision.0 <= Decision::LAST_OF_BLOCKS.0 {
-            members = by_blocks(members, digits - sample_digits);
+            members = by_blocks(members, member_digits);
         }
-        members = in_random_order(keys, members, digits - sample_digits);
-        let mut places = shuffled(of_decision(self.member_keys, decision), samples, sample_digits);
+        members = in_random_order(keys, members, member_digits);
+        let mut places = shuffled(hashed(self.member_keys, decision.0.into()), samples, sample_digits);
         for (place, member) in places.iter_mut().zip(members) {
             *place |= member << sample_digits;
         }
         (keys, places)
     }
+}
 
-    /// Owen scrambling of numbers given by their first digits. These differ for all points of the replicate,
-    /// so the digits after them are independent.
-    #[inline(always)]
-    fn scrambled(&self, keys: [u64; N], axis: Axis, digits: [u64; N]) -> [f64; N] {
-        let permutations = NestedPermutations::new(keys, axis as u64);
-        let count = self.shape.digits;
-        let prefixes = permutations.apply(digits, count);
-        let random = permutations.random_after(prefixes);
-        let mut uniform = [0.0; N];
-        for i in 0..N {
-            uniform[i] = unit((prefixes[i] << (63 - count) << 1) | random[i] >> count);
+/// The coordinates by the first `D` of `axes` of the points at `places` of the sequence, scrambled.
+#[inline(always)]
+fn coordinates<const D: usize, const N: usize, const A: usize>(
+    axes: [Axis; A],
+    keys: [u64; N],
+    places: [u64; N],
+) -> [[f64; N]; D] {
+    const { assert!(D <= A) };
+    let mut all = [[0.0; N]; D];
+    for (axis, coordinates) in axes.into_iter().zip(&mut all) {
+        let digits = permuted(axis.digits_of(places), hashed(keys, axis as u64));
+        for (coordinate, digits) in coordinates.iter_mut().zip(digits) {
+            *coordinate = unit(digits.reverse_bits());
         }
-        uniform
     }
+    all
 }
 
 const SALT: u64 = 0x736f_626f_6c27;
 
-/// The most digits of a permutation whose random bits are half of a key's.
-const FEW_DIGITS: u32 = 5;
-
-/// A random order of `2^digits` samples: two nested permutations.
+/// A random order of `2^digits` samples: two nested permutations, by last and by first digits.
 ///
 /// With a single one, as in Burley (2020), two samples whose indices differ in the last digit fall into opposite
 /// halves in every dimension, and the integral of a product of two dimensions has nearly twice the variance. A
 /// permutation nested by last digits prevents this.
 #[inline(always)]
 fn shuffled<const N: usize>(keys: [u64; N], indices: [u64; N], digits: u32) -> [u64; N] {
-    if digits <= FEW_DIGITS {
-        let mixed = permuted(keys, backward(indices, digits), digits);
-        let mut others = keys;
-        for key in &mut others {
-            *key >>= 32;
-        }
-        return permuted(others, backward(mixed, digits), digits);
+    let mixed = backward(permuted(indices, keys), digits);
+    backward(permuted(mixed, second_bits(keys, digits)), digits)
+}
+
+/// A random nested order of the members: two permutations, of which a single one would depend too much on its first digits.
+#[inline(always)]
+fn in_random_order<const N: usize>(keys: [u64; N], members: [u64; N], digits: u32) -> [u64; N] {
+    let mixed = permuted(backward(members, digits), keys);
+    backward(permuted(mixed, second_bits(keys, digits)), digits)
+}
+
+/// The random bits of a second permutation of `digits` digits, which takes others of a key than the first one.
+#[inline(always)]
+fn second_bits<const N: usize>(mut keys: [u64; N], digits: u32) -> [u64; N] {
+    if digits > 16 {
+        return hashed(keys, SECOND);
     }
-    let mixed = NestedPermutations::new(keys, MIXING).apply(backward(indices, digits), digits);
-    NestedPermutations::new(keys, ORDER).apply(backward(mixed, digits), digits)
+    for key in &mut keys {
+        *key = key.rotate_right(16);
+    }
+    keys
 }
 
 /// Members by blocks instead of groups: the first half of their digits becomes the sum of both.
@@ -232,32 +224,11 @@ fn by_blocks<const N: usize>(mut members: [u64; N], digits: u32) -> [u64; N] {
     members
 }
 
-/// A random nested order of the members, whose numbers have up to eight digits.
+/// Hash `counter` of each key.
 #[inline(always)]
-fn in_random_order<const N: usize>(keys: [u64; N], members: [u64; N], digits: u32) -> [u64; N] {
-    let last = digits.min(LEVELS);
-    let (mut firsts, mut lasts) = (members, members);
-    for i in 0..N {
-        firsts[i] >>= last;
-        lasts[i] &= (1 << last) - 1;
-    }
-    let mut coins = keys;
-    for (coin, first) in coins.iter_mut().zip(firsts) {
-        *coin = nth(*coin, MEMBERS + first);
-    }
-    // The keys' own bits: these digits are few.
-    firsts = permuted(keys, firsts, digits - last);
-    lasts = permuted(coins, lasts, last);
-    for i in 0..N {
-        lasts[i] |= firsts[i] << last;
-    }
-    lasts
-}
-
-#[inline(always)]
-fn of_decision<const N: usize>(mut keys: [u64; N], decision: Decision) -> [u64; N] {
+fn hashed<const N: usize>(mut keys: [u64; N], counter: u64) -> [u64; N] {
     for key in &mut keys {
-        *key = nth(*key, decision.0.into());
+        *key = nth(*key, counter);
     }
     keys
 }
@@ -382,6 +353,32 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Means over nets are nearly normal: of a coordinate and of a product over 64 samples, and of a product of two decisions
+    /// over 256 members with one sample each. A kurtosis of 3 has a standard deviation of 0.08 in 4000 nets.
+    #[test]
+    fn means_over_nets_have_no_heavy_tails() {
+        let sample = |net, i| SobolPoint::new(5, Member::alone(net), 3, i, 6);
+        let member = |net, number| SobolPoint::new(5, Member { net, number, digits: 8 }, 3, 0, 0);
+        let first = |net, i| sample(net, i).uniform::<2>(Decision(8));
+        let coordinate = kurtosis(|net| (0..64).map(|i| first(net, i)[0]).sum());
+        let product = kurtosis(|net| (0..64).map(|i| first(net, i).iter().product::<f64>()).sum());
+        let decisions = kurtosis(|net| {
+            let is_low = |i, decision| member(net, i).uniform::<1>(Decision(decision))[0] < 0.5;
+            (0..256).filter(|&i| is_low(i, 8) && is_low(i, 11)).count() as f64
+        });
+        let all = [coordinate, product, decisions];
+        assert!(all.iter().all(|kurtosis| (2.0..3.5).contains(kurtosis)), "{all:?}");
+    }
+
+    /// The kurtosis of sums over 4000 nets.
+    fn kurtosis(sum_of_net: impl Fn(u64) -> f64) -> f64 {
+        let sums: Vec<f64> = (0..4000).map(sum_of_net).collect();
+        let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / sums.len() as f64;
+        let center = mean(&mut sums.iter().copied());
+        let moment = |power| mean(&mut sums.iter().map(|sum| (sum - center).powi(power)));
+        moment(4) / moment(2).powi(2)
     }
 
     #[test]

@@ -37,7 +37,17 @@ impl Wavefront {
                 self.paths.push(Path::new(sample, numbers, MisContext::of_camera(supersampled)));
             }
         }
-        draw_numbers(context.simd, &self.paths, &mut self.film_numbers, Numbers::films);
+        #[expect(
+            clippy::redundant_closure,
+            reason = "functions are not compiled for the instruction set, closures are"
+        )]
+        draw_numbers(
+            context.simd,
+            &self.paths,
+            &mut self.film_numbers,
+            #[inline(always)]
+            |samples| Numbers::films(samples),
+        );
         self.prefixes.start(context, &self.samples);
         self.radiance.reset(self.paths.len(), self.prefixes.len());
         self.caustics.clear();
