@@ -248,7 +248,7 @@ fn damaged_and_incomplete_checkpoints_are_refused() {
     assert_eq!(Picture::from_bytes(b"\x89PNG and so on"), Err(CheckpointError::NoCheckpoint));
     let mut newer = bytes;
     newer[8] += 1;
-    assert_eq!(Picture::from_bytes(&newer), Err(CheckpointError::Version(5)));
+    assert_eq!(Picture::from_bytes(&newer), Err(CheckpointError::Version(6)));
 }
 
 /// Merges checkpoints as streams.

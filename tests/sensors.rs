@@ -3,9 +3,9 @@
 use glam::DVec3;
 use globillum::geom::{Accel, Ray};
 use globillum::integrator::{
-    CheckpointReader, CheckpointWriter, ElementSample, IrradiancePoints, Merge, OrthographicCamera,
-    PathReuse, PathStart, PinholeCamera, Render, RenderError, Sampler, Scene, Sensor, Settings,
-    SphericalCamera, render, replay_samples,
+    CheckpointError, CheckpointReader, CheckpointWriter, ElementSample, Estimates, IrradiancePoints, Merge,
+    MergeError, OrthographicCamera, PathReuse, PathStart, Picture, PinholeCamera, Render, RenderError,
+    Sampler, Scene, Sensor, Settings, SphericalCamera, render, replay_samples,
 };
 use globillum::material::Rgb;
 use globillum_testkit::accelerators::STRUCTURES;
@@ -155,18 +155,16 @@ fn bad_cameras_are_refused() {
     }
 }
 
-/// The pixels of a picture, stitched together from crops with these ends of columns and rows.
-fn stitched(render: impl Fn() -> Render<'static>, columns: &[u32], rows: &[u32]) -> Vec<Rgb> {
-    let (width, height) = (columns[columns.len() - 1], rows[rows.len() - 1]);
-    let mut pixels = vec![Rgb::BLACK; (width * height) as usize];
+/// A picture put together from crops with these ends of columns and rows.
+fn pasted(render: impl Fn() -> Render<'static>, columns: &[u32], rows: &[u32]) -> Estimates {
+    let mut whole = Estimates::unknown(columns[columns.len() - 1], rows[rows.len() - 1]);
     for (x, y) in columns.windows(2).flat_map(|x| rows.windows(2).map(move |y| (x[0]..x[1], y[0]..y[1]))) {
         let film = render().crop(x.clone(), y.clone()).run().expect("all is good").film;
         assert_eq!((film.width(), film.height()), (x.end - x.start, y.end - y.start));
-        for (i, j) in (0..film.width()).flat_map(|i| (0..film.height()).map(move |j| (i, j))) {
-            pixels[((y.start + j) * width + x.start + i) as usize] = film.mean(i, j);
-        }
+        assert_eq!((film.full_size(), film.origin()), ([whole.width, whole.height], [x.start, y.start]));
+        whole.paste(&Estimates::of(&film));
     }
-    pixels
+    whole
 }
 
 #[test]
@@ -181,8 +179,14 @@ fn nine_crops_have_the_bits_of_the_whole() {
         settings.path_reuse = path_reuse;
         let settings: &'static Settings = Box::leak(Box::new(settings));
         let whole = render(scene, camera, settings).expect("all is good").film;
-        let pixels = stitched(|| Render::new(scene, camera, settings), &columns, &rows);
-        assert!(whole.means().eq(pixels), "{path_reuse:?}");
+        let mut pasted = pasted(|| Render::new(scene, camera, settings), &columns, &rows);
+        let expected = Estimates::of(&whole);
+        if path_reuse == PathReuse::Off {
+            // Crops within a block of pixels do not know its error.
+            assert!(pasted.block_errors != expected.block_errors);
+            pasted.block_errors.clone_from(&expected.block_errors);
+        }
+        assert!(pasted == expected, "{path_reuse:?}");
     }
 }
 
@@ -200,7 +204,20 @@ fn crops_are_pictures_of_their_own() {
     let merge = Merge::new(readers.into()).expect("they are of one picture");
     let mut merged = CheckpointWriter::new(Vec::new(), merge.header()).expect("memory");
     merge.run(|rows| merged.write(rows)).expect("they fit");
-    assert!(merged.finish().expect("memory") == whole.to_bytes());
+    let merged = merged.finish().expect("memory");
+    assert!(merged == whole.to_bytes());
+    let read = Picture::from_bytes(&merged).expect("it is whole");
+    assert_eq!((read.film.full_size(), read.film.origin()), ([50, 60], [16, 16]));
+    let lower = Picture::from_bytes(&lower).expect("it is whole");
+    assert_eq!(lower.film.origin(), [16, 32]);
+    // The key is that of the crop, the pixels are others.
+    let mut upper = render().crop(16..50, 0..32).run().expect("all is good");
+    upper.key = crop().key();
+    let bytes = [upper.to_bytes(), merged];
+    let readers = bytes.each_ref().map(|bytes| CheckpointReader::new(&bytes[..]).expect("good bytes"));
+    assert!(matches!(Merge::new(readers.into()), Err(MergeError::Input { index: 1, .. })));
+    let error = crop().resume(upper).run().expect_err("it is of other pixels");
+    assert!(matches!(error, RenderError::Checkpoint(CheckpointError::Mismatch("size"))), "{error}");
     assert_ne!(crop().key(), render().key());
     assert_ne!(crop().key(), render().crop(16..50, 32..48).key());
     for (columns, rows, name, value) in [

@@ -93,7 +93,7 @@ impl Job {
             subject.build(&flags, &interrupt)?;
         let settings = flags.settings();
         let render = flags.render(&scene, camera.sensor(), &settings)?;
-        let shown = flags.picture.shown(settings.path_reuse);
+        let shown = flags.picture.shown();
         let preview = flags
             .picture
             .preview
@@ -135,6 +135,5 @@ fn mean(pixels: &[Rgb]) -> Rgb {
 fn picture_data(picture: &Picture, settings: &Settings, camera: &AnyCamera, shown: Shown) -> PictureData {
     let mut data = PictureData::of_render(picture, settings, camera.pinhole());
     shown.cut(&mut data.estimates);
-    data.whole = shown.is_crop_of(settings).then_some([settings.width, settings.height]);
     data
 }

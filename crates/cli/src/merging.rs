@@ -38,9 +38,13 @@ pub(crate) fn merge(
     })?;
     let header = merge.header().clone();
     check(&header)?;
-    let mut estimates = want_picture.then(|| Estimates::unknown(header.width, header.height));
+    let mut estimates = want_picture.then(|| {
+        let mut unknown = Estimates::unknown(header.width, header.height);
+        (unknown.full_size, unknown.origin) = (header.full_size, header.crop_origin);
+        unknown
+    });
     let collect = |rows: &Film| {
-        estimates.iter_mut().for_each(|estimates| estimates.set_rows(rows));
+        estimates.iter_mut().for_each(|estimates| estimates.paste(&Estimates::of(rows)));
         if cancelled() { Err(io::ErrorKind::Interrupted.into()) } else { Ok(()) }
     };
     let error = match checkpoint {

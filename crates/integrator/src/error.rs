@@ -195,7 +195,7 @@ impl CheckpointError {
 }
 
 /// The version of the checkpoint format that this library writes and reads.
-pub(crate) const CHECKPOINT_VERSION: u32 = 4;
+pub(crate) const CHECKPOINT_VERSION: u32 = 5;
 
 /// Why checkpoints cannot be merged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]

@@ -1,7 +1,7 @@
 //! What a camera sees first, without its light.
 
 use crate::caught::caught;
-use crate::film::{assert_crop, crop};
+use crate::film::Window;
 use crate::worker_threads::run_in_threads;
 use crate::{ElementSample, PathStart, RenderError, Scene, Sensor, Settings};
 use glam::DVec3;
@@ -111,9 +111,9 @@ impl FirstHits {
     /// If a range begins after its end, or they are not all within the picture.
     #[must_use]
     pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
-        assert_crop([&columns, &rows], [self.width, self.height]);
-        let (width, height) = (columns.end - columns.start, rows.end - rows.start);
-        Self { width, height, pixels: crop(&self.pixels, &(self.width, columns, rows)) }
+        let window = Window::new(columns, rows, [self.width, self.height]);
+        let [width, height] = window.size();
+        Self { width, height, pixels: window.cut(&self.pixels) }
     }
 }
 

@@ -38,6 +38,7 @@ const MAX_EXPANSION: u64 = 1032;
 pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
     let Estimates { width, height, means, standard_errors, samples, observations, block_errors, .. } =
         &data.estimates;
+    check_window(&data.estimates)?;
     check_range(data)?;
     let mut channels = triple("", means);
     if data.estimates.has_errors() || samples.iter().any(|&count| count > 0) {
@@ -51,13 +52,25 @@ pub(crate) fn encode(data: &PictureData) -> Result<Vec<u8>, Error> {
     let size = (*width as usize, *height as usize);
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let layer = Layer::new(size, layer_attributes(data)?, Encoding::SMALL_LOSSLESS, channels);
-    let display = data.whole.map_or(size, |[width, height]| (width as usize, height as usize));
-    let image = Image::new(ImageAttributes::with_size(display), layer);
+    let [display_width, display_height] = data.estimates.full_size.map(|length| length as usize);
+    let image = Image::new(ImageAttributes::with_size((display_width, display_height)), layer);
     let mut file = Cursor::new(Vec::new());
     image.write().non_parallel().to_buffered(&mut file)?;
     let mut bytes = file.into_inner();
     sort_attributes(&mut bytes);
     Ok(bytes)
+}
+
+/// Refuses a crop that does not lie within its picture.
+fn check_window(estimates: &Estimates) -> Result<(), Error> {
+    let Estimates { width, height, full_size, origin, .. } = *estimates;
+    let is_within =
+        |axis: usize, length: u32| origin[axis].checked_add(length).is_some_and(|end| end <= full_size[axis]);
+    if is_within(0, width) && is_within(1, height) {
+        return Ok(());
+    }
+    let ([x, y], [full_width, full_height]) = (origin, full_size);
+    Err(format!("{width} x {height} pixels from ({x}, {y}) on exceed {full_width} x {full_height}").into())
 }
 
 /// Refuses finite radiance, or a finite error of it, that is infinite as `f32`. What is infinite is not known.
@@ -122,10 +135,8 @@ fn layer_attributes(data: &PictureData) -> Result<LayerAttributes, Error> {
         let name = text(&format!("{PREFIX}{name}"))?;
         attributes.other.insert(name, AttributeValue::Text(text(value)?));
     }
-    if data.whole.is_some() {
-        let [x, y] = data.estimates.origin.map(|at| at as i32);
-        attributes.layer_position = Vec2(x, y);
-    }
+    let [x, y] = data.estimates.origin.map(|at| at as i32);
+    attributes.layer_position = Vec2(x, y);
     if let Some((matrix, fov)) = data.camera {
         attributes.world_to_camera = Some(matrix);
         attributes.vertical_field_of_view = Some(fov);
@@ -167,7 +178,7 @@ impl PictureData {
     ///
     /// Radiance is the channels `R`, `G` and `B`, else those of the layer `Combined`, else of the only layer that
     /// has them. Standard errors, samples and observations of a file without them are unknown. A data window within the
-    /// display window is a crop ([`PictureData::whole`]); any other is read as if it were the picture.
+    /// display window is a crop ([`Estimates::is_crop`]); any other is read as if it were the picture.
     ///
     /// # Errors
     /// [`IoError::Read`] if the file cannot be read; [`IoError::Decode`] if it is not an OpenEXR file, is damaged,
@@ -222,20 +233,14 @@ fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
         estimates.path_reuse = PathReuse::Tiles;
     }
     let window = IntegerBounds::new(attributes.layer_position, size);
-    let whole = (display.contains(window) && display != window).then(|| {
+    if display.contains(window) {
         let from = window.position - display.position;
         estimates.origin = [from.x(), from.y()].map(|at| at as u32);
-        [display.size.width(), display.size.height()].map(|length| length as u32)
-    });
+        estimates.full_size = [display.size.width(), display.size.height()].map(|length| length as u32);
+    }
     let camera = attributes.world_to_camera.zip(attributes.vertical_field_of_view);
     let first_hits = channels.first_hits(estimates.width, estimates.height);
-    Ok(PictureData {
-        whole,
-        attributes: attributes_by_name,
-        camera,
-        first_hits,
-        ..PictureData::new(estimates)
-    })
+    Ok(PictureData { attributes: attributes_by_name, camera, first_hits, ..PictureData::new(estimates) })
 }
 
 /// Refuses a header that promises more than its file can hold.

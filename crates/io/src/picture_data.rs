@@ -41,8 +41,6 @@ use std::ops::Range;
 pub struct PictureData {
     /// Means, standard errors and samples of the pixels.
     pub estimates: Estimates,
-    /// The size of the whole picture, of which the estimates are a crop; `None` if they are all of it.
-    pub whole: Option<[u32; 2]>,
     /// What else is known, by name: `passes`, `samples`, `path_reuse`, `key`, `seed`, `settings`.
     pub attributes: BTreeMap<String, String>,
     /// The matrix that row vectors of world positions are multiplied by to get the camera's frame, x to the right,
@@ -55,7 +53,7 @@ pub struct PictureData {
 impl PictureData {
     /// A picture of these estimates, of which nothing else is known.
     pub fn new(estimates: Estimates) -> Self {
-        Self { estimates, whole: None, attributes: BTreeMap::new(), camera: None, first_hits: None }
+        Self { estimates, attributes: BTreeMap::new(), camera: None, first_hits: None }
     }
 
     /// The estimates of `film`, with the attributes `passes`, `samples` and `path_reuse`.
@@ -69,8 +67,7 @@ impl PictureData {
     /// [`PictureData::of`] the picture's film, with the attributes `key`, `seed` and `settings`, and the camera if a
     /// pinhole took the picture.
     ///
-    /// Settings that do not change a sample, such as the number of threads, are left out. Of a crop, set
-    /// [`Estimates::origin`] and [`PictureData::whole`], which a film does not know.
+    /// Settings that do not change a sample, such as the number of threads, are left out.
     pub fn of_render(picture: &Picture, settings: &Settings, camera: Option<&PinholeCamera>) -> Self {
         let mut data = Self::of(&picture.film);
         data.set_key(picture.key);

@@ -70,10 +70,8 @@ fn rounded(pixels: &[Rgb]) -> Vec<Rgb> {
 #[test]
 fn an_exr_of_a_crop_tells_its_place() {
     let whole = Estimates::unknown(37, 21);
-    let mut data = PictureData::new(whole.crop(8..30, 5..21));
-    data.whole = Some([37, 21]);
-    let (bytes, read) = written_and_read(&data);
-    assert_eq!((read.whole, read.estimates.origin), (Some([37, 21]), [8, 5]));
+    let (bytes, read) = written_and_read(&PictureData::new(whole.crop(8..30, 5..21)));
+    assert_eq!((read.estimates.full_size, read.estimates.origin), ([37, 21], [8, 5]));
     assert_eq!((read.estimates.width, read.estimates.height), (22, 16));
     let meta = exr::meta::MetaData::read_from_buffered(bytes.as_slice(), false).expect("it is a file");
     let header = &meta.headers[0];
@@ -81,7 +79,7 @@ fn an_exr_of_a_crop_tells_its_place() {
     assert_eq!(header.shared_attributes.display_window, window(0, 0, (37, 21)));
     assert_eq!(header.data_window(), window(8, 5, (22, 16)));
     let (_, read) = written_and_read(&PictureData::new(whole));
-    assert_eq!((read.whole, read.estimates.origin), (None, [0, 0]));
+    assert_eq!((read.estimates.full_size, read.estimates.origin), ([37, 21], [0, 0]));
 }
 
 /// Display windows of other programs may begin anywhere, and data windows may exceed them.
@@ -96,12 +94,12 @@ fn windows_of_other_programs_are_read() {
         Image::new(ImageAttributes::new(display), layer).write().to_file(&path).unwrap();
         let read = PictureData::read(&path).unwrap();
         assert_eq!((read.estimates.width, read.estimates.height), (4, 3));
-        (read.whole, read.estimates.origin)
+        (read.estimates.full_size, read.estimates.origin)
     };
-    assert_eq!(read(IntegerBounds::new((-20, -20), (40, 30)), (-5, 2)), (Some([40, 30]), [15, 22]));
-    assert_eq!(read(IntegerBounds::new((-20, -20), (4, 3)), (-20, -20)), (None, [0, 0]));
+    assert_eq!(read(IntegerBounds::new((-20, -20), (40, 30)), (-5, 2)), ([40, 30], [15, 22]));
+    assert_eq!(read(IntegerBounds::new((-20, -20), (4, 3)), (-20, -20)), ([4, 3], [0, 0]));
     for corner in [(-1, 0), (38, 0), (0, 28), (100, 100)] {
-        assert_eq!(read(IntegerBounds::new((0, 0), (40, 30)), corner), (None, [0, 0]), "{corner:?}");
+        assert_eq!(read(IntegerBounds::new((0, 0), (40, 30)), corner), ([4, 3], [0, 0]), "{corner:?}");
     }
 }
 
@@ -255,7 +253,8 @@ fn an_exr_holds_no_radiance_beyond_its_range() {
     let path = folder.path().join("a.exr");
     let write = |change: &dyn Fn(&mut Estimates)| {
         let mut data = PictureData::of(&film());
-        data.estimates.origin = [10, 20];
+        let [width, height] = data.estimates.full_size;
+        (data.estimates.full_size, data.estimates.origin) = ([width + 10, height + 20], [10, 20]);
         change(&mut data.estimates);
         PictureFile::create(&path).unwrap().write_data(&data).map_err(|error| error.to_string())
     };
@@ -263,6 +262,8 @@ fn an_exr_holds_no_radiance_beyond_its_range() {
     let expected = |what: &str| {
         format!("{}: cannot be encoded: {what} exceeds 3.4028235e38, the most of OpenEXR", path.display())
     };
+    let refused = write(&|estimates| estimates.full_size = [1, 1]).expect_err("it exceeds its picture");
+    assert!(refused.contains("from (10, 20) on exceed 1 x 1"), "{refused}");
     let refused = write(&|estimates| estimates.means[5].g = 1e40);
     assert_eq!(refused, Err(expected("radiance 1e40 of pixel (12, 21)")));
     let refused = write(&|estimates| estimates.standard_errors[1].b = 2.0 * most);

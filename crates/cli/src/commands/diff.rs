@@ -109,21 +109,18 @@ impl Options {
 struct Side<'a> {
     paths: &'a [PathBuf],
     pictures: Vec<Estimates>,
-    /// The size of the picture that each is a crop of, if that is known.
-    wholes: Vec<Option<[u32; 2]>>,
     attributes: Vec<BTreeMap<String, String>>,
 }
 
 impl<'a> Side<'a> {
     fn read(paths: &'a [PathBuf]) -> Result<Self> {
-        let (mut pictures, mut wholes, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut pictures, mut attributes) = (Vec::new(), Vec::new());
         for path in paths {
             let data = PictureData::read(path)?;
             pictures.push(data.estimates);
-            wholes.push(data.whole);
             attributes.push(data.attributes);
         }
-        let side = Self { paths, pictures, wholes, attributes };
+        let side = Self { paths, pictures, attributes };
         side.check_size(&side)?;
         Ok(side)
     }
@@ -145,11 +142,9 @@ impl<'a> Side<'a> {
 
     /// Whether all crops whose places are known show the same part of the picture.
     fn check_place(&self, other: &Self) -> Result<()> {
-        let place = |side: &Self, at: usize| Some((side.pictures[at].origin, side.wholes[at]?));
-        let places = [self, other].map(|side| {
-            (0..side.paths.len()).filter_map(move |at| Some((&side.paths[at], place(side, at)?)))
-        });
-        let mut places = places.into_iter().flatten();
+        let pictures = [self, other].map(|side| side.paths.iter().zip(&side.pictures)).into_iter().flatten();
+        let crops = pictures.filter(|(_, picture)| picture.is_crop());
+        let mut places = crops.map(|(path, crop)| (path, (crop.origin, crop.full_size)));
         let Some((first, one)) = places.next() else { return Ok(()) };
         match places.find(|(_, place)| *place != one) {
             Some((path, ([x, y], [width, height]))) => {

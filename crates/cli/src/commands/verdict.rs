@@ -64,7 +64,8 @@ fn least_p_value(a: &[Estimates], b: &[Estimates]) -> f64 {
     let of_colour = |pictures: &[Estimates], colour| {
         let picture = |like: &Estimates| {
             let mut picture = Estimates::unknown(like.width, like.height);
-            (picture.origin, picture.path_reuse) = (like.origin, like.path_reuse);
+            (picture.full_size, picture.origin) = (like.full_size, like.origin);
+            picture.path_reuse = like.path_reuse;
             picture.means.fill(colour);
             picture
         };

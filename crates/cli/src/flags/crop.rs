@@ -1,4 +1,4 @@
-use globillum::integrator::{Estimates, FirstHits, PathReuse, Settings};
+use globillum::integrator::{Estimates, FirstHits, PathReuse};
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::Range;
@@ -14,11 +14,7 @@ pub(crate) struct Crop {
 
 /// The pixels that are shown, within those that are rendered.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shown {
-    pub(super) crop: Crop,
-    /// The place of the rendered pixels.
-    pub(super) origin: [u32; 2],
-}
+pub(crate) struct Shown(pub(super) Crop);
 
 impl Crop {
     /// A whole picture.
@@ -55,15 +51,9 @@ impl Crop {
 }
 
 impl Shown {
-    /// Whether less than the whole picture of these settings is shown.
-    pub(crate) fn is_crop_of(&self, settings: &Settings) -> bool {
-        (self.crop.width, self.crop.height) != (settings.width, settings.height)
-    }
-
     /// Cuts the pixels out of those that are rendered.
     pub(crate) fn cut(&self, estimates: &mut Estimates) {
-        let Self { crop: Crop { x, y, width, height }, origin: [left, top] } = *self;
-        estimates.origin = [left, top];
+        let (Self(Crop { x, y, width, height }), [left, top]) = (*self, estimates.origin);
         if (width, height) != (estimates.width, estimates.height) {
             *estimates = estimates.crop(x - left..x - left + width, y - top..y - top + height);
         }
@@ -71,7 +61,7 @@ impl Shown {
 
     /// Cuts the pixels out of those of the whole picture.
     pub(crate) fn cut_hits(&self, hits: FirstHits) -> FirstHits {
-        let Crop { x, y, width, height } = self.crop;
+        let Self(Crop { x, y, width, height }) = *self;
         let is_whole = (width, height) == (hits.width, hits.height);
         if is_whole { hits } else { hits.crop(x..x + width, y..y + height) }
     }

@@ -45,9 +45,8 @@ impl PictureFlags {
     }
 
     /// The pixels that are shown, of a film of those that are [rendered](PictureFlags::rendered).
-    pub(crate) fn shown(&self, path_reuse: PathReuse) -> Shown {
-        let origin = self.rendered(path_reuse).map_or([0; 2], |ranges| ranges.map(|range| range.start));
-        Shown { crop: self.crop.unwrap_or(Crop::whole(self.width, self.height)), origin }
+    pub(crate) fn shown(&self) -> Shown {
+        Shown(self.crop.unwrap_or(Crop::whole(self.width, self.height)))
     }
 
     /// Width over height of the picture.

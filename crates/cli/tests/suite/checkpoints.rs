@@ -35,6 +35,10 @@ fn parts_of_a_picture_are_merged_to_the_whole() {
     assert_eq!(read(folder, "all"), read(folder, "whole"));
     MERGE.succeed(folder, &["2", "3", "1", "2", "--checkpoint", "twice"]);
     assert_eq!(read(folder, "twice"), read(folder, "whole"), "equal parts count once");
+    render(&["--crop", "20,17,5,4", "--spp", "12", "--checkpoint", "crop"]);
+    MERGE.succeed(folder, &["crop", "--out", "b.exr"]);
+    assert!(data("b.exr").estimates == whole.estimates.crop(16..32, 16..24), "tiles around the crop");
+    assert!(data("a.exr").estimates == whole.estimates.crop(20..25, 17..21), "the crop");
     MERGE.succeed(folder, &["1", "2", "--checkpoint", "12"]);
     MERGE.succeed(folder, &["2", "3", "--checkpoint", "23"]);
     let [second, first, neither] = [

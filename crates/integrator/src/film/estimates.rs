@@ -1,5 +1,6 @@
 use super::dispersion::Blocks;
 use super::moments::mean;
+use super::window::Window;
 use super::{Film, margin};
 use crate::PathReuse;
 use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
@@ -28,7 +29,9 @@ pub struct Estimates {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Column and row of the upper left pixel in the whole picture; not 0 in a crop or a strip of it.
+    /// Width and height of the whole picture. They differ from `width` and `height` in a crop or a strip.
+    pub full_size: [u32; 2],
+    /// Column and row of the upper left pixel in the whole picture.
     pub origin: [u32; 2],
     /// Mean radiance, component by component.
     pub means: Vec<Rgb>,
@@ -52,6 +55,7 @@ impl Estimates {
         Self {
             width,
             height,
+            full_size: [width, height],
             origin: [0; 2],
             means: vec![Rgb::BLACK; pixels],
             standard_errors: vec![Rgb::splat(f64::INFINITY); pixels],
@@ -62,42 +66,74 @@ impl Estimates {
         }
     }
 
-    /// The estimates that `film` holds. A strip begins at its first row ([`Film::rows`]). The film of a
-    /// [crop](crate::Render::crop) does not know its place: set [`Estimates::origin`].
+    /// The estimates that `film` holds.
     pub fn of(film: &Film) -> Self {
-        let mut estimates = Self::unknown(film.width(), film.height());
-        estimates.origin[1] = film.rows().start;
-        estimates.set_from(0, film);
-        estimates
+        let saturated = |count: u64| u32::try_from(count).unwrap_or(u32::MAX);
+        let errors = |variance: Rgb| variance.map(f64::sqrt);
+        let pixels = film.pixel_count();
+        Self {
+            width: film.width(),
+            height: film.height(),
+            full_size: film.full_size(),
+            origin: film.origin(),
+            means: film.means().collect(),
+            standard_errors: film.variances_of_mean().map(errors).collect(),
+            block_errors: film.block_variances_of_mean().map(errors).collect(),
+            samples: vec![saturated(film.samples()); pixels],
+            observations: vec![saturated(film.observations()); pixels],
+            path_reuse: film.path_reuse(),
+        }
     }
 
-    /// Sets the rows that `film`, a strip of the same picture, holds ([`Film::rows`]).
+    /// Whether these are a part of the picture.
+    pub fn is_crop(&self) -> bool {
+        [self.width, self.height] != self.full_size
+    }
+
+    /// Replaces the pixels that `part`, a crop or a strip of the same picture, holds. Unless it begins and ends with blocks of
+    /// this picture, the errors of all blocks that it touches are unknown from then on.
+    ///
+    /// ```
+    /// use globillum_integrator::{Estimates, Render};
+    /// # use globillum_integrator::{Model, PinholeCamera, RenderError, Scene, Settings, render};
+    /// # use glam::DVec3;
+    /// # use globillum_geom::KdTree;
+    /// # let scene = Scene::build(Model::default(), KdTree::build)?;
+    /// # let camera = PinholeCamera::look_at(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7)?;
+    /// # let settings = Settings::new(48, 32, 16);
+    /// let mut whole = Estimates::unknown(48, 32);
+    /// for columns in [0..16, 16..48] {
+    ///     let part = Render::new(&scene, &camera, &settings).crop(columns, 0..32).run()?;
+    ///     whole.paste(&Estimates::of(&part.film));
+    /// }
+    /// assert_eq!(whole, Estimates::of(&render(&scene, &camera, &settings)?.film));
+    /// # Ok::<(), RenderError>(())
+    /// ```
     ///
     /// # Panics
-    /// If the film has another width, or rows below the picture.
-    pub fn set_rows(&mut self, film: &Film) {
-        self.set_from(film.rows().start, film);
-    }
-
-    fn set_from(&mut self, first_row: u32, film: &Film) {
-        assert_eq!(self.width, film.width(), "the strip has the picture's width");
-        let first = first_row as usize * self.width as usize;
-        let pixels: Range<usize> = first..first + film.pixel_count();
-        let saturated = |count: u64| u32::try_from(count).unwrap_or(u32::MAX);
-        self.path_reuse = film.path_reuse();
-        self.samples[pixels.clone()].fill(saturated(film.samples()));
-        self.observations[pixels.clone()].fill(saturated(film.observations()));
-        let errors = self.standard_errors[pixels.clone()].iter_mut();
-        for (error, variance) in errors.zip(film.variances_of_mean()) {
-            *error = variance.map(f64::sqrt);
+    /// If `part` is of a picture of another size or holds pixels that these estimates do not have, or if a list has another
+    /// length than [`Estimates`] says.
+    pub fn paste(&mut self, part: &Self) {
+        assert_eq!(self.full_size, part.full_size, "parts are of pictures of one size");
+        assert!(self.are_whole() && part.are_whole(), "every list has one entry for each pixel or block");
+        let [columns, rows] = [(0, part.width), (1, part.height)].map(|(axis, length)| {
+            let start = part.origin[axis].checked_sub(self.origin[axis]).unwrap_or(u32::MAX);
+            start..start.saturating_add(length)
+        });
+        let window = Window::new(columns, rows, [self.width, self.height]);
+        window.paste(&part.means, &mut self.means);
+        window.paste(&part.standard_errors, &mut self.standard_errors);
+        window.paste(&part.samples, &mut self.samples);
+        window.paste(&part.observations, &mut self.observations);
+        let blocks = window.blocks(BLOCK_SIDE);
+        if self.has_blocks_of(&window) {
+            blocks.paste(&part.block_errors, &mut self.block_errors);
+        } else {
+            let unknown = vec![Rgb::splat(f64::INFINITY); blocks.columns.len() * blocks.rows.len()];
+            blocks.paste(&unknown, &mut self.block_errors);
         }
-        let blocks = Blocks::of_means(self.width);
-        let first = blocks.count(pixels.start);
-        for (error, variance) in self.block_errors[first..].iter_mut().zip(film.block_variances_of_mean()) {
-            *error = variance.map(f64::sqrt);
-        }
-        for (mean, known) in self.means[pixels].iter_mut().zip(film.means()) {
-            *mean = known;
+        if part.path_reuse != PathReuse::Off {
+            self.path_reuse = part.path_reuse;
         }
     }
 
@@ -107,33 +143,30 @@ impl Estimates {
     /// If a range begins after its end, or they are not all within the picture.
     #[must_use]
     pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
-        assert_crop([&columns, &rows], [self.width, self.height]);
-        let within = (self.width, columns.clone(), rows.clone());
-        Self {
-            width: columns.end - columns.start,
-            height: rows.end - rows.start,
-            origin: [self.origin[0] + columns.start, self.origin[1] + rows.start],
-            means: crop(&self.means, &within),
-            standard_errors: crop(&self.standard_errors, &within),
-            samples: crop(&self.samples, &within),
-            observations: crop(&self.observations, &within),
+        let window = Window::new(columns, rows, [self.width, self.height]);
+        let ([left, top], [width, height]) = ([window.columns.start, window.rows.start], window.size());
+        let mut crop = Self {
+            full_size: self.full_size,
+            origin: [self.origin[0] + left, self.origin[1] + top],
+            means: window.cut(&self.means),
+            standard_errors: window.cut(&self.standard_errors),
+            samples: window.cut(&self.samples),
+            observations: window.cut(&self.observations),
             path_reuse: self.path_reuse,
-            ..Self::unknown(columns.end - columns.start, rows.end - rows.start)
+            ..Self::unknown(width, height)
+        };
+        if self.has_blocks_of(&window) {
+            crop.block_errors = window.blocks(BLOCK_SIDE).cut(&self.block_errors);
         }
-        .with_blocks_of(self, columns, rows)
+        crop
     }
 
-    /// With the errors of blocks of `whole`, whose columns and rows these are, if they have the same blocks.
-    fn with_blocks_of(mut self, whole: &Self, columns: Range<u32>, rows: Range<u32>) -> Self {
+    /// Whether the blocks of a crop are blocks of this picture.
+    fn has_blocks_of(&self, crop: &Window) -> bool {
         let is_end = |at: u32, size: u32| at.is_multiple_of(BLOCK_SIDE) || at == size;
         let are_blocks =
             |range: &Range<u32>, size: u32| range.start.is_multiple_of(BLOCK_SIDE) && is_end(range.end, size);
-        if are_blocks(&columns, whole.width) && are_blocks(&rows, whole.height) {
-            let blocks = |range: Range<u32>| range.start / BLOCK_SIDE..range.end.div_ceil(BLOCK_SIDE);
-            let within = (whole.width.div_ceil(BLOCK_SIDE), blocks(columns), blocks(rows));
-            self.block_errors = crop(&whole.block_errors, &within);
-        }
-        self
+        are_blocks(&crop.columns, self.width) && are_blocks(&crop.rows, self.height)
     }
 
     /// Whether every list has the length that it says it has.
@@ -168,21 +201,6 @@ impl Estimates {
     }
 }
 
-/// Panics unless these columns and rows lie within a picture of this size.
-pub(crate) fn assert_crop(ranges: [&Range<u32>; 2], size: [u32; 2]) {
-    let are_within = ranges.iter().zip(size).all(|(range, end)| range.start <= range.end && range.end <= end);
-    assert!(are_within, "a crop lies within the picture");
-}
-
-/// The pixels of these columns and rows, of a picture of this width.
-pub(crate) fn crop<T: Copy>(pixels: &[T], (width, columns, rows): &(u32, Range<u32>, Range<u32>)) -> Vec<T> {
-    let line = |y: u32| {
-        let [left, right] = [columns.start, columns.end].map(|x| y as usize * *width as usize + x as usize);
-        &pixels[left..right]
-    };
-    rows.clone().flat_map(line).copied().collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::{Moments, PassNode, Tally};
@@ -213,22 +231,62 @@ mod tests {
     }
 
     #[test]
-    fn a_strip_knows_its_place() {
-        let estimates = Estimates::of(&strip(16..48));
-        assert_eq!((estimates.origin, estimates.height), ([0, 16], 32));
-        assert_eq!(estimates.crop(1..2, 4..8).origin, [1, 20]);
+    fn parts_know_their_place() {
+        let estimates = Estimates::of(&strip(16..48).within([9, 80], [5, 30]));
+        assert_eq!((estimates.full_size, estimates.origin, estimates.height), ([9, 80], [5, 46], 32));
+        let crop = estimates.crop(1..2, 4..8);
+        assert_eq!((crop.full_size, crop.origin), ([9, 80], [6, 50]));
+        assert!(estimates.is_crop() && crop.is_crop() && !Estimates::of(&strip(0..16)).is_crop());
     }
 
     #[test]
-    fn strips_fill_their_rows_and_nothing_is_known_of_others() {
+    fn parts_replace_their_pixels_and_nothing_is_known_of_others() {
         let mut estimates = Estimates::unknown(3, 48);
         assert!(!estimates.has_errors());
-        estimates.set_rows(&strip(16..32));
+        estimates.paste(&Estimates::of(&strip(16..32).within([3, 48], [0; 2])));
         assert!(estimates.has_errors());
         assert_eq!(estimates.means[16 * 3 + 2], Rgb::splat(2.0 / 8.0));
         for at in [0, 16 * 3 - 1, 32 * 3] {
             assert_eq!((estimates.means[at], estimates.samples[at]), (Rgb::BLACK, 0));
             assert_eq!(estimates.standard_errors[at].r, f64::INFINITY);
         }
+    }
+
+    /// Crops of a crop, put together again in another order.
+    #[test]
+    fn what_is_cut_apart_is_put_together() {
+        let whole = Estimates::of(&strip(16..48).within([9, 80], [5, 30]));
+        let mut pasted = Estimates { path_reuse: whole.path_reuse, ..whole.clone() };
+        pasted.means.fill(Rgb::BLACK);
+        pasted.standard_errors.fill(Rgb::BLACK);
+        pasted.block_errors.fill(Rgb::BLACK);
+        pasted.samples.fill(0);
+        pasted.observations.fill(0);
+        for rows in [24..32, 0..4, 4..24] {
+            pasted.paste(&whole.crop(0..3, rows));
+        }
+        assert_eq!(pasted, whole);
+        // A block and part of the next.
+        pasted.paste(&whole.crop(0..3, 4..10));
+        assert_eq!(pasted.means, whole.means);
+        let unknown: Vec<usize> = (0..8).filter(|&at| pasted.block_errors[at].r.is_infinite()).collect();
+        assert_eq!(unknown, [1, 2]);
+    }
+
+    #[test]
+    fn parts_of_other_pictures_are_refused() {
+        let whole = Estimates::of(&strip(0..32));
+        let refuses = |part: Estimates| {
+            let paste = std::panic::AssertUnwindSafe(|| whole.clone().paste(&part));
+            std::panic::catch_unwind(paste).is_err()
+        };
+        assert!(!refuses(whole.clone()));
+        assert!(refuses(Estimates { full_size: [3, 33], ..whole.clone() }));
+        assert!(refuses(Estimates { origin: [0, 1], ..whole.clone() }));
+        assert!(refuses(Estimates { origin: [u32::MAX, 0], ..whole.clone() }));
+        assert!(refuses(Estimates { means: Vec::new(), ..whole.clone() }));
+        let mut picture = Estimates { path_reuse: PathReuse::Tiles, ..Estimates::unknown(3, 32) };
+        picture.paste(&Estimates { path_reuse: PathReuse::Off, ..whole.crop(0..3, 0..16) });
+        assert_eq!(picture.path_reuse, PathReuse::Tiles, "errors of some pixels still depend on each other");
     }
 }

@@ -1,6 +1,6 @@
 use super::checkpoint::{CheckpointReader, CheckpointWriter, Merge, resealed};
 use super::picture::Picture;
-use crate::MergeError;
+use crate::{Estimates, MergeError};
 
 /// Reads `bytes` as a checkpoint, as they are and with their checksums made right, which nobody
 /// guesses; returns whether the latter is one.
@@ -49,6 +49,9 @@ fn check_picture(picture: &Picture) {
         assert!(film.means().all(|mean| mean.is_finite()));
         assert!(film.variances_of_mean().all(|variance| variance.to_array().iter().all(|&x| x >= 0.0)));
         assert!(picture.clone().merge(picture.clone()).is_err(), "passes count once");
+        let mut whole = Estimates::of(film);
+        whole.paste(&whole.clone());
+        assert_eq!(whole, Estimates::of(film), "the film lies within its picture");
     }
 }
 

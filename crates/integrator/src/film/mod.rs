@@ -12,17 +12,18 @@ mod pass_node;
 mod picture;
 mod pixels;
 pub(crate) mod student;
+mod window;
 
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
 pub(crate) use dispersion::Blocks;
 pub use error::{ErrorEstimate, PixelSums};
 pub use estimates::Estimates;
-pub(crate) use estimates::{assert_crop, crop};
 #[cfg(any(test, feature = "fuzz"))]
 pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally, mean};
 pub(crate) use pass_node::PassNode;
 pub use picture::{Ending, Picture};
+pub(crate) use window::Window;
 
 use crate::pixel_rect::{PixelRect, TILE_SIDE};
 use crate::{CheckpointError, PathReuse};
@@ -34,7 +35,7 @@ use std::ops::Range;
 /// such as [`IrradiancePoints`](crate::IrradiancePoints), every radiance of the film is an irradiance, and rows are not in
 /// the order of the list: [`IrradiancePoints::readings`](crate::IrradiancePoints::readings) is.
 ///
-/// A film holds the whole picture or a strip of it ([`Film::rows`]), of which it speaks as if it were a picture of
+/// A film holds a picture, a crop of it, or a strip of either ([`Film::rows`]), of which it speaks as if it were a picture of
 /// its own: row 0 is the strip's first.
 ///
 /// All pixels hold the same passes. Equal passes give equal bits, wherever and in whatever order
@@ -60,8 +61,12 @@ use std::ops::Range;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
+    /// Width and height of the whole picture.
+    full_size: [u32; 2],
+    /// Column and row in it of the upper left pixel of the picture or crop, of which the film may hold a strip.
+    crop_origin: [u32; 2],
     width: u32,
-    /// The rows of the picture that are held; whole rows of tiles.
+    /// The rows of the picture or crop that are held; whole rows of tiles.
     rows: Range<u32>,
     path_reuse: PathReuse,
     /// In the order of their passes; no two that could be joined.
@@ -72,14 +77,25 @@ impl Film {
     /// Rows of pixels in a row of tiles. A strip begins at a multiple of it, and ends at one or with the picture.
     pub const TILE_ROWS: u32 = TILE_SIDE;
 
-    /// A film without passes of these rows.
+    /// A film without passes of these rows of a picture that ends with them.
     pub(crate) fn new(width: u32, rows: Range<u32>, path_reuse: PathReuse) -> Self {
-        Self { width, rows, path_reuse, nodes: Vec::new() }
+        Self { full_size: [width, rows.end], crop_origin: [0; 2], width, rows, path_reuse, nodes: Vec::new() }
+    }
+
+    /// The same film of a crop that begins at `crop_origin` of a picture of `full_size`, or of a strip of the crop.
+    pub(crate) fn within(self, full_size: [u32; 2], crop_origin: [u32; 2]) -> Self {
+        Self { full_size, crop_origin, ..self }
+    }
+
+    /// Whether both hold the same pixels of pictures of one size.
+    pub(crate) fn has_pixels_of(&self, other: &Self) -> bool {
+        let pixels = |film: &Self| (film.full_size, film.crop_origin, film.width, film.rows.clone());
+        pixels(self) == pixels(other)
     }
 
     /// One of the same kind, without passes.
     pub(crate) fn emptied(&self) -> Self {
-        Self::new(self.width, self.rows.clone(), self.path_reuse)
+        Self::new(self.width, self.rows.clone(), self.path_reuse).within(self.full_size, self.crop_origin)
     }
 
     /// Width in pixels.
@@ -92,7 +108,19 @@ impl Film {
         self.rows.end - self.rows.start
     }
 
-    /// The rows of the picture that the film holds.
+    /// Width and height of the whole picture, of which the film may hold a [crop](crate::Render::crop) or a
+    /// [strip](Film::rows).
+    pub fn full_size(&self) -> [u32; 2] {
+        self.full_size
+    }
+
+    /// Column and row of the film's upper left pixel in the whole picture.
+    pub fn origin(&self) -> [u32; 2] {
+        let [x, y] = self.crop_origin;
+        [x, y + self.rows.start]
+    }
+
+    /// The rows of the picture or crop that the film holds.
     pub fn rows(&self) -> Range<u32> {
         self.rows.clone()
     }
@@ -203,9 +231,9 @@ impl Film {
     ///
     /// # Errors
     /// [`CheckpointError::Overlap`] for a pass that both hold, [`CheckpointError::Mismatch`] for
-    /// another width or other rows. Neither film is changed.
+    /// other pixels. Neither film is changed.
     pub(crate) fn merge(&mut self, other: Self) -> Result<(), CheckpointError> {
-        if (self.width, &self.rows) != (other.width, &other.rows) {
+        if !self.has_pixels_of(&other) {
             return Err(CheckpointError::Mismatch("size"));
         }
         if let Some(shared) = other.passes().iter().find_map(|range| self.held_of(range).next()) {

@@ -30,7 +30,7 @@ pub struct Picture {
     /// The pixels, with the same number of samples each; of a strip of the picture, if only that was
     /// [rendered](crate::Render::rows). A [crop](crate::Render::crop) is a picture of its own.
     pub film: Film,
-    /// Height of the whole picture in pixels.
+    /// Height of the picture or crop in pixels, of which the film may hold a strip.
     pub height: u32,
     /// Counts of rays and ends of paths.
     pub counters: Counters,

@@ -235,13 +235,17 @@ impl<'a> Render<'a> {
         if before.as_ref().is_some_and(|picture| picture.key != key) {
             return Err(CheckpointError::OTHER_PICTURE.into());
         }
+        let film = Film::new(crop.width, rows, settings.path_reuse)
+            .within([settings.width, settings.height], [crop.x, crop.y]);
         // A checkpoint without passes does not tell its rows.
         let Some(picture) = before.filter(|picture| !picture.film.passes().is_empty()) else {
-            let film = Film::new(crop.width, rows, settings.path_reuse);
             return Ok(Picture::new(film, crop.height, settings.pass_samples, key));
         };
-        if picture.film.rows() != rows {
+        if picture.film.rows() != film.rows() {
             return Err(CheckpointError::Mismatch("range of rows").into());
+        }
+        if !picture.film.has_pixels_of(&film) {
+            return Err(CheckpointError::Mismatch("size").into());
         }
         // A short last pass cannot be continued when more samples are asked for.
         let samples_of = |passes| self.settings.samples_of(passes).len() as u64;

@@ -5,7 +5,6 @@ use glam::{DVec3, U64Vec3};
 use globillum_geom::Triangle;
 use globillum_material::Rgb;
 use std::hash::Hasher;
-use std::ops::Range;
 
 /// A list of points with unit normals, each of which measures irradiance: the integral of radiance times cosine over
 /// the hemisphere around its normal.
@@ -120,15 +119,18 @@ impl IrradiancePoints {
         self.rows.iter().map(|&row| self.points[row as usize])
     }
 
-    /// What the points have measured, in the order of the list; of a film of a strip, the points of its
-    /// [rows](Film::rows). The film of a crop has lost its place among the points.
+    /// What the points have measured, in the order of the list; of a film of a crop or a strip, the points that it holds.
     ///
     /// # Panics
-    /// If `film` has rows beyond the points, or more than one column.
+    /// If `film` is not of one column with a row for each point.
     pub fn readings(&self, film: &Film) -> impl Iterator<Item = Reading> {
-        let Range { start, end } = film.rows();
-        assert_eq!(film.width(), 1, "the film of points has one column");
-        assert!(end <= self.count(), "the film has rows up to {end}, of {} points", self.count());
+        assert_eq!(
+            film.full_size(),
+            [1, self.count()],
+            "a film of points has one column, and a row for each"
+        );
+        let [_, start] = film.origin();
+        let end = start + film.height();
         let quantile = film.student_quantile();
         self.rows.iter().filter(move |row| (start..end).contains(row)).map(move |&row| {
             let (position, normal) = self.points[row as usize];

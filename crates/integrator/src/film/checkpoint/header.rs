@@ -10,7 +10,7 @@ use std::ops::Range;
 
 const MAGIC: [u8; 8] = *b"GLBLPASS";
 /// Bytes before the strips.
-const FIXED_BYTES: u64 = 8 + 7 * 4 + 8 * (1 + Counters::COUNT as u64);
+const FIXED_BYTES: u64 = 8 + 11 * 4 + 8 * (1 + Counters::COUNT as u64);
 /// Bytes of a strip before its nodes.
 const STRIP_BYTES: u64 = 12;
 /// Bytes of a node.
@@ -18,18 +18,22 @@ const NODE_BYTES: u64 = 24;
 
 /// What a checkpoint says before its pixels: of which picture it holds which passes.
 ///
-/// Fixed numbers (magic, version, number of strips and their length in bytes, width, height, samples in a pass,
-/// kind of path reuse, key, counters) are followed by the strips (first row, one past the last, number of
+/// Fixed numbers (magic, version, number of strips and their length in bytes, width, height, size of the whole picture,
+/// origin of the crop, samples in a pass, kind of path reuse, key, counters) are followed by the strips (first row, one past the last, number of
 /// nodes, and for each node first pass, passes, samples, observations), and by a checksum.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CheckpointHeader {
     /// [`Picture::key`].
     pub key: u64,
-    /// Width of the picture in pixels.
+    /// Width of the picture or crop in pixels.
     pub width: u32,
-    /// Height of the whole picture in pixels.
+    /// Height of the picture or crop in pixels.
     pub height: u32,
+    /// Width and height of the whole picture ([`Film::full_size`]).
+    pub full_size: [u32; 2],
+    /// Column and row in the whole picture of the upper left pixel of the picture or crop. Rows of strips count from there.
+    pub crop_origin: [u32; 2],
     /// [`Picture::pass_samples`].
     pub pass_samples: u32,
     /// [`Film::path_reuse`].
@@ -49,7 +53,7 @@ pub struct CheckpointStrip {
 }
 
 impl CheckpointStrip {
-    /// The rows of the picture, of which row 0 is at the top.
+    /// The rows of the picture or crop, of which row 0 is at the top.
     pub fn rows(&self) -> Range<u32> {
         self.rows.clone()
     }
@@ -86,6 +90,8 @@ impl CheckpointHeader {
             key: picture.key,
             width: film.width(),
             height: picture.height,
+            full_size: film.full_size,
+            crop_origin: film.crop_origin,
             pass_samples: picture.pass_samples,
             path_reuse: film.path_reuse(),
             counters: picture.counters,
@@ -103,7 +109,7 @@ impl CheckpointHeader {
 
     /// A film of these rows without passes.
     pub(super) fn empty(&self, rows: Range<u32>) -> Film {
-        Film::new(self.width, rows, self.path_reuse)
+        Film::new(self.width, rows, self.path_reuse).within(self.full_size, self.crop_origin)
     }
 
     fn strips_length(&self) -> u64 {
@@ -115,8 +121,9 @@ impl CheckpointHeader {
     pub(super) fn to_bytes(&self) -> (Vec<u8>, u64) {
         let mut bytes = MAGIC.to_vec();
         let (strips, length) = (self.strips.len() as u32, self.strips_length() as u32);
-        let picture = [self.width, self.height, self.pass_samples, self.path_reuse.code()];
-        let numbers = [CHECKPOINT_VERSION, strips, length].into_iter().chain(picture);
+        let window = [[self.width, self.height], self.full_size, self.crop_origin].into_iter().flatten();
+        let numbers = [CHECKPOINT_VERSION, strips, length].into_iter().chain(window);
+        let numbers = numbers.chain([self.pass_samples, self.path_reuse.code()]);
         bytes.extend(numbers.flat_map(u32::to_le_bytes));
         let numbers = [self.key].into_iter().chain(self.counters.to_array());
         bytes.extend(numbers.flat_map(u64::to_le_bytes));
@@ -142,7 +149,8 @@ impl CheckpointHeader {
         fixed?;
         let mut numbers = Numbers(&rest[4..]);
         let (count, length) = (numbers.u32()?, numbers.u32()?);
-        let (width, height) = (numbers.u32()?, numbers.u32()?);
+        let mut pair = || Ok::<_, CheckpointError>([numbers.u32()?, numbers.u32()?]);
+        let ([width, height], full_size, crop_origin) = (pair()?, pair()?, pair()?);
         let (pass_samples, path_reuse) = (numbers.u32()?, numbers.u32()?);
         let key = numbers.u64()?;
         let mut counters = [0; Counters::COUNT];
@@ -159,7 +167,8 @@ impl CheckpointHeader {
         let path_reuse =
             PathReuse::of_code(path_reuse).ok_or(CheckpointError::Malformed("kind of path reuse"))?;
         let counters = Counters::from_array(counters);
-        let header = Self { key, width, height, pass_samples, path_reuse, counters, strips };
+        let header =
+            Self { key, width, height, full_size, crop_origin, pass_samples, path_reuse, counters, strips };
         header.validate()?;
         Ok((header, checksum))
     }
@@ -173,8 +182,13 @@ impl CheckpointHeader {
     }
 
     fn validate(&self) -> Result<(), CheckpointError> {
-        let pixels = u64::from(self.width) * u64::from(self.height);
-        if pixels == 0 || pixels > Settings::MAX_PIXELS {
+        let [width, height] = self.full_size.map(u64::from);
+        let are_within = [self.width, self.height]
+            .into_iter()
+            .zip(self.crop_origin)
+            .zip([width, height])
+            .all(|((length, start), end)| length > 0 && u64::from(start) + u64::from(length) <= end);
+        if !are_within || width * height > Settings::MAX_PIXELS {
             return Err(CheckpointError::Malformed("size"));
         }
         for strip in &self.strips {
@@ -274,6 +288,30 @@ mod tests {
             ("number of samples", vec![strip(0..16, &[short, node(4, 1)])]),
         ] {
             assert_eq!(read(strips.clone()), Err(CheckpointError::Malformed(what)), "{strips:?}");
+        }
+    }
+
+    /// Crops that lie within no picture.
+    #[test]
+    fn windows_that_no_picture_has_are_refused() {
+        let read = |width: u32, full_size, origin| {
+            let film = Film::new(width, 0..40, PathReuse::Off).within(full_size, origin);
+            let bytes = Picture::new(film, 40, 2, 7).to_bytes();
+            Picture::from_bytes(&bytes).map(|picture| (picture.film.full_size(), picture.film.origin()))
+        };
+        assert_eq!(read(3, [9, 50], [6, 10]), Ok(([9, 50], [6, 10])));
+        for (width, full_size, origin) in [
+            (3, [9, 50], [7, 0]),
+            (3, [9, 50], [0, 11]),
+            (3, [9, 50], [u32::MAX, 0]),
+            (0, [9, 50], [0, 0]),
+            (3, [1 << 14, (1 << 13) + 1], [0, 0]),
+        ] {
+            assert_eq!(
+                read(width, full_size, origin),
+                Err(CheckpointError::Malformed("size")),
+                "{full_size:?}"
+            );
         }
     }
 }

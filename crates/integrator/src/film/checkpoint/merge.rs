@@ -138,8 +138,9 @@ impl<R: Read> Input<R> {
 
     fn check_same_picture(&self, other: Option<&Self>) -> Result<(), MergeError> {
         let picture = |input: &Self| {
-            let CheckpointHeader { key, width, height, pass_samples, path_reuse, .. } = *input.header();
-            (key, width, height, pass_samples, path_reuse)
+            let CheckpointHeader { key, width, height, full_size, crop_origin, .. } = *input.header();
+            let CheckpointHeader { pass_samples, path_reuse, .. } = *input.header();
+            (key, [width, height], full_size, crop_origin, pass_samples, path_reuse)
         };
         match other {
             Some(other) if picture(self) != picture(other) => Err(self.error(CheckpointError::OTHER_PICTURE)),

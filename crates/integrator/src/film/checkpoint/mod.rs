@@ -53,7 +53,7 @@ impl Picture {
                 None => film = Some(below),
             }
         }
-        let film = film.unwrap_or_else(|| Film::new(header.width, rows, header.path_reuse));
+        let film = film.unwrap_or_else(|| header.empty(rows));
         let picture = Self::new(film, header.height, header.pass_samples, header.key);
         Ok(Self { counters: header.counters, samples, ..picture })
     }
