@@ -85,7 +85,7 @@ impl Estimates {
         }
     }
 
-    /// Whether these are a part of the picture.
+    /// Whether these are of a part of the picture only.
     pub fn is_crop(&self) -> bool {
         [self.width, self.height] != self.full_size
     }
@@ -266,6 +266,8 @@ mod tests {
             pasted.paste(&whole.crop(0..3, rows));
         }
         assert_eq!(pasted, whole);
+        pasted.paste(&whole.crop(1..1, 5..8));
+        assert_eq!(pasted, whole, "nothing is pasted");
         // A block and part of the next.
         pasted.paste(&whole.crop(0..3, 4..10));
         assert_eq!(pasted.means, whole.means);

@@ -38,7 +38,8 @@ impl Window {
 
     /// Each block with a pixel in the window, as a pixel of a picture of blocks of `side` x `side` pixels.
     pub(crate) fn blocks(&self, side: u32) -> Self {
-        let blocks = |range: &Range<u32>| range.start / side..range.end.div_ceil(side);
+        let all = |range: &Range<u32>| range.start / side..range.end.div_ceil(side);
+        let blocks = |range: &Range<u32>| if range.is_empty() { 0..0 } else { all(range) };
         Self { width: self.width.div_ceil(side), columns: blocks(&self.columns), rows: blocks(&self.rows) }
     }
 

@@ -19,8 +19,8 @@ const NODE_BYTES: u64 = 24;
 /// What a checkpoint says before its pixels: of which picture it holds which passes.
 ///
 /// Fixed numbers (magic, version, number of strips and their length in bytes, width, height, size of the whole picture,
-/// origin of the crop, samples in a pass, kind of path reuse, key, counters) are followed by the strips (first row, one past the last, number of
-/// nodes, and for each node first pass, passes, samples, observations), and by a checksum.
+/// origin of the crop, samples in a pass, kind of path reuse, key, counters) are followed by the strips (first row, one
+/// past the last, number of nodes, and for each node first pass, passes, samples, observations), and by a checksum.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CheckpointHeader {
