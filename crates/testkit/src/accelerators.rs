@@ -46,19 +46,30 @@ pub const LESSER_LEVELS: [(&str, Builder); 2] = [
     ("wide BVH, portable", |t| wide(t, SimdLevel::Portable)),
 ];
 
-/// The wide BVH with split planes down to small cells, so that small scenes have planes. In the second, the
+/// The wide BVH whose nodes are visited even if it has few triangles, at each instruction level.
+pub const BY_NODES: [(&str, Builder); 3] = [
+    ("wide BVH, by nodes", |t| by_nodes(WideBvh::build(t)?.with_level(SimdLevel::best()))),
+    ("wide BVH, by nodes, AVX2", |t| by_nodes(WideBvh::build(t)?.with_level(SimdLevel::Avx2))),
+    ("wide BVH, by nodes, portable", |t| by_nodes(WideBvh::build(t)?.with_level(SimdLevel::Portable))),
+];
+
+/// The wide BVH with split planes down to small cells, so that small scenes have planes, and by nodes. In the second, the
 /// builder removes most planes again because they do not pay.
 pub const SMALL_CELLS: [(&str, Builder); 2] = [
     ("wide BVH, small cells", |t| small_cells(t, SplitRule::SurfaceArea, 1.0)),
     ("wide BVH, small cells, midpoint", |t| small_cells(t, SplitRule::Midpoint, 8.0)),
 ];
 
-/// The wide BVH built by a grid.
+/// The wide BVH built by a grid, by nodes.
 pub const QUICK: [(&str, Builder); 1] =
-    [("wide BVH, built quickly", |t| Ok(Box::new(WideBvh::build_quickly(t)?)))];
+    [("wide BVH, built quickly", |t| by_nodes(WideBvh::build_quickly(t)?))];
 
 fn wide(triangles: &Triangles, level: SimdLevel) -> Built {
     Ok(Box::new(WideBvh::build(triangles)?.with_level(level)))
+}
+
+fn by_nodes(tree: WideBvh) -> Built {
+    Ok(Box::new(tree.without_exhaustive_tests()))
 }
 
 /// The k-d tree by every split rule, with [`rule_options`].
@@ -74,7 +85,7 @@ pub const RULES: [(&str, Builder); 7] = [
 
 /// All accelerators and variants.
 pub fn all() -> impl Iterator<Item = (&'static str, Builder)> {
-    ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(SMALL_CELLS).chain(QUICK).chain(RULES)
+    ACCELERATORS.into_iter().chain(LESSER_LEVELS).chain(BY_NODES).chain(SMALL_CELLS).chain(QUICK).chain(RULES)
 }
 
 /// [`all`] of them in one: comparing its answers with an oracle's compares those of each, and asks the oracle
@@ -165,7 +176,7 @@ pub fn rule_options(rule: SplitRule) -> KdOptions {
 fn small_cells(triangles: &Triangles, rule: SplitRule, traversal_cost: f64) -> Built {
     let mut options = KdOptions::by_rule(rule);
     (options.leaf_size, options.lookahead, options.traversal_cost) = (4, 3, traversal_cost);
-    Ok(Box::new(WideBvh::build_with(triangles, &options)?))
+    by_nodes(WideBvh::build_with(triangles, &options)?)
 }
 
 fn by_rule(triangles: &Triangles, rule: SplitRule) -> Built {

@@ -8,8 +8,9 @@
 //! - [`tree`]: what traversal reads, which are nodes with the bounds of their children, and leaf blocks. The planes
 //!   themselves are not kept.
 //! - [`trace`]: a ray alone, a packet of 64 coherent rays (from a common origin for any query, from anywhere for any
-//!   hit), or a stream of all other rays. A conservative test in `f32` leaves few triangles, which are decided exactly
-//!   (docs/numerics.md).
+//!   hit), or a stream of all other rays. In small trees, only packets from a common origin visit nodes; for other rays of a
+//!   batch all triangles are tested, eight rays at a time. A conservative test in `f32` leaves few triangles, which are decided
+//!   exactly (docs/numerics.md).
 //! - [`simd`]: vectors of eight lanes. All of the above is written once over them, for each level of
 //!   [`cpu`](crate::cpu).
 
@@ -23,7 +24,7 @@ use crate::query::{AnyHit, ClosestHit, Query};
 use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, Traverse, Triangles};
 use simd::PACKET;
 use std::fmt;
-use trace::{Scratch, query_one, query_others, query_packets};
+use trace::{Scratch, is_exhaustive, query_one, query_others, query_others_exhaustively, query_packets};
 use tree::Tree;
 
 /// The most rays of a batch that are traversed together: traversal numbers them in 32 bits.
@@ -45,7 +46,8 @@ const _: () = {
 /// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
 /// 64 coherent rays in a row are traversed as a packet: rays from one point that exclude no triangle, such as those of 8 x
 /// 8 pixels, and for any-hit queries other rays as well, such as those from there to one light. Packets are counted from
-/// the start of the batch.
+/// the start of the batch. In trees of at most 96 triangles, or 48 for any-hit queries, other rays of a batch visit no nodes: each
+/// triangle is tested, eight rays at a time.
 ///
 /// A dense part that is tiny against the whole scene, such as a mesh beside a sun made of triangles (a *teapot in a stadium*),
 /// has a tree of its own (docs/accelerators.md).
@@ -109,8 +111,9 @@ impl WideBvh {
     /// ```
     ///
     /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n`
-    /// references (see [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 1024` bytes: for
-    /// each reference, a leaf block of one and a node of two children; and 1024 more for each dense part. Building takes at most `1100 b + 2^17` bytes
+    /// references (see [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 44 n + 1024` bytes:
+    /// for each reference, a leaf block of one and a node of two children; 44 for each triangle of a tree of at most 96; and 1024
+    /// more for each dense part. Building takes at most `1100 b + 2^17` bytes
     /// beside the triangles, on up to a hundred threads. For each reference these are two nodes of the k-d tree, a
     /// reference, and a box in a list with room for twice its length, 84 bytes; two binary nodes, 152; a leaf block of
     /// one, twice, 80; and a node, in a list with room for three times its length while it grows, 768. The rest is for
@@ -133,6 +136,14 @@ impl WideBvh {
     #[must_use]
     pub fn with_level(self, level: SimdLevel) -> Self {
         Self { token: Token::new(level), ..self }
+    }
+
+    /// The same tree, whose batches visit nodes even if it has few triangles. Tests compare both.
+    #[cfg(feature = "conformance")]
+    #[must_use]
+    pub fn without_exhaustive_tests(mut self) -> Self {
+        self.trees.iter_mut().for_each(Tree::drop_projected);
+        self
     }
 
     /// The instructions that it is traversed with.
@@ -189,8 +200,8 @@ impl WideBvh {
         });
     }
 
-    /// Adds the answers to the queries of all rays in one tree. Packets and stream are compiled apart: together they are
-    /// slower.
+    /// Adds the answers to the queries of all rays in one tree. Packets, the stream and exhaustive tests are compiled apart:
+    /// together they are slower.
     fn query_tree<Q: Query>(
         &self,
         tree: &Tree,
@@ -201,7 +212,13 @@ impl WideBvh {
         let first = answers.len();
         vectorized!(self.token, |simd| query_packets::<_, Q>(simd, tree, rays, scratch, answers));
         let answers = &mut answers[first..];
-        vectorized!(self.token, |simd| query_others::<_, Q>(simd, tree, rays, scratch, answers));
+        if is_exhaustive::<Q>(tree) {
+            vectorized!(self.token, |simd| query_others_exhaustively::<_, Q>(
+                simd, tree, rays, scratch, answers
+            ));
+        } else {
+            vectorized!(self.token, |simd| query_others::<_, Q>(simd, tree, rays, scratch, answers));
+        }
     }
 }
 
@@ -259,7 +276,8 @@ mod tests {
     use super::*;
     use crate::conformance::shapes::{icosphere, statue};
     use crate::conformance::{Seeded, Source};
-    use glam::DVec3;
+    use crate::{BruteForce, Triangle};
+    use glam::{DVec3, Vec3};
 
     #[test]
     fn a_batch_in_parts_has_the_answers_of_the_whole() {
@@ -298,5 +316,52 @@ mod tests {
             assert!(one.len() > 1_000_000);
             assert!([2, 5].into_iter().all(|threads| one == tree(threads)));
         }
+    }
+
+    /// Triangles one behind the other, all of which a ray through their middle hits.
+    fn stack(count: usize) -> Triangles {
+        let at = |i: usize| Vec3::Z * i as f32;
+        let triangle = |i| Triangle::new(at(i) - Vec3::ONE, at(i) + 2.0 * Vec3::X, at(i) + 2.0 * Vec3::Y);
+        Triangles::new((0..count).map(triangle).collect()).expect("valid triangles")
+    }
+
+    /// As many possible hits as there can be, and more candidates than are kept.
+    #[test]
+    fn rays_may_hit_all_triangles() {
+        let triangles = stack(96);
+        let (tree, brute) = (WideBvh::build(&triangles).unwrap(), BruteForce::build(&triangles));
+        let by_nodes = tree.clone().without_exhaustive_tests();
+        let mut source = Seeded::new(3);
+        let rays: Vec<Ray> = (0..77)
+            .map(|i| {
+                let aside = 0.3 * DVec3::new(source.signed(), source.signed(), 0.0);
+                // From the front, from behind, and, beyond all precision, from afar.
+                let origin = aside + DVec3::Z * [-3.0, 200.0, -1e16][i % 3];
+                Ray::new(origin, DVec3::Z * if i % 3 == 1 { -1.0 } else { 1.0 })
+                    .excluding([source.below(4) as u32, 95])
+            })
+            .collect();
+        let (mut hits, mut of_nodes) = (Vec::new(), Vec::new());
+        tree.intersect_batch(&rays, &mut hits);
+        by_nodes.intersect_batch(&rays, &mut of_nodes);
+        let expected: Vec<_> = rays.iter().map(|ray| brute.intersect(ray)).collect();
+        assert!(expected.iter().all(Option::is_some));
+        assert!(hits == expected && of_nodes == expected);
+    }
+
+    /// The nearer of two certain hits may have the larger lower bound, if the plane of the other is seen at a flat angle.
+    #[test]
+    fn a_hit_within_the_error_of_another_is_kept() {
+        let across = |z: f32, slope: f32| {
+            let at = |x: f32, y: f32| Vec3::new(x, y, z + slope * x);
+            Triangle::new(at(-1.0, -1.0), at(2.0, -1.0), at(-1.0, 2.0))
+        };
+        let triangles = Triangles::new(vec![across(0.0, 1.7), across(1e-6, 0.0)]).expect("valid triangles");
+        let tree = WideBvh::build(&triangles).expect("the tree can be built");
+        let mut hits = Vec::new();
+        let rays = [Ray::new(DVec3::new(1e-9, 0.1, 3.0), -DVec3::Z); 8];
+        tree.intersect_batch(&rays, &mut hits);
+        assert_eq!(hits, [BruteForce::build(&triangles).intersect(&rays[0]); 8]);
+        assert_eq!(hits[0].expect("a hit").triangle, 1);
     }
 }

@@ -13,6 +13,7 @@ mod sah;
 
 use super::tree::Tree;
 use super::tree::node::Child;
+use super::tree::projected_triangle::ProjectedTriangles;
 use crate::prim_ref::PrimRef;
 use crate::{GeomError, KdOptions, KdTree, Triangles};
 use binary_tree::BinaryTree;
@@ -56,5 +57,6 @@ fn build_by_grid(triangles: &Triangles) -> Result<Tree, GeomError> {
 /// The tree of a binary tree with these contents.
 fn collapse(triangles: &Triangles, binary: &BinaryTree, refs: &[PrimRef]) -> Tree {
     let Collapse { space, nodes, leaves, .. } = Collapse::run(triangles, binary, refs);
-    Tree { triangles: triangles.clone(), bounds: triangles.bounds(), space, nodes, leaves }
+    let projected = ProjectedTriangles::of_few(triangles, &space);
+    Tree { triangles: triangles.clone(), bounds: triangles.bounds(), space, nodes, leaves, projected }
 }

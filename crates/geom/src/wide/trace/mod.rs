@@ -1,6 +1,6 @@
 //! Traversal, and the dispatch between its kinds: single rays, coherent rays from a [common origin](common_origin_packet) as
 //! a packet, other coherent rays of any-hit queries as a [general packet](general_packet), and all other rays as a
-//! [stream].
+//! [stream]. In small trees there are neither general packets nor streams, but [tests of all triangles](exhaustive).
 //!
 //! Single rays, streams and general packets share their setup, the tests of children and the state of a ray. Packets from a
 //! common origin have tests of their own. All share the types of the [conservative triangle test](prefilter) and the
@@ -9,6 +9,7 @@
 mod child_test;
 mod common_origin_packet;
 mod deferred_decision;
+mod exhaustive;
 mod general_packet;
 mod prefilter;
 mod ray_setup;
@@ -21,6 +22,8 @@ use crate::query::Query;
 use crate::{Probe, Ray};
 use child_test::visit_all;
 use common_origin_packet::PacketScratch;
+use exhaustive::ExhaustiveScratch;
+pub(super) use exhaustive::is_exhaustive;
 use general_packet::GeneralPacketScratch;
 use prefetch_index::prefetch_index;
 use ray_setup::RaySetups;
@@ -48,8 +51,8 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
     query
 }
 
-/// Answers the queries of coherent rays, a packet at a time, and leaves the other rays to [`query_others`]. Adds an
-/// answer for each ray to `answers`, in the rays' order.
+/// Answers the queries of coherent rays, a packet at a time, and leaves the other rays to [`query_others`] or
+/// [`query_others_exhaustively`]. Adds an answer for each ray to `answers`, in the rays' order.
 ///
 /// There are at most [`MOST_RAYS`](super::MOST_RAYS) rays.
 #[inline(always)]
@@ -74,7 +77,9 @@ pub(super) fn query_packets<S: Simd, Q: Query>(
             #[inline(always)]
             |set| {
                 packet.query(simd, tree, set, &mut report)
-                    || Q::ANY_HIT && general.query(simd, tree, set, traversals, &mut report)
+                    || Q::ANY_HIT
+                        && !is_exhaustive::<Q>(tree)
+                        && general.query(simd, tree, set, traversals, &mut report)
             },
         );
         if !is_packet {
@@ -95,6 +100,18 @@ pub(super) fn query_others<S: Simd, Q: Query>(
     query_stream(simd, tree, rays, starts, traversals, |i, query: Q| answers[i] = query.answer());
 }
 
+/// [`query_others`] for a tree of which all triangles are [tested](is_exhaustive).
+#[inline(always)]
+pub(super) fn query_others_exhaustively<S: Simd, Q: Query>(
+    simd: S,
+    tree: &Tree,
+    rays: &[Ray],
+    Scratch { exhaustive, starts, .. }: &mut Scratch,
+    answers: &mut [Q::Answer],
+) {
+    exhaustive.query(simd, tree, rays, starts, |i, query: Q| answers[i] = query.answer());
+}
+
 /// The memory that traversals work in, kept for each thread so that later queries do not allocate.
 #[derive(Debug)]
 pub(super) struct Scratch {
@@ -102,8 +119,9 @@ pub(super) struct Scratch {
     traversals: Box<[Traversal; PACKET]>,
     packet: PacketScratch,
     general: GeneralPacketScratch,
-    /// Where in a batch the sets of rays start that go to the stream, [`PACKET`] from each.
+    /// Where in a batch the sets of rays start that are no packets, [`PACKET`] from each.
     starts: Vec<u32>,
+    exhaustive: ExhaustiveScratch,
     /// The rays of a batch for the next of several trees.
     pub(super) remaining: Vec<Ray>,
 }
@@ -133,6 +151,7 @@ impl Scratch {
             packet: PacketScratch::idle(),
             general: GeneralPacketScratch::idle(),
             starts: Vec::new(),
+            exhaustive: ExhaustiveScratch::idle(),
             remaining: Vec::new(),
         })
     }

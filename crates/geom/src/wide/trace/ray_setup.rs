@@ -12,7 +12,8 @@ use glam::DVec3;
 const FACE_ERR: f64 = 8.0;
 /// Error of a projected vertex, in units of `W_F64`.
 const VERTEX_ERR: f64 = 7.0;
-/// Error of a depth beyond that of the weights, in units of `W_F64`.
+/// Error of a depth beyond that of the weights, in units of `W_F64`. The errors of tests of projected triangles are multiples of
+/// it, too: a smaller number needs other multiples.
 const DEPTH_ERR: f64 = 20.0;
 /// A ray is lost if it comes from so far away that rounding moves it by this: nothing is known of its hits.
 const LOST: f64 = 0.25;
@@ -63,6 +64,7 @@ pub(super) struct ShearSetup {
 #[derive(Clone, Debug)]
 pub(super) struct RaySetups<const N: usize> {
     pub(super) origin: [[f32; N]; 3],
+    pub(super) direction: [[f32; N]; 3],
     pub(super) inverse: [[f32; N]; 3],
     pub(super) near: [[f32; N]; 3],
     pub(super) far: [[f32; N]; 3],
@@ -85,10 +87,32 @@ impl<const N: usize> RaySetups<N> {
     /// Sets up the rays given by `columns` for a scene within `bounds`.
     #[inline(always)]
     pub(super) fn set(&mut self, columns: &RayColumns<N>, bounds: &Aabb, space: &NormalizedSpace) {
+        self.set_columns::<true>(columns, bounds, space);
+    }
+
+    /// Sets only what tests of projected triangles need: `origin`, `direction`, `t_err`, `start`, `end`, `range_end` and
+    /// `may_hit`. [`RaySetups::get`] must not be called then.
+    #[inline(always)]
+    pub(super) fn set_for_projected(
+        &mut self,
+        columns: &RayColumns<N>,
+        bounds: &Aabb,
+        space: &NormalizedSpace,
+    ) {
+        self.set_columns::<false>(columns, bounds, space);
+    }
+
+    #[inline(always)]
+    fn set_columns<const ALL: bool>(
+        &mut self,
+        columns: &RayColumns<N>,
+        bounds: &Aabb,
+        space: &NormalizedSpace,
+    ) {
         let scene_is_empty = bounds.is_empty();
         // Without a branch, so that the compiler vectorises the loop.
         for i in 0..N {
-            self.set_one(i, &ray(columns, i), bounds, space);
+            self.set_one::<ALL>(i, &ray(columns, i), bounds, space);
         }
         for i in 0..N {
             self.may_hit[i] =
@@ -97,7 +121,7 @@ impl<const N: usize> RaySetups<N> {
     }
 
     #[inline(always)]
-    fn set_one(&mut self, i: usize, ray: &Ray, bounds: &Aabb, space: &NormalizedSpace) {
+    fn set_one<const ALL: bool>(&mut self, i: usize, ray: &Ray, bounds: &Aabb, space: &NormalizedSpace) {
         let pruner = Pruner::new(ray, bounds);
         // No hit lies outside the clipped range; the slack includes all that happens in `f64`.
         let entry = pruner.clip(ray, bounds);
@@ -107,7 +131,7 @@ impl<const N: usize> RaySetups<N> {
         let slack = pruner.slack * space.scale;
         let lost = slack > LOST;
         let slack = if lost { 8.0 } else { slack };
-        let direction = permute(ray.direction * power_of_two_inverse(unit), z);
+        let direction = ray.direction * power_of_two_inverse(unit);
         let bounded = |x: f64| if x.abs() > LARGEST_INVERSE { LARGEST_INVERSE.copysign(x) } else { x };
         let DVec3 { x, y, z: w } = pruner.inverse * unit;
         let inverse = DVec3::new(bounded(x), bounded(y), bounded(w));
@@ -116,28 +140,34 @@ impl<const N: usize> RaySetups<N> {
         let inside = |x: f64| if lost && x.abs() > 1.0 { 1.0_f64.copysign(x) } else { x };
         let origin = DVec3::new(inside(origin.x), inside(origin.y), inside(origin.z));
 
-        let thick = (FACE_ERR * W_F64 + slack) * inverse.abs();
-        let at = -origin * inverse;
-        let (near, far) = (at - thick, at + thick);
         for axis in 0..3 {
             self.origin[axis][i] = origin[axis] as f32;
-            self.inverse[axis][i] = inverse[axis] as f32;
-            self.near[axis][i] = near[axis] as f32;
-            self.far[axis][i] = far[axis] as f32;
+            self.direction[axis][i] = direction[axis] as f32;
         }
-        self.octant[i] = inverse.is_negative_bitmask();
-        self.main_axis[i] = z as u32;
-        let (origin, inverse_z) = (permute(origin, z), permute(inverse, z).z);
-        for axis in 0..2 {
-            let slope = direction[axis] * inverse_z;
-            self.slope[axis][i] = slope as f32;
-            self.offset[axis][i] = (origin[axis] - slope * origin.z) as f32;
+        if ALL {
+            let thick = (FACE_ERR * W_F64 + slack) * inverse.abs();
+            let at = -origin * inverse;
+            let (near, far) = (at - thick, at + thick);
+            for axis in 0..3 {
+                self.inverse[axis][i] = inverse[axis] as f32;
+                self.near[axis][i] = near[axis] as f32;
+                self.far[axis][i] = far[axis] as f32;
+            }
+            self.octant[i] = inverse.is_negative_bitmask();
+            self.main_axis[i] = z as u32;
+            let (origin, direction) = (permute(origin, z), permute(direction, z));
+            let inverse_z = permute(inverse, z).z;
+            for axis in 0..2 {
+                let slope = direction[axis] * inverse_z;
+                self.slope[axis][i] = slope as f32;
+                self.offset[axis][i] = (origin[axis] - slope * origin.z) as f32;
+            }
+            self.depth_scale[i] = inverse_z as f32;
+            self.depth_offset[i] = (-origin.z * inverse_z) as f32;
+            let vertex_err = VERTEX_ERR * W_F64 + slack;
+            self.edge_err[0][i] = (4.0 * vertex_err + 12.0 * W_F64) as f32;
+            self.edge_err[1][i] = (2.1 * vertex_err * vertex_err) as f32;
         }
-        self.depth_scale[i] = inverse_z as f32;
-        self.depth_offset[i] = (-origin.z * inverse_z) as f32;
-        let vertex_err = VERTEX_ERR * W_F64 + slack;
-        self.edge_err[0][i] = (4.0 * vertex_err + 12.0 * W_F64) as f32;
-        self.edge_err[1][i] = (2.1 * vertex_err * vertex_err) as f32;
 
         // The parameters of a lost ray are unknown.
         let unless_lost = |x: f64, otherwise: f32| if lost { otherwise } else { x as f32 };
@@ -154,6 +184,7 @@ impl<const N: usize> RaySetups<N> {
         let zero = [0.0; N];
         Self {
             origin: [zero; 3],
+            direction: [zero; 3],
             inverse: [zero; 3],
             near: [zero; 3],
             far: [zero; 3],

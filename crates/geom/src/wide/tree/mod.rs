@@ -1,15 +1,17 @@
-//! The tree as traversal reads it: [nodes](node), [leaf blocks](leaf), and the [space](normalize) that
-//! their coordinates are in.
+//! The tree as traversal reads it: [nodes](node), [leaf blocks](leaf), of small trees [projected
+//! triangles](projected_triangle), and the [space](normalize) that their coordinates are in.
 
 pub(super) mod leaf;
 pub(super) mod node;
 pub(super) mod normalize;
+pub(super) mod projected_triangle;
 
 use crate::{Aabb, Triangles};
 use leaf::{LeafBlock, LeafBlocks};
 use node::{Child, Node};
 use normalize::NormalizedSpace;
 use prefetch_index::prefetch_index;
+use projected_triangle::ProjectedTriangles;
 use std::hint::select_unpredictable;
 
 /// How many `f32` a cache line holds.
@@ -29,12 +31,19 @@ pub(super) struct Tree {
     pub(super) space: NormalizedSpace,
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: LeafBlocks,
+    pub(super) projected: ProjectedTriangles,
 }
 
 impl Tree {
     /// Bytes of memory held, without the triangles.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + self.leaves.bytes()
+        size_of_val(&*self.nodes) + self.leaves.bytes() + self.projected.bytes()
+    }
+
+    /// Makes traversals visit nodes whatever the number of triangles.
+    #[cfg(feature = "conformance")]
+    pub(super) fn drop_projected(&mut self) {
+        self.projected = ProjectedTriangles::default();
     }
 
     /// The leaf block that is this child.

@@ -1,6 +1,7 @@
 //! Normalised space: the scene moved to the origin and scaled to at most unit size.
 
 use crate::Aabb;
+use crate::ray::power_of_two;
 use glam::{DVec3, Vec3};
 
 /// A map from the scene to `[-1, 1]^3`. Scaling is by a power of two, so it rounds nothing.
@@ -36,8 +37,8 @@ impl NormalizedSpace {
     }
 }
 
-/// Coordinates of smaller magnitude become zero.
-const TINY: f64 = f64::from_bits((1023 - 60) << 52);
+/// Coordinates and coefficients of smaller magnitude become zero, since denormal operands are slow.
+pub(super) const TINY: f64 = power_of_two(-60);
 
 /// The power of two with the exponent of `x`, a normal number.
 #[inline]
