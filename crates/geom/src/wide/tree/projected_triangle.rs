@@ -6,7 +6,7 @@ use crate::decide::{AXES, main_axis};
 use crate::ray::power_of_two;
 use glam::DVec3;
 
-/// Trees of at most so many triangles have them projected (measured, docs/performance.md).
+/// The largest number of triangles of a tree that stores them projected (measured, docs/performance.md).
 pub(crate) const MOST_PROJECTED: usize = 96;
 
 /// The triangles of a tree by the axis along which they are projected; none if the tree has more than [`MOST_PROJECTED`].

@@ -13,8 +13,8 @@ use crate::wide::tree::projected_triangle::MOST_PROJECTED;
 use fearless_simd::SimdMask;
 use projected_test::ProjectedTest;
 
-/// Any-hit queries test all triangles of trees of at most so many (measured, docs/performance.md). Closest-hit queries do so up to
-/// [`MOST_PROJECTED`].
+/// The largest number of triangles for which any-hit queries test all of them (measured, docs/performance.md). For closest-hit
+/// queries it is [`MOST_PROJECTED`].
 const MOST_OF_ANY_HIT: usize = 48;
 
 /// Candidates are within the final limit already.
