@@ -105,10 +105,13 @@ impl SurfacePoint {
     pub fn segment_to(&self, other: &Self) -> Option<Ray> {
         let between = other.position - self.position;
         let end = if self.triangle == Ray::NO_TRIANGLE { other.seen_from_outside(between) } else { *other };
-        (self.stands_off(between) && end.stands_off(between)).then(|| {
-            Ray::segment(self.leave_toward(between), end.leave_toward(-between))
-                .excluding([self.triangle, other.triangle])
-        })
+        (self.stands_off(between) && end.stands_off(between)).then(
+            #[inline(always)]
+            || {
+                Ray::segment(self.leave_toward(between), end.leave_toward(-between))
+                    .excluding([self.triangle, other.triangle])
+            },
+        )
     }
 
     /// The same point with a `plane_err` for rays from anywhere that are `offset` long where they end here.
@@ -129,9 +132,13 @@ impl SurfacePoint {
     #[inline(always)]
     pub fn segment_to_position(&self, position: DVec3) -> Option<Ray> {
         let between = position - self.position;
-        self.stands_off(between).then(|| {
-            Ray::segment(self.leave_toward(between), position).excluding([self.triangle, Ray::NO_TRIANGLE])
-        })
+        self.stands_off(between).then(
+            #[inline(always)]
+            || {
+                Ray::segment(self.leave_toward(between), position)
+                    .excluding([self.triangle, Ray::NO_TRIANGLE])
+            },
+        )
     }
 
     /// Whether `offset` leads out of the plane by more than `plane_err`.

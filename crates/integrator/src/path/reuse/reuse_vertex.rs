@@ -103,19 +103,27 @@ impl ReuseVertex {
         direction: DVec3,
         rays: &mut Vec<Ray>,
     ) -> usize {
-        let before = rays.len();
         match suffix {
-            Suffix::Environment(direction) => rays.push(self.point.spawn_ray(*direction)),
-            Suffix::Surface { start, mirror: None } => rays.extend(self.point.segment_to(&start.point)),
+            Suffix::Environment(direction) => {
+                rays.push(self.point.spawn_ray(*direction));
+                1
+            }
+            Suffix::Surface { start, mirror: None } => {
+                let Some(segment) = self.point.segment_to(&start.point) else { return 0 };
+                rays.push(segment);
+                1
+            }
             Suffix::Surface { start, mirror: Some(mirror) } => {
-                let reflecting = self.point_seen(triangles, mirror.point.triangle, direction);
-                let segments = reflecting.and_then(|point| {
-                    Some([self.point.segment_to(&point)?, point.segment_to(&start.point)?])
-                });
-                rays.extend(segments.into_iter().flatten());
+                let Some(point) = self.point_seen(triangles, mirror.point.triangle, direction) else {
+                    return 0;
+                };
+                let Some(to_mirror) = self.point.segment_to(&point) else { return 0 };
+                let Some(from_mirror) = point.segment_to(&start.point) else { return 0 };
+                rays.push(to_mirror);
+                rays.push(from_mirror);
+                2
             }
         }
-        rays.len() - before
     }
 
     /// Where the line in `direction` meets the triangle `index`, decided as for any ray.
