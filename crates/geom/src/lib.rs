@@ -29,8 +29,6 @@
 
 mod aabb;
 mod accel;
-mod brute;
-mod by_query;
 #[cfg(feature = "conformance")]
 pub mod conformance;
 mod cpu;
@@ -38,14 +36,8 @@ pub mod decide;
 mod error;
 mod exact;
 mod frame;
-mod grid;
 mod hit;
-mod kdtree;
 mod measure;
-mod prim_ref;
-mod probe;
-mod prune;
-mod query;
 mod ray;
 mod rounding;
 #[cfg(feature = "shapes")]
@@ -54,27 +46,24 @@ mod spherical;
 mod surface;
 mod triangle;
 mod triangles;
-mod wide;
 
 pub use aabb::Aabb;
-pub use accel::Accel;
-pub use brute::BruteForce;
+pub use accel::{
+    Accel, BruteForce, Counts, GridOptions, KdOptions, KdStats, KdTree, Probe, SplitRule, Traverse,
+    UniformGrid, WideBvh,
+};
 pub use cpu::SimdLevel;
 pub use error::GeomError;
 pub use frame::Frame;
 /// The crate of the vectors that this crate takes and returns, in its version.
 pub use glam;
-pub use grid::{GridOptions, UniformGrid};
 pub use hit::Hit;
-pub use kdtree::{KdOptions, KdStats, KdTree, SplitRule};
 pub use measure::{PdfArea, PdfSolidAngle};
-pub use probe::{Counts, Probe, Traverse};
 pub use ray::Ray;
 pub use spherical::SphericalTriangle;
 pub use surface::SurfacePoint;
 pub use triangle::Triangle;
 pub use triangles::Triangles;
-pub use wide::WideBvh;
 
 /// A hash of this crate's sources, comments included, in hexadecimal digits. It is part of the key of a picture,
 /// `Render::key` of the crate `globillum-integrator`.

@@ -1,0 +1,181 @@
+//! Exhaustive queries: all triangles of a small tree are tested, each against eight rays at once, and no node is visited.
+
+mod projected_test;
+
+use super::deferred_decision::Candidates;
+use super::prefilter::Filtered;
+use super::ray_setup::RaySetups;
+use crate::Ray;
+use crate::accel::query::Query;
+use crate::accel::wide::simd::{Bits, LANES, PACKET, Simd, SimdBase};
+use crate::accel::wide::tree::Tree;
+use crate::accel::wide::tree::projected_triangle::MOST_PROJECTED;
+use fearless_simd::SimdMask;
+use projected_test::ProjectedTest;
+
+/// The largest number of triangles for which any-hit queries test all of them (measured, docs/performance.md). For closest-hit
+/// queries it is [`MOST_PROJECTED`].
+const MOST_OF_ANY_HIT: usize = 48;
+
+/// Candidates are within the final limit already.
+const NO_LIMIT: f32 = f32::INFINITY;
+
+/// Whether batches of this query test all triangles of a tree instead of its nodes.
+#[inline(always)]
+pub(crate) fn is_exhaustive<Q: Query>(tree: &Tree) -> bool {
+    let most = if Q::ANY_HIT { MOST_OF_ANY_HIT } else { MOST_PROJECTED };
+    (1..=most).contains(&tree.projected.len())
+}
+
+/// The memory of exhaustive queries, for eight rays at a time.
+#[derive(Debug)]
+pub(super) struct ExhaustiveScratch {
+    setups: RaySetups<LANES>,
+    /// The triangles that any of the rays may hit, and the results of their tests, lane by lane.
+    hits: [(u32, Filtered); MOST_PROJECTED],
+    candidates: [Candidates; LANES],
+}
+
+impl ExhaustiveScratch {
+    pub(super) fn idle() -> Self {
+        let hits = [(0, Filtered::default()); MOST_PROJECTED];
+        Self { setups: RaySetups::idle(), hits, candidates: [Candidates::default(); LANES] }
+    }
+
+    /// Answers the queries of the sets of [`PACKET`] rays that start at `starts`, and hands each to `report`.
+    #[inline(always)]
+    pub(super) fn query<S: Simd, Q: Query>(
+        &mut self,
+        simd: S,
+        tree: &Tree,
+        rays: &[Ray],
+        starts: &[u32],
+        mut report: impl FnMut(usize, Q),
+    ) {
+        for &start in starts {
+            let end = rays.len().min(start as usize + PACKET);
+            for first in (start as usize..end).step_by(LANES) {
+                let rays = &rays[first..end];
+                let filled_up;
+                let eight = if let Some(eight) = rays.first_chunk() {
+                    eight
+                } else {
+                    filled_up = std::array::from_fn(
+                        #[inline(always)]
+                        |i| rays[i.min(rays.len() - 1)],
+                    );
+                    &filled_up
+                };
+                self.query_eight(simd, tree, eight, |i, query| {
+                    if i < rays.len() {
+                        report(first + i, query);
+                    }
+                });
+            }
+        }
+    }
+
+    /// Answers the queries of eight rays, and reports each.
+    #[inline(always)]
+    fn query_eight<S: Simd, Q: Query>(
+        &mut self,
+        simd: S,
+        tree: &Tree,
+        rays: &[Ray; LANES],
+        mut report: impl FnMut(usize, Q),
+    ) {
+        self.setups.set_for_projected(&simd.columns(rays), &tree.bounds, &tree.space);
+        let hits = self.test_all(simd, tree);
+        let (limit, answered) = self.settle::<S, Q>(simd, rays, hits);
+        let mut queries = rays.each_ref().map(
+            #[inline(always)]
+            |ray| Q::new(ray),
+        );
+        let Self { hits: all, candidates, .. } = self;
+        candidates.iter_mut().for_each(Candidates::clear);
+        for (index, hit) in &all[..hits] {
+            // Comparisons with NaN are false: such a hit is kept.
+            let beyond = simd.lt(limit, simd.load(&hit.start));
+            for i in Bits((hit.possible & !beyond & !answered).into()) {
+                let i = i % LANES;
+                candidates[i].add(hit.start[i], *index);
+                if candidates[i].is_full() {
+                    candidates[i].decide(NO_LIMIT, &rays[i], &tree.triangles, &mut queries[i]);
+                }
+            }
+        }
+        for (i, mut query) in queries.into_iter().enumerate() {
+            candidates[i].decide(NO_LIMIT, &rays[i], &tree.triangles, &mut query);
+            report(i, if answered >> i & 1 != 0 { query.with_some_hit() } else { query });
+        }
+    }
+
+    /// Tests all triangles. Keeps those that any ray may hit, and returns how many they are.
+    #[inline(always)]
+    fn test_all<S: Simd>(&mut self, simd: S, tree: &Tree) -> usize {
+        debug_assert!(tree.projected.len() <= MOST_PROJECTED);
+        let mut count = 0;
+        for (axes, triangles) in tree.projected.by_axes() {
+            let test = ProjectedTest::new(simd, &self.setups, axes);
+            for triangle in triangles {
+                let filtered = test.filter(simd, triangle);
+                // Without a branch, which would be mispredicted, and with a remainder instead of a check of bounds.
+                self.hits[count % MOST_PROJECTED] = (triangle.index, filtered);
+                count += usize::from(filtered.possible != 0);
+            }
+        }
+        count.min(MOST_PROJECTED)
+    }
+
+    /// Removes the hits of rays that exclude the triangle or can hit nothing. Returns what certain hits tell: the limits beyond
+    /// which other hits cannot matter, and the rays whose any-hit query is answered.
+    #[inline(always)]
+    fn settle<S: Simd, Q: Query>(&mut self, simd: S, rays: &[Ray; LANES], hits: usize) -> (S::F, u8) {
+        let mut may_hit = 0;
+        for (i, &may_hit_one) in self.setups.may_hit.iter().enumerate() {
+            may_hit |= u8::from(may_hit_one) << i;
+        }
+        let excluded = |at: usize| {
+            S::I::load_array(
+                simd,
+                rays.each_ref().map(
+                    #[inline(always)]
+                    |ray| ray.excluded[at],
+                ),
+            )
+        };
+        let (excluded, mut limit, mut answered) =
+            ([excluded(0), excluded(1)], simd.load(&self.setups.end), 0);
+        for (index, hit) in &mut self.hits[..hits] {
+            let is_excluded = excluded[0].simd_eq(*index) | excluded[1].simd_eq(*index);
+            *hit = hit.among(may_hit & !is_excluded.to_bitmask() as u8);
+            if Q::ANY_HIT {
+                answered |= hit.certain;
+            } else {
+                limit = simd.select(hit.certain, simd.load(&hit.end).min(limit), limit);
+            }
+        }
+        (limit, answered)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Triangles;
+    use crate::accel::query::{AnyHit, ClosestHit};
+    use crate::conformance::shapes::statue;
+
+    #[test]
+    fn small_trees_are_tested_whole() {
+        for (count, closest, any) in
+            [(0, false, false), (48, true, true), (49, true, false), (96, true, false), (97, false, false)]
+        {
+            let triangles =
+                Triangles::new(statue(2000).triangles()[..count].to_vec()).expect("valid triangles");
+            let trees = crate::accel::wide::build::build_quickly(&triangles).expect("the tree can be built");
+            assert_eq!(is_exhaustive::<ClosestHit>(&trees[0]), closest, "{count} triangles");
+            assert_eq!(is_exhaustive::<AnyHit>(&trees[0]), any, "{count} triangles");
+        }
+    }
+}
