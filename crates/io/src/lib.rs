@@ -27,67 +27,26 @@
 
 mod atomic;
 mod error;
-#[cfg(feature = "gltf")]
-mod gltf;
 mod limits;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod lint;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod loader;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod loading;
 mod location;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod losses;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod monitor;
-#[cfg(feature = "obj")]
-mod obj;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod occurrences;
-#[cfg(feature = "images")]
-mod openexr;
 mod path;
 #[cfg(feature = "images")]
 mod picture;
-#[cfg(feature = "images")]
-mod picture_data;
 mod plain;
 #[cfg(any(feature = "obj", feature = "gltf"))]
-mod range;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod report;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-mod scene_files;
-mod special;
-mod temporary;
+mod scene;
 
 pub use atomic::AtomicFile;
 pub use error::IoError;
 pub use limits::Limits;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-pub use loader::Loader;
-#[cfg(feature = "gltf")]
-pub use loader::load_gltf;
-#[cfg(feature = "obj")]
-pub use loader::load_obj;
-#[cfg(any(feature = "obj", feature = "gltf"))]
-pub use loading::{Loaded, NamedMaterial, Object};
 pub use location::{Location, Place};
-#[cfg(any(feature = "obj", feature = "gltf"))]
-pub use monitor::{LoadMonitor, LoadProgress};
 #[cfg(feature = "images")]
-pub use picture::{PictureFile, PictureFormat};
-#[cfg(feature = "images")]
-pub use picture_data::PictureData;
+pub use picture::{PictureData, PictureFile, PictureFormat};
+#[cfg(feature = "gltf")]
+pub use scene::load_gltf;
+#[cfg(feature = "obj")]
+pub use scene::load_obj;
 #[cfg(any(feature = "obj", feature = "gltf"))]
-pub use report::{LoadReport, Warning, WarningKind};
-
-#[cfg(any(feature = "obj", feature = "gltf"))]
-/// Loads a scene in the format given by the extension of `path`, within the default [`Limits`].
-///
-/// # Errors
-/// Those of [`Loader::load`].
-pub fn load(path: impl AsRef<std::path::Path>) -> Result<Loaded, IoError> {
-    Loader::new().load(path)
-}
+pub use scene::{
+    LoadMonitor, LoadProgress, LoadReport, Loaded, Loader, NamedMaterial, Object, Warning, WarningKind, load,
+};

@@ -1,5 +1,10 @@
+//! Files that are replaced whole or not at all.
+
+mod special;
+mod temporary;
+
+use crate::IoError;
 use crate::path::folder_of;
-use crate::{IoError, special, temporary};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::iter;

@@ -1,4 +1,4 @@
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{Place, WarningKind};
 
 /// The number of occurrences of something that a loader skips, and the place of the first.

@@ -1,7 +1,8 @@
+use super::openexr;
+use crate::IoError;
 use crate::atomic::AtomicFile;
 use crate::path::extension_of;
-use crate::picture_data::PictureData;
-use crate::{IoError, openexr};
+use crate::picture::data::PictureData;
 use globillum_integrator::{Estimates, Film};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};

@@ -1,6 +1,6 @@
 use super::source::Statement;
 use crate::WarningKind;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 
 /// Statements that the format does not define.
 #[derive(Default)]

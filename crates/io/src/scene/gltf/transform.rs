@@ -1,4 +1,4 @@
-use crate::range;
+use crate::scene::range;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json::Node;
 

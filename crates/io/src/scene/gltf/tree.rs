@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::transform;
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, Place};
 use glam::DAffine3;
 use gltf::json::Node;

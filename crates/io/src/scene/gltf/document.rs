@@ -1,7 +1,7 @@
 use super::container::Container;
 use super::guard;
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use gltf::json::extensions::root::Root as Extensions;
 use gltf::json::{Accessor, Asset, Buffer, Camera, Image, Index, Material, Mesh, Node, buffer};

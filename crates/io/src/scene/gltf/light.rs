@@ -3,8 +3,8 @@
 use super::document::Document;
 use super::tree::{Placed, Tree};
 use crate::error::Result;
-use crate::loading::Loading;
-use crate::occurrences::Occurrences;
+use crate::scene::loading::Loading;
+use crate::scene::occurrences::Occurrences;
 use crate::{IoError, Place, WarningKind};
 use glam::DVec3;
 use globillum_integrator::DeltaLight;

@@ -1,5 +1,5 @@
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 
 /// The parts of a glTF file.

@@ -2,7 +2,7 @@ use super::mtl::{self, default_material};
 use super::source::{Source, Statement};
 use super::unknown::UnknownStatements;
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, WarningKind};
 use globillum_integrator::MaterialId;
 use std::collections::HashSet;

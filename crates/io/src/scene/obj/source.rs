@@ -1,6 +1,6 @@
 use crate::error::Result;
 use crate::limits::check_count;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, Location, Place, WarningKind};
 use std::iter;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 use super::accessor::{Accessor, Accessors, Use};
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, Place};
 use glam::DVec3;
 use gltf::json::mesh::{Mode, Semantic};

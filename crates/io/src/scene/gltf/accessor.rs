@@ -5,7 +5,7 @@ use super::buffer::Buffers;
 use super::document::Document;
 use crate::error::Result;
 use crate::limits::check_count;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, Location, Place};
 use glam::Vec3;
 use gltf::json::accessor::{ComponentType, GenericComponentType, IndexComponentType, Type, sparse};

@@ -1,7 +1,7 @@
 use super::document::Document;
 use crate::error::Result;
-use crate::loading::Loading;
-use crate::losses::{Losses, MEAN_OF_TEXTURE};
+use crate::scene::loading::Loading;
+use crate::scene::losses::{Losses, MEAN_OF_TEXTURE};
 use crate::{IoError, Place};
 use globillum_integrator::MaterialId;
 use globillum_material::{Emission, Material, MaterialError, Reflectance, Rgb, Sides};

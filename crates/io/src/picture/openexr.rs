@@ -2,7 +2,7 @@
 //! radiance without a layer.
 
 use crate::IoError;
-use crate::picture_data::PictureData;
+use crate::picture::data::PictureData;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, read::read};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, Text};

@@ -1,7 +1,7 @@
 use super::document::Document;
 use super::uri::Target;
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, Place};
 use gltf::json;
 use std::collections::HashMap;

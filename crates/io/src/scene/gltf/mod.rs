@@ -18,7 +18,7 @@ mod tree;
 mod uri;
 
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use accessor::Accessors;
 use buffer::Buffers;
 use document::Document;

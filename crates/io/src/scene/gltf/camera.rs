@@ -1,7 +1,7 @@
 use super::document::Document;
 use super::tree::{Placed, Tree};
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use glam::DVec3;
 use globillum_integrator::{PinholeCamera, RenderError};

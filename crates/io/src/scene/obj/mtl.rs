@@ -3,7 +3,7 @@ use super::source::{Source, Statement};
 use super::unknown::UnknownStatements;
 use crate::Location;
 use crate::error::Result;
-use crate::losses::{Losses, MEAN_OF_TEXTURE};
+use crate::scene::losses::{Losses, MEAN_OF_TEXTURE};
 use globillum_material::{Bsdf, Emission, Material, MaterialError, Reflectance, Rgb, Sides};
 use std::str::FromStr;
 

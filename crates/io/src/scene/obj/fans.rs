@@ -1,6 +1,6 @@
 use super::polygon::is_convex;
 use super::source::{Source, Statement};
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use crate::{Place, WarningKind};
 use glam::Vec3;
 use globillum_geom::Triangle;

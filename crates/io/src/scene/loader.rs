@@ -1,6 +1,6 @@
-use crate::loading::{Loaded, Loading};
 use crate::path::extension_of;
-use crate::scene_files::Storage;
+use crate::scene::files::Storage;
+use crate::scene::loading::{Loaded, Loading};
 use crate::{IoError, Limits, LoadMonitor, Place};
 use std::fmt;
 use std::path::Path;
@@ -112,7 +112,7 @@ impl<'a> Loader<'a> {
     #[cfg(feature = "obj")]
     pub fn load_obj(&self, path: impl AsRef<Path>) -> Result<Loaded, IoError> {
         let path = path.as_ref();
-        self.load_by(path, crate::obj::read)
+        self.load_by(path, crate::scene::obj::read)
     }
 
     /// [`load_gltf`](crate::load_gltf) with this loader's limits and monitor.
@@ -122,7 +122,7 @@ impl<'a> Loader<'a> {
     #[cfg(feature = "gltf")]
     pub fn load_gltf(&self, path: impl AsRef<Path>) -> Result<Loaded, IoError> {
         let path = path.as_ref();
-        self.load_by(path, |bytes, loading| crate::gltf::read(&bytes, self.luminous_efficacy, loading))
+        self.load_by(path, |bytes, loading| crate::scene::gltf::read(&bytes, self.luminous_efficacy, loading))
     }
 
     /// Loads the file `path` by `read`, which reads its content.
@@ -163,6 +163,14 @@ impl fmt::Debug for Loader<'_> {
             .field("keeps_objects", &self.keeps_objects)
             .finish_non_exhaustive()
     }
+}
+
+/// Loads a scene in the format given by the extension of `path`, within the default [`Limits`].
+///
+/// # Errors
+/// Those of [`Loader::load`].
+pub fn load(path: impl AsRef<Path>) -> Result<Loaded, IoError> {
+    Loader::new().load(path)
 }
 
 #[cfg(feature = "obj")]

@@ -1,8 +1,8 @@
 use crate::error::Result;
 #[cfg(feature = "gltf")]
 use crate::limits::check_count;
-use crate::lint;
-use crate::scene_files::{SceneFiles, Storage};
+use crate::scene::files::{SceneFiles, Storage};
+use crate::scene::lint;
 use crate::{IoError, Limits, LoadMonitor, LoadProgress, LoadReport, Location, Place, Warning, WarningKind};
 use globillum_geom::Triangle;
 #[cfg(feature = "gltf")]

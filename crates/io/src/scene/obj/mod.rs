@@ -15,7 +15,7 @@ mod source;
 mod unknown;
 
 use crate::error::Result;
-use crate::loading::Loading;
+use crate::scene::loading::Loading;
 use scan::Scan;
 use source::Source;
 use tobj::LoadOptions;
