@@ -6,7 +6,7 @@ use globillum::integrator::{
     Model, Monitor, PinholeCamera, Progress, Render, RenderError, Roulette, Settings, render,
 };
 use globillum::material::{Material, Rgb};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::{cornell, scenes, shapes};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -35,7 +35,7 @@ impl Monitor for CancelAt {
 
 #[test]
 fn a_cancelled_render_returns_the_picture_of_its_whole_passes() {
-    let scene = scenes::scene(&cornell::with_blocks(false).expect("the box is good"), STRUCTURES[0].1);
+    let scene = scenes::scene(&cornell::with_blocks(false).expect("the box is good"), RENDERED[0].1);
     let camera = cornell::camera().expect("the camera is good");
     let mut samples_seen = Vec::new();
     for limit in [0, 40, 1600] {
@@ -60,7 +60,7 @@ fn cancelling_stops_within_a_tile() {
     let mut model = Model::default();
     let walls = shapes::inside_out(shapes::cuboid(DVec3::ZERO, DVec3::ONE, 0.0));
     model.add(Material::mirror(Rgb::WHITE).expect("a perfect mirror"), walls);
-    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let scene = scenes::scene(&model, RENDERED[0].1);
     let camera = scenes::stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.3, 0.5, 1.0));
     let mut settings = Settings::new(4, 4, 1);
     settings.roulette.start = Settings::MAX_BOUNCES;
@@ -76,7 +76,7 @@ fn cancelling_stops_within_a_tile() {
 fn invalid_settings_are_refused() {
     let mut model = Model::default();
     model.add(Material::light(Rgb::WHITE).expect("a light"), [Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)]);
-    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let scene = scenes::scene(&model, RENDERED[0].1);
     let camera = cornell::camera().expect("the camera is good");
     let good = Settings::new(2, 2, 1);
     type Spoil = fn(&mut Settings);

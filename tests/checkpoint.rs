@@ -8,7 +8,7 @@ use globillum::integrator::{
     PinholeCamera, PixelFilter, Render, RenderError, Sampler, Scene, Settings, Supersampling, render,
 };
 use globillum::material::{Bsdf, Emission, Material, Reflectance, Rgb, Sides};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::{cornell, scenes};
 use std::ops::Range;
 use std::slice::from_ref;
@@ -18,7 +18,7 @@ const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
 
 fn the_box() -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let model = cornell::with_blocks(false).expect("the box is good");
-    (scenes::scene(&model, STRUCTURES[0].1), cornell::camera().expect("the camera is good"))
+    (scenes::scene(&model, RENDERED[0].1), cornell::camera().expect("the camera is good"))
 }
 
 /// 64 passes; the last one is incomplete.
@@ -88,7 +88,7 @@ fn one_run_any_threads_two_halves_and_four_ranges_are_the_same_bytes() {
 #[test]
 fn every_accelerator_makes_the_same_checkpoint() {
     let (model, camera) = (cornell::with_blocks(false).expect("the box is good"), the_box().1);
-    let bytes = STRUCTURES.map(|(_, build)| {
+    let bytes = RENDERED.map(|(_, build)| {
         let scene = scenes::scene(&model, build);
         render(&scene, &camera, &settings(Sampler::Sobol)).expect("the scene is good").to_bytes()
     });
@@ -191,22 +191,22 @@ fn another_picture_is_refused() {
     let nearly = PinholeCamera::look_at(DVec3::new(0.0, 0.0, 3.9_f64.next_up()), DVec3::ZERO, DVec3::Y, 0.7);
     refused(Render::new(&scene, &nearly.expect("it is good"), &base).resume(picture.clone()).run());
     let mirror = cornell::with_blocks(true).expect("the box is good");
-    let mirror = scenes::scene(&mirror, STRUCTURES[0].1);
+    let mirror = scenes::scene(&mirror, RENDERED[0].1);
     refused(Render::new(&mirror, &camera, &base).resume(picture.clone()).run());
     for other in nearly_the_box() {
-        let other = scenes::scene(&other, STRUCTURES[0].1);
+        let other = scenes::scene(&other, RENDERED[0].1);
         refused(Render::new(&other, &camera, &base).resume(picture.clone()).run());
     }
     let with_light = |intensity: f64| {
         let mut model = cornell::with_blocks(false).expect("the box is good");
         model.add_delta_light(DeltaLight::point(Vec3::ZERO, Rgb::splat(intensity)).expect("in range"));
-        scenes::scene(&model, STRUCTURES[0].1)
+        scenes::scene(&model, RENDERED[0].1)
     };
     refused(Render::new(&with_light(1.0), &camera, &base).resume(picture.clone()).run());
     let lit = Render::new(&with_light(1.0), &camera, &base).passes(0..2).run().expect("the scene is good");
     refused(Render::new(&with_light(1.0_f64.next_up()), &camera, &base).resume(lit).run());
     let model = cornell::with_blocks(false).expect("the box is good");
-    let under_a_sky = scenes::scene_under(Rgb::splat(1e-9), &model, STRUCTURES[0].1);
+    let under_a_sky = scenes::scene_under(Rgb::splat(1e-9), &model, RENDERED[0].1);
     refused(Render::new(&under_a_sky, &camera, &base).resume(picture).run());
 }
 

@@ -1,6 +1,6 @@
 //! Scenes of known radiance, rendered by every applicable estimator in every accelerator.
 
-use crate::in_every_structure::film_in_every_structure;
+use crate::both_accelerators::film_by_both;
 use approx::assert_relative_eq;
 use glam::DVec3;
 use globillum::geom::Accel;
@@ -8,7 +8,7 @@ use globillum::integrator::{
     Estimator, Film, LightSampling, Model, PinholeCamera, Sampler, Scene, Settings, render,
 };
 use globillum::material::Rgb;
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
@@ -24,7 +24,7 @@ fn settings(samples: u32) -> Settings {
 
 /// The estimate of the green component.
 fn estimate(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Estimate {
-    Estimate::of_film(&film_in_every_structure(model, camera, settings), |c| c.g)
+    Estimate::of_film(&film_by_both(model, camera, settings), |c| c.g)
 }
 
 fn film(scene: &Scene<Box<dyn Accel>>, camera: &PinholeCamera, settings: &Settings) -> Film {
@@ -108,7 +108,7 @@ fn a_square_light_above_a_floor() {
 #[test]
 fn a_square_light_sampled_by_area() {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
-    let scene = scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1);
+    let scene = scenes::scene(&scenes::light_over_floor(), RENDERED[0].1);
     for estimator in [Estimator::Light, Estimator::Mis] {
         let mut s = settings(128);
         (s.estimator, s.light_sampling) = (estimator, LightSampling::Area);
@@ -163,7 +163,7 @@ fn ten_bounces_in_a_corridor_of_mirrors() {
     let model = scenes::mirror_corridor(0.9, 10.0);
     let mut s = independent_pixels(2, 2, 1);
     s.roulette.start = Settings::MAX_BOUNCES;
-    for (_, build) in STRUCTURES {
+    for (_, build) in RENDERED {
         for estimator in ALL {
             s.estimator = estimator;
             for pixel in film(&scenes::scene(&model, build), &camera, &s).means() {
@@ -180,7 +180,7 @@ fn bsdf_sampling_makes_every_furnace_sample_exact() {
         let mut s = settings(4);
         (s.estimator, s.max_bounces, s.roulette.start) =
             (Estimator::Bsdf, Some(bounces), Settings::MAX_BOUNCES);
-        for (name, build) in STRUCTURES {
+        for (name, build) in RENDERED {
             let film = film(&scenes::scene(&model, build), &into_the_furnace(), &s);
             let truth = Rgb::splat(2.0 - 0.5_f64.powi(bounces as i32));
             for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {

@@ -7,7 +7,7 @@ use globillum::integrator::{
     Film, Model, PathReuse, Picture, PinholeCamera, Render, Sampler, Settings, Supersampling, render,
 };
 use globillum::material::{Material, Rgb};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::cornell;
 use globillum_testkit::scenes;
 use globillum_testkit::shapes::{icosphere, quad};
@@ -84,7 +84,7 @@ fn pictures(
     passes: u32,
     count: u32,
 ) -> Vec<Picture> {
-    let scene = scenes::scene(model, STRUCTURES[0].1);
+    let scene = scenes::scene(model, RENDERED[0].1);
     let of = |i| Render::new(&scene, camera, settings).passes(i * passes..(i + 1) * passes).run();
     (0..count).map(|i| of(i).expect("the scene is good")).collect()
 }
@@ -198,7 +198,7 @@ fn margins_include_lights_that_all_samples_missed() {
 fn the_interval_of_a_pictures_error_contains_it_and_is_narrow() {
     const PICTURES: u32 = 400;
     let model = cornell::with_blocks(false).expect("the box is good");
-    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let scene = scenes::scene(&model, RENDERED[0].1);
     let camera = look(DVec3::new(0.0, 0.2, 3.0), DVec3::new(0.0, -0.4, 0.0), 0.6);
     // Independent pixels, some independent tiles, and a single one.
     for (path_reuse, side) in [(PathReuse::Off, 16), (PathReuse::Tiles, 48), (PathReuse::Tiles, 16)] {

@@ -7,7 +7,7 @@ use globillum::integrator::{
     Scene, Settings, Stream, render, replay_samples,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
-use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
+use globillum_testkit::accelerators::{ACCELERATORS, RENDERED};
 use globillum_testkit::cornell;
 use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
@@ -54,7 +54,7 @@ fn directional(direction: Vec3) -> DeltaLight {
 }
 
 fn film(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Film {
-    render(&scenes::scene(model, STRUCTURES[0].1), camera, settings).unwrap().film
+    render(&scenes::scene(model, RENDERED[0].1), camera, settings).unwrap().film
 }
 
 /// [`ESTIMATORS`] in [`WAYS`].
@@ -471,7 +471,7 @@ fn powers_of_two_change_no_bit() {
 #[test]
 fn replays_add_up_to_the_picture() {
     let (scene, camera): (Scene<Box<dyn Accel>>, _) = (
-        scenes::scene(&with(darkened(&the_box()), the_box().delta_lights()), STRUCTURES[0].1),
+        scenes::scene(&with(darkened(&the_box()), the_box().delta_lights()), RENDERED[0].1),
         cornell::camera().unwrap(),
     );
     for settings in each_setting(20, 16) {

@@ -6,7 +6,7 @@ use globillum::geom::{Accel, Triangle};
 use globillum::integrator::{
     Film, Guiding, IrradiancePoints, Model, PinholeCamera, Scene, Sensor, Settings, render,
 };
-use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
+use globillum_testkit::accelerators::{ACCELERATORS, RENDERED};
 use globillum_testkit::{cornell, scenes, shapes};
 
 fn settings(samples: u32) -> Settings {
@@ -83,7 +83,7 @@ fn scaling_by_powers_of_two_changes_no_bit_of_guides_and_irradiance() {
     let model = cornell::with_blocks(true).expect("the box is good");
     let films = [0, 40, -40].map(|exponent| {
         let scale = 2.0_f32.powi(exponent);
-        let scene = scenes::scene(&scaled(&model, scale), STRUCTURES[0].1);
+        let scene = scenes::scene(&scaled(&model, scale), RENDERED[0].1);
         let [eye, point] =
             [DVec3::new(0.0, 0.0, 3.9), DVec3::new(0.1, -0.9, 0.4)].map(|p| p * f64::from(scale));
         let camera = PinholeCamera::look_at(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("the camera is good");

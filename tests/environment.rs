@@ -8,7 +8,7 @@ use globillum::integrator::{
     Settings, render, replay_samples,
 };
 use globillum::material::{Material, Rgb};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::pixels::{PIXEL_LIMIT, largest_z};
 use globillum_testkit::scenes;
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
@@ -20,7 +20,7 @@ fn lambert(r: f64, g: f64, b: f64) -> Material {
 }
 
 fn in_sky(model: &Model) -> Scene<Box<dyn Accel>> {
-    scenes::scene_under(SKY, model, STRUCTURES[0].1)
+    scenes::scene_under(SKY, model, RENDERED[0].1)
 }
 
 fn mirror_ball(radius: f64, center: DVec3) -> (Material, Vec<globillum::geom::Triangle>) {

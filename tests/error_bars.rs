@@ -9,7 +9,7 @@ use globillum::integrator::{
     render,
 };
 use globillum::material::Rgb;
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::stats::{Estimate, independent_pixels};
 
@@ -42,7 +42,7 @@ fn variance_of(estimator: Estimator, sampling: LightSampling) -> f64 {
 
 fn scene() -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
-    (scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1), camera)
+    (scenes::scene(&scenes::light_over_floor(), RENDERED[0].1), camera)
 }
 
 fn settings(samples: u32, sampler: Sampler, estimator: Estimator) -> Settings {
@@ -90,7 +90,7 @@ fn one_sample_has_the_known_variance() {
 #[test]
 fn solid_angle_sampling_bounds_the_variance_near_a_light() {
     let model = scenes::rectangle_over_floor([-1.0, 1.0], [-1.0, 1.0], 0.01);
-    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let scene = scenes::scene(&model, RENDERED[0].1);
     let camera = stare(DVec3::new(0.001, 0.005, 0.002), DVec3::ZERO);
     let mut settings = settings(16, Sampler::Independent, Estimator::Light);
     let [area, solid_angle] = SAMPLINGS.map(|sampling| {

@@ -7,7 +7,7 @@ use globillum::integrator::{
     Estimator, Film, Model, PathReuse, PinholeCamera, RenderError, Sampler, Scene, Settings, render,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
@@ -31,7 +31,7 @@ fn scaled(model: &Model, size: f32, radiance: f64) -> Result<Model, RenderError>
 }
 
 fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
-    scenes::scene(model, STRUCTURES[0].1)
+    scenes::scene(model, RENDERED[0].1)
 }
 
 /// The camera at the floor under the square light, for a scene scaled by `size`.

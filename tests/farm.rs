@@ -7,7 +7,7 @@ use globillum::integrator::{
     CheckpointReader, CheckpointWriter, Estimator, Merge, PathReuse, Picture, PinholeCamera, Render, Scene,
     Settings, Stop,
 };
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
 use std::ops::Range;
@@ -30,7 +30,7 @@ impl Farm {
         let mut settings = Settings::new(4, 32, 1 << 16);
         (settings.pass_samples, settings.estimator, settings.seed) = (1, Estimator::Bsdf, seed);
         (settings.path_reuse, settings.threads) = (PathReuse::Off, 1);
-        let scene = scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1);
+        let scene = scenes::scene(&scenes::light_over_floor(), RENDERED[0].1);
         Self { scene, camera: stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO), settings }
     }
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 use globillum::geom::Triangle;
 use globillum::integrator::{Estimator, Model, PinholeCamera, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::polygon;
 use globillum_testkit::scenes::{self, disc, stare};
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
@@ -15,7 +15,7 @@ use Estimator::{Bsdf, Light, Mis};
 
 /// The mean radiance of the picture with one bounce, by Sobol' points.
 fn estimate(model: &Model, camera: &PinholeCamera, estimator: Estimator, samples: u32) -> Estimate {
-    let scene = scenes::scene(model, STRUCTURES[0].1);
+    let scene = scenes::scene(model, RENDERED[0].1);
     let mut settings = independent_pixels(64, 64, samples);
     (settings.estimator, settings.max_bounces) = (estimator, Some(1));
     let film = render(&scene, camera, &settings).expect("the scene is good").film;
@@ -136,7 +136,7 @@ fn an_integrating_sphere() {
     let model = scenes::integrating_sphere(4);
     // The middle of a triangle that is not a light.
     let middle = model.triangles()[0].vertices.map(|v| v.as_dvec3()).iter().sum::<DVec3>() / 3.0;
-    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let scene = scenes::scene(&model, RENDERED[0].1);
     let mut settings = independent_pixels(64, 64, 64);
     settings.estimator = Mis;
     let film = render(&scene, &stare(DVec3::ZERO, middle), &settings).expect("the scene is good").film;

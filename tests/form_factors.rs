@@ -1,11 +1,11 @@
 //! Illumination in closed form, by Sobol' points: form factors, mirrors, shadows, and scenes in which every
 //! sample is exact.
 
-use crate::in_every_structure::film_in_every_structure as film;
+use crate::both_accelerators::film_by_both as film;
 use glam::DVec3;
 use globillum::integrator::{Estimator, LightSampling, Model, Settings, render};
 use globillum::material::{Material, Rgb};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::form_factor::corner;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{cuboid, inside_out, quad};
@@ -127,7 +127,7 @@ fn a_light_standing_on_the_floor() {
 fn a_convex_body_under_a_white_sky_shows_its_albedo() {
     let camera = stare(DVec3::new(3.0, 2.5, 2.0), DVec3::new(1.0, 0.3, 0.2));
     for rho in [0.25, 1.0] {
-        for (estimator, (_, build)) in ALL.into_iter().flat_map(|e| STRUCTURES.map(|s| (e, s))) {
+        for (estimator, (_, build)) in ALL.into_iter().flat_map(|e| RENDERED.map(|s| (e, s))) {
             let scene = scenes::scene_under(Rgb::WHITE, &scenes::cube(rho), build);
             let mut settings = independent_pixels(16, 16, 16);
             settings.estimator = estimator;

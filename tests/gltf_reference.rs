@@ -6,7 +6,7 @@
 use globillum::integrator::{Settings, render};
 use globillum::io::{Loaded, load};
 use globillum::material::{Bsdf, Reflectance, Rgb};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::reference::{MEAN_LIMIT, Reference};
 use globillum_testkit::stats::Z_LIMIT;
 use globillum_testkit::{cornell, scenes};
@@ -31,7 +31,7 @@ fn reference(name: &str) -> Option<(Loaded, Reference)> {
 fn check(name: &str, samples: [u32; 2]) {
     let Some((loaded, reference)) = reference(name) else { return };
     assert_eq!(loaded.report.warnings, []);
-    let scene = scenes::scene(&loaded.model, STRUCTURES[0].1);
+    let scene = scenes::scene(&loaded.model, RENDERED[0].1);
     for (max_bounces, samples) in [None, Some(1)].into_iter().zip(samples) {
         let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
         settings.max_bounces = max_bounces;

@@ -8,7 +8,7 @@ use globillum::integrator::{
     Replay, Sampler, Scene, Sensor, Settings, Supersampling, render, replay_samples,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
-use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
+use globillum_testkit::accelerators::{ACCELERATORS, RENDERED};
 use globillum_testkit::pixels::{PIXEL_LIMIT, largest_difference, largest_z};
 use globillum_testkit::shapes::{cuboid, inside_out, quad};
 use globillum_testkit::stats::Z_LIMIT;
@@ -28,7 +28,7 @@ fn look(eye: DVec3, target: DVec3) -> PinholeCamera {
 }
 
 fn scene(model: &Model) -> Scene<Box<dyn Accel>> {
-    scenes::scene(model, STRUCTURES[0].1)
+    scenes::scene(model, RENDERED[0].1)
 }
 
 /// Two rooms with a lamp in the one and the camera in the other. A wall with a gap is between them.

@@ -8,7 +8,7 @@ use globillum::integrator::{
     RenderError, Sampler, Scene, Settings, Stop, Stream, render,
 };
 use globillum::material::{Material, Rgb};
-use globillum_testkit::accelerators::{ACCELERATORS, STRUCTURES};
+use globillum_testkit::accelerators::{ACCELERATORS, RENDERED};
 use globillum_testkit::effort;
 use globillum_testkit::form_factor::corner;
 use globillum_testkit::scenes;
@@ -21,7 +21,7 @@ const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator
 const SAMPLERS: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
 
 fn first_structure(model: &Model) -> Scene<Box<dyn Accel>> {
-    scenes::scene(model, STRUCTURES[0].1)
+    scenes::scene(model, RENDERED[0].1)
 }
 
 fn readings(scene: &Scene<Box<dyn Accel>>, points: &IrradiancePoints, settings: &Settings) -> Vec<Reading> {
@@ -156,7 +156,7 @@ fn points_on_rounded_surfaces_see_what_is_above() {
             .map(|(x, z)| middle + turned * (DVec3::new(x, 0.0, z) * size));
         let mut model = Model::default();
         model.add(Material::lambert(Rgb::splat(0.5)).expect("an albedo"), quad(a, b, c, d));
-        let scene = scenes::scene_under(Rgb::WHITE, &model, STRUCTURES[0].1);
+        let scene = scenes::scene_under(Rgb::WHITE, &model, RENDERED[0].1);
         let normal = turned * DVec3::Y;
         let on_surface = |i: u32| {
             let [x, z] = [7 + 2 * i, 8 + 2 * i].map(|i| 1.9 * numbers.uniform(i) - 0.95);

@@ -3,7 +3,7 @@
 use globillum::geom::Accel;
 use globillum::integrator::view_factors::{FactorRun, FactorSettings, Patches};
 use globillum::integrator::{FirstHits, PinholeCamera, Scene, Settings, render, replay};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::{cornell, scenes};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,7 +25,7 @@ fn most_at_a_time(job: impl Fn() + Sync) -> usize {
 #[test]
 fn a_worker_of_another_pool_renders_one_picture_at_a_time() {
     let model = cornell::with_blocks(false).expect("the box is good");
-    let scene: Scene<Box<dyn Accel>> = scenes::scene(&model, STRUCTURES[0].1);
+    let scene: Scene<Box<dyn Accel>> = scenes::scene(&model, RENDERED[0].1);
     let camera: PinholeCamera = cornell::camera().expect("it is good");
     let mut settings = Settings::new(4, 4, 1);
     settings.threads = 1;

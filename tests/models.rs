@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use globillum::geom::{Aabb, GeomError, Triangle};
 use globillum::integrator::{DeltaLight, DeltaLightError, Model, PinholeCamera, RenderError};
 use globillum::material::{Material, Rgb};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes;
 use std::f64::consts::FRAC_PI_2;
 
@@ -78,7 +78,7 @@ fn the_environment_is_that_of_the_model() {
     under_a_sky.append(&appended);
     under_a_sky.transform(&DAffine3::from_scale(DVec3::splat(2.0))).unwrap();
     assert_eq!(under_a_sky.environment(), sky);
-    assert_eq!(scenes::scene(&under_a_sky, STRUCTURES[0].1).environment(), sky);
+    assert_eq!(scenes::scene(&under_a_sky, RENDERED[0].1).environment(), sky);
 }
 
 /// The error names the first triangle or the delta light, and the model is unchanged.

@@ -6,7 +6,7 @@ use globillum::integrator::{
     Estimator, Film, Guiding, Model, PathReuse, PinholeCamera, Render, Sampler, Settings, render,
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::cornell;
 use globillum_testkit::pixels::{PIXEL_LIMIT, largest_difference, largest_z};
 use globillum_testkit::scenes::{self, stare};
@@ -22,7 +22,7 @@ const SIDE: u32 = 16;
 const PASSES: u32 = 128;
 
 fn film(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Film {
-    let scene = scenes::scene(model, STRUCTURES[0].1);
+    let scene = scenes::scene(model, RENDERED[0].1);
     render(&scene, camera, settings).expect("the scene is good").film
 }
 
@@ -280,7 +280,7 @@ fn variance_ratio(path_reuse: PathReuse) -> f64 {
     // The ceiling has indirect illumination only, by path suffixes that all pixels of a group can reuse.
     let model = cornell::with_blocks(false).expect("the box is good");
     let camera = stare(DVec3::new(0.2, 0.1, 0.9), DVec3::new(0.5, 1.0, 0.5));
-    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let scene = scenes::scene(&model, RENDERED[0].1);
     let mut settings = Settings::new(SIDE, SIDE, PASSES);
     (settings.path_reuse, settings.pass_samples) = (path_reuse, 1);
     let means = (0..PASSES).map(|pass| {

@@ -9,7 +9,7 @@ use glam::DVec3;
 use globillum::geom::Accel;
 use globillum::integrator::{DeltaLight, Estimator, Model, PinholeCamera, Scene, Stream, render};
 use globillum::material::{Emission, Material, Rgb, Sides};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
@@ -59,7 +59,7 @@ fn own(scene: &Scene<Box<dyn Accel>>) -> [Estimate; 3] {
 
 #[test]
 fn the_example_agrees_with_the_library() {
-    let scene = scenes::scene_under(Rgb::new(0.2, 0.3, 0.4), &model(), STRUCTURES[0].1);
+    let scene = scenes::scene_under(Rgb::new(0.2, 0.3, 0.4), &model(), RENDERED[0].1);
     let own = own(&scene);
     let mut settings = independent_pixels(64, 64, 64);
     for (estimator, precision) in [(Estimator::Light, 0.04), (Estimator::Mis, 0.02)] {

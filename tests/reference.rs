@@ -1,7 +1,7 @@
 //! Compares the Cornell box with pictures by an independent renderer (Mitsuba 3.9.1).
 
 use globillum::integrator::{Estimator, PathReuse, Settings, render};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::reference::{Deviation, MEAN_LIMIT, Reference};
 use globillum_testkit::stats::Z_LIMIT;
 use globillum_testkit::{cornell, scenes};
@@ -20,7 +20,7 @@ fn deviation(
     let reference = Reference::parse(reference);
     let blocks = if max_bounces.is_some() { &reference.direct } else { &reference.path };
     let model = cornell::with_blocks(specular).expect("the box is good");
-    let scene = scenes::scene(&model, STRUCTURES[0].1);
+    let scene = scenes::scene(&model, RENDERED[0].1);
     let mut settings = Settings::new(reference.resolution, reference.resolution, samples);
     (settings.estimator, settings.path_reuse, settings.max_bounces) = (estimator, path_reuse, max_bounces);
     let camera = cornell::camera().expect("the camera is good");

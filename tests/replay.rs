@@ -7,12 +7,12 @@ use globillum::integrator::{
     Settings, render, replay, replay_samples,
 };
 use globillum::material::{Bsdf, Material, Rgb};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::shapes::{quad, torus};
 use globillum_testkit::{cornell, scenes};
 
 fn the_box() -> Scene<Box<dyn Accel>> {
-    scenes::scene(&cornell::with_blocks(true).expect("the box is good"), STRUCTURES[0].1)
+    scenes::scene(&cornell::with_blocks(true).expect("the box is good"), RENDERED[0].1)
 }
 
 /// All samples of a pixel of the box.
@@ -105,7 +105,7 @@ fn floor_among(mirrors: Vec<Triangle>, ceiling: Vec<Triangle>) -> (Scene<Box<dyn
     model.add(Material::light(Rgb::splat(5.0)).expect("finite"), light);
     let camera =
         PinholeCamera::look_at(p(0.2, 1.9, 0.3), p(0.2, 0.0, 0.0), DVec3::Y, 0.3).expect("they are apart");
-    (scenes::scene(&model, STRUCTURES[0].1), camera)
+    (scenes::scene(&model, RENDERED[0].1), camera)
 }
 
 /// What arrives by way of two mirrors depends on the direction, so it is not reused. By way of one it is.

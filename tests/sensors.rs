@@ -8,13 +8,13 @@ use globillum::integrator::{
     Sampler, Scene, Sensor, Settings, SphericalCamera, render, replay_samples,
 };
 use globillum::material::Rgb;
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::stats::{Estimate, Z_LIMIT};
 use globillum_testkit::{cornell, scenes};
 use std::hash::Hasher;
 
 fn the_box() -> Scene<Box<dyn Accel>> {
-    scenes::scene(&cornell::with_blocks(true).expect("the box is good"), STRUCTURES[0].1)
+    scenes::scene(&cornell::with_blocks(true).expect("the box is good"), RENDERED[0].1)
 }
 
 /// A function as a sensor.

@@ -8,7 +8,7 @@ use globillum::integrator::{
     render, replay,
 };
 use globillum::material::{Material, Rgb};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 /// A square light of side 2 at height 1 above a floor.
 fn light_over_floor() -> (Scene<Box<dyn Accel>>, PinholeCamera) {
     let camera = stare(DVec3::new(0.1, 0.5, 0.2), DVec3::ZERO);
-    (scenes::scene(&scenes::light_over_floor(), STRUCTURES[0].1), camera)
+    (scenes::scene(&scenes::light_over_floor(), RENDERED[0].1), camera)
 }
 
 const TRUTH: f64 = LIGHT_OVER_FLOOR;
@@ -60,7 +60,7 @@ fn a_render_ends_when_its_goal_is_met() {
 /// A black picture has not varied. From 64 passes on it is taken for exact.
 #[test]
 fn a_goal_is_not_met_by_a_few_passes_that_are_equal() {
-    let black = scenes::scene(&scenes::cube(0.5), STRUCTURES[0].1);
+    let black = scenes::scene(&scenes::cube(0.5), RENDERED[0].1);
     let camera = stare(DVec3::ZERO, DVec3::X);
     let settings = Settings::new(4, 4, 1 << 14);
     let goal = stop(|s| s.relative_rmse = Some(0.01));
@@ -84,7 +84,7 @@ fn a_goal_waits_for_light_through_a_gap() {
     let mut model = Model::default();
     let roof = quad(p(-999.0, 1.0, -999.0), p(3.0, 1.0, -999.0), p(3.0, 1.0, 999.0), p(-999.0, 1.0, 999.0));
     model.add(Material::lambert(Rgb::WHITE).expect("an albedo"), roof);
-    let scene = scenes::scene_under(Rgb::WHITE, &model, STRUCTURES[0].1);
+    let scene = scenes::scene_under(Rgb::WHITE, &model, RENDERED[0].1);
     let points = IrradiancePoints::new([(DVec3::ZERO, DVec3::Y)]).expect("a point");
     // Half of a strip's form factor: pi (1 - 3 / sqrt(10)) / 2.
     let truth = PI * (1.0 - 3.0 / 10.0_f64.sqrt()) / 2.0;
@@ -496,7 +496,7 @@ fn failing(rays: u32, how: Failure) -> (Scene<Box<dyn Accel>>, PinholeCamera) {
 
 fn failing_in(model: &Model, rays: u32, how: Failure) -> Scene<Box<dyn Accel>> {
     let build = |triangles: &_| -> Result<Box<dyn Accel>, _> {
-        let inner: Box<dyn Accel> = STRUCTURES[0].1(triangles)?;
+        let inner: Box<dyn Accel> = RENDERED[0].1(triangles)?;
         Ok(Box::new(Failing { inner, left: AtomicU32::new(rays), how }))
     };
     Scene::build(model.clone(), build).expect("the model is good")

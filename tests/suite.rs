@@ -22,7 +22,7 @@ mod form_factors;
 mod geometry;
 mod gltf_reference;
 mod guiding;
-mod in_every_structure;
+mod both_accelerators;
 mod irradiance;
 mod light_leaks;
 mod light_sample_counts;

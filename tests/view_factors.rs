@@ -12,7 +12,7 @@ use globillum::integrator::view_factors::{
 };
 use globillum::integrator::{CheckpointError, Ending, Monitor, Progress};
 use globillum::material::Sides;
-use globillum_testkit::accelerators::{ACCELERATORS, Measurable, STRUCTURES};
+use globillum_testkit::accelerators::{ACCELERATORS, Measurable, RENDERED};
 use globillum_testkit::form_factor::{Span, parallel, perpendicular};
 use globillum_testkit::shapes::{icosphere, inside_out, quad};
 use globillum_testkit::stats::{Estimate, Z_LIMIT};
@@ -31,7 +31,7 @@ impl Scene {
     fn new(patches: &[Vec<Triangle>]) -> Self {
         let ids = (0..).zip(patches).flat_map(|(id, patch)| std::iter::repeat_n(id, patch.len())).collect();
         let triangles = Triangles::new(patches.concat()).expect("good triangles");
-        let accel = STRUCTURES[0].1(&triangles).expect("a tree");
+        let accel = RENDERED[0].1(&triangles).expect("a tree");
         Self { patches: Patches::new(0, ids), triangles, accel }
     }
 

@@ -29,12 +29,12 @@
 
 mod aabb;
 mod accel;
+mod accurate;
 #[cfg(feature = "conformance")]
 pub mod conformance;
 mod cpu;
 pub mod decide;
 mod error;
-mod exact;
 mod frame;
 mod hit;
 mod measure;
@@ -49,7 +49,7 @@ mod triangles;
 
 pub use aabb::Aabb;
 pub use accel::{
-    Accel, BruteForce, Counts, GridOptions, KdOptions, KdStats, KdTree, Probe, SplitRule, Traverse,
+    Accel, BruteForce, Counts, GridOptions, KdOptions, KdStats, KdTree, QueryCounter, SplitRule, Traverse,
     UniformGrid, WideBvh,
 };
 pub use cpu::SimdLevel;

@@ -1,4 +1,4 @@
-use crate::exact::cross;
+use crate::accurate::cross;
 use crate::{Aabb, GeomError, PdfArea};
 use glam::{DAffine3, DVec3, Vec3};
 

@@ -1,5 +1,5 @@
 //! Bad input by rows of a table. Each file is an error of the expected kind with a message of one line, or is
-//! loaded with the expected warnings. `tests/render_cli.rs` checks that `render` prints the same.
+//! loaded with the expected warnings. `crates/cli/tests/suite/render.rs` checks that `render` prints the same.
 #![cfg(all(feature = "obj", feature = "gltf"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot continue fails")]
 #![allow(clippy::print_stderr, reason = "a skipped test prints a message")]

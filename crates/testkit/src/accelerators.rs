@@ -37,8 +37,8 @@ pub const ACCELERATORS: [(&str, Builder); 4] = [
     ("wide BVH", |t| wide(t, SimdLevel::best())),
 ];
 
-/// The accelerators that tests render with.
-pub const STRUCTURES: [(&str, Builder); 2] = [ACCELERATORS[3], ACCELERATORS[2]];
+/// The two of [`ACCELERATORS`] that tests render with.
+pub const RENDERED: [(&str, Builder); 2] = [ACCELERATORS[3], ACCELERATORS[2]];
 
 /// The wide BVH at lower instruction levels than the machine's best.
 pub const LESSER_LEVELS: [(&str, Builder); 2] = [

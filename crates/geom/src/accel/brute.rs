@@ -1,7 +1,7 @@
 use crate::accel::by_query::{accel_by_query, traverse_by_query};
 use crate::accel::query::{Query, offer_all};
 use crate::decide::Shear;
-use crate::{Accel, Probe, Ray, Traverse, Triangles};
+use crate::{Accel, QueryCounter, Ray, Traverse, Triangles};
 
 /// An accelerator without a structure: every query tests every live triangle.
 ///
@@ -17,9 +17,9 @@ impl BruteForce {
         Self { triangles: triangles.clone() }
     }
 
-    fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
+    fn query<Q: Query, C: QueryCounter>(&self, ray: &Ray, mut query: Q, counter: &mut C) -> Q {
         if let Some(shear) = Shear::new(ray) {
-            offer_all(ray, &shear, &self.triangles, self.triangles.live().iter().copied(), &mut query, probe);
+            offer_all(ray, &shear, &self.triangles, self.triangles.live().iter().copied(), &mut query, counter);
         }
         query
     }

@@ -3,13 +3,13 @@
 /// The methods of [`Traverse`](crate::Traverse) for a type with a method `query`, its one traversal.
 macro_rules! traverse_by_query {
     () => {
-        fn closest<P: $crate::Probe>(&self, ray: &$crate::Ray, probe: &mut P) -> Option<$crate::Hit> {
+        fn closest<P: $crate::QueryCounter>(&self, ray: &$crate::Ray, counter: &mut P) -> Option<$crate::Hit> {
             use $crate::accel::query::{ClosestHit, Query as _};
-            self.query(ray, ClosestHit::new(ray), probe).answer()
+            self.query(ray, ClosestHit::new(ray), counter).answer()
         }
-        fn any<P: $crate::Probe>(&self, ray: &$crate::Ray, probe: &mut P) -> bool {
+        fn any<P: $crate::QueryCounter>(&self, ray: &$crate::Ray, counter: &mut P) -> bool {
             use $crate::accel::query::{AnyHit, Query as _};
-            self.query(ray, AnyHit::new(ray), probe).answer()
+            self.query(ray, AnyHit::new(ray), counter).answer()
         }
     };
 }

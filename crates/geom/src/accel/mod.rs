@@ -5,7 +5,7 @@ mod by_query;
 mod grid;
 mod kdtree;
 mod prim_ref;
-mod probe;
+mod counts;
 mod prune;
 mod query;
 mod wide;
@@ -13,7 +13,7 @@ mod wide;
 pub use brute::BruteForce;
 pub use grid::{GridOptions, UniformGrid};
 pub use kdtree::{KdOptions, KdStats, KdTree, SplitRule};
-pub use probe::{Counts, Probe, Traverse};
+pub use counts::{Counts, QueryCounter, Traverse};
 pub use wide::WideBvh;
 
 use crate::{Aabb, Hit, Ray};

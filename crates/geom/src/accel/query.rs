@@ -1,7 +1,7 @@
 //! Closest-hit and any-hit queries, as a parameter of a traversal.
 
 use crate::decide::{Intersection, Shear};
-use crate::{Hit, Probe, Ray, Triangles};
+use crate::{Hit, QueryCounter, Ray, Triangles};
 
 /// The state of a query. An accelerator has one traversal, generic over this trait.
 pub(crate) trait Query: Copy {
@@ -152,16 +152,16 @@ impl Query for AnyHit {
 
 /// Tests the triangles of these `indices` that the ray does not exclude, and offers their intersections to `query`.
 #[inline]
-pub(crate) fn offer_all<Q: Query, P: Probe>(
+pub(crate) fn offer_all<Q: Query, C: QueryCounter>(
     ray: &Ray,
     shear: &Shear,
     triangles: &Triangles,
     indices: impl IntoIterator<Item = u32>,
     query: &mut Q,
-    probe: &mut P,
+    counter: &mut C,
 ) {
     for index in indices {
-        probe.test(index);
+        counter.test(index);
         if ray.excludes(index) {
             continue;
         }

@@ -230,7 +230,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
     use globillum::integrator::{Estimator, Sampler, render};
-    use globillum_testkit::accelerators::STRUCTURES;
+    use globillum_testkit::accelerators::RENDERED;
     use globillum_testkit::scenes::{furnace, scene, stare};
     use globillum_testkit::stats::{Z_LIMIT, independent_pixels};
 
@@ -241,7 +241,7 @@ mod tests {
         (settings.max_bounces, settings.roulette.start, settings.roulette.threshold) = (max_bounces, 0, 1.0);
         settings.seed = samples.into();
         let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
-        let scene = scene(&furnace(0.5, 1.0, DVec3::ZERO), STRUCTURES[0].1);
+        let scene = scene(&furnace(0.5, 1.0, DVec3::ZERO), RENDERED[0].1);
         render(&scene, &camera, &settings).expect("the scene is good").film
     }
 

@@ -47,8 +47,8 @@ pub(crate) fn loss(build: Builder, half: f64, center: DVec3, side: u32) -> Loss 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use globillum::geom::{Aabb, Accel, BruteForce, Hit, Probe, Ray, Traverse};
-    use globillum_testkit::accelerators::STRUCTURES;
+    use globillum::geom::{Aabb, Accel, BruteForce, Hit, QueryCounter, Ray, Traverse};
+    use globillum_testkit::accelerators::RENDERED;
 
     /// An accelerator that finds none of its triangles.
     #[derive(Debug)]
@@ -73,18 +73,18 @@ mod tests {
     }
 
     impl Traverse for Blind {
-        fn closest<P: Probe>(&self, _: &Ray, _: &mut P) -> Option<Hit> {
+        fn closest<C: QueryCounter>(&self, _: &Ray, _: &mut C) -> Option<Hit> {
             None
         }
 
-        fn any<P: Probe>(&self, _: &Ray, _: &mut P) -> bool {
+        fn any<C: QueryCounter>(&self, _: &Ray, _: &mut C) -> bool {
             false
         }
     }
 
     #[test]
     fn a_furnace_loses_no_path_and_without_hits_all() {
-        let kept = loss(STRUCTURES[0].1, 1e-3, DVec3::splat(1e3), 16);
+        let kept = loss(RENDERED[0].1, 1e-3, DVec3::splat(1e3), 16);
         assert_eq!((kept.paths, kept.lost), (256, 0));
         assert!((kept.mean - 5.0).abs() < 1e-5, "{kept:?}");
         let blind: Builder = |triangles| Ok(Box::new(Blind(BruteForce::build(triangles))));

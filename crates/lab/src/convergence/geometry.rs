@@ -7,7 +7,7 @@ use crate::accuracy::measure::{Errors, errors, leaks, sliver_misses, time};
 use globillum::geom::conformance::Target;
 use globillum::geom::decide::Shear;
 use globillum::glam::DVec3;
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::aimed::Ball;
 use globillum_testkit::precision::Precision;
 use indicatif::ProgressBar;
@@ -82,7 +82,7 @@ impl Geometry {
         ];
         bar.set_message("furnaces");
         let furnace = |half, offset, mitsuba| {
-            let loss = loss(STRUCTURES[0].1, half, DVec3::splat(offset), 2 * plan.side);
+            let loss = loss(RENDERED[0].1, half, DVec3::splat(offset), 2 * plan.side);
             bar.inc(1);
             Furnace { half, offset, loss, mitsuba }
         };

@@ -3,7 +3,7 @@ use crate::accel::by_query::traverse_by_query;
 use crate::accel::prune::{Pruner, Span};
 use crate::accel::query::{Query, offer_all};
 use crate::decide::Shear;
-use crate::{Probe, Ray, Traverse};
+use crate::{QueryCounter, Ray, Traverse};
 use arrayvec::ArrayVec;
 
 /// A stack entry: a node to visit, and the ray's span within its widened cell.
@@ -21,26 +21,26 @@ impl KdTree {
     ///
     /// Visits cells front to back (Havran 2000). Planes are widened by the pruning slack, so a ray near a
     /// plane visits both sides.
-    fn query<Q: Query, P: Probe>(&self, ray: &Ray, mut query: Q, probe: &mut P) -> Q {
+    fn query<Q: Query, C: QueryCounter>(&self, ray: &Ray, mut query: Q, counter: &mut C) -> Q {
         if let Some(shear) = Shear::new(ray) {
             let bounds = self.triangles.bounds();
             if !bounds.is_empty() {
                 let pruner = Pruner::new(ray, &bounds);
                 let span = pruner.clip(ray, &bounds);
-                self.traverse(ray, &shear, &pruner, span, &mut query, probe);
+                self.traverse(ray, &shear, &pruner, span, &mut query, counter);
             }
         }
         query
     }
 
-    fn traverse<Q: Query, P: Probe>(
+    fn traverse<Q: Query, C: QueryCounter>(
         &self,
         ray: &Ray,
         shear: &Shear,
         pruner: &Pruner,
         span: Span,
         query: &mut Q,
-        probe: &mut P,
+        counter: &mut C,
     ) {
         // Each level pushes at most one node, so the stack cannot overflow.
         let mut pending = ArrayVec::<Pending, { KdTree::MAX_DEPTH as usize + 1 }>::new();
@@ -50,14 +50,14 @@ impl KdTree {
                 match self.nodes[node as usize] {
                     Node::Leaf { first, count } => {
                         if count > 0 {
-                            probe.open();
+                            counter.open();
                         }
                         let listed = &self.references[first as usize..][..count as usize];
-                        offer_all(ray, shear, &self.triangles, listed.iter().copied(), query, probe);
+                        offer_all(ray, shear, &self.triangles, listed.iter().copied(), query, counter);
                         break;
                     }
                     Node::Split { axis, position, upper } => {
-                        probe.visit();
+                        counter.visit();
                         let axis = usize::from(axis);
                         let distance = f64::from(position) - pruner.origin[axis];
                         let forward = pruner.direction[axis] > 0.0;
@@ -88,7 +88,7 @@ mod tests {
     #[derive(Default)]
     struct Visits(u64);
 
-    impl Probe for Visits {
+    impl QueryCounter for Visits {
         fn visit(&mut self) {
             self.0 += 1;
         }

@@ -21,7 +21,7 @@ mod tree;
 
 use crate::accel::query::{AnyHit, ClosestHit, Query};
 use crate::cpu::{SimdLevel, Token, vectorized};
-use crate::{Aabb, Accel, GeomError, Hit, KdOptions, Probe, Ray, Traverse, Triangles};
+use crate::{Aabb, Accel, GeomError, Hit, KdOptions, QueryCounter, Ray, Traverse, Triangles};
 use simd::PACKET;
 use std::fmt;
 use trace::{Scratch, is_exhaustive, query_one, query_others, query_others_exhaustively, query_packets};
@@ -153,14 +153,14 @@ impl WideBvh {
 }
 
 impl WideBvh {
-    /// Answers the query of one ray in one tree after another, and tells `probe` what is done for it.
-    fn query_one<Q: Query, P: Probe>(&self, ray: &Ray, probe: &mut P) -> Q::Answer {
-        let query_tree = |tree: &Tree, ray: &Ray, probe: &mut P| {
-            vectorized!(self.token, |simd| query_one::<_, Q, P>(simd, tree, ray, probe)).answer()
+    /// Answers the query of one ray in one tree after another, and tells `counter` what is done for it.
+    fn query_one<Q: Query, C: QueryCounter>(&self, ray: &Ray, counter: &mut C) -> Q::Answer {
+        let query_tree = |tree: &Tree, ray: &Ray, counter: &mut C| {
+            vectorized!(self.token, |simd| query_one::<_, Q, C>(simd, tree, ray, counter)).answer()
         };
-        let answer = query_tree(&self.trees[0], ray, probe);
+        let answer = query_tree(&self.trees[0], ray, counter);
         self.trees[1..].iter().fold(answer, |answer, tree| {
-            Q::merge(answer, query_tree(tree, &Q::remaining(ray, answer), probe))
+            Q::merge(answer, query_tree(tree, &Q::remaining(ray, answer), counter))
         })
     }
 
@@ -223,12 +223,12 @@ impl WideBvh {
 }
 
 impl Traverse for WideBvh {
-    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.query_one::<ClosestHit, P>(ray, probe)
+    fn closest<C: QueryCounter>(&self, ray: &Ray, counter: &mut C) -> Option<Hit> {
+        self.query_one::<ClosestHit, C>(ray, counter)
     }
 
-    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.query_one::<AnyHit, P>(ray, probe)
+    fn any<C: QueryCounter>(&self, ray: &Ray, counter: &mut C) -> bool {
+        self.query_one::<AnyHit, C>(ray, counter)
     }
 }
 

@@ -8,27 +8,27 @@ use crate::accel::query::Query;
 use crate::accel::wide::simd::{Bits, LANES, Simd, SimdBase, SimdFloat};
 use crate::accel::wide::tree::Tree;
 use crate::accel::wide::tree::node::{Child, Node};
-use crate::{Probe, Ray};
+use crate::{QueryCounter, Ray};
 
-/// Visits the current child and all others that are left, and tells `probe` what is done for it.
+/// Visits the current child and all others that are left, and tells `counter` what is done for it.
 #[inline(always)]
-pub(super) fn visit_all<S: Simd, Q: Query, P: Probe>(
+pub(super) fn visit_all<S: Simd, Q: Query, C: QueryCounter>(
     simd: S,
     tree: &Tree,
     ray: &Ray,
     traversal: &mut Traversal,
     query: &mut Q,
-    probe: &mut P,
+    counter: &mut C,
 ) {
     while !Child::is_end(traversal.child) {
         if !Child::is_block(traversal.child) {
-            probe.visit();
+            counter.visit();
             traversal.descend::<S, Q>(test_node::<S, Q>(simd, &tree.nodes, traversal));
             continue;
         }
-        probe.open();
+        counter.open();
         let block = tree.leaf_block(traversal.child);
-        block.indices().for_each(|index| probe.test(index));
+        block.indices().for_each(|index| counter.test(index));
         let Traversal { child, limit, setup, excluded, .. } = traversal;
         let filtered = test_leaf(simd, tree, *child, &setup.shear, *limit, *excluded);
         if filtered.possible != 0 {

@@ -19,7 +19,7 @@ mod traversal_state;
 use super::simd::{Aligned, PACKET, Simd, numbers};
 use super::tree::Tree;
 use crate::accel::query::Query;
-use crate::{Probe, Ray};
+use crate::{QueryCounter, Ray};
 use child_test::visit_all;
 use common_origin_packet::PacketScratch;
 use exhaustive::ExhaustiveScratch;
@@ -31,9 +31,9 @@ use std::cell::Cell;
 use stream::query_stream;
 use traversal_state::Traversal;
 
-/// Single-ray traversal: answers the query of one ray, and tells `probe` what is done for it.
+/// Single-ray traversal: answers the query of one ray, and tells `counter` what is done for it.
 #[inline(always)]
-pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: &Ray, probe: &mut P) -> Q {
+pub(super) fn query_one<S: Simd, Q: Query, C: QueryCounter>(simd: S, tree: &Tree, ray: &Ray, counter: &mut C) -> Q {
     let mut query = Q::new(ray);
     let mut setups = RaySetups::idle();
     let columns = Aligned(numbers(ray).map(|x| [x]));
@@ -44,7 +44,7 @@ pub(super) fn query_one<S: Simd, Q: Query, P: Probe>(simd: S, tree: &Tree, ray: 
         |scratch| {
             let traversal = &mut scratch.traversals[0];
             traversal.begin(setup, 0, ray);
-            visit_all(simd, tree, ray, traversal, &mut query, probe);
+            visit_all(simd, tree, ray, traversal, &mut query, counter);
             traversal.candidates.decide(traversal.limit, ray, &tree.triangles, &mut query);
         },
     );

@@ -4,8 +4,8 @@ use crate::{Accel, Hit, Ray};
 use std::collections::HashSet;
 use std::ops::AddAssign;
 
-/// Receives the events of a query. The probe `()` ignores them and compiles to nothing.
-pub trait Probe {
+/// Receives the events of a query. The counter `()` ignores them and compiles to nothing.
+pub trait QueryCounter {
     /// Called for each inner node of a tree, or each cell of a grid, that is visited.
     #[inline]
     fn visit(&mut self) {}
@@ -18,17 +18,17 @@ pub trait Probe {
     fn test(&mut self, _triangle: u32) {}
 }
 
-impl Probe for () {}
+impl QueryCounter for () {}
 
-/// An accelerator whose single-ray queries report to a [`Probe`].
+/// An accelerator whose single-ray queries report to a [`QueryCounter`].
 ///
 /// The same traversal answers the single-ray queries of [`Accel`].
 pub trait Traverse: Accel {
-    /// [`Accel::intersect`], reporting to `probe`.
-    fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit>;
+    /// [`Accel::intersect`], reporting to `counter`.
+    fn closest<C: QueryCounter>(&self, ray: &Ray, counter: &mut C) -> Option<Hit>;
 
-    /// [`Accel::occluded`], reporting to `probe`.
-    fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool;
+    /// [`Accel::occluded`], reporting to `counter`.
+    fn any<C: QueryCounter>(&self, ray: &Ray, counter: &mut C) -> bool;
 }
 
 /// The work of one query, or the sum over several.
@@ -100,7 +100,7 @@ impl Watch {
     }
 }
 
-impl Probe for Watch {
+impl QueryCounter for Watch {
     fn visit(&mut self) {
         self.counts.visits += 1;
     }

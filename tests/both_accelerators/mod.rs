@@ -1,16 +1,16 @@
-//! Films of which all structures agree.
+//! Films on which both accelerators of [`RENDERED`] agree.
 
 use globillum::integrator::{Film, Model, PinholeCamera, Settings, render};
-use globillum_testkit::accelerators::STRUCTURES;
+use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::scene;
 
-/// The film of a model, rendered with the first of [`STRUCTURES`].
+/// The film of a model, rendered with the first of [`RENDERED`].
 ///
 /// # Panics
-/// If the model is not valid, or if four samples per pixel have other bits with another structure. A comparison
+/// If the model is not valid, or if four samples per pixel have other bits with the other one. A comparison
 /// of bits needs fewer samples than a mean.
-pub(crate) fn film_in_every_structure(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Film {
-    let [(_, first), others @ ..] = STRUCTURES.map(|(name, build)| (name, scene(model, build)));
+pub(crate) fn film_by_both(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Film {
+    let [(_, first), others @ ..] = RENDERED.map(|(name, build)| (name, scene(model, build)));
     let film = |scene, settings| render(scene, camera, settings).expect("the scene is good").film;
     let mut few = *settings;
     few.samples = few.samples.min(4);
