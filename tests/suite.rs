@@ -3,6 +3,7 @@
 
 mod api;
 mod architecture;
+mod both_accelerators;
 mod cancel;
 mod checkpoint;
 mod closed_form;
@@ -22,7 +23,6 @@ mod form_factors;
 mod geometry;
 mod gltf_reference;
 mod guiding;
-mod both_accelerators;
 mod irradiance;
 mod light_leaks;
 mod light_sample_counts;

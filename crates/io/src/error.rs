@@ -1,5 +1,5 @@
 use crate::Location;
-use crate::plain::plain;
+use crate::escaped::escaped;
 use globillum_integrator::{DeltaLightError, RenderError};
 use globillum_material::MaterialError;
 use std::error::Error as StdError;
@@ -19,7 +19,7 @@ pub(crate) type Result<T, E = IoError> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum IoError {
     /// The file could not be read.
-    #[error("{}: cannot be read: {source}", plain(path.display()))]
+    #[error("{}: cannot be read: {source}", escaped(path.display()))]
     Read {
         /// The file.
         path: PathBuf,
@@ -28,13 +28,13 @@ pub enum IoError {
         source: io::Error,
     },
     /// The path names a folder, a FIFO or a device.
-    #[error("{}: is not a regular file", plain(path.display()))]
+    #[error("{}: is not a regular file", escaped(path.display()))]
     NotRegularFile {
         /// The path.
         path: PathBuf,
     },
     /// A file that the scene refers to could not be read, or is a folder, a FIFO or a device.
-    #[error("{at}: `{}` cannot be read: {source}", plain(name))]
+    #[error("{at}: `{}` cannot be read: {source}", escaped(name))]
     Reference {
         /// The place of the reference.
         at: Location,
@@ -46,7 +46,7 @@ pub enum IoError {
         source: io::Error,
     },
     /// The extension names no supported scene format.
-    #[error("{}: unknown scene format; supported formats are {supported}", plain(path.display()))]
+    #[error("{}: unknown scene format; supported formats are {supported}", escaped(path.display()))]
     UnknownScene {
         /// The file.
         path: PathBuf,
@@ -64,7 +64,7 @@ pub enum IoError {
         limit: u64,
     },
     /// A statement or a structure is malformed.
-    #[error("{at}: {}", plain(message))]
+    #[error("{at}: {}", escaped(message))]
     Parse {
         /// Where.
         at: Location,
@@ -78,7 +78,7 @@ pub enum IoError {
         at: Location,
     },
     /// A number is outside the range in which a scene can be traced, or that glTF allows, or a transform is invalid.
-    #[error("{at}: {}", plain(message))]
+    #[error("{at}: {}", escaped(message))]
     Domain {
         /// Where.
         at: Location,
@@ -99,7 +99,7 @@ pub enum IoError {
     },
     /// A glTF accessor, its buffer view or its buffer is inconsistent, or has a type that its use does not
     /// allow.
-    #[error("{at}: {}", plain(message))]
+    #[error("{at}: {}", escaped(message))]
     Accessor {
         /// Which.
         at: Location,
@@ -107,7 +107,7 @@ pub enum IoError {
         message: String,
     },
     /// The scene refers to a file outside its folder.
-    #[error("{at}: `{}` is outside the scene's folder", plain(name))]
+    #[error("{at}: `{}` is outside the scene's folder", escaped(name))]
     PathEscape {
         /// The place of the reference.
         at: Location,
@@ -131,7 +131,7 @@ pub enum IoError {
         scheme: String,
     },
     /// The glTF version is not supported.
-    #[error("{at}: glTF version `{}` is not supported (supported: 2.0)", plain(version))]
+    #[error("{at}: glTF version `{}` is not supported (supported: 2.0)", escaped(version))]
     Version {
         /// The file.
         at: Location,
@@ -139,7 +139,7 @@ pub enum IoError {
         version: String,
     },
     /// Required extensions are not supported.
-    #[error("{at}: requires extensions that are not supported: {}", plain(extensions.join(", ")))]
+    #[error("{at}: requires extensions that are not supported: {}", escaped(extensions.join(", ")))]
     Unsupported {
         /// The file.
         at: Location,
@@ -159,7 +159,7 @@ pub enum IoError {
         at: Location,
     },
     /// A material reflects or emits outside the valid range.
-    #[error("{at}: material `{}`: {source}", plain(name))]
+    #[error("{at}: material `{}`: {source}", escaped(name))]
     Material {
         /// Its element in glTF; the line of the refused colour in MTL.
         at: Location,
@@ -185,7 +185,7 @@ pub enum IoError {
         source: DeltaLightError,
     },
     /// The scene has no triangle that a ray can hit.
-    #[error("{}: scene has no triangles{}", plain(path.display()), plain(skipped_text(skipped)))]
+    #[error("{}: scene has no triangles{}", escaped(path.display()), escaped(skipped_text(skipped)))]
     Empty {
         /// The file.
         path: PathBuf,
@@ -193,20 +193,20 @@ pub enum IoError {
         skipped: Vec<String>,
     },
     /// The monitor asked to stop.
-    #[error("{}: loading was cancelled", plain(path.display()))]
+    #[error("{}: loading was cancelled", escaped(path.display()))]
     Cancelled {
         /// The file.
         path: PathBuf,
     },
     /// The extension names no supported picture format.
-    #[error("{}: unknown picture format; supported formats are .png and .exr", plain(path.display()))]
+    #[error("{}: unknown picture format; supported formats are .png and .exr", escaped(path.display()))]
     UnknownFormat {
         /// The file.
         path: PathBuf,
     },
     /// The file could not be written. A regular file is unchanged, unless only forcing the folder's names
     /// to disk failed at the very end. A FIFO or a device may have received part of the content.
-    #[error("{}: cannot be written: {source}", plain(path.display()))]
+    #[error("{}: cannot be written: {source}", escaped(path.display()))]
     Write {
         /// The file.
         path: PathBuf,
@@ -214,7 +214,7 @@ pub enum IoError {
         source: io::Error,
     },
     /// The picture file is damaged, or is no such picture as can be read.
-    #[error("{}: {}", plain(path.display()), plain(source))]
+    #[error("{}: {}", escaped(path.display()), escaped(source))]
     Decode {
         /// The file.
         path: PathBuf,
@@ -222,7 +222,7 @@ pub enum IoError {
         source: Box<dyn StdError + Send + Sync>,
     },
     /// The picture could not be encoded. The old file is unchanged.
-    #[error("{}: cannot be encoded: {source}", plain(path.display()))]
+    #[error("{}: cannot be encoded: {source}", escaped(path.display()))]
     Encode {
         /// The file.
         path: PathBuf,

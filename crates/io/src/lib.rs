@@ -27,12 +27,12 @@
 
 mod atomic;
 mod error;
+mod escaped;
 mod limits;
 mod location;
 mod path;
 #[cfg(feature = "images")]
 mod picture;
-mod plain;
 #[cfg(any(feature = "obj", feature = "gltf"))]
 mod scene;
 

@@ -1,4 +1,4 @@
-use crate::plain::plain;
+use crate::escaped::escaped;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -48,7 +48,7 @@ impl Place {
 
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let path = plain(self.path.display());
+        let path = escaped(self.path.display());
         let (array, index) = match self.place {
             Place::File => return write!(f, "{path}"),
             Place::Line(line) => return write!(f, "{path}:{line}"),

@@ -19,7 +19,14 @@ impl BruteForce {
 
     fn query<Q: Query, C: QueryCounter>(&self, ray: &Ray, mut query: Q, counter: &mut C) -> Q {
         if let Some(shear) = Shear::new(ray) {
-            offer_all(ray, &shear, &self.triangles, self.triangles.live().iter().copied(), &mut query, counter);
+            offer_all(
+                ray,
+                &shear,
+                &self.triangles,
+                self.triangles.live().iter().copied(),
+                &mut query,
+                counter,
+            );
         }
         query
     }

@@ -3,7 +3,11 @@
 /// The methods of [`Traverse`](crate::Traverse) for a type with a method `query`, its one traversal.
 macro_rules! traverse_by_query {
     () => {
-        fn closest<P: $crate::QueryCounter>(&self, ray: &$crate::Ray, counter: &mut P) -> Option<$crate::Hit> {
+        fn closest<P: $crate::QueryCounter>(
+            &self,
+            ray: &$crate::Ray,
+            counter: &mut P,
+        ) -> Option<$crate::Hit> {
             use $crate::accel::query::{ClosestHit, Query as _};
             self.query(ray, ClosestHit::new(ray), counter).answer()
         }

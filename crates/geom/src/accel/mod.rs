@@ -2,18 +2,18 @@
 
 mod brute;
 mod by_query;
+mod counts;
 mod grid;
 mod kdtree;
 mod prim_ref;
-mod counts;
 mod prune;
 mod query;
 mod wide;
 
 pub use brute::BruteForce;
+pub use counts::{Counts, QueryCounter, Traverse};
 pub use grid::{GridOptions, UniformGrid};
 pub use kdtree::{KdOptions, KdStats, KdTree, SplitRule};
-pub use counts::{Counts, QueryCounter, Traverse};
 pub use wide::WideBvh;
 
 use crate::{Aabb, Hit, Ray};

@@ -35,8 +35,8 @@ use std::ops::Range;
 /// such as [`IrradiancePoints`](crate::IrradiancePoints), every radiance of the film is an irradiance, and rows are not in
 /// the order of the list: [`IrradiancePoints::readings`](crate::IrradiancePoints::readings) is.
 ///
-/// A film holds a picture, a crop of it, or a strip of either ([`Film::rows`]), of which it speaks as if it were a picture of
-/// its own: row 0 is the strip's first.
+/// A film holds a picture, a crop of it, or a strip of either ([`Film::rows`]). Its methods treat what it holds as a picture of
+/// its own: row 0 is the first row of the strip.
 ///
 /// All pixels hold the same passes. Equal passes give equal bits, wherever and in whatever order
 /// they were rendered and put together.
@@ -103,7 +103,7 @@ impl Film {
         self.width
     }
 
-    /// Height in pixels, of a strip its own.
+    /// Height in pixels: that of the strip, if the film holds a strip.
     pub fn height(&self) -> u32 {
         self.rows.end - self.rows.start
     }

@@ -22,12 +22,12 @@ pub(super) struct MisContext {
     mirror: Option<u32>,
     /// Whether `receiver` is the first diffuse vertex of the path, which may have several light samples.
     is_first: bool,
-    /// Whether camera rays of their own find the lights that the path meets before its first diffuse vertex.
+    /// Whether the rays of supersampling find the lights that the path meets before its first diffuse vertex.
     supersampled: bool,
 }
 
 impl MisContext {
-    /// That of a ray from the camera. `supersampled` tells whether rays of their own find the lights that it shows.
+    /// That of a ray from the camera. `supersampled` tells whether the rays of supersampling find the lights that it shows.
     #[inline(always)]
     pub(super) fn of_camera(supersampled: bool) -> Self {
         let receiver = Receiver { position: DVec3::ZERO, side: Vec3::ZERO };
@@ -55,7 +55,7 @@ impl MisContext {
         self.mirror.is_some() || self.density == Density::Delta
     }
 
-    /// Whether camera rays of their own find the emission that the ray has hit at this bounce.
+    /// Whether the rays of supersampling find the emission that the ray has hit at this bounce.
     #[inline(always)]
     pub(super) fn is_supersampled(&self, bounce: u32) -> bool {
         self.supersampled && bounce <= MAX_REFLECTIONS

@@ -8,7 +8,7 @@
 //!    sampled ([`next_event`]), and the path is scattered.
 //! 3. After the last bounce, pixels share the suffixes of their paths ([`reuse`]) and the [`caustics`] of first diffuse
 //!    vertices.
-//! 4. Camera rays of their own supersample the edges of lights.
+//! 4. At the edges of lights, more camera rays find the emission ([supersampling](crate::Supersampling)).
 
 mod caustics;
 mod counters;
@@ -32,7 +32,7 @@ mod tile_samples;
 mod wavefront;
 
 pub use counters::Counters;
-pub(crate) use preliminary::{guide, prepared};
+pub(crate) use preliminary::{prepare, train_guide};
 pub(crate) use render_context::RenderContext;
 pub use replay::{Replay, Vertex, replay, replay_samples};
 pub(crate) use tile_probes::TileProbes;

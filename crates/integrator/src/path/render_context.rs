@@ -35,7 +35,7 @@ pub(crate) struct RenderContext<'a> {
 }
 
 impl<'a> RenderContext<'a> {
-    /// A context with the lights of the scene and without guide, photons or shared caustics, which [`prepared`](super::prepared) adds.
+    /// A context with the lights of the scene and without guide, photons or shared caustics, which [`prepare`](super::prepare) adds.
     pub(super) fn new(
         scene: &'a Scene<dyn Accel + 'a>,
         sensor: &'a dyn Sensor,

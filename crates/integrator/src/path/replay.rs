@@ -1,7 +1,7 @@
 use super::counters::Counters;
 use super::first_vertex::irradiance_vertex;
 use super::path_state::Path;
-use super::preliminary::{guide, prepared};
+use super::preliminary::{prepare, train_guide};
 use super::radiance_sums::{Contribution, Target};
 use super::render_context::RenderContext;
 use super::tile_probes::TileProbes;
@@ -101,10 +101,10 @@ pub fn replay_samples(
         return Err(not_a_sample(samples.end - 1));
     }
     let work = || {
-        let guide = guide(scene, sensor, settings, || false)?.continue_value().flatten();
+        let guide = train_guide(scene, sensor, settings, || false)?.continue_value().flatten();
         let tile = PixelRect::square_around(x, y, [settings.width, settings.height]);
         let replays = || {
-            let context = prepared(scene, sensor, settings, guide.as_ref());
+            let context = prepare(scene, sensor, settings, guide.as_ref());
             let probes = TileProbes::of(&context, tile);
             samples.map(|sample| replay_within(&context, &probes, (x, y), sample)).collect()
         };

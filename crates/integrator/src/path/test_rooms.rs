@@ -3,7 +3,7 @@
 use super::counters::Counters;
 use super::preliminary::photon_guide;
 use super::tile_probes::LightEdges;
-use super::{RenderContext, TileProbes, Wavefront, guide};
+use super::{RenderContext, TileProbes, Wavefront, train_guide};
 use crate::guide::{Guide, PhotonGuide};
 use crate::pixel_rect::PixelRect;
 use crate::{Guiding, Model, PinholeCamera, Scene, Sensor, Settings};
@@ -75,7 +75,7 @@ pub(super) struct Setup<'a> {
 impl<'a> Setup<'a> {
     pub(super) fn new(scene: &'a Scene<KdTree>, sensor: &'a dyn Sensor, guiding: Guiding) -> Self {
         let settings = Settings { guiding, ..settings() };
-        let trained = guide(scene, sensor, &settings, || false).unwrap().continue_value().flatten();
+        let trained = train_guide(scene, sensor, &settings, || false).unwrap().continue_value().flatten();
         let context = RenderContext::new(scene, sensor, &settings);
         let photons = photon_guide(&RenderContext { shares_caustics: true, ..context }).unwrap();
         Self { scene, sensor, photons, trained }

@@ -5,7 +5,7 @@ use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
 use crate::caught::caught;
-use crate::path::{guide, prepared};
+use crate::path::{prepare, train_guide};
 use crate::pixel_rect::PixelRect;
 use crate::worker_threads::run_in_threads;
 use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, Settings};
@@ -177,11 +177,11 @@ impl<'a> Render<'a> {
         let rows = picture.film.rows();
         let window = PixelRect { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
         let work = || {
-            let guide = guide(self.scene, self.sensor, &settings, || monitor.cancelled())?;
+            let guide = train_guide(self.scene, self.sensor, &settings, || monitor.cancelled())?;
             let ControlFlow::Continue(guide) = guide else {
                 return Ok(Picture { ending: Ending::Cancelled, ..picture });
             };
-            let context = caught(|| prepared(self.scene, self.sensor, &settings, guide.as_ref()));
+            let context = caught(|| prepare(self.scene, self.sensor, &settings, guide.as_ref()));
             let context = context.map_err(|message| RenderError::Preparation { message })?;
             let probes = PixelRect::tiles(window).map(|_| OnceLock::new()).collect();
             let meter = Meter::new(start, self.stop.seconds);

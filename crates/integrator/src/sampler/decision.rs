@@ -25,7 +25,7 @@ impl Decision {
     const OF_BOUNCE: u32 = 3;
 
     /// The position in the pixel.
-    pub(super) const FILM: Self = Self(0);
+    pub(super) const PIXEL_POSITION: Self = Self(0);
 
     /// A light, and a point on it.
     pub(super) fn light(bounce: u32) -> Self {

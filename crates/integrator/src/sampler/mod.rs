@@ -152,21 +152,23 @@ impl<const N: usize> SobolPoints<N> {
 }
 
 impl Numbers {
-    /// The film numbers of `N` samples: uniform in the unit square.
+    /// The positions in their pixels of `N` samples: each uniform in the unit square.
     #[inline(always)]
-    pub(crate) fn films<const N: usize>(samples: &[Self; N]) -> [[f64; 2]; N] {
-        let Some(points) = Self::as_points(samples) else { return samples.map(|numbers| numbers.film()) };
-        let [x, y] = points.uniform(Decision::FILM);
+    pub(crate) fn pixel_positions<const N: usize>(samples: &[Self; N]) -> [[f64; 2]; N] {
+        let Some(points) = Self::as_points(samples) else {
+            return samples.map(|numbers| numbers.pixel_position());
+        };
+        let [x, y] = points.uniform(Decision::PIXEL_POSITION);
         std::array::from_fn(
             #[inline(always)]
             |i| [x[i], y[i]],
         )
     }
 
-    /// For the position in the pixel: uniform in the unit square.
+    /// The position in the pixel: uniform in the unit square.
     #[inline(never)]
-    fn film(&self) -> [f64; 2] {
-        self.uniform(Decision::FILM)
+    fn pixel_position(&self) -> [f64; 2] {
+        self.uniform(Decision::PIXEL_POSITION)
     }
 
     /// As Sobol' points; `None` if a sample is independent or passes differ in length.
@@ -367,7 +369,7 @@ mod tests {
                 let [large, small] = [MirrorSize::Large, MirrorSize::Small].map(in_mirrors);
                 [&[light, x, y, u, v, roulette][..], &large, &small].concat()
             };
-            let [film] = Numbers::films(&[numbers]);
+            let [film] = Numbers::pixel_positions(&[numbers]);
             let few = rays::<16>(sampler, 5).concat();
             let many = rays::<32>(sampler, 5).concat();
             let all = (0..1000).flat_map(of_bounce).chain(film).chain(few).chain(many);
@@ -411,7 +413,7 @@ mod tests {
             let mut products = [0.0; 4];
             for sample in first..first + PASS {
                 let numbers = numbers(Sampler::Sobol, 9, sample);
-                let ([a, b], [c, d]) = (numbers.film(), numbers.uniform(Decision::scatter(0)));
+                let ([a, b], [c, d]) = (numbers.pixel_position(), numbers.uniform(Decision::scatter(0)));
                 for (product, [x, y]) in products.iter_mut().zip([[a, c], [a, d], [b, c], [b, d]]) {
                     *product += (x - 0.5) * (y - 0.5) / n;
                 }
@@ -493,8 +495,8 @@ mod tests {
             let samples: [Numbers; 8] = std::array::from_fn(|i| {
                 sampler.numbers(3, Member::alone(11 * i as u64), pass.start + i as u32 * 997 % length, &pass)
             });
-            let films = samples.map(|numbers| numbers.film());
-            assert_eq!(Numbers::films(&samples), films, "{sampler:?}, {length}");
+            let films = samples.map(|numbers| numbers.pixel_position());
+            assert_eq!(Numbers::pixel_positions(&samples), films, "{sampler:?}, {length}");
             for (size, bounce) in [(MirrorSize::Large, 0), (MirrorSize::Small, 1), (MirrorSize::Large, 20)] {
                 let mirrors = samples.map(|numbers| numbers.mirror(size, bounce));
                 assert_eq!(Numbers::mirrors(&samples, size, bounce), mirrors, "{sampler:?}, {length}");

@@ -9,7 +9,8 @@ use globillum_material::Density;
 /// Scattering alone finds a constant environment and what the camera sees in a mirror. Caustics by way of more than one
 /// mirror are found by scattering and, except with `Bsdf`, by rays that photons guide
 /// ([`MirrorSampling`](crate::MirrorSampling)); pixels share what scattering finds ([`PathReuse`](crate::PathReuse)). At the
-/// edges of lights, the lights that the camera sees, directly or in mirrors, are found by camera rays of their own instead ([`Supersampling`](crate::Supersampling)).
+/// edges of lights, the rays of [`Supersampling`](crate::Supersampling) find the lights that the camera sees, directly or in
+/// mirrors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Estimator {

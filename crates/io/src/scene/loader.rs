@@ -1,6 +1,7 @@
 use crate::path::extension_of;
 use crate::scene::files::Storage;
-use crate::scene::loading::{Loaded, Loading};
+use crate::scene::loaded::Loaded;
+use crate::scene::loading::Loading;
 use crate::{IoError, Limits, LoadMonitor, Place};
 use std::fmt;
 use std::path::Path;

@@ -4,6 +4,7 @@ mod files;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod lint;
+mod loaded;
 mod loader;
 mod loading;
 mod losses;
@@ -14,11 +15,11 @@ mod occurrences;
 mod range;
 mod report;
 
+pub use loaded::{Loaded, NamedMaterial, Object};
 #[cfg(feature = "gltf")]
 pub use loader::load_gltf;
 #[cfg(feature = "obj")]
 pub use loader::load_obj;
 pub use loader::{Loader, load};
-pub use loading::{Loaded, NamedMaterial, Object};
 pub use monitor::{LoadMonitor, LoadProgress};
 pub use report::{LoadReport, Warning, WarningKind};

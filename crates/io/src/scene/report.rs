@@ -1,5 +1,5 @@
 use crate::Location;
-use crate::plain::plain;
+use crate::escaped::escaped;
 use std::fmt;
 
 /// The extension that places a mesh several times, so that triangles are missing without it.
@@ -143,7 +143,7 @@ impl Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.at, plain(&self.kind))
+        write!(f, "{}: {}", self.at, escaped(&self.kind))
     }
 }
 

@@ -304,7 +304,7 @@ impl Builder<'_> {
     }
 }
 
-#[cfg(all(test, feature = "conformance"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::conformance::shapes::statue;

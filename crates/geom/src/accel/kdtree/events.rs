@@ -78,17 +78,17 @@ pub(super) struct Events {
 pub(super) struct Move(u32);
 
 impl Move {
-    /// To index `place` in the list of `side`; `place` has no meaning for [`Place::Both`].
+    /// To `index` in the list of `place`; the index has no meaning for [`Place::Both`].
     #[inline]
-    pub(super) fn to(side: Place, place: usize) -> Self {
-        Self((place as u32) << 2 | side as u32)
+    pub(super) fn to(place: Place, index: usize) -> Self {
+        Self((index as u32) << 2 | place as u32)
     }
 
-    fn is_to(self, side: Place) -> bool {
-        self.0 & 3 == side as u32
+    fn is_to(self, place: Place) -> bool {
+        self.0 & 3 == place as u32
     }
 
-    fn place(self) -> u32 {
+    fn index(self) -> u32 {
         self.0 >> 2
     }
 }
@@ -98,8 +98,8 @@ impl Events {
     pub(super) fn new(refs: &[PrimRef]) -> Self {
         let mut events = Self { all: Vec::with_capacity(6 * refs.len()), ends: [0; 3] };
         for axis in 0..3 {
-            for (reference, place) in refs.iter().zip(0..) {
-                push_events(reference, place, axis, &mut events.all);
+            for (reference, index) in refs.iter().zip(0..) {
+                push_events(reference, index, axis, &mut events.all);
             }
             events.ends[axis] = events.all.len();
         }
@@ -130,8 +130,8 @@ impl Events {
             distribute(self.along(axis), moves, [&mut lower.all, &mut upper.all], parts);
             for (side, events) in sides.iter_mut().enumerate() {
                 fresh.clear();
-                for (reference, place) in refs[side].iter().zip(0..).skip(parts[side]) {
-                    push_events(reference, place, axis, &mut fresh);
+                for (reference, index) in refs[side].iter().zip(0..).skip(parts[side]) {
+                    push_events(reference, index, axis, &mut fresh);
                 }
                 fresh.sort_unstable();
                 merge(&mut events.all, starts[side], &fresh);
@@ -154,7 +154,7 @@ fn distribute(events: &[Event], moves: &[Move], lists: [&mut Vec<Event>; 2], cou
     upper.resize(ends[1] + 2 * counts[1] + 1, Event(0));
     for event in events {
         let to = moves[event.reference() as usize];
-        let moved = event.of_reference(to.place());
+        let moved = event.of_reference(to.index());
         lower[ends[0]] = moved;
         upper[ends[1]] = moved;
         ends[0] += usize::from(to.is_to(Place::Lower));
@@ -188,13 +188,13 @@ fn first_at_or_after(kept: &[Event], event: Event) -> usize {
     start + kept[start..end].partition_point(|e| e.key() < event.key())
 }
 
-/// Appends the events along `axis` of `reference`, which has the index `place` in its cell.
-fn push_events(reference: &PrimRef, place: u32, axis: usize, events: &mut Vec<Event>) {
+/// Appends the events along `axis` of `reference`, which has this index in its cell.
+fn push_events(reference: &PrimRef, index: u32, axis: usize, events: &mut Vec<Event>) {
     let (min, max) = (reference.bounds.min[axis], reference.bounds.max[axis]);
     if min == max {
-        events.push(Event::new(min, Kind::Within, place));
+        events.push(Event::new(min, Kind::Within, index));
     } else {
-        events.extend([Event::new(min, Kind::Start, place), Event::new(max, Kind::End, place)]);
+        events.extend([Event::new(min, Kind::Start, index), Event::new(max, Kind::End, index)]);
     }
 }
 

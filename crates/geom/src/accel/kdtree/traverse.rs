@@ -75,7 +75,7 @@ impl KdTree {
     }
 }
 
-#[cfg(all(test, feature = "conformance"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::Triangles;

@@ -1,7 +1,7 @@
 //! The probability with which vertices after the first diffuse one sample lights in large mirrors. It follows from what
 //! such samples and those without a mirror contribute to the paths of probes.
 
-use super::path_settings::{SIDE, path_settings, tiles};
+use super::path_starts::{PATCH_SIDE, patches, path_settings};
 use crate::Settings;
 use crate::path::counters::Counters;
 use crate::path::radiance_sums::Contribution;
@@ -61,13 +61,13 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
         lights_by_visibility,
         ..RenderContext::new(context.scene, context.sensor, &settings)
     };
-    let of_tile = |wavefront: &mut Wavefront, (tile, samples): (PixelRect, Range<u32>)| {
-        wavefront.later_squares(&context, tile, samples)
+    let of_patch = |wavefront: &mut Wavefront, (patch, samples): (PixelRect, Range<u32>)| {
+        wavefront.later_squares(&context, patch, samples)
     };
-    let tiles = tiles(&settings, distances(&settings), 1);
-    let of_tiles: Vec<_> = tiles.into_par_iter().map_init(Wavefront::default, of_tile).collect();
+    let patches = patches(&settings, distances(&settings), 1);
+    let of_patches: Vec<_> = patches.into_par_iter().map_init(Wavefront::default, of_patch).collect();
     let mut squares = Squares::default();
-    of_tiles.into_iter().for_each(|of_tile| squares += of_tile);
+    of_patches.into_iter().for_each(|of_patch| squares += of_patch);
     let prob = FACTOR * (squares.large / squares.direct).sqrt();
     // NaN if the probes found no light.
     if prob.is_nan() { 1.0 } else { prob.clamp(MIN_PROB, 1.0) }
@@ -80,25 +80,25 @@ fn probe_settings(settings: &Settings) -> Settings {
     Settings { max_bounces, ..path_settings(settings, samples, SEED) }
 }
 
-/// The distances of tiles, so that a sample of each of their pixels takes about [`PATHS`] paths or fewer.
+/// The distances of patches, so that a sample of each of their pixels takes about [`PATHS`] paths or fewer.
 fn distances(&Settings { width, height, .. }: &Settings) -> [u32; 2] {
-    let most = PATHS / (SIDE * SIDE);
+    let most = PATHS / (PATCH_SIDE * PATCH_SIDE);
     let by_shape = f64::from(most) * f64::from(width) / f64::from(height);
-    let columns = (by_shape.sqrt() as u32).clamp(1, width.div_ceil(SIDE));
-    let rows = (most / columns).clamp(1, height.div_ceil(SIDE));
-    let columns = (most / rows).clamp(1, width.div_ceil(SIDE));
-    [(width, columns), (height, rows)].map(|(size, count)| size.div_ceil(count).max(SIDE))
+    let columns = (by_shape.sqrt() as u32).clamp(1, width.div_ceil(PATCH_SIDE));
+    let rows = (most / columns).clamp(1, height.div_ceil(PATCH_SIDE));
+    let columns = (most / rows).clamp(1, width.div_ceil(PATCH_SIDE));
+    [(width, columns), (height, rows)].map(|(size, count)| size.div_ceil(count).max(PATCH_SIDE))
 }
 
 impl Wavefront {
-    /// The sums for these samples of a tile.
+    /// The sums for these samples of a patch.
     fn later_squares(
         &mut self,
         context: &RenderContext<'_>,
-        tile: PixelRect,
+        patch: PixelRect,
         samples: Range<u32>,
     ) -> Squares {
-        self.start(context, &TileProbes::none(tile), samples);
+        self.start(context, &TileProbes::none(patch), samples);
         let mut is_later = vec![false; self.samples.count()];
         let mut squares = Squares::default();
         for bounce in 0.. {
@@ -133,7 +133,7 @@ impl Wavefront {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::preliminary::prepared;
+    use crate::path::preliminary::prepare;
     use crate::path::test_rooms::{assert_equal_means, built, radiance_sum};
     use crate::{Model, PathReuse, PinholeCamera, Scene};
     use glam::DVec3;
@@ -191,7 +191,7 @@ mod tests {
     }
 
     fn found(scene: &Scene<KdTree>, settings: &Settings) -> f64 {
-        prepared(scene, &camera(), settings, None).large_mirror_prob
+        prepare(scene, &camera(), settings, None).large_mirror_prob
     }
 
     #[test]
@@ -219,9 +219,9 @@ mod tests {
             [(1, 1), (7, 9), (64, 64), (100, 65), (1920, 1080), (16_384, 3), (16, 1 << 20), (1, 1 << 27)];
         for (width, height) in sizes {
             let settings = probe_settings(&Settings::new(width, height, 1));
-            let tiles = tiles(&settings, distances(&settings), 1);
-            let paths: usize = tiles.iter().map(|(tile, _)| tile.pixel_count()).sum();
-            let least = PATHS as usize / if width.min(height) < SIDE { 16 } else { 4 };
+            let patches = patches(&settings, distances(&settings), 1);
+            let paths: usize = patches.iter().map(|(patch, _)| patch.pixel_count()).sum();
+            let least = PATHS as usize / if width.min(height) < PATCH_SIDE { 16 } else { 4 };
             assert!((least..=2 * PATHS as usize).contains(&paths), "{width} x {height}: {paths}");
         }
     }

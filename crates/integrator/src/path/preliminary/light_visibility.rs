@@ -1,7 +1,7 @@
 //! Which lights are visible: paths at fixed places of the picture sample lights, and those that they rarely see are chosen less
 //! often. Otherwise a strong light behind a wall takes the samples of all others.
 
-use super::path_settings::probe_starts;
+use super::path_starts::probe_starts;
 use crate::light::{ChosenLight, LightTree, Lights, VisibilityCount};
 use crate::path::first_vertex::{diffuse_vertex, scattered_ray};
 use crate::path::render_context::RenderContext;
@@ -66,7 +66,7 @@ fn is_visible(context: &RenderContext<'_>, at: &Interaction<'_>, chosen: ChosenL
 mod tests {
     use super::*;
     use crate::light::Receiver;
-    use crate::path::preliminary::prepared;
+    use crate::path::preliminary::prepare;
     use crate::path::test_rooms::{assert_equal_means, built, radiance_sum};
     use crate::pixel_rect::PixelRect;
     use crate::{Estimator, Model, PathReuse, PinholeCamera, Scene, Settings};
@@ -106,7 +106,7 @@ mod tests {
     }
 
     fn found(scene: &Scene<KdTree>, settings: &Settings) -> Option<Arc<Lights>> {
-        prepared(scene, &camera(), settings, None).lights_by_visibility
+        prepare(scene, &camera(), settings, None).lights_by_visibility
     }
 
     /// The probability of the lamp on the right for a point of the floor on the left.

@@ -11,12 +11,12 @@
 mod caustic_photons;
 mod large_mirror_prob;
 mod light_visibility;
-mod path_settings;
+mod path_starts;
 mod rare_caustics;
 mod training;
 
 pub(super) use caustic_photons::photon_guide;
-pub(crate) use training::guide;
+pub(crate) use training::train_guide;
 
 use super::light_points::LightPoints;
 use super::render_context::RenderContext;
@@ -25,8 +25,8 @@ use crate::{Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use std::sync::Arc;
 
-/// What is rendered, with this [`guide`] and all else that precedes the first sample.
-pub(crate) fn prepared<'a>(
+/// What is rendered, with this guide and all else that precedes the first sample.
+pub(crate) fn prepare<'a>(
     scene: &'a Scene<dyn Accel + 'a>,
     sensor: &'a dyn Sensor,
     settings: &'a Settings,

@@ -1,6 +1,6 @@
 //! Probes that find whether caustics are rare, so that sharing them costs little.
 
-use super::path_settings::probe_starts;
+use super::path_starts::probe_starts;
 use crate::checked_accel;
 use crate::path::caustics::MIN_WEIGHT;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
@@ -82,7 +82,7 @@ fn starts(context: &RenderContext<'_>) -> impl Iterator<Item = PathStart> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::prepared;
+    use crate::path::prepare;
     use crate::path::test_rooms::{built, camera, room, settings, shaft, shaft_model};
     use crate::{ElementSample, PathReuse, PinholeCamera, Roulette, Sensor, Settings};
     use glam::DVec3;
@@ -155,7 +155,7 @@ mod tests {
             [(0.6, &settings, false), (0.2, &settings, true), (0.2, &off, false)]
         {
             let scene = room(size);
-            let context = prepared(&scene, &camera, settings, None);
+            let context = prepare(&scene, &camera, settings, None);
             assert_eq!(context.shares_caustics, expected, "{size}, {:?}", settings.path_reuse);
             assert_eq!(context.photons.is_some(), expected, "{size}, {:?}", settings.path_reuse);
         }

@@ -1,6 +1,6 @@
 //! The training of a guide: paths by which it learns, before the picture is rendered.
 
-use super::path_settings::{SIDE, path_settings, tiles};
+use super::path_starts::{PATCH_SIDE, patches, path_settings};
 use crate::caught::caught;
 use crate::guide::{Guide, GuideRecord, bin_of, guide_vertex};
 use crate::path::counters::Counters;
@@ -18,7 +18,7 @@ use std::ops::{ControlFlow, Range};
 const MIN_SAMPLES: u32 = 4;
 /// The least number of paths, about, if there are pixels enough.
 const MIN_PATHS: u64 = 1 << 16;
-/// The most, about. A larger picture has gaps between its tiles.
+/// The most, about. A larger picture has gaps between its patches.
 const MAX_PATHS: u64 = 1 << 18;
 
 /// The guide for a picture of the whole sensor, whatever the crop; `None` if settings ask for none. Breaks if
@@ -26,7 +26,7 @@ const MAX_PATHS: u64 = 1 << 18;
 ///
 /// # Errors
 /// [`RenderError::Worker`] for a panic.
-pub(crate) fn guide(
+pub(crate) fn train_guide(
     scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,
     settings: &Settings,
@@ -38,11 +38,11 @@ pub(crate) fn guide(
     let settings = training_settings(settings);
     let context = RenderContext::new(scene, sensor, &settings);
     let traced: Result<Vec<Option<Vec<GuideRecord>>>, RenderError> =
-        tiles(&settings, [distance(&settings); 2], MIN_SAMPLES)
+        patches(&settings, [distance(&settings); 2], MIN_SAMPLES)
             .into_par_iter()
-            .map_init(Wavefront::default, |wavefront, (tile, samples)| {
-                let records = caught(|| wavefront.records(&context, tile, samples, &cancelled));
-                records.map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
+            .map_init(Wavefront::default, |wavefront, (patch, samples)| {
+                let records = caught(|| wavefront.records(&context, patch, samples, &cancelled));
+                records.map_err(|message| RenderError::Worker { x: patch.x, y: patch.y, message })
             })
             .collect();
     Ok(match traced?.into_iter().collect() {
@@ -58,10 +58,10 @@ fn training_settings(settings: &Settings) -> Settings {
     path_settings(settings, samples, !settings.seed)
 }
 
-/// The distance of tiles, so that there are about [`MAX_PATHS`] paths or fewer.
+/// The distance of patches, so that there are about [`MAX_PATHS`] paths or fewer.
 fn distance(settings: &Settings) -> u32 {
     let paths = settings.pixel_count() * u64::from(settings.samples);
-    SIDE * (1..).find(|&step: &u64| step * step * MAX_PATHS >= paths).unwrap_or(1) as u32
+    PATCH_SIDE * (1..).find(|&step: &u64| step * step * MAX_PATHS >= paths).unwrap_or(1) as u32
 }
 
 /// All records; the indices in them count from the first part.
@@ -90,11 +90,11 @@ impl Wavefront {
     fn records(
         &mut self,
         context: &RenderContext<'_>,
-        tile: PixelRect,
+        patch: PixelRect,
         samples: Range<u32>,
         cancelled: impl Fn() -> bool,
     ) -> Option<Vec<GuideRecord>> {
-        self.start(context, &TileProbes::none(tile), samples);
+        self.start(context, &TileProbes::none(patch), samples);
         let mut records: Vec<GuideRecord> = Vec::new();
         let mut last: Vec<Option<LastRecord>> = vec![None; self.radiance.samples.len()];
         for bounce in 0.. {

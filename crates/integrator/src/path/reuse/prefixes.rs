@@ -73,7 +73,8 @@ impl Prefixes {
         self.all[sample as usize].as_ref()
     }
 
-    /// The prefixes of `samples` that may share what that of `own` has found, without it: those that end at the same bounce.
+    /// The prefixes of `samples`, except that of sample `own`, that may share what the path of `own` has found: those that end
+    /// at the same bounce as its prefix.
     #[inline(always)]
     pub(in crate::path) fn others_like(
         &self,

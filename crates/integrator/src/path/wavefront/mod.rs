@@ -38,7 +38,7 @@ pub(crate) struct Wavefront {
     pub(super) points: Vec<SurfacePoint>,
     pub(super) hits: Vec<Option<Hit>>,
     /// Uniform numbers for the positions of the samples in their pixels.
-    film_numbers: Vec<[f64; 2]>,
+    position_numbers: Vec<[f64; 2]>,
     /// The cells of the hits in the guide, with some more at the end; none if there is no guide.
     guide_cells: Vec<u32>,
     /// The random numbers of each path's next bounce.
@@ -104,7 +104,7 @@ impl Wavefront {
         &self.radiance.samples
     }
 
-    /// Adds what camera rays of their own find of the lights at edges. Returns their number.
+    /// Adds what the rays of supersampling find of the lights at edges. Returns their number.
     fn supersample(&mut self, context: &RenderContext<'_>, probes: &TileProbes) -> u64 {
         let rays = self.supersampling_rays.find(context, &probes.edges, &self.samples);
         for &(sample, emitted) in &self.supersampling_rays.found {

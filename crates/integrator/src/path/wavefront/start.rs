@@ -44,9 +44,9 @@ impl Wavefront {
         draw_numbers(
             context.simd,
             &self.paths,
-            &mut self.film_numbers,
+            &mut self.position_numbers,
             #[inline(always)]
-            |samples| Numbers::films(samples),
+            |samples| Numbers::pixel_positions(samples),
         );
         self.prefixes.start(context, &self.samples);
         self.radiance.reset(self.paths.len(), self.prefixes.len());
@@ -61,7 +61,7 @@ impl Wavefront {
         self.from_points.clear();
         self.points.clear();
         let TileSamples { tile, in_pixel } = &self.samples;
-        let elements = tile.pixels_by_block().zip(self.film_numbers.chunks_exact(in_pixel.len()));
+        let elements = tile.pixels_by_block().zip(self.position_numbers.chunks_exact(in_pixel.len()));
         let samples = elements.flat_map(|(element, numbers)| numbers.iter().map(move |&u| (element, u)));
         let mut kept = 0;
         for (i, (element, u)) in samples.enumerate() {

@@ -1,7 +1,8 @@
 //! Dense parts of a scene that are tiny against the whole, each of which has a tree of its own.
 //!
-//! Traversal knows coordinates to about `2^-21` of what a tree covers. Of a mesh whose triangles are smaller than that, a
-//! ray meets all boxes that it passes near. A tree over that mesh alone knows it as well as any other.
+//! A traversal knows coordinates to about `2^-21` of the extent of its tree. If the triangles of a mesh are smaller than
+//! that, a ray meets the boxes of all triangles that it passes near. In a tree over that mesh alone, coordinates are as
+//! accurate as in any other tree.
 
 use crate::ray::power_of_two;
 use crate::{Aabb, Triangles};
@@ -13,8 +14,8 @@ const FINE: f64 = power_of_two(-17);
 const TINY: f64 = power_of_two(-4);
 /// Fewer fine triangles than this are not dense.
 const FEWEST: usize = 64;
-/// Nor is a smaller share of all fine triangles.
-const LEAST_SHARE: usize = 64;
+/// Fewer than one of this many fine triangles are not dense either.
+const FINE_PER_DENSE: usize = 64;
 /// The most dense parts of a scene: each ray meets a tree for each of them.
 const MOST_PARTS: usize = 8;
 /// Bins in which gaps between fine triangles are sought, along each axis.
@@ -54,7 +55,7 @@ fn bounds_of_dense_parts(part: &Triangles, most: usize) -> Vec<Aabb> {
     let extent = part.bounds().extent().max_element();
     let bounds = part.live().iter().map(|&index| part.get(index).bounds());
     let fine: Vec<Aabb> = bounds.filter(|b| b.extent().max_element() < FINE * extent).collect();
-    let fewest = FEWEST.max(fine.len() / LEAST_SHARE);
+    let fewest = FEWEST.max(fine.len() / FINE_PER_DENSE);
     let (mut groups, mut dense, mut gaps_left) = (vec![fine], Vec::new(), MOST_GAPS);
     while let Some(group) = groups.pop() {
         if group.len() < fewest {
@@ -104,7 +105,7 @@ fn widest_gap(group: &[Aabb], bounds: &Aabb) -> Option<Gap> {
     (0..3).filter_map(gap_along).max_by(|a, b| a.width.total_cmp(&b.width))
 }
 
-#[cfg(all(test, feature = "conformance"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::Triangle;

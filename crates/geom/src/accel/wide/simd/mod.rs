@@ -48,10 +48,12 @@ impl Iterator for Bits {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Aligned<T>(pub(super) T);
 
-/// The numbers of rays, one of each: origin, direction, `t_min`, `t_max`.
+/// `N` rays as a structure of arrays: a row for each of the three coordinates of origins, the same of directions, `t_min` and
+/// `t_max`.
 pub(super) type RayColumns<const N: usize> = Aligned<[[f64; N]; 8]>;
 
-/// The coordinates of triangles, one of each: those of the first vertex, the second and the third.
+/// Eight triangles as a structure of arrays: a row for each of the three coordinates of the first vertex, the second and the
+/// third.
 pub(super) type CornerColumns = Aligned<[[f32; LANES]; 9]>;
 
 /// Vectors of eight `f32` or `u32`, with the operators and methods of `fearless_simd` and these. Masks are bytes, bit `i`
@@ -139,7 +141,7 @@ pub(super) trait Simd: fearless_simd::Simd {
     fn columns(self, rays: &[Ray; LANES]) -> RayColumns<LANES> {
         let mut rows = [f64x8::splat(self, 0.0); LANES];
         for (row, ray) in rows.iter_mut().zip(rays) {
-            *row = f64x8::load_array(self, numbers(ray));
+            *row = f64x8::load_array(self, ray_numbers(ray));
         }
         let mut columns = Aligned([[0.0; LANES]; 8]);
         for (column, x) in columns.0.iter_mut().zip(transpose(rows)) {
@@ -182,7 +184,7 @@ fn zip<S: Simd, V: SimdBase<S>>(a: V, b: V) -> (V, V) {
 
 /// Origin, direction, `t_min` and `t_max`.
 #[inline(always)]
-pub(super) fn numbers(ray: &Ray) -> [f64; 8] {
+pub(super) fn ray_numbers(ray: &Ray) -> [f64; 8] {
     let Ray { origin: o, direction: d, t_min, t_max, .. } = *ray;
     [o.x, o.y, o.z, d.x, d.y, d.z, t_min, t_max]
 }

@@ -3,7 +3,7 @@
 //! Operations for which `fearless_simd` has no portable method, or a slower one, are written here with intrinsics in
 //! its kernels, which are safe.
 
-use super::{Aligned, LANES, RayColumns, Simd, numbers};
+use super::{Aligned, LANES, RayColumns, Simd, ray_numbers};
 use crate::Ray;
 use crate::cpu::{Avx2, Avx512};
 use fearless_simd::{SimdBase, SimdCombine, SimdInto, f32x8, f64x4, kernel, u32x8};
@@ -42,7 +42,7 @@ vectors_of_256_bits! { Avx2,
     fn columns(self, rays: &[Ray; LANES]) -> RayColumns<LANES> {
         let mut halves = [[f64x4::splat(self, 0.0); LANES]; 2];
         for (i, ray) in rays.iter().enumerate() {
-            let [a, b, c, d, e, f, g, h] = numbers(ray);
+            let [a, b, c, d, e, f, g, h] = ray_numbers(ray);
             halves[0][i] = f64x4::load_array(self, [a, b, c, d]);
             halves[1][i] = f64x4::load_array(self, [e, f, g, h]);
         }

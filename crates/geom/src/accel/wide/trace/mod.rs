@@ -16,12 +16,12 @@ mod ray_setup;
 mod stream;
 mod traversal_state;
 
-use super::simd::{Aligned, PACKET, Simd, numbers};
+use super::simd::{Aligned, PACKET, Simd, ray_numbers};
 use super::tree::Tree;
 use crate::accel::query::Query;
 use crate::{QueryCounter, Ray};
 use child_test::visit_all;
-use common_origin_packet::PacketScratch;
+use common_origin_packet::CommonOriginScratch;
 use exhaustive::ExhaustiveScratch;
 pub(super) use exhaustive::is_exhaustive;
 use general_packet::GeneralPacketScratch;
@@ -33,10 +33,15 @@ use traversal_state::Traversal;
 
 /// Single-ray traversal: answers the query of one ray, and tells `counter` what is done for it.
 #[inline(always)]
-pub(super) fn query_one<S: Simd, Q: Query, C: QueryCounter>(simd: S, tree: &Tree, ray: &Ray, counter: &mut C) -> Q {
+pub(super) fn query_one<S: Simd, Q: Query, C: QueryCounter>(
+    simd: S,
+    tree: &Tree,
+    ray: &Ray,
+    counter: &mut C,
+) -> Q {
     let mut query = Q::new(ray);
     let mut setups = RaySetups::idle();
-    let columns = Aligned(numbers(ray).map(|x| [x]));
+    let columns = Aligned(ray_numbers(ray).map(|x| [x]));
     setups.set(&columns, &tree.bounds, &tree.space);
     let Some(setup) = setups.get(0) else { return query };
     Scratch::lend(
@@ -60,7 +65,7 @@ pub(super) fn query_packets<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     rays: &[Ray],
-    Scratch { traversals, packet, general, starts, .. }: &mut Scratch,
+    Scratch { traversals, common_origin, general, starts, .. }: &mut Scratch,
     answers: &mut Vec<Q::Answer>,
 ) {
     let first = answers.len();
@@ -76,7 +81,7 @@ pub(super) fn query_packets<S: Simd, Q: Query>(
         let is_packet = rays[start..].first_chunk().is_some_and(
             #[inline(always)]
             |set| {
-                packet.query(simd, tree, set, &mut report)
+                common_origin.query(simd, tree, set, &mut report)
                     || Q::ANY_HIT
                         && !is_exhaustive::<Q>(tree)
                         && general.query(simd, tree, set, traversals, &mut report)
@@ -117,7 +122,7 @@ pub(super) fn query_others_exhaustively<S: Simd, Q: Query>(
 pub(super) struct Scratch {
     /// One for each ray of a packet, of which streams use the first; on the heap, since they are large.
     traversals: Box<[Traversal; PACKET]>,
-    packet: PacketScratch,
+    common_origin: CommonOriginScratch,
     general: GeneralPacketScratch,
     /// Where in a batch the sets of rays start that are no packets, [`PACKET`] from each.
     starts: Vec<u32>,
@@ -148,7 +153,7 @@ impl Scratch {
         let traversals = traversals.into_boxed_slice().try_into().expect("as many as were made");
         Box::new(Self {
             traversals,
-            packet: PacketScratch::idle(),
+            common_origin: CommonOriginScratch::idle(),
             general: GeneralPacketScratch::idle(),
             starts: Vec::new(),
             exhaustive: ExhaustiveScratch::idle(),

@@ -1,4 +1,4 @@
-//! Packet traversal: 64 coherent rays from a common origin, such as a pinhole camera's, are traversed together.
+//! Common-origin packets: 64 coherent rays from one point, such as a pinhole camera's, are traversed together.
 //!
 //! What follows from the origin alone is computed once. A ray is then two numbers, its slopes' deviation from
 //! those of a [middle ray](setup). A box becomes [bounds of these slopes](child_slope_bounds), the [edge
@@ -16,10 +16,10 @@ use crate::accel::wide::simd::{LANES, PACKET, Simd};
 use crate::accel::wide::tree::Tree;
 use setup::PacketSetup;
 use std::marker::PhantomData;
-pub(super) use traverse::PacketScratch;
+pub(super) use traverse::CommonOriginScratch;
 use traverse::PacketTraversal;
 
-impl PacketScratch {
+impl CommonOriginScratch {
     /// Answers the query of every ray and reports it. If the rays are not coherent, or not from a common
     /// origin, it does nothing and returns false.
     #[inline(always)]
@@ -93,7 +93,7 @@ mod tests {
         let tree = build_by_kd_tree(&triangles, &KdOptions::default()).unwrap();
         let mut source = Seeded::new(6);
         let is_packet = |rays: &[Ray; PACKET]| {
-            PacketScratch::idle().query(portable(), &tree, rays, |_, _: ClosestHit| {})
+            CommonOriginScratch::idle().query(portable(), &tree, rays, |_, _: ClosestHit| {})
         };
         let rays = packet(&mut source);
         assert!(is_packet(&rays));

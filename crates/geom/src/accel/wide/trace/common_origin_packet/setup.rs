@@ -1,4 +1,4 @@
-//! Packet setup: the common origin, and the rays by their deviation from a middle one.
+//! The setup of a common-origin packet: the common origin, and the rays by their deviation from a middle one.
 
 use crate::Ray;
 use crate::accel::wide::simd::{Aligned, GROUPS, LANES, PACKET, RayMask, Simd};

@@ -1,4 +1,5 @@
-//! The traversal of a packet: nodes are tested by bounds of the slopes of all its rays, leaf blocks by single rays.
+//! The traversal of a common-origin packet: nodes are tested by bounds of the slopes of all its rays, leaf blocks by
+//! single rays.
 
 use super::child_slope_bounds::{ChildBounds, SlopeBounds};
 use super::edge_functions::{CentralRay, EdgeFunctions, RayLanes};
@@ -15,7 +16,7 @@ use std::marker::PhantomData;
 
 /// The memory of packet traversal, reused between packets to avoid reallocation.
 #[derive(Debug)]
-pub(crate) struct PacketScratch {
+pub(crate) struct CommonOriginScratch {
     pub(super) rays: PacketRays,
     pub(super) candidates: [[Candidates; LANES]; GROUPS],
     pub(super) decisions: [Decisions; CAPACITY],
@@ -34,7 +35,7 @@ struct StackEntry {
     bounds: SlopeBounds,
 }
 
-impl PacketScratch {
+impl CommonOriginScratch {
     pub(crate) fn idle() -> Self {
         Self {
             rays: PacketRays::default(),
@@ -51,7 +52,7 @@ pub(super) struct PacketTraversal<'a, S: Simd, Q> {
     pub(super) tree: &'a Tree,
     pub(super) rays: &'a [[Ray; LANES]],
     pub(super) setup: PacketSetup,
-    pub(super) scratch: &'a mut PacketScratch,
+    pub(super) scratch: &'a mut CommonOriginScratch,
     /// The depth of the farthest limit of a ray.
     pub(super) limit: f32,
     /// The rays whose any-hit query is answered. They end before everything.
@@ -261,13 +262,13 @@ impl<S: Simd, Q: Query> PacketTraversal<'_, S, Q> {
         let candidates = &mut self.scratch.candidates[g][i];
         candidates.add(start, index);
         if candidates.is_full() {
-            self.settle(g, i);
+            self.decide_candidates(g, i);
         }
     }
 
     /// Decides a ray's candidates, and keeps the one that is hit, if any.
     #[cold]
-    fn settle(&mut self, g: usize, i: usize) {
+    fn decide_candidates(&mut self, g: usize, i: usize) {
         let (limit, ray) = (self.scratch.rays.limit[g][i], &self.rays[g][i]);
         let (candidates, triangles) = (&mut self.scratch.candidates[g][i], &self.tree.triangles);
         // A cold function does not inherit the instructions of its caller.

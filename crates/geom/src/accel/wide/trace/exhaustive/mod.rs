@@ -86,7 +86,7 @@ impl ExhaustiveScratch {
     ) {
         self.setups.set_for_projected(&simd.columns(rays), &tree.bounds, &tree.space);
         let hits = self.test_all(simd, tree);
-        let (limit, answered) = self.settle::<S, Q>(simd, rays, hits);
+        let (limit, answered) = self.apply_certain_hits::<S, Q>(simd, rays, hits);
         let mut queries = rays.each_ref().map(
             #[inline(always)]
             |ray| Q::new(ray),
@@ -130,7 +130,12 @@ impl ExhaustiveScratch {
     /// Removes the hits of rays that exclude the triangle or can hit nothing. Returns what certain hits tell: the limits beyond
     /// which other hits cannot matter, and the rays whose any-hit query is answered.
     #[inline(always)]
-    fn settle<S: Simd, Q: Query>(&mut self, simd: S, rays: &[Ray; LANES], hits: usize) -> (S::F, u8) {
+    fn apply_certain_hits<S: Simd, Q: Query>(
+        &mut self,
+        simd: S,
+        rays: &[Ray; LANES],
+        hits: usize,
+    ) -> (S::F, u8) {
         let mut may_hit = 0;
         for (i, &may_hit_one) in self.setups.may_hit.iter().enumerate() {
             may_hit |= u8::from(may_hit_one) << i;

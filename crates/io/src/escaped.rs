@@ -1,14 +1,14 @@
 use std::fmt::{self, Display, Write};
 
-/// Text for a message, with control characters escaped, so that names in a file cannot break the line or
-/// control the terminal.
-pub(crate) fn plain<T: Display>(text: T) -> impl Display {
-    Plain(text)
+/// `text` with control characters escaped, so that names in a file cannot break the line of a message or control the
+/// terminal.
+pub(crate) fn escaped<T: Display>(text: T) -> impl Display {
+    Escaped(text)
 }
 
-struct Plain<T>(T);
+struct Escaped<T>(T);
 
-impl<T: Display> Display for Plain<T> {
+impl<T: Display> Display for Escaped<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(Escaping(f), "{}", self.0)
     }
@@ -32,7 +32,7 @@ mod tests {
 
     #[test]
     fn only_control_characters_are_escaped() {
-        assert_eq!(plain("a \\ `b` é ü.obj").to_string(), "a \\ `b` é ü.obj");
-        assert_eq!(plain("a\nb\r\t\u{1b}[2J\0\u{85}").to_string(), r"a\nb\r\t\u{1b}[2J\u{0}\u{85}");
+        assert_eq!(escaped("a \\ `b` é ü.obj").to_string(), "a \\ `b` é ü.obj");
+        assert_eq!(escaped("a\nb\r\t\u{1b}[2J\0\u{85}").to_string(), r"a\nb\r\t\u{1b}[2J\u{0}\u{85}");
     }
 }

@@ -3,8 +3,8 @@ use crate::pixel_rect::PixelRect;
 use crate::{PathReuse, PathStart, Settings, Supersampling};
 use std::ops::Range;
 
-/// Pixels along the side of a tile.
-pub(super) const SIDE: u32 = 8;
+/// Pixels along the side of a patch, in which paths that precede a picture begin.
+pub(super) const PATCH_SIDE: u32 = 8;
 
 /// The settings of paths that precede the first sample of a picture: this many of each pixel, by this seed. Pixels share
 /// nothing, each vertex takes one light sample, and lights are not supersampled.
@@ -20,12 +20,16 @@ pub(super) fn path_settings(settings: &Settings, samples: u32, seed: u64) -> Set
     }
 }
 
-/// Tiles at these distances in both directions, each with every range of `at_once` samples of its pixels. Where distances are
-/// larger than [`SIDE`], there are gaps between tiles.
-pub(super) fn tiles(settings: &Settings, distances: [u32; 2], at_once: u32) -> Vec<(PixelRect, Range<u32>)> {
+/// Patches of pixels at these distances in both directions, each with every range of `at_once` samples of its pixels. Where distances are
+/// larger than [`PATCH_SIDE`], there are gaps between patches.
+pub(super) fn patches(
+    settings: &Settings,
+    distances: [u32; 2],
+    at_once: u32,
+) -> Vec<(PixelRect, Range<u32>)> {
     let ranges = (0..settings.samples).step_by(at_once as usize).map(|first| first..first + at_once);
     let cells = PixelRect::grid([settings.width, settings.height], distances);
-    cells.flat_map(|cell| ranges.clone().map(move |range| (cell.corner(SIDE), range))).collect()
+    cells.flat_map(|cell| ranges.clone().map(move |range| (cell.corner(PATCH_SIDE), range))).collect()
 }
 
 /// Where the probes of one of `per_side` rows begin, of which each has as many, evenly spaced over the picture.
