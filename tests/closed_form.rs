@@ -7,10 +7,11 @@ use globillum::geom::Accel;
 use globillum::integrator::{
     Estimator, Film, LightSampling, Model, PinholeCamera, Sampler, Scene, Settings, render,
 };
-use globillum::material::Rgb;
+use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
+use globillum_testkit::shapes::{cuboid, quad};
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
@@ -82,7 +83,7 @@ fn furnace_moments(rho: f64, threshold: f64) -> (f64, f64) {
     let (mut throughput, mut radiance, mut reach_prob, mut moments) = (1.0, 1.0, 1.0, [0.0; 2]);
     let mean = 1.0 / (1.0 - rho);
     for _ in 0..1000 {
-        let survive_prob = f64::min(throughput * rho / threshold, 0.95);
+        let survive_prob = f64::min(throughput * rho / threshold, 0.999);
         let end_prob = reach_prob * (1.0 - survive_prob);
         let deviation: f64 = radiance - mean;
         moments = [moments[0] + end_prob * deviation.powi(2), moments[1] + end_prob * deviation.powi(4)];
@@ -91,6 +92,25 @@ fn furnace_moments(rho: f64, threshold: f64) -> (f64, f64) {
         reach_prob *= survive_prob;
     }
     (moments[0], moments[1] / moments[0].powi(2))
+}
+
+/// A white room into which the sky shines through a hole in the ceiling, a 1/49 of its surface: the radiance is that of the sky
+/// everywhere. Paths find the hole after 48 bounces on average; if roulette ended one in twenty at each, the variance would be
+/// infinite.
+#[test]
+fn a_white_room_with_a_hole() {
+    let walls = cuboid(DVec3::ZERO, DVec3::ONE, 0.0).into_iter();
+    let open = walls.filter(|wall| wall.vertices.iter().any(|vertex| vertex.y < 1.0));
+    let at = |x: f64, z: f64| DVec3::new(x, 1.0, z);
+    let strip = |[x0, x1]: [f64; 2], [z0, z1]: [f64; 2]| quad(at(x0, z0), at(x1, z0), at(x1, z1), at(x0, z1));
+    let (below, hole, above) = ([-1.0, -0.35], [-0.35, 0.35], [0.35, 1.0]);
+    let frame =
+        [strip(below, [-1.0, 1.0]), strip(above, [-1.0, 1.0]), strip(hole, below), strip(hole, above)];
+    let mut model = Model::default();
+    model.add(Material::lambert(Rgb::WHITE).expect("an albedo"), open.chain(frame.into_iter().flatten()));
+    let scene = scenes::scene_under(Rgb::WHITE, &model, RENDERED[0].1);
+    let film = film(&scene, &into_the_furnace(), &settings(24));
+    Estimate::of_film(&film, |c| c.g).assert_is(1.0, "the white room");
 }
 
 #[test]

@@ -203,8 +203,10 @@ pub struct Roulette {
 }
 
 impl Roulette {
-    /// The largest probability of surviving, so that paths between perfect mirrors end too.
-    pub const MAX_SURVIVE_PROB: f64 = 0.95;
+    /// The largest probability of surviving, so that paths between perfect mirrors end too, after 1000 bounces on average. Let
+    /// `a` be the albedo of a closed room and `h` the share of directions that leave it: if `a^2 (1 - h)` is larger than
+    /// this, the variance is infinite.
+    pub const MAX_SURVIVE_PROB: f64 = 0.999;
 
     /// The smallest threshold: `2^-20`.
     pub const MIN_THRESHOLD: f64 = 1.0 / (1 << 20) as f64;
