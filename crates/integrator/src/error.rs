@@ -145,7 +145,7 @@ pub enum DeltaLightError {
     },
 }
 
-/// Why a checkpoint cannot be used.
+/// Why a checkpoint cannot be used. Messages continue a sentence that begins with the name of the checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum CheckpointError {

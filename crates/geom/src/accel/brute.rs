@@ -12,7 +12,8 @@ pub struct BruteForce {
 }
 
 impl BruteForce {
-    /// Shares the triangles; nothing is built.
+    /// Shares the triangles; nothing is built, so there is no error. Where a function that may fail is asked for, as by
+    /// `Scene::build` of the crate `globillum-integrator`, give `|triangles| Ok(BruteForce::build(triangles))`.
     pub fn build(triangles: &Triangles) -> Self {
         Self { triangles: triangles.clone() }
     }

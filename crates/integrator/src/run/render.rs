@@ -152,7 +152,8 @@ impl<'a> Render<'a> {
         Self { before: Some(picture), ..self }
     }
 
-    /// Renders. If the monitor cancels, the current pass is dropped and the passes before it are returned.
+    /// Renders. If the monitor cancels, the current pass is dropped and the passes before it are returned. There may be none: the
+    /// film then has no samples and is black.
     ///
     /// # Errors
     /// [`RenderError::Param`] for settings, stop conditions, passes, crop or rows out of range,

@@ -64,6 +64,7 @@ impl Model {
     /// # Panics
     /// If `id` belongs to another model and is out of range here.
     pub fn set_material(&mut self, id: MaterialId, material: Material) {
+        assert!((id.0 as usize) < self.materials.len(), "a material of another model");
         self.materials[id.0 as usize] = material;
     }
 

@@ -220,8 +220,9 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<Loaded, IoError> {
 /// `KHR_materials_emissive_strength` from the front, or from both sides if it is `doubleSided`. Primitives
 /// without a material are Lambertian and white.
 ///
-/// The point, spot and directional lights of `KHR_lights_punctual` become delta lights, with the units of
-/// [`Loader::luminous_efficacy`]. Their `range` is ignored. Equal angles of a spot light make a sharp edge.
+/// The point, spot and directional lights of `KHR_lights_punctual` become delta lights. Their candela and lux
+/// are divided by 683 lumens per watt, or by [`Loader::luminous_efficacy`]; with 1 they stay as they are in
+/// the file. Their `range` is ignored. Equal angles of a spot light make a sharp edge.
 ///
 /// Textures, vertex normals, skins, morph targets, animations and other extensions are not read. Numbers in
 /// the JSON are rounded to `f32`.

@@ -289,7 +289,7 @@ pub(super) fn lights() -> Vec<Case> {
         bad(&cone(r#""outerConeAngle":2"#), "Light", &cone_message("0", "2")),
         bad(&cone(r#""innerConeAngle":-0.5"#), "Light", &cone_message("-0.5", "0.7853981852531433")),
         bad(r#"{"type":"spot"}"#, "Parse", "spot light has no `spot`"),
-        bad(r#"{"type":"area"}"#, "Parse", "light type is not supported"),
+        bad(r#"{"type":"area"}"#, "Parse", "light type is none of point, spot and directional"),
         bad(
             r#"{"type":"point","intensity":-683}"#,
             "Light",

@@ -57,7 +57,9 @@ fn of(
     let position = placed.world.translation.as_vec3();
     let direction = placed.world.transform_vector3(DVec3::NEG_Z).normalize_or_zero().as_vec3();
     let value = Rgb::from(json.color.map(f64::from)) * watts;
-    let Valid(kind) = json.type_ else { return Err(malformed("light type is not supported")) };
+    let Valid(kind) = json.type_ else {
+        return Err(malformed("light type is none of point, spot and directional"));
+    };
     let light = match kind {
         Type::Point => DeltaLight::point(position, value),
         _ if direction.length_squared() == 0.0 => return Ok(None),
