@@ -207,7 +207,10 @@ impl fmt::Display for WarningKind {
             Self::LeftOut { count } => write!(f, "further warnings are omitted: {count}"),
             Self::NoLight => write!(f, "scene has no lights"),
             Self::CoplanarLights { count } => {
-                write!(f, "lights overlap another triangle in their plane: {count}")
+                write!(
+                    f,
+                    "lights overlap another triangle in their plane, so rounding decides what they light: {count}"
+                )
             }
         }
     }
