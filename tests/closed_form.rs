@@ -11,7 +11,7 @@ use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::LIGHT_OVER_FLOOR;
 use globillum_testkit::scenes::{self, stare};
-use globillum_testkit::shapes::{cuboid, quad};
+use globillum_testkit::shapes::{cuboid, inside_out, quad};
 use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
 
 const ALL: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
@@ -111,6 +111,22 @@ fn a_white_room_with_a_hole() {
     let scene = scenes::scene_under(Rgb::WHITE, &model, RENDERED[0].1);
     let film = film(&scene, &into_the_furnace(), &settings(24));
     Estimate::of_film(&film, |c| c.g).assert_is(1.0, "the white room");
+}
+
+/// Roulette ends one path in a thousand at each bounce from the third on: after 1001 bounces on average, with a standard
+/// deviation of 999.
+#[test]
+fn paths_between_perfect_mirrors_end() {
+    let mut model = Model::default();
+    let mirror = Material::mirror(Rgb::WHITE).expect("a perfect mirror");
+    model.add(mirror, inside_out(cuboid(DVec3::ZERO, DVec3::ONE, 0.0)));
+    let scene = scenes::scene(&model, RENDERED[0].1);
+    let mut s = settings(2);
+    s.max_bounces = Some(20_000);
+    let counters = render(&scene, &into_the_furnace(), &s).expect("the scene is good").counters;
+    let paths = counters.camera_rays as f64;
+    let bounces = counters.bounce_rays as f64 / paths;
+    assert!((bounces - 1001.0).abs() < Z_LIMIT * 999.0 / paths.sqrt(), "{bounces} bounces, {counters:?}");
 }
 
 #[test]
