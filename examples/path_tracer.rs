@@ -105,9 +105,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let picture = render(&scene, &camera, &Settings::new(SIDE, SIDE, SAMPLES))?;
     let comparison =
         Comparison::between(&[own.clone()], &[Estimates::of(&picture.film)]).ok_or("no pixels")?;
-    let ([low, high], p) = (comparison.ratio_95, comparison.p_value());
-    println!("path_tracer.png: the mean is {low:.4} to {high:.4} of the library's (95 % interval)");
-    println!("equal pictures differ as much with probability {p:.2}");
+    let ([low, high], verdict) = (comparison.ratio_95, comparison.verdict(0.001));
+    println!(
+        "path_tracer.png: the mean is {low:.4} to {high:.4} of the library's (95 % interval); {verdict}"
+    );
     let bytes: Vec<u8> = own.means.iter().flat_map(|rgb| rgb.to_srgb8()).collect();
     image::save_buffer("path_tracer.png", &bytes, SIDE, SIDE, image::ColorType::Rgb8)?;
     Ok(())

@@ -55,6 +55,7 @@ fn every_type_is_send_sync_and_debug() {
         checked::<integrator::CheckpointWriter<Vec<u8>>>(),
         checked::<integrator::ChiSquare>(),
         checked::<integrator::Comparison>(),
+        checked::<integrator::Verdict>(),
         checked::<integrator::Counters>(),
         checked::<integrator::DeltaLight>(),
         checked::<integrator::DeltaLightError>(),

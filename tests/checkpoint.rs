@@ -227,7 +227,7 @@ fn passes_count_once() {
     for invalid in [5..5, 0..65] {
         let (scene, camera) = the_box();
         let result = Render::new(&scene, &camera, &base).passes(invalid).run();
-        assert!(matches!(result, Err(RenderError::Param { name: "passes", .. })));
+        assert!(matches!(result, Err(RenderError::Range { name: "passes", step: 1, .. })));
     }
 }
 
@@ -385,7 +385,7 @@ fn rows_are_whole_rows_of_tiles() {
         assert_eq!(strip.film.mean(x, y), whole.film.mean(x, y + 16));
     }
     for rows in [0..0, 16..16, Range { start: 32, end: 16 }, 0..8, 8..16, 0..48, 41..48] {
-        assert!(matches!(run(rows), Err(RenderError::Param { name: "rows", .. })));
+        assert!(matches!(run(rows), Err(RenderError::Range { name: "rows", .. })));
     }
     let mismatch = RenderError::Checkpoint(CheckpointError::Mismatch("range of rows"));
     let resumed = Render::new(&scene, &camera, &settings).rows(0..16).resume(strip).run();

@@ -1,9 +1,12 @@
 //! Checkpoints as files, and when they are written.
 
+use crate::checkpoint_coverage::is_all_of;
+use crate::console;
 use anyhow::{Context, Error, Result};
 use globillum::integrator::view_factors::ViewFactors;
-use globillum::integrator::{CheckpointError, Ending, Picture};
+use globillum::integrator::{CheckpointError, CheckpointReader, Ending, Picture};
 use globillum::io::{AtomicFile, IoError};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -14,6 +17,8 @@ const FIRST: Duration = Duration::from_secs(5);
 pub(crate) trait Saved: Sized {
     fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError>;
     fn to_bytes(&self) -> Vec<u8>;
+    /// Whether the file at `path` holds all of the passes in `bytes` and more, as where another process went on.
+    fn is_surpassed(bytes: &[u8], path: &Path) -> bool;
     /// Whether it holds no pass.
     fn is_empty(&self) -> bool;
     /// Why its computation ended.
@@ -32,6 +37,14 @@ impl Saved for Picture {
     }
     fn to_bytes(&self) -> Vec<u8> {
         self.to_bytes()
+    }
+    fn is_surpassed(bytes: &[u8], path: &Path) -> bool {
+        let Ok(file) = File::open(path) else { return false };
+        let (Ok(own), Ok(other)) = (CheckpointReader::new(bytes), CheckpointReader::new(file)) else {
+            return false;
+        };
+        let (own, other) = (own.header(), other.header());
+        own.key == other.key && is_all_of(other, own) && !is_all_of(own, other)
     }
     fn is_empty(&self) -> bool {
         self.samples == 0
@@ -54,6 +67,11 @@ impl Saved for ViewFactors {
     fn to_bytes(&self) -> Vec<u8> {
         self.to_bytes()
     }
+    fn is_surpassed(bytes: &[u8], path: &Path) -> bool {
+        let passes = |factors: Self| (factors.key(), factors.passes());
+        let (own, other) = (Self::from_bytes(bytes).map(passes), read(path).map(passes));
+        matches!((own, other), (Ok((key, own)), Ok((other_key, other))) if other_key == key && other > own)
+    }
     fn is_empty(&self) -> bool {
         self.passes() == 0
     }
@@ -72,9 +90,13 @@ pub(crate) fn read<R: Saved>(path: &Path) -> Result<R> {
     R::from_bytes(&bytes).with_context(name)
 }
 
-/// Replaces the file at `path` by the result in one step.
-pub(crate) fn write(path: &Path, result: &impl Saved) -> Result<(), IoError> {
-    AtomicFile::create(path)?.commit(|writer| writer.write_all(&result.to_bytes()))
+/// Replaces the file at `path` by the result in one step, unless it holds more of it. Returns whether it was replaced.
+fn write<R: Saved>(path: &Path, result: &R) -> Result<bool, IoError> {
+    let bytes = result.to_bytes();
+    if R::is_surpassed(&bytes, path) {
+        return Ok(false);
+    }
+    AtomicFile::create(path)?.commit(|writer| writer.write_all(&bytes)).map(|()| true)
 }
 
 /// When a checkpoint is saved while its result is computed.
@@ -133,7 +155,10 @@ impl Checkpoint {
     /// Saves the last time. Fails too if an earlier save failed and `ended` the computation before it was complete.
     pub(crate) fn finish(self, result: &impl Saved, ended: bool) -> Result<()> {
         let Self { path, failed, .. } = self;
-        write(&path, result)?;
+        if !write(&path, result)? {
+            let path = path.display();
+            console::warn(format_args!("{path}: holds more passes, which another process saved; it is kept"));
+        }
         let saved = || format!("{}: is saved, but a failed save ended the run early", path.display());
         failed.filter(|_| ended).map_or(Ok(()), |error| Err(Error::new(error).context(saved())))
     }
@@ -165,6 +190,9 @@ pub(crate) fn most_bytes(pixels: u64, passes: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use globillum::geom::KdTree;
+    use globillum::integrator::{Render, Scene, Settings};
+    use globillum::scenes::cornell;
 
     #[test]
     fn saving_takes_a_hundredth_of_the_time_at_most() {
@@ -182,6 +210,32 @@ mod tests {
         assert_eq!(wait(SaveEvery::Seconds(1e300), false, minute), Duration::MAX);
     }
 
+    /// As where a process that was thought dead goes on while another one has done its work.
+    #[test]
+    fn a_file_that_holds_more_is_kept() {
+        let scene = Scene::build(cornell::with_blocks(false).expect("it is good"), KdTree::build)
+            .expect("it is good");
+        let camera = cornell::camera().expect("it is good");
+        let passes = |passes| {
+            let settings = Settings::new(8, 8, 48);
+            Render::new(&scene, &camera, &settings).passes(passes).run().expect("the scene is good")
+        };
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a");
+        // Other passes replace the file: what is asked for has changed.
+        for (held, written, there) in [
+            (0..1, true, 0..1),
+            (0..2, true, 0..2),
+            (1..2, false, 0..2),
+            (0..2, true, 0..2),
+            (2..3, true, 2..3),
+        ] {
+            assert_eq!(write(&path, &passes(held.clone())).expect("it can be written"), written, "{held:?}");
+            let picture: Picture = read(&path).expect("it is whole");
+            assert_eq!(picture.film.passes(), vec![there], "{held:?}");
+        }
+    }
+
     /// Passes that are saved as nothing.
     struct Passes;
 
@@ -191,6 +245,9 @@ mod tests {
         }
         fn to_bytes(&self) -> Vec<u8> {
             Vec::new()
+        }
+        fn is_surpassed(_: &[u8], _: &Path) -> bool {
+            false
         }
         fn is_empty(&self) -> bool {
             false

@@ -2,6 +2,7 @@ use glam::DVec3;
 use globillum_geom::GeomError;
 use globillum_material::{MaterialError, Rgb};
 use std::io::ErrorKind;
+use std::ops::Range;
 use thiserror::Error;
 
 /// Why a scene could not be built or a picture not be rendered.
@@ -29,6 +30,22 @@ pub enum RenderError {
         value: f64,
         /// The range it must lie in.
         range: &'static str,
+    },
+    /// A range of passes, rows or columns is empty or backward, does not lie within `0..end`, or has an end that is
+    /// neither a multiple of `step` nor `end`.
+    #[error(
+        "{name} {}..{} must be a range within 0..{end} with at least one element{}",
+        asked.start, asked.end, multiples(*step, *end)
+    )]
+    Range {
+        /// What is asked for.
+        name: &'static str,
+        /// The range.
+        asked: Range<u32>,
+        /// How many there are.
+        end: u32,
+        /// The step of the ends.
+        step: u32,
     },
     /// The settings have another size than the sensor.
     #[error("settings of {} x {} elements for a sensor of {} x {}", settings[0], settings[1], sensor[0], sensor[1])]
@@ -58,8 +75,8 @@ pub enum RenderError {
         sample: u32,
     },
     /// A panic before the first tile, while probes and photons are traced: in an accelerator,
-    /// [`Sensor::start`](crate::Sensor::start) or [`Sensor::project`](crate::Sensor::project). The process and later renders
-    /// go on.
+    /// [`Sensor::start`](crate::Sensor::start), [`Sensor::project`](crate::Sensor::project) or
+    /// [`Monitor::cancelled`](crate::Monitor::cancelled). The process and later renders go on.
     #[error("panic before the first tile: {message}")]
     Preparation {
         /// The message of the panic.
@@ -78,7 +95,8 @@ pub enum RenderError {
         /// The message of the panic.
         message: String,
     },
-    /// [`Monitor::pass_done`](crate::Monitor::pass_done) panicked.
+    /// [`Monitor::pass_done`](crate::Monitor::pass_done), or [`Monitor::progress`](crate::Monitor::progress) after a pass,
+    /// panicked.
     #[error("panic in the monitor after {samples} samples per pixel: {message}")]
     Monitor {
         /// Samples per pixel of the picture passed to it.
@@ -86,12 +104,17 @@ pub enum RenderError {
         /// The message of the panic.
         message: String,
     },
-    /// A checkpoint cannot be used.
-    #[error(transparent)]
-    Checkpoint(#[from] CheckpointError),
+    /// The picture to resume cannot be continued.
+    #[error("the picture to resume {0}")]
+    Checkpoint(CheckpointError),
     /// The worker threads could not be started.
     #[error("worker threads: {0}")]
     Threads(String),
+}
+
+/// What is said of the ends of a range; nothing if all are allowed.
+fn multiples(step: u32, end: u32) -> String {
+    if step == 1 { String::new() } else { format!(", whose ends are multiples of {step} or {end}") }
 }
 
 /// Why a list of points cannot be measured.

@@ -47,7 +47,7 @@ mod settings;
 pub mod view_factors;
 mod worker_threads;
 
-pub use comparison::{ChiSquare, Comparison};
+pub use comparison::{ChiSquare, Comparison, Verdict};
 pub use error::{CheckpointError, DeltaLightError, MergeError, PointError, RenderError};
 #[cfg(any(test, feature = "fuzz"))]
 pub use film::check_checkpoint;

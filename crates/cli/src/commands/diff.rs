@@ -1,10 +1,9 @@
-use super::verdict::Verdict;
 use crate::console;
-use crate::exit::CODES;
+use crate::exit::{CODES, Differs, Undecided};
 use crate::file_conflicts::Uses;
 use crate::parse;
 use anyhow::{Context, Result, bail, ensure};
-use globillum::integrator::{ChiSquare, Comparison, Estimates};
+use globillum::integrator::{ChiSquare, Comparison, Estimates, Verdict};
 use globillum::io::{PictureData, PictureFile, PictureFormat};
 use globillum::material::Rgb;
 use std::collections::BTreeMap;
@@ -23,8 +22,9 @@ pixels (splatting) breaks this; a box filter and filter importance sampling do n
 
 Up to four tests decide: whether one side is brighter; whether neighbouring blocks differ alike; and, if errors are \
 known, whether squared differences of pixels exceed them (chi-square), and whether one block differs by many standard \
-errors. Equal pictures are called different with the stated false-alarm rate at most. Of pictures whose errors are not \
-known, few tiles tell nothing: `diff` then says that it cannot tell, with exit code 5.";
+errors. Equal pictures are called different with the stated false-alarm rate at most. Few tiles tell nothing, nor do \
+many if errors are not known and few tiles outshine the others: where even the picture beside black would not be \
+called different, `diff` says that it cannot tell, with exit code 5.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -83,9 +83,23 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         let columns = comparison.blocks_width();
         map.write_data(&colours(&comparison.blocks, size, |x, y| y / 4 * columns + x / 4))?;
     }
-    let verdict = Verdict::of(&comparison, (&a.pictures, &b.pictures), options.false_alarm);
-    console::print(table(&comparison, [&a, &b], &verdict).as_bytes())?;
-    verdict.into_result()
+    console::print(table(&comparison, [&a, &b], options.false_alarm).as_bytes())?;
+    judge(&comparison, options.false_alarm)
+}
+
+/// Fails unless no difference is found by tests that can find one.
+fn judge(comparison: &Comparison, false_alarm: f64) -> Result<()> {
+    let (p, least) = (comparison.p_value(), comparison.least_p_value);
+    match comparison.verdict(false_alarm) {
+        Verdict::NoDifferenceFound => Ok(()),
+        Verdict::Different => {
+            bail!(Differs(format!("by more than chance (p = {p:.2e}, false-alarm rate {false_alarm:?})")))
+        }
+        Verdict::CannotTell => bail!(Undecided(format!(
+            "the picture beside black would have p = {least:.2e} (false-alarm rate {false_alarm:?}); \
+             larger pictures, more seeds or more passes tell more"
+        ))),
+    }
 }
 
 fn open_map(path: &Path) -> Result<PictureFile> {
@@ -175,7 +189,7 @@ impl<'a> Side<'a> {
     }
 }
 
-fn table(comparison: &Comparison, sides: [&Side; 2], verdict: &Verdict) -> String {
+fn table(comparison: &Comparison, sides: [&Side; 2], false_alarm: f64) -> String {
     let Comparison { width, height, ratio, ratio_95: [low, high], mean, neighbours, .. } = comparison;
     let [a, b] = sides.map(|side| side.paths.len());
     let [red, green, blue] = comparison.component_ratios.to_array();
@@ -197,7 +211,8 @@ fn table(comparison: &Comparison, sides: [&Side; 2], verdict: &Verdict) -> Strin
     if let Some(z) = comparison.largest_block {
         table += &format!("largest       z {z:.2} of a block\n");
     }
-    table + &format!("verdict       {verdict}\n")
+    let (verdict, p) = (comparison.verdict(false_alarm), comparison.p_value());
+    table + &format!("verdict       {verdict}: p = {p:.2e}, false-alarm rate {false_alarm:?}\n")
 }
 
 /// How many deviates are large, apart from those of components that are exact, and where the largest is.

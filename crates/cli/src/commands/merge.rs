@@ -1,7 +1,7 @@
 use super::picture_command::PictureCommand;
 use crate::exit::{CODES, Incomplete};
 use crate::failures::Failures;
-use crate::farm::{Part, Plan, Task, part_file};
+use crate::farm::{Part, Parts, Plan, Task, part_file};
 use crate::file_conflicts::Uses;
 use crate::flags::PictureOutput;
 use crate::interrupt::{Interrupt, NOTHING};
@@ -11,6 +11,7 @@ use crate::{console, overwrite_check, parse, summary};
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{CheckpointError, CheckpointHeader};
 use globillum::io::PictureData;
+use std::cmp::Reverse;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -146,24 +147,40 @@ impl Options {
 }
 
 impl Expected {
-    /// The files of the tasks, each of which must be complete.
+    /// Files that hold the tasks, each of which must be complete, whatever their names: as few as there are, so that a merge
+    /// of several parts replaces these.
     fn part_files(&self) -> Result<Vec<PathBuf>> {
-        let mut files = Vec::new();
+        let parts = Parts::of(&self.job, &self.plan)?;
+        let count = |part: &Part| self.tasks.iter().filter(|task| part.share_of(task) == 1.0).count();
+        let mut candidates: Vec<&(PathBuf, Part)> = parts.0.iter().collect();
+        candidates.sort_by_key(|(_, part)| Reverse(count(part)));
+        let mut files: Vec<&(PathBuf, Part)> = Vec::new();
         for task in &self.tasks {
-            let path = part_file(&self.job, task.index);
-            if !path.exists() {
-                bail!(Incomplete(format!("{}: {task} is missing", path.display())));
+            let holds = |(_, part): &&&(PathBuf, Part)| part.share_of(task) == 1.0;
+            if files.iter().any(|file| holds(&file)) {
+                continue;
             }
-            match Part::read(&path, self.plan.key())? {
-                Part::Foreign(error) => return Err(error).with_context(|| path.display().to_string()),
-                Part::Damaged(error) => bail!(Incomplete(format!("{}: {error} ({task})", path.display()))),
-                part if part.share_of(task) < 1.0 => {
-                    bail!(Incomplete(format!("{}: {task} is not finished", path.display())))
-                }
-                Part::Good(..) => files.push(path),
+            match candidates.iter().find(holds) {
+                Some(file) => files.push(file),
+                None => return Err(self.lacks(task)),
             }
         }
-        Ok(files)
+        Ok(files.into_iter().map(|(path, _)| path.clone()).collect())
+    }
+
+    /// Why no file holds a task.
+    fn lacks(&self, task: &Task) -> anyhow::Error {
+        let path = part_file(&self.job, task.index);
+        let name = path.display();
+        if !path.exists() {
+            return Incomplete(format!("{name}: {task} is missing")).into();
+        }
+        match Part::read(&path, self.plan.key()) {
+            Ok(Part::Foreign(error)) => anyhow::Error::from(error).context(name.to_string()),
+            Ok(Part::Damaged(error)) => Incomplete(format!("{name}: {error} ({task})")).into(),
+            Ok(Part::Good(..)) => Incomplete(format!("{name}: {task} is not finished")).into(),
+            Err(error) => error,
+        }
     }
 
     /// Says of the picture what its checkpoints do not hold, as the render in one run does.

@@ -9,7 +9,6 @@ mod plan;
 mod render;
 mod status;
 mod task;
-mod verdict;
 mod view_factors;
 
 use crate::exit::CODES;

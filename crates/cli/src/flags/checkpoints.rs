@@ -54,7 +54,7 @@ impl SaveFlags {
     /// The error with the checkpoint's file, if it is about that.
     pub(crate) fn explain(&self, error: Error) -> Error {
         match error.downcast_ref() {
-            Some(RenderError::Checkpoint(_)) => error.context(self.name()),
+            Some(&RenderError::Checkpoint(error)) => Error::from(error).context(self.name()),
             _ => error,
         }
     }

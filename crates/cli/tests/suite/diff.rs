@@ -22,8 +22,15 @@ fn seeds_are_equal_and_another_scene_is_different() {
     let folder = folder.path();
     for seed in ["0", "1", "2", "3"] {
         render(folder, &format!("{seed}.exr"), &["--seed", seed]);
+        let size = ["--width", "96", "--height", "96", "--spp", "16"];
+        CORNELL
+            .succeed(folder, &[&size[..], &["--seed", seed, "--out", &format!("large{seed}.exr")]].concat());
     }
-    for arguments in [&["0.exr", "1.exr"][..], &["0.exr", "1.exr", "--with", "2.exr", "3.exr"]] {
+    let few_tiles = diff(folder, &["0.exr", "1.exr", "--with", "2.exr", "3.exr"]);
+    assert_eq!(few_tiles.0, Some(5), "{few_tiles:?}");
+    for arguments in
+        [&["0.exr", "1.exr"][..], &["large0.exr", "large1.exr", "--with", "large2.exr", "large3.exr"]]
+    {
         let (code, said, warnings) = diff(folder, arguments);
         assert_eq!((code, warnings.as_str()), (Some(0), ""), "{said}");
         assert!(said.contains("verdict       no difference found: p = "), "{said}");
@@ -58,7 +65,7 @@ fn small_pictures_without_errors_are_undecided() {
     assert_eq!(code, Some(5), "{said}{error}");
     assert!(said.contains("verdict       cannot tell: p = "), "{said}");
     assert!(
-        error.starts_with("error: undecided: errors are not known") && error.lines().count() == 1,
+        error.starts_with("error: undecided: the picture beside black") && error.lines().count() == 1,
         "{error}"
     );
     let (code, said, error) = diff(folder, &["large1.exr", "large2.exr"]);

@@ -239,6 +239,29 @@ fn a_part_of_another_task_is_set_aside() {
     assert!(read(folder, "before.film") == read(folder, "after.film"));
 }
 
+/// Where `status` finds a task complete, so does `merge`.
+#[test]
+fn parts_are_merged_whatever_their_names() {
+    let folder = rendered();
+    let folder = folder.path();
+    MERGE.succeed(folder, &["--expect", "job.json", "--checkpoint", "before.film"]);
+    let rename = |from: &Path, to: &Path| fs::rename(from, to).expect("it can be renamed");
+    let aside = part(folder, 0).with_file_name("other.part");
+    let merges = || {
+        assert_eq!(status(folder).0, Some(0));
+        MERGE.succeed(folder, &["--expect", "job.json", "--checkpoint", "after.film"]);
+        assert!(read(folder, "before.film") == read(folder, "after.film"));
+    };
+    rename(&part(folder, 3), &aside);
+    merges();
+    rename(&part(folder, 5), &part(folder, 3));
+    rename(&aside, &part(folder, 5));
+    merges();
+    // All of the picture under the name of one task.
+    fs::copy(folder.join("before.film"), part(folder, 4)).expect("it can be copied");
+    merges();
+}
+
 /// Damage between header and end is found when the rows are read.
 #[test]
 fn damage_inside_a_part_is_found_by_merge_and_by_its_task() {

@@ -3,13 +3,16 @@
 mod deviates;
 mod normal;
 mod side;
+mod verdict;
 
 use crate::Estimates;
 use crate::film::student::quantile_975;
 use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
 use deviates::deviates;
 use globillum_material::Rgb;
-use side::{Side, places};
+use side::{Cell, Side, places};
+
+pub use verdict::Verdict;
 
 /// Two estimates of a picture beside each other: what tells chance from a difference.
 ///
@@ -19,18 +22,19 @@ use side::{Side, places};
 /// [`Film`](crate::Film), and within blocks of 4 x 4 where no picture [reuses paths](crate::PathReuse), as pictures of
 /// other programs are taken to do; a filter that spreads a sample over several pixels makes them dependent.
 ///
-/// Four tests decide ([`Comparison::p_value`]). Three of them do not assume that samples are normally distributed:
+/// Four tests decide ([`Comparison::verdict`]). Three of them do not assume that samples are normally distributed:
 /// each is a sum of a term for each tile (or block, if none is larger), independent and of mean 0 if the pictures are
 /// equal, over the root of the sum of its squares. With some hundred tiles that is a standard normal deviate. The
 /// fourth, the largest difference of a block, finds what few blocks show.
 ///
 /// ```
-/// use globillum_integrator::{Comparison, Estimates, Film};
+/// use globillum_integrator::{Comparison, Estimates, Film, Verdict};
 ///
-/// /// Whether two seeds of a picture differ by more than chance, which one pair of a thousand seems to.
-/// fn differ(a: &Film, b: &Film) -> bool {
+/// /// Whether two seeds of a picture differ by more than chance, which one pair of a thousand seems to; `None` for
+/// /// pictures of different sizes.
+/// fn verdict(a: &Film, b: &Film) -> Option<Verdict> {
 ///     let [a, b] = [a, b].map(Estimates::of);
-///     Comparison::between(&[a], &[b]).is_none_or(|comparison| comparison.p_value() < 0.001)
+///     Comparison::between(&[a], &[b]).map(|comparison| comparison.verdict(0.001))
 /// }
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -57,8 +61,8 @@ pub struct Comparison {
     pub ratio_95: [f64; 2],
     /// The ratio of each component.
     pub component_ratios: Rgb,
-    /// Test of the means: the sum of the differences of tiles in units of their errors. A standard normal deviate if
-    /// pictures are equal.
+    /// Test of the means: the sum of the differences of tiles in units of their errors, of one side if those of the other are
+    /// not known. A standard normal deviate if pictures are equal.
     pub mean: f64,
     /// Test of structure: the sum of the products of such differences of neighbouring tiles (Moran 1950), above 0
     /// where pictures differ alike in neighbouring tiles. A standard normal deviate if pictures are equal.
@@ -67,6 +71,9 @@ pub struct Comparison {
     pub chi_square: Option<ChiSquare>,
     /// Test of the blocks: the largest absolute deviate in [`Comparison::blocks`]; `None` if no errors are known.
     pub largest_block: Option<f64>,
+    /// The p-value that the mean of both sides would have beside black, with the same errors: what a difference as large as
+    /// the picture itself would show. It is large where tiles are few, or errors not known well; 0 of black pictures.
+    pub least_p_value: f64,
 }
 
 /// Squared differences of pixels beside their variances.
@@ -76,8 +83,9 @@ pub struct ChiSquare {
     /// Squared differences over variances: about 1 if pictures are equal and errors are right, above if pictures
     /// differ or errors are too small. Pixels are weighted by the inverse variance of the tiles around their own.
     pub reduced: f64,
-    /// By how much squared differences exceed variances, tile by tile. A standard normal deviate if pictures are
-    /// equal and errors are right; below -4, errors are too large or the pictures are not independent.
+    /// By how much squared differences exceed variances, tile by tile, each by at most four times the variance around. A
+    /// standard normal deviate, or rather less, if pictures are equal and errors are right; below -4, errors are too large or
+    /// the pictures are not independent.
     pub z: f64,
 }
 
@@ -100,14 +108,23 @@ impl Comparison {
         let tile_side = largest.path_reuse.tile_side().max(BLOCK_SIDE);
         let offset = largest.origin.map(|at| at % tile_side);
         let pair = Pair { width, height, tile_side, offset, a: Side::of(a)?, b: Side::of(b)? };
-        let variances = pair.tile_variances();
+        let comparison = Self::of(&pair);
+        let beside_black = pair.beside_black();
+        let least_p_value = if beside_black.is_black() { 0.0 } else { Self::of(&beside_black).p_value() };
+        Some(Self { least_p_value, ..comparison })
+    }
+
+    /// The comparison of a pair, but for [`Comparison::least_p_value`].
+    fn of(pair: &Pair) -> Self {
+        let Pair { width, height, .. } = *pair;
+        let variances = [&pair.a, &pair.b].map(|side| pair.tile_variances(side));
         let differences = pair.differences(&variances);
         let blocks = deviates([&pair.a.blocks, &pair.b.blocks], width.div_ceil(BLOCK_SIDE));
         let components = blocks.iter().flat_map(|z| z.to_array()).filter(|z| !z.is_nan());
         let largest_block = components.map(f64::abs).reduce(f64::max);
         let (ratio, ratio_95) = pair.ratio(Rgb::mean);
         let [r, g, b] = [0, 1, 2].map(|c| pair.ratio(|rgb| rgb.to_array()[c]).0);
-        Some(Self {
+        Self {
             width,
             height,
             pixels: deviates([&pair.a.pixels, &pair.b.pixels], width),
@@ -119,14 +136,15 @@ impl Comparison {
             neighbours: pair.neighbours(&differences),
             chi_square: pair.chi_square(&variances),
             largest_block,
-        })
+            least_p_value: 0.0,
+        }
     }
 
     /// The probability that equal pictures differ as much as these, by the test that says most; at most 1, and
     /// corrected for the number of tests (Bonferroni).
     ///
-    /// Of few tiles whose errors are not known it is never small, however much the pictures differ: 0.63 for one pass of 16 x 16
-    /// pixels. More seeds of each side, or passes, give errors.
+    /// Of few tiles it is never small, however much the pictures differ ([`Comparison::least_p_value`]): 0.63 for one pass of
+    /// 16 x 16 pixels. More seeds of each side, or passes, give errors.
     ///
     /// The means are tested on both sides, structure and chi-square on the upper one, the largest of all blocks and
     /// components as one of as many (Bonferroni again).
@@ -147,6 +165,10 @@ impl Comparison {
     }
 }
 
+/// The most by which a tile's squared difference counts as above its variance, over the variance around: few tiles that differ
+/// much do not hide that others do. What is cut off makes the test rather too small.
+const LARGEST_EXCESS: f64 = 4.0;
+
 /// Both sides.
 struct Pair {
     width: u32,
@@ -160,6 +182,23 @@ struct Pair {
 }
 
 impl Pair {
+    /// The mean of both sides beside black, with the errors of the sides.
+    fn beside_black(&self) -> Self {
+        let mean = |a: &[Cell], b: &[Cell]| -> Vec<Cell> {
+            a.iter().zip(b).map(|(a, b)| Cell { mean: 0.5 * (a.mean + b.mean), ..*a }).collect()
+        };
+        let black = |b: &[Cell]| -> Vec<Cell> { b.iter().map(|b| Cell { mean: Rgb::BLACK, ..*b }).collect() };
+        let Self { a, b, .. } = self;
+        let bright = Side { pixels: mean(&a.pixels, &b.pixels), blocks: mean(&a.blocks, &b.blocks) };
+        let dark = Side { pixels: black(&b.pixels), blocks: black(&b.blocks) };
+        Self { a: bright, b: dark, ..*self }
+    }
+
+    fn is_black(&self) -> bool {
+        let mut pixels = self.a.pixels.iter().chain(&self.b.pixels);
+        pixels.all(|pixel| pixel.mean.is_black())
+    }
+
     /// What the picture has of each tile, row by row.
     fn tiles(&self) -> impl Iterator<Item = PixelRect> {
         let [left, top] = self.offset;
@@ -183,15 +222,17 @@ impl Pair {
         })
     }
 
-    /// The differences of the sums of tiles, the mean of the components, over the root of their pixels' variances;
-    /// as they are if these are unknown.
+    /// The differences of the sums of tiles, the mean of the components, over the root of their pixels' variances, of the side
+    /// whose are known; as they are if none are.
     ///
     /// The variances bring tiles to one scale, so that no few outweigh the others; no test needs them to be right.
-    fn differences(&self, variances: &[f64]) -> Vec<f64> {
-        let floor = floor(variances);
-        let scale =
-            |variance: f64| if floor > 0.0 && floor.is_finite() { (variance + floor).sqrt() } else { 1.0 };
-        self.sums(Rgb::mean).zip(variances).map(|([a, b], &variance)| (a - b) / scale(variance)).collect()
+    fn differences(&self, sides: &[Vec<f64>; 2]) -> Vec<f64> {
+        let known = |variances: &&Vec<f64>| variances.iter().all(|variance| variance.is_finite());
+        let zero = vec![0.0; sides[0].len()];
+        let variances = sides.iter().filter(known).fold(zero, |sum, variances| added(&sum, variances));
+        let floor = floor(&variances);
+        let scale = |variance: f64| if floor > 0.0 { (variance + floor).sqrt() } else { 1.0 };
+        self.sums(Rgb::mean).zip(variances).map(|([a, b], variance)| (a - b) / scale(variance)).collect()
     }
 
     /// The ratio of the sums of what `of` takes of a pixel, and its 95 % confidence interval.
@@ -218,13 +259,15 @@ impl Pair {
     }
 
     /// [`Comparison::chi_square`].
-    fn chi_square(&self, variances: &[f64]) -> Option<ChiSquare> {
+    fn chi_square(&self, sides: &[Vec<f64>; 2]) -> Option<ChiSquare> {
+        let variances = added(&sides[0], &sides[1]);
         if !variances.iter().all(|variance| variance.is_finite()) {
             return None;
         }
-        let weights = self.weights(variances);
+        let around = self.around(&variances);
         let (mut squares, mut expected, mut excesses) = (0.0, 0.0, Vec::new());
-        for ((tile, variance), weight) in self.tiles().zip(variances).zip(weights) {
+        for ((tile, variance), around) in self.tiles().zip(&variances).zip(around) {
+            let weight = if around > 0.0 { 1.0 / around } else { 1.0 };
             let square = places(tile, self.width).map(|at| {
                 let apart = self.a.pixels[at].mean - self.b.pixels[at].mean;
                 (apart * apart).mean()
@@ -232,41 +275,44 @@ impl Pair {
             let square: f64 = square.sum();
             squares += weight * square;
             expected += weight * variance;
-            excesses.push(weight * (square - variance));
+            excesses.push((weight * (square - variance)).min(LARGEST_EXCESS));
         }
         let reduced = if squares == expected { 1.0 } else { squares / expected };
         Some(ChiSquare { reduced, z: normal::of_sum(excesses.into_iter()) })
     }
 
-    /// The variances of the differences of pixels, summed over each tile; infinite if unknown.
-    fn tile_variances(&self) -> Vec<f64> {
-        let variance = |at: usize| (self.a.pixels[at].variance + self.b.pixels[at].variance).mean();
+    /// The variances of a side's pixels, summed over each tile; infinite if unknown.
+    fn tile_variances(&self, side: &Side) -> Vec<f64> {
+        let variance = |at: usize| side.pixels[at].variance.mean();
         self.tiles().map(|tile| places(tile, self.width).map(variance).sum()).collect()
     }
 
-    /// The inverse of the mean variance of the tiles around each, of which chance in the tile itself is
-    /// independent.
-    fn weights(&self, variances: &[f64]) -> Vec<f64> {
+    /// The mean of the values of the tiles around each, of which chance in the tile itself is independent, and a little more
+    /// than nothing.
+    fn around(&self, values: &[f64]) -> Vec<f64> {
         let columns = self.columns();
-        let (width, height) = (columns as u32, (variances.len() / columns) as u32);
+        let (width, height) = (columns as u32, (values.len() / columns) as u32);
         let tiles = PixelRect { x: 0, y: 0, width, height };
-        let floor = floor(variances);
-        let weight = |tile: (u32, u32)| {
+        let floor = floor(values);
+        let around = |tile: (u32, u32)| {
             let around = PixelRect::pixels_near(tile, width, height).filter(|&other| other != tile);
-            let around: Vec<f64> = around.map(|(x, y)| variances[tiles.index(x, y)]).collect();
-            let variance = mean_of(&around) + floor;
-            if variance > 0.0 { 1.0 / variance } else { 1.0 }
+            let around: Vec<f64> = around.map(|(x, y)| values[tiles.index(x, y)]).collect();
+            mean_of(&around) + floor
         };
-        tiles.pixels().map(weight).collect()
+        tiles.pixels().map(around).collect()
     }
 }
 
-/// A variance that is small beside most: a sixteenth of the median, or of the mean if that is 0.
-fn floor(variances: &[f64]) -> f64 {
-    let mut sorted = variances.to_vec();
+/// A value that is small beside most: a sixteenth of the median, or of the mean if that is 0.
+fn floor(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
     let middle = sorted.len() / 2;
     let (_, &mut median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
-    (if median > 0.0 { median } else { mean_of(variances) }) / 16.0
+    (if median > 0.0 { median } else { mean_of(values) }) / 16.0
+}
+
+fn added(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
 /// 0 for none.

@@ -101,14 +101,21 @@ pub fn replay_samples(
         return Err(not_a_sample(samples.end - 1));
     }
     let work = || {
-        let guide = train_guide(scene, sensor, settings, || false)?.continue_value().flatten();
+        let never = || false;
+        let guide = train_guide(scene, sensor, settings, never)?.continue_value().flatten();
         let tile = PixelRect::square_around(x, y, [settings.width, settings.height]);
         let replays = || {
-            let context = prepare(scene, sensor, settings, guide.as_ref());
+            let context = prepare(scene, sensor, settings, guide.as_ref(), never).continue_value()?;
             let probes = TileProbes::of(&context, tile);
-            samples.map(|sample| replay_within(&context, &probes, (x, y), sample)).collect()
+            Some(samples.map(|sample| replay_within(&context, &probes, (x, y), sample)).collect())
         };
-        caught(replays).map_err(|message| RenderError::Worker { x: tile.x, y: tile.y, message })
+        let replays: Result<Option<Vec<Replay>>, String> = caught(replays);
+        // Nothing cancels them, so there are some.
+        replays.map(Option::unwrap_or_default).map_err(|message| RenderError::Worker {
+            x: tile.x,
+            y: tile.y,
+            message,
+        })
     };
     run_in_threads(settings.threads, work).map_err(RenderError::Threads)?
 }

@@ -77,7 +77,8 @@ impl<'a> Setup<'a> {
         let settings = Settings { guiding, ..settings() };
         let trained = train_guide(scene, sensor, &settings, || false).unwrap().continue_value().flatten();
         let context = RenderContext::new(scene, sensor, &settings);
-        let photons = photon_guide(&RenderContext { shares_caustics: true, ..context }).unwrap();
+        let context = RenderContext { shares_caustics: true, ..context };
+        let photons = photon_guide(&context, || false).continue_value().flatten().unwrap();
         Self { scene, sensor, photons, trained }
     }
 

@@ -41,12 +41,12 @@ pub struct Progress {
 /// }
 /// ```
 pub trait Monitor<R = Picture>: Sync {
-    /// Called after each tile.
+    /// Called after each tile, and by a render after each pass, with the error that it leaves.
     fn progress(&self, _progress: Progress) {}
 
-    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far. Before
-    /// the first tile, two kinds of paths are traced without calling it: some ten thousand probes, and for photons eight
-    /// paths for each pixel, `2^14` to `2^20` in all.
+    /// Called before each bounce of each tile; `true` ends the render with the whole passes so far. Called as often while a
+    /// guide is trained and while photons are traced. Before the first tile, some ten thousand probes are traced without
+    /// calling it.
     fn cancelled(&self) -> bool {
         false
     }

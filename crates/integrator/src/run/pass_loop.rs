@@ -120,9 +120,13 @@ impl PassLoop<'_> {
         meter.is_over_in(count / passes * meter.seconds_for(self.renderer.samples_of(rendered)))
     }
 
-    /// Hands the picture to the monitor.
+    /// Tells the monitor of a pass, and hands it the picture.
     fn tell(&self, picture: &Picture) -> Result<(), RenderError> {
-        let told = caught(|| self.renderer.monitor.pass_done(picture));
+        let PassRenderer { monitor, meter, .. } = self.renderer;
+        let told = caught(|| {
+            monitor.progress(meter.progress());
+            monitor.pass_done(picture);
+        });
         told.map_err(|message| RenderError::Monitor { samples: picture.samples, message })
     }
 

@@ -156,14 +156,14 @@ impl<'a> Render<'a> {
     /// film then has no samples and is black.
     ///
     /// # Errors
-    /// [`RenderError::Param`] for settings, stop conditions, passes, crop or rows out of range,
+    /// [`RenderError::Param`] for settings and stop conditions out of range, [`RenderError::Range`] for passes, crop or rows,
     /// [`RenderError::SensorSize`] for settings of another size than the sensor's,
     /// [`RenderError::Checkpoint`] for a picture to resume that does not belong to this render,
     /// [`RenderError::Threads`] if no threads can be started, [`RenderError::NonFinite`] for a sample
     /// that is NaN or infinite. Panics are caught: [`RenderError::Preparation`] and
     /// [`RenderError::Worker`] for one in an accelerator, the sensor,
     /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
-    /// [`Monitor::pass_done`]. The passes before an error were handed to [`Monitor::pass_done`].
+    /// [`Monitor::pass_done`] or, after a pass, in [`Monitor::progress`]. The passes before an error were handed to [`Monitor::pass_done`].
     pub fn run(mut self) -> Result<Picture, RenderError> {
         let (start, monitor) = (Instant::now(), self.monitor);
         let settings = self.settings.for_sensor(self.sensor)?;
@@ -178,12 +178,16 @@ impl<'a> Render<'a> {
         let rows = picture.film.rows();
         let window = PixelRect { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
         let work = || {
-            let guide = train_guide(self.scene, self.sensor, &settings, || monitor.cancelled())?;
+            let cancelled = || monitor.cancelled();
+            let guide = train_guide(self.scene, self.sensor, &settings, cancelled)?;
             let ControlFlow::Continue(guide) = guide else {
                 return Ok(Picture { ending: Ending::Cancelled, ..picture });
             };
-            let context = caught(|| prepare(self.scene, self.sensor, &settings, guide.as_ref()));
+            let context = caught(|| prepare(self.scene, self.sensor, &settings, guide.as_ref(), cancelled));
             let context = context.map_err(|message| RenderError::Preparation { message })?;
+            let ControlFlow::Continue(context) = context else {
+                return Ok(Picture { ending: Ending::Cancelled, ..picture });
+            };
             let probes = PixelRect::tiles(window).map(|_| OnceLock::new()).collect();
             let meter = Meter::new(start, self.stop.seconds);
             let renderer = PassRenderer { context, monitor, meter: &meter, window, probes };
@@ -193,13 +197,9 @@ impl<'a> Render<'a> {
     }
 
     fn checked_passes(&self) -> Result<Range<u32>, RenderError> {
-        let all = 0..self.settings.passes();
-        let Some(passes) = self.passes.clone() else { return Ok(all) };
-        if passes.is_empty() || passes.end > all.end {
-            let value = if passes.is_empty() { passes.start } else { passes.end };
-            let range = "the passes of all samples, of which at least one must be asked for";
-            return Err(RenderError::Param { name: "passes", value: value.into(), range });
-        }
+        let all = self.settings.passes();
+        let passes = self.passes.clone().unwrap_or(0..all);
+        check_range("passes", &passes, all, 1)?;
         Ok(passes)
     }
 
@@ -208,12 +208,8 @@ impl<'a> Render<'a> {
         let Settings { width, height, .. } = *settings;
         let Some([columns, rows]) = &self.crop else { return Ok(PixelRect { x: 0, y: 0, width, height }) };
         let step = settings.path_reuse.tile_side();
-        let range = match step {
-            1 => "the columns and rows of the picture, of which at least one must be asked for",
-            _ => "multiples of 16, or the size of the picture",
-        };
-        check_ends(("columns of the crop", range), columns, step, width)?;
-        check_ends(("rows of the crop", range), rows, step, height)?;
+        check_range("columns of the crop", columns, width, step)?;
+        check_range("rows of the crop", rows, height, step)?;
         let length = |range: &Range<u32>| range.end - range.start;
         Ok(PixelRect { x: columns.start, y: rows.start, width: length(columns), height: length(rows) })
     }
@@ -221,7 +217,7 @@ impl<'a> Render<'a> {
     /// The rows to render, of a picture or crop of this height.
     fn checked_rows(&self, height: u32) -> Result<Range<u32>, RenderError> {
         let rows = self.rows.clone().unwrap_or(0..height);
-        check_ends(("rows", "multiples of 16, or the height"), &rows, Film::TILE_ROWS, height)?;
+        check_range("rows", &rows, height, Film::TILE_ROWS)?;
         Ok(rows)
     }
 
@@ -234,7 +230,7 @@ impl<'a> Render<'a> {
     ) -> Result<Picture, RenderError> {
         let (key, before) = (self.key(), self.before.take());
         if before.as_ref().is_some_and(|picture| picture.key != key) {
-            return Err(CheckpointError::OTHER_PICTURE.into());
+            return Err(RenderError::Checkpoint(CheckpointError::OTHER_PICTURE));
         }
         let film = Film::new(crop.width, rows, settings.path_reuse)
             .within([settings.width, settings.height], [crop.x, crop.y]);
@@ -243,18 +239,18 @@ impl<'a> Render<'a> {
             return Ok(Picture::new(film, crop.height, settings.pass_samples, key));
         };
         if picture.film.rows() != film.rows() {
-            return Err(CheckpointError::Mismatch("range of rows").into());
+            return Err(RenderError::Checkpoint(CheckpointError::Mismatch("range of rows")));
         }
         if !picture.film.has_pixels_of(&film) {
-            return Err(CheckpointError::Mismatch("size").into());
+            return Err(RenderError::Checkpoint(CheckpointError::Mismatch("size")));
         }
         // A short last pass cannot be continued when more samples are asked for.
         let samples_of = |passes| self.settings.samples_of(passes).len() as u64;
         let expected: u64 = picture.film.passes().into_iter().map(samples_of).sum();
         match picture.film.samples().cmp(&expected) {
-            Ordering::Less => Err(CheckpointError::CutShort.into()),
+            Ordering::Less => Err(RenderError::Checkpoint(CheckpointError::CutShort)),
             Ordering::Equal => Ok(picture),
-            Ordering::Greater => Err(CheckpointError::TooManySamples.into()),
+            Ordering::Greater => Err(RenderError::Checkpoint(CheckpointError::TooManySamples)),
         }
     }
 }
@@ -275,18 +271,11 @@ impl fmt::Debug for Render<'_> {
     }
 }
 
-/// Refuses `asked` unless it has an element, and each end is a multiple of `step` below `size`, or `size`. A refusal has the
-/// name of what is asked for, and says the valid range.
-fn check_ends(
-    (name, range): (&'static str, &'static str),
-    asked: &Range<u32>,
-    step: u32,
-    size: u32,
-) -> Result<(), RenderError> {
-    let is_end = |at: u32| at == size || at < size && at.is_multiple_of(step);
-    if !asked.is_empty() && is_end(asked.start) && is_end(asked.end) {
+/// Refuses `asked` unless it has an element, and each end is a multiple of `step` below `end`, or `end`.
+fn check_range(name: &'static str, asked: &Range<u32>, end: u32, step: u32) -> Result<(), RenderError> {
+    let is_allowed = |at: u32| at == end || at < end && at.is_multiple_of(step);
+    if !asked.is_empty() && is_allowed(asked.start) && is_allowed(asked.end) {
         return Ok(());
     }
-    let value = if is_end(asked.start) { asked.end } else { asked.start };
-    Err(RenderError::Param { name, value: value.into(), range })
+    Err(RenderError::Range { name, asked: asked.clone(), end, step })
 }

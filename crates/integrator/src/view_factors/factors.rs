@@ -91,6 +91,12 @@ impl ViewFactors {
         u64::from(self.passes) * u64::from(self.pass_rays)
     }
 
+    /// A hash of what determines the factors but for the number of passes: triangles, patches, settings and the sources of the
+    /// library, as [`Render::key`](crate::Render::key) of a picture.
+    pub fn key(&self) -> u64 {
+        self.key
+    }
+
     /// Memory of the counts in bytes, which is about the length of a checkpoint.
     pub fn bytes(&self) -> usize {
         self.rows.iter().map(|row| row.bytes().len() + size_of::<Row>()).sum()

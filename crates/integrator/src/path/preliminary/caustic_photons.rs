@@ -13,6 +13,7 @@ use globillum_geom::{Frame, Hit, Ray, Triangle};
 use globillum_material::Bsdf;
 use globillum_material::warp::CosineHemisphere;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// How many paths leave lights for each pixel of the picture.
 const PATHS_OF_PIXEL: u64 = 8;
@@ -41,15 +42,24 @@ struct Emitters<'a> {
 }
 
 /// The guide toward caustics by way of several mirrors. `None` unless caustics are shared, lights are sampled by way of
-/// mirrors, and the limit on bounces allows for several; and if there are few photons.
-pub(in crate::path) fn photon_guide(context: &RenderContext<'_>) -> Option<PhotonGuide> {
+/// mirrors, and the limit on bounces allows for several; and if there are few photons. Breaks if `cancelled` before the end.
+pub(in crate::path) fn photon_guide(
+    context: &RenderContext<'_>,
+    cancelled: impl Fn() -> bool + Sync,
+) -> ControlFlow<(), Option<PhotonGuide>> {
     let allows_several = max_mirrors(context) >= MIN_MIRRORS;
     let is_used = context.shares_caustics && context.mirrors.is_some() && allows_several;
-    if is_used { PhotonGuide::new(&photons(context)) } else { None }
+    if !is_used {
+        return ControlFlow::Continue(None);
+    }
+    match photons(context, cancelled) {
+        Some(photons) => ControlFlow::Continue(PhotonGuide::new(&photons)),
+        None => ControlFlow::Break(()),
+    }
 }
 
-/// The photons of all paths, in their order.
-fn photons(context: &RenderContext<'_>) -> Vec<Photon> {
+/// The photons of all paths, in their order; `None` if `cancelled` before the end.
+fn photons(context: &RenderContext<'_>, cancelled: impl Fn() -> bool + Sync) -> Option<Vec<Photon>> {
     let lights = context.scene.lights();
     let powers: Vec<f64> = lights.area_powers().collect();
     let emitters =
@@ -57,17 +67,26 @@ fn photons(context: &RenderContext<'_>) -> Vec<Photon> {
     let paths = PATHS_OF_PIXEL * context.settings.pixel_count();
     let paths = paths.clamp(PATHS_RANGE[0], PATHS_RANGE[1]) as u32;
     let chunks = (0..paths / PATHS_AT_ONCE).into_par_iter();
-    chunks.flat_map_iter(|chunk| photons_of_chunk(&emitters, chunk)).collect()
+    let of_chunks: Option<Vec<Vec<Photon>>> =
+        chunks.map(|chunk| photons_of_chunk(&emitters, chunk, &cancelled)).collect();
+    of_chunks.map(|photons| photons.concat())
 }
 
-/// The photons of paths `chunk * PATHS_AT_ONCE` and on.
-fn photons_of_chunk(emitters: &Emitters<'_>, chunk: u32) -> Vec<Photon> {
+/// The photons of paths `chunk * PATHS_AT_ONCE` and on; `None` if `cancelled` before the end.
+fn photons_of_chunk(
+    emitters: &Emitters<'_>,
+    chunk: u32,
+    cancelled: impl Fn() -> bool,
+) -> Option<Vec<Photon>> {
     let context = emitters.context;
     let first = chunk * PATHS_AT_ONCE;
     let mut paths: Vec<PhotonPath> =
         (first..first + PATHS_AT_ONCE).filter_map(|path| emitters.start(path)).collect();
     let (mut photons, mut rays, mut hits) = (Vec::new(), Vec::new(), Vec::new());
     while !paths.is_empty() {
+        if cancelled() {
+            return None;
+        }
         rays.clear();
         rays.extend(paths.iter().map(|path| path.ray));
         checked_accel::intersect(context.scene.accel(), &rays, &mut hits);
@@ -77,7 +96,7 @@ fn photons_of_chunk(emitters: &Emitters<'_>, chunk: u32) -> Vec<Photon> {
             .filter_map(|(path, hit)| path.advance(context, hit.as_ref()?, &mut photons));
         paths = advanced.collect();
     }
-    photons
+    Some(photons)
 }
 
 impl Emitters<'_> {
@@ -161,7 +180,7 @@ mod tests {
     fn photons_in(scene: &Scene<KdTree>) -> Vec<Photon> {
         let camera = PinholeCamera::look_at(DVec3::new(0.0, 2.0, 3.0), DVec3::ZERO, DVec3::Y, 0.4).unwrap();
         let settings = Settings::new(128, 128, 4);
-        photons(&RenderContext::new(scene, &camera, &settings))
+        photons(&RenderContext::new(scene, &camera, &settings), || false).expect("nothing cancels it")
     }
 
     /// Photons lie on floors, have left mirrors, and are as many as powers say: the second light sends as much downward as

@@ -191,7 +191,10 @@ mod tests {
     }
 
     fn found(scene: &Scene<KdTree>, settings: &Settings) -> f64 {
-        prepare(scene, &camera(), settings, None).large_mirror_prob
+        prepare(scene, &camera(), settings, None, || false)
+            .continue_value()
+            .expect("nothing cancels it")
+            .large_mirror_prob
     }
 
     #[test]

@@ -106,7 +106,10 @@ mod tests {
     }
 
     fn found(scene: &Scene<KdTree>, settings: &Settings) -> Option<Arc<Lights>> {
-        prepare(scene, &camera(), settings, None).lights_by_visibility
+        prepare(scene, &camera(), settings, None, || false)
+            .continue_value()
+            .expect("nothing cancels it")
+            .lights_by_visibility
     }
 
     /// The probability of the lamp on the right for a point of the floor on the left.

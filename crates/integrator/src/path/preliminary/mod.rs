@@ -23,24 +23,26 @@ use super::render_context::RenderContext;
 use crate::guide::Guide;
 use crate::{Scene, Sensor, Settings};
 use globillum_geom::Accel;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// What is rendered, with this guide and all else that precedes the first sample.
+/// What is rendered, with this guide and all else that precedes the first sample. Breaks if `cancelled` before the end.
 pub(crate) fn prepare<'a>(
     scene: &'a Scene<dyn Accel + 'a>,
     sensor: &'a dyn Sensor,
     settings: &'a Settings,
     guide: Option<&'a Guide>,
-) -> RenderContext<'a> {
+    cancelled: impl Fn() -> bool + Sync,
+) -> ControlFlow<(), RenderContext<'a>> {
     let context = RenderContext { guide, ..RenderContext::new(scene, sensor, settings) };
     let lights_by_visibility = light_visibility::lights(&context).map(Arc::new);
     let context = RenderContext { lights_by_visibility, ..context };
     let context = RenderContext { large_mirror_prob: large_mirror_prob::of(&context), ..context };
     let context = RenderContext { shares_caustics: rare_caustics::are_shared(&context), ..context };
-    let context = RenderContext { photons: photon_guide(&context), ..context };
+    let context = RenderContext { photons: photon_guide(&context, cancelled)?, ..context };
     let light_points = match context.supersamples_lights() {
         true => LightPoints::of(scene, sensor, [settings.width, settings.height]),
         false => LightPoints::default(),
     };
-    RenderContext { light_points, ..context }
+    ControlFlow::Continue(RenderContext { light_points, ..context })
 }

@@ -155,9 +155,15 @@ mod tests {
             [(0.6, &settings, false), (0.2, &settings, true), (0.2, &off, false)]
         {
             let scene = room(size);
-            let context = prepare(&scene, &camera, settings, None);
+            let context = prepare(&scene, &camera, settings, None, || false).continue_value().unwrap();
             assert_eq!(context.shares_caustics, expected, "{size}, {:?}", settings.path_reuse);
             assert_eq!(context.photons.is_some(), expected, "{size}, {:?}", settings.path_reuse);
         }
+    }
+
+    #[test]
+    fn photons_can_be_cancelled() {
+        let (scene, camera, settings) = (room(0.2), camera(0.9), settings());
+        assert!(prepare(&scene, &camera, &settings, None, || true).is_break());
     }
 }
