@@ -2,7 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program talks to people")]
 
 use globillum::geom::WideBvh;
-use globillum::integrator::{Monitor, Progress, Render, Scene, Settings};
+use globillum::integrator::{Progress, Render, Scene, Settings};
 use globillum::io::PictureFile;
 use globillum::scenes::cornell;
 use indicatif::ProgressBar;
@@ -50,16 +50,6 @@ impl Options {
     }
 }
 
-/// Shows how much of the picture is done.
-struct Bar(ProgressBar);
-
-impl Monitor for Bar {
-    fn progress(&self, progress: Progress) {
-        self.0.set_length(progress.samples_total);
-        self.0.set_position(progress.samples_done);
-    }
-}
-
 /// Renders the picture, writes it, and prints one line about it.
 pub(crate) fn render(options: &Options) -> Result<(), Box<dyn Error>> {
     let file = PictureFile::create(&options.out)?; // A mistyped name fails now, not after the render.
@@ -67,9 +57,13 @@ pub(crate) fn render(options: &Options) -> Result<(), Box<dyn Error>> {
     let camera = cornell::camera()?;
     let settings = Settings::new(options.width, options.height, options.spp);
 
-    let (bar, start) = (Bar(ProgressBar::no_length()), Instant::now());
-    let picture = Render::new(&scene, &camera, &settings).monitor(&bar).run();
-    bar.0.finish_and_clear();
+    let (bar, start) = (ProgressBar::no_length(), Instant::now());
+    let show = |progress: Progress| {
+        bar.set_length(progress.samples_total);
+        bar.set_position(progress.samples_done);
+    };
+    let picture = Render::new(&scene, &camera, &settings).monitor(&show).run();
+    bar.finish_and_clear();
     let (picture, seconds) = (picture?, start.elapsed().as_secs_f64());
     file.write(&picture.film)?;
 

@@ -94,19 +94,19 @@ mod tests {
         assert_eq!(
             shown(Warnings::FirstOfEachKind),
             [
-                "a.mtl:1: textures of material `a` are ignored (first of 2 such warnings; --verbose lists all)",
+                "a.mtl:1: textures of material `a` are ignored; one of colours counts as grey 0.5 (first of 2 such warnings; --verbose lists all)",
                 "a.mtl:4: material `b` is approximated by an ideal diffuse surface \
                  (first of 2 such warnings; --verbose lists all)",
-                "a.mtl:8: transparency of material `c` is ignored",
+                "a.mtl:8: transparency of material `c` is ignored: it is opaque",
             ]
         );
         assert_eq!(
             shown(Warnings::All),
             [
-                "a.mtl:1: textures of material `a` are ignored",
-                "a.mtl:4: textures of material `b` are ignored",
+                "a.mtl:1: textures of material `a` are ignored; one of colours counts as grey 0.5",
+                "a.mtl:4: textures of material `b` are ignored; one of colours counts as grey 0.5",
                 "a.mtl:4: material `b` is approximated by an ideal diffuse surface",
-                "a.mtl:8: transparency of material `c` is ignored",
+                "a.mtl:8: transparency of material `c` is ignored: it is opaque",
                 "a.mtl:8: material `c` is approximated by an ideal diffuse surface",
             ]
         );

@@ -79,6 +79,7 @@ impl SurfacePoint {
     }
 
     /// The origin of a ray toward `direction`: the position, offset by `plane_err` to that side of the plane.
+    #[doc(alias = "OffsetRayOrigin")]
     #[inline(always)]
     pub fn leave_toward(&self, direction: DVec3) -> DVec3 {
         let side = 1.0_f64.copysign(self.normal.dot(direction));

@@ -119,7 +119,7 @@ fn colors_of_vertices_and_missing_copies_are_named() {
     let file = square(&json!({
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 0}, "mode": 6}]}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
-        "extensionsUsed": ["EXT_mesh_gpu_instancing", "KHR_materials_specular"],
+        "extensionsUsed": ["EXT_mesh_gpu_instancing", "KHR_materials_clearcoat"],
     }));
     let loaded = load(file);
     let place = Place::Primitive { mesh: 0, primitive: 0 };
@@ -128,7 +128,7 @@ fn colors_of_vertices_and_missing_copies_are_named() {
     for text in [
         "vertex colours are ignored: 4",
         "extension `EXT_mesh_gpu_instancing` is ignored: copies of meshes are missing",
-        "extension `KHR_materials_specular` is ignored",
+        "extension `KHR_materials_clearcoat` is ignored",
     ] {
         assert!(texts.iter().any(|found| found == text), "{texts:?}");
     }
@@ -226,6 +226,11 @@ fn materials_become_the_nearer_of_two() {
         json!({"name": "m", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1],
             "metallicFactor": metallic, "roughnessFactor": roughness}})
     };
+    let extended = |roughness: f64, extension: &str, factor: &str, value: f64| {
+        let mut material = base(0.0, roughness);
+        material["extensions"] = json!({format!("KHR_materials_{extension}"): {factor: value}});
+        material
+    };
     let approximated = |by| vec![WarningKind::Approximated { name: "m".into(), by }];
     let (diffuse, specular) = ("an ideal diffuse surface", "an ideal mirror");
     let cases = [
@@ -234,7 +239,15 @@ fn materials_become_the_nearer_of_two() {
         (base(0.0, 0.0), lambert(0.5), approximated(diffuse)),
         (base(1.0, 0.9), mirror(0.5), approximated(specular)),
         (base(0.3, 0.4), lambert(0.5), approximated(diffuse)),
-        (json!({"name": "m"}), lambert(1.0), approximated(diffuse)),
+        (json!({"name": "m"}), lambert(1.0), vec![WarningKind::Unspecified { name: "m".into() }]),
+        (extended(0.5, "specular", "specularFactor", 0.0), lambert(0.5), vec![]),
+        (extended(0.5, "specular", "specularFactor", 0.1), lambert(0.5), approximated(diffuse)),
+        (extended(1.0, "transmission", "transmissionFactor", 0.0), lambert(0.5), vec![]),
+        (
+            extended(1.0, "transmission", "transmissionFactor", 0.5),
+            lambert(0.5),
+            vec![WarningKind::TransparencyIgnored { name: "m".into() }],
+        ),
         // With a texture, the factor 1 says nothing. Blender writes this for a metallic input with a texture.
         (
             json!({"name": "m", "pbrMetallicRoughness":
@@ -308,8 +321,8 @@ fn perspective_cameras_are_placed_by_their_nodes() {
         ],
     })));
     let expected = PinholeCamera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7_f32.into()).unwrap();
-    assert_eq!(loaded.cameras, [expected]);
     assert_eq!(warnings(&loaded), [(Place::Camera(1), WarningKind::CameraIgnored)]);
+    assert_eq!((loaded.cameras, loaded.aspect_ratios), (vec![expected], vec![Some(1.5)]));
 }
 
 #[test]

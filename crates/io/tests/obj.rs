@@ -394,7 +394,7 @@ fn what_is_missing_or_ignored_is_warned_of() {
     let warnings: Vec<_> = loaded.report.warnings.iter().map(ToString::to_string).collect();
     let expected = [
         "a.obj:1: material library `none.mtl` does not exist",
-        "a.mtl:1: textures of material `m` are ignored",
+        "a.mtl:1: textures of material `m` are ignored; one of colours counts as grey 0.5",
         "a.mtl:4: material `m` is redefined; the last definition is used",
         "a.obj:9: material `lost` is not defined; grey is used instead",
         "a.obj: scene has no lights",

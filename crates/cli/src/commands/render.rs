@@ -89,6 +89,11 @@ impl Options {
     pub(crate) fn subject(&self, interrupt: &Interrupt) -> Result<Subject> {
         let camera = self.camera()?;
         let mut loaded = self.scene.load(self.flags.warnings(), interrupt)?;
+        if let (None, CameraType::Pinhole, Some(&Some(ratio))) =
+            (&camera, self.camera_type, loaded.aspect_ratios.first())
+        {
+            self.flags.picture.warn_of_aspect(ratio);
+        }
         let own = loaded.cameras.first().map(|&camera| View::Own(camera, self.camera_type, self.up));
         let view = camera.or(own).unwrap_or(View::Automatic(self.camera_type, self.up));
         if self.sun {

@@ -56,7 +56,7 @@ pub(crate) struct Options {
     /// Let triangles radiate from both sides
     #[arg(long, help_heading = "Scene")]
     two_sided: bool,
-    /// Rays of each patch, rounded up to whole passes [default: 65536, or no limit with --error]
+    /// Rays of each patch, rounded up to whole passes [default: 65536, or 2^32 with --error]
     #[arg(long, value_name = "N", value_parser = parse::integer(1..=1_u64 << 36), help_heading = "When to stop")]
     #[arg(allow_negative_numbers = true)]
     rays: Option<u64>,
@@ -153,7 +153,8 @@ fn format_of(out: &Path) -> Result<FactorFormat> {
 
 impl Options {
     fn settings(&self) -> FactorSettings {
-        let rays = self.rays.unwrap_or(if self.error.is_some() { u64::MAX } else { 1 << 16 });
+        // Up to this number, passes are as long as those of the default.
+        let rays = self.rays.unwrap_or(if self.error.is_some() { 1 << 32 } else { 1 << 16 });
         let mut settings = FactorSettings::new(rays);
         (settings.error, settings.least_factor) = (self.error, self.at_least);
         settings.sides = if self.two_sided { Sides::Both } else { Sides::Front };

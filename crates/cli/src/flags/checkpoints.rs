@@ -27,8 +27,9 @@ pub(crate) struct SaveFlags {
     ///
     /// Scene, camera or patches, and settings must be the same but for --spp, which must not be less than what the
     /// checkpoint holds, --threads, --accel and the stop conditions. If --spp was not a multiple of --pass-spp, the last
-    /// pass is incomplete, and the picture cannot be continued with more samples. The result has the bits of one that was
-    /// computed at once.
+    /// pass is incomplete, and the picture cannot be continued with more samples. View factors may have another --rays, but
+    /// below 65536 or above 2^32 it sets the length of passes, which must be the same. The result has the bits of one that
+    /// was computed at once.
     #[arg(long, requires = "checkpoint")]
     resume: bool,
 }

@@ -1,6 +1,6 @@
 use super::crop::{Crop, Shown};
 use super::kinds::FilterKind;
-use crate::parse;
+use crate::{console, parse};
 use globillum::integrator::PathReuse;
 use serde::Serialize;
 use std::ops::Range;
@@ -47,6 +47,18 @@ impl PictureFlags {
     /// The pixels that are shown, of a film of those that are [rendered](PictureFlags::rendered).
     pub(crate) fn shown(&self) -> Shown {
         Shown(self.crop.unwrap_or(Crop::whole(self.width, self.height)))
+    }
+
+    /// Warns if the picture is not `ratio` times as wide as high, for which the camera of a file is meant.
+    pub(crate) fn warn_of_aspect(&self, ratio: f64) {
+        let Self { width, height, .. } = self;
+        if (self.aspect() / ratio - 1.0).abs() > 0.01 {
+            let meant = (f64::from(*height) * ratio).round();
+            console::warn(format_args!(
+                "the file's camera is meant for a picture {ratio:.3} times as wide as high, such as --width {meant} \
+                 --height {height}; {width} x {height} pixels keep its vertical field of view"
+            ));
+        }
     }
 
     /// Width over height of the picture.

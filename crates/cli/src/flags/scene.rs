@@ -43,6 +43,8 @@ pub(crate) struct LoadedScene {
     /// In the environment asked for, or a black one.
     pub(crate) model: Model,
     pub(crate) cameras: Vec<PinholeCamera>,
+    /// Of each camera, if the file says one.
+    pub(crate) aspect_ratios: Vec<Option<f64>>,
     /// The files that it was read from.
     pub(crate) files: Vec<PathBuf>,
     /// The environment asked for.
@@ -61,10 +63,10 @@ impl SceneFlags {
         let loader = Loader::new().limits(limits).luminous_efficacy(self.lumens_per_watt);
         let loaded = load::load(&self.scene, loader, warnings, interrupt)?;
         let name = self.scene.display().to_string();
-        let Loaded { mut model, cameras, files, report, .. } = loaded;
+        let Loaded { mut model, cameras, aspect_ratios, files, report, .. } = loaded;
         model.set_environment(self.environment.unwrap_or(Rgb::BLACK))?;
         let is_dark = report.warnings.iter().any(|warning| warning.kind == WarningKind::NoLight);
-        Ok(LoadedScene { name, model, cameras, files, environment: self.environment, is_dark })
+        Ok(LoadedScene { name, model, cameras, aspect_ratios, files, environment: self.environment, is_dark })
     }
 }
 

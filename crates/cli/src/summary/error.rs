@@ -33,7 +33,7 @@ impl From<ErrorEstimate> for PictureError {
 impl Display for PictureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(error) = self.relative_rmse.map(|share| 100.0 * share) else {
-            return writeln!(f, "error         unknown");
+            return writeln!(f, "error         unknown: it takes two passes or more, of which some differ");
         };
         write!(f, "error         {error:.3} % of the mean")?;
         match self.relative_rmse_95.map(|interval| interval.map(|share| 100.0 * share)) {

@@ -12,6 +12,7 @@ use std::path::PathBuf;
 struct Shot {
     pixels: Estimates,
     stats: Value,
+    warnings: String,
 }
 
 impl Shot {
@@ -20,10 +21,12 @@ impl Shot {
         let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "../io/tests/blender", file].iter().collect();
         let path = path.to_str().expect("a plain name");
         let out = ["--out", "a.exr", "--stats", "a.json"];
-        RENDER.succeed(folder.path(), &[&[path], &out[..], flags].concat());
+        let output = RENDER.run(folder.path(), &[&[path], &out[..], flags].concat());
+        let warnings = String::from_utf8(output.stderr).expect("plain text");
+        assert!(output.status.success(), "{warnings}");
         let stats = std::fs::read(folder.path().join("a.json")).expect("it was written");
         let pixels = PictureData::read(folder.path().join("a.exr")).expect("a picture").estimates;
-        Self { pixels, stats: serde_json::from_slice(&stats).expect("it is JSON") }
+        Self { pixels, stats: serde_json::from_slice(&stats).expect("it is JSON"), warnings }
     }
 }
 
@@ -46,6 +49,20 @@ fn the_startup_scene_shows_its_lit_cube_through_its_camera() {
     assert_eq!(shot.pixels.means[0], Rgb::BLACK);
     let lit = shot.pixels.means.iter().filter(|mean| mean.r > 0.0).count();
     assert!((200..2000).contains(&lit), "{lit} pixels show the cube");
+}
+
+#[test]
+fn another_shape_than_the_cameras_is_warned_of() {
+    let warnings = |width, flags: &[&str]| {
+        let size = ["--width", width, "--height", "18", "--spp", "1"];
+        Shot::of("startup.glb", &[&size[..], flags].concat()).warnings
+    };
+    let said = "the file's camera is meant for a picture 1.778 times as wide as high, such as --width 32 --height 18; \
+                18 x 18 pixels keep its vertical field of view";
+    assert!(warnings("18", &[]).contains(said), "{}", warnings("18", &[]));
+    for quiet in [warnings("32", &[]), warnings("18", &["--camera", "9,9,9/0,0,0"])] {
+        assert!(!quiet.contains("is meant for"), "{quiet}");
+    }
 }
 
 #[test]

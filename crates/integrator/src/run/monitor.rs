@@ -58,3 +58,16 @@ pub trait Monitor<R = Picture>: Sync {
 
 /// Observes nothing.
 impl<R> Monitor<R> for () {}
+
+/// A function or a closure observes the progress.
+///
+/// ```
+/// use globillum_integrator::{Monitor, Progress};
+///
+/// let monitor: &dyn Monitor = &|progress: Progress| eprintln!("{:.0} s left", progress.seconds_left);
+/// ```
+impl<R, F: Fn(Progress) + Sync> Monitor<R> for F {
+    fn progress(&self, progress: Progress) {
+        self(progress);
+    }
+}

@@ -44,7 +44,9 @@ pub enum FactorError {
         most: f64,
     },
     /// The view factors to resume are of another run.
-    #[error("belongs to other view factors: the scene, patches, settings or build differ")]
+    #[error(
+        "belongs to other view factors: the scene, patches, rays of a pass, other settings or build differ"
+    )]
     OtherRun,
     /// A checkpoint cannot be used.
     #[error(transparent)]

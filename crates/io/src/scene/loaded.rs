@@ -12,6 +12,9 @@ pub struct Loaded {
     /// The cameras that can be used, in the order of their nodes. Those that cannot are left out, each with a warning, so
     /// that an index here need not be the camera's index in the file.
     pub cameras: Vec<PinholeCamera>,
+    /// For each camera the ratio of width to height of the picture that the file means it for; `None` where it says none. A
+    /// picture of another ratio keeps the vertical field of view.
+    pub aspect_ratios: Vec<Option<f64>>,
     /// Content that is ignored or approximated.
     pub report: LoadReport,
     /// The materials with their names, in the order of the model's: those that `usemtl` names in an OBJ file, also if no library

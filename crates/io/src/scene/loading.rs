@@ -26,6 +26,7 @@ pub(crate) struct Loading<'a> {
     pub(crate) limits: &'a Limits,
     pub(crate) files: SceneFiles<'a>,
     pub(crate) cameras: Vec<PinholeCamera>,
+    pub(crate) aspect_ratios: Vec<Option<f64>>,
     materials: Vec<NamedMaterial>,
     /// `None` if nobody asks for them.
     pub(crate) objects: Option<Vec<Object>>,
@@ -52,6 +53,7 @@ impl<'a> Loading<'a> {
             limits,
             files,
             cameras,
+            aspect_ratios: Vec::new(),
             materials: Vec::new(),
             objects: None,
             report,
@@ -197,7 +199,7 @@ impl<'a> Loading<'a> {
             self.warn(Place::File, kind);
         }
         let objects = self.objects.unwrap_or_default();
-        let Self { model, cameras, materials, report, files, .. } = self;
-        Ok(Loaded { model, cameras, materials, report, objects, files: files.paths_read })
+        let Self { model, cameras, aspect_ratios, materials, report, files, .. } = self;
+        Ok(Loaded { model, cameras, aspect_ratios, materials, report, objects, files: files.paths_read })
     }
 }

@@ -47,6 +47,9 @@ pub enum WarningKind {
     TransparencyIgnored { name: String },
     /// A spectral curve, which is not supported: the default is used.
     SpectrumIgnored { name: String },
+    /// A glTF material without any property of reflection or emission, such as one whose shader the exporter does not know: it
+    /// is white.
+    Unspecified { name: String },
     /// A material that is neither ideally diffuse nor an ideal mirror: the closer one is used.
     Approximated { name: String, by: &'static str },
     /// Faces of one or two vertices, which have no area.
@@ -132,6 +135,7 @@ impl Warning {
             | WarningKind::EmissionIgnored { name }
             | WarningKind::TransparencyIgnored { name }
             | WarningKind::SpectrumIgnored { name }
+            | WarningKind::Unspecified { name }
             | WarningKind::Approximated { name, .. }
             | WarningKind::ExtensionIgnored { name } => name.len(),
             WarningKind::UnknownStatements { keyword, .. } => keyword.len(),
@@ -161,12 +165,22 @@ impl fmt::Display for WarningKind {
                 write!(f, "material `{name}` is redefined; the last definition is used")
             }
             Self::NotUtf8 { count } => write!(f, "bytes that are not UTF-8 are read as U+FFFD: {count}"),
-            Self::TexturesIgnored { name } => write!(f, "textures of material `{name}` are ignored"),
+            Self::TexturesIgnored { name } => {
+                write!(f, "textures of material `{name}` are ignored; one of colours counts as grey 0.5")
+            }
             Self::EmissionIgnored { name } => {
                 write!(f, "emission of material `{name}` is ignored: a texture defines it")
             }
-            Self::TransparencyIgnored { name } => write!(f, "transparency of material `{name}` is ignored"),
+            Self::TransparencyIgnored { name } => {
+                write!(f, "transparency of material `{name}` is ignored: it is opaque")
+            }
             Self::SpectrumIgnored { name } => write!(f, "spectral curve of material `{name}` is ignored"),
+            Self::Unspecified { name } => {
+                write!(
+                    f,
+                    "material `{name}` has no properties and is white: exporters leave out shaders that they do not know"
+                )
+            }
             Self::Approximated { name, by } => write!(f, "material `{name}` is approximated by {by}"),
             Self::ShortFaces { count } => {
                 write!(f, "faces with fewer than three vertices are skipped: {count}")

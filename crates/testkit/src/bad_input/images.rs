@@ -38,9 +38,14 @@ pub(super) fn cases() -> Vec<Case> {
 fn by_obj(row: u32, name: &str, picture: &[u8]) -> Case {
     let scene = "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let library = format!("newmtl m\nKd 0.5\nmap_Kd {name}\n");
-    Case::new(row, "a.obj", scene, loaded(&["a.mtl:1: textures of material `m` are ignored"]))
-        .beside("a.mtl", Content::Bytes(library.into()))
-        .beside(name, Content::Bytes(picture.into()))
+    Case::new(
+        row,
+        "a.obj",
+        scene,
+        loaded(&["a.mtl:1: textures of material `m` are ignored; one of colours counts as grey 0.5"]),
+    )
+    .beside("a.mtl", Content::Bytes(library.into()))
+    .beside(name, Content::Bytes(picture.into()))
 }
 
 fn by_gltf(row: u32, name: &str, picture: &[u8]) -> Case {
@@ -50,7 +55,8 @@ fn by_gltf(row: u32, name: &str, picture: &[u8]) -> Case {
     );
     let with_material = gltf::TRIANGLE.replacen(r#""mode":4"#, r#""mode":4,"material":0"#, 1);
     let json = with_material.replacen(r#","scene""#, &textured, 1);
-    let warning = "a.glb: materials[0]: textures of material `m` are ignored";
+    let warning =
+        "a.glb: materials[0]: textures of material `m` are ignored; one of colours counts as grey 0.5";
     Case::new(row, "a.glb", gltf::glb(&json, &gltf::binary()), loaded(&[warning]))
         .beside(name, Content::Bytes(picture.into()))
 }

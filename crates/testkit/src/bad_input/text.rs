@@ -117,8 +117,8 @@ fn materials() -> Vec<Case> {
     let again = "a.mtl:3: material `m` is redefined; the last definition is used";
     let unknown = "a.obj:2: material `m` is not defined; grey is used instead";
     let glass = [
-        "a.mtl:1: textures of material `m` are ignored",
-        "a.mtl:1: transparency of material `m` is ignored",
+        "a.mtl:1: textures of material `m` are ignored; one of colours counts as grey 0.5",
+        "a.mtl:1: transparency of material `m` is ignored: it is opaque",
         "a.mtl:1: material `m` is approximated by an ideal diffuse surface",
     ];
     vec![

@@ -63,9 +63,10 @@ pub struct KdOptions {
     /// The largest number of planes above a leaf, at most [`KdTree::MAX_DEPTH`]; larger values count as that, which is the
     /// default.
     pub max_depth: u32,
-    /// A cell with at most this many triangles, 1 by default, becomes a leaf.
+    /// A cell with at most this many triangles, 1 by default, becomes a leaf; `maxPrims` of pbrt.
     pub leaf_size: u32,
-    /// The number of consecutive planes, 0 by default, that are tried although they do not pay. A plane pays if it lowers
+    /// The number of consecutive planes, 0 by default, that are tried although they do not pay; it is the limit of 3 of pbrt's
+    /// `badRefines`. A plane pays if it lowers
     /// the expected cost of a ray. If the finished subtree is not cheaper than a leaf, it is replaced by the
     /// leaf.
     ///
@@ -76,7 +77,7 @@ pub struct KdOptions {
     /// The cost of visiting an inner node, in units of one triangle test; finite and `>= 0`. The default, 2,
     /// is measured (docs/accelerators.md).
     pub traversal_cost: f64,
-    /// The factor on the cost of a split with an empty half, in `(0, 1]`; 0.9 by default.
+    /// The factor on the cost of a split with an empty half, in `(0, 1]`; 0.9 by default. It is 1 minus `emptyBonus` of pbrt.
     pub empty_factor: f64,
     /// The bound of the fair rules on the ratio of a cell's longest to its shortest side; finite and `>= 2`; 3 by
     /// default.

@@ -9,7 +9,7 @@ use gltf::json::camera::Type;
 use gltf::json::validation::Checked::Valid;
 
 /// Adds the perspective cameras that nodes place. A camera looks along -z of its node. The picture determines
-/// the aspect ratio, not the file. A camera whose node flattens its view is left out with a warning.
+/// the aspect ratio, not the file, whose own is kept beside. A camera whose node flattens its view is left out with a warning.
 pub(super) fn add_all(document: &Document, tree: &Tree<'_>, loading: &mut Loading<'_>) -> Result<()> {
     for placed in tree.placed() {
         let Some(camera) = placed.node.camera else { continue };
@@ -23,7 +23,10 @@ pub(super) fn add_all(document: &Document, tree: &Tree<'_>, loading: &mut Loadin
         };
         loading.check_count(loading.cameras.len() as u64 + 1, loading.limits.cameras, "cameras")?;
         match of(&placed, perspective.yfov.into()) {
-            Ok(camera) => loading.cameras.push(camera),
+            Ok(camera) => {
+                loading.cameras.push(camera);
+                loading.aspect_ratios.push(perspective.aspect_ratio.map(f64::from));
+            }
             Err(RenderError::Camera(_)) => loading.warn(at, WarningKind::CameraFlattened),
             Err(source) => return Err(IoError::Camera { at: loading.at(place), source }),
         }

@@ -1,18 +1,25 @@
 use super::container::Container;
 use super::guard;
+use super::json_material::JsonMaterial;
 use crate::error::Result;
 use crate::scene::loading::Loading;
 use crate::{IoError, Place, WarningKind};
 use gltf::json::extensions::root::Root as Extensions;
-use gltf::json::{Accessor, Asset, Buffer, Camera, Image, Index, Material, Mesh, Node, buffer};
+use gltf::json::{Accessor, Asset, Buffer, Camera, Image, Index, Mesh, Node, buffer};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::HashSet;
 use std::mem::take;
 
-/// The supported extensions. The texture transform has no effect, since textures are ignored.
-const SUPPORTED: [&str; 3] =
-    ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_texture_transform"];
+/// The extensions that are read. The texture transform has no effect, since textures are ignored. What is lost of specular
+/// reflection and of transmission is a warning of each material.
+const SUPPORTED: [&str; 5] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_texture_transform",
+];
 
 /// How the names of extensions begin that change no triangle, light or camera: a file may require them, since what they
 /// add is ignored with a warning.
@@ -48,7 +55,7 @@ pub(super) struct Document {
     #[serde(default)]
     pub(super) buffers: Vec<Buffer>,
     #[serde(default)]
-    pub(super) materials: Vec<Material>,
+    pub(super) materials: Vec<JsonMaterial>,
     #[serde(default)]
     pub(super) cameras: Vec<Camera>,
     #[serde(default)]

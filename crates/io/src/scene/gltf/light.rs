@@ -69,7 +69,7 @@ fn of(
             let [inner, outer] = [spot.inner_cone_angle, spot.outer_cone_angle].map(f64::from);
             // Blender writes equal angles for a cone with a sharp edge. The equations of the extension allow
             // them.
-            let inner = if inner == outer { outer.next_down() } else { inner };
+            let inner = if inner == outer && outer > 0.0 { outer.next_down() } else { inner };
             DeltaLight::spot(position, direction, value, inner, outer)
         }
     };

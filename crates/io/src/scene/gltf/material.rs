@@ -1,4 +1,5 @@
 use super::document::Document;
+use super::json_material::JsonMaterial;
 use crate::error::Result;
 use crate::scene::loading::Loading;
 use crate::scene::losses::{Losses, MEAN_OF_TEXTURE};
@@ -53,7 +54,7 @@ pub(super) fn all(document: &Document, loading: &mut Loading<'_>) -> Result<Mate
 }
 
 /// Checks the factors that are no colours.
-fn check_factors(json: &json::Material) -> Result<(), String> {
+fn check_factors(json: &JsonMaterial) -> Result<(), String> {
     let pbr = &json.pbr_metallic_roughness;
     for (name, x) in [("metallicFactor", pbr.metallic_factor.0), ("roughnessFactor", pbr.roughness_factor.0)]
     {
@@ -64,7 +65,7 @@ fn check_factors(json: &json::Material) -> Result<(), String> {
     Ok(())
 }
 
-fn material(json: &json::Material) -> Result<Material, MaterialError> {
+fn material(json: &JsonMaterial) -> Result<Material, MaterialError> {
     let [r, g, b, _] = json.pbr_metallic_roughness.base_color_factor.0.map(f64::from);
     let factor = Reflectance::new(Rgb::new(r, g, b))?.rgb();
     let texture = json.pbr_metallic_roughness.base_color_texture.as_ref();
@@ -83,14 +84,36 @@ fn material(json: &json::Material) -> Result<Material, MaterialError> {
 /// Whether the material is closer to an ideal mirror (metallic 1, roughness 0) than to an ideal diffuse
 /// surface (metallic 0, roughness 1). With a texture the factors are only upper bounds, 1 where an exporter
 /// has no others, so they show no mirror.
-fn is_mirror(json: &json::Material) -> bool {
+fn is_mirror(json: &JsonMaterial) -> bool {
     let pbr = &json.pbr_metallic_roughness;
     pbr.metallic_roughness_texture.is_none() && pbr.metallic_factor.0 > pbr.roughness_factor.0
 }
 
-fn losses(json: &json::Material) -> Losses {
+/// Whether no property is set that says how the surface reflects or emits light, as where an exporter does not know the
+/// shader.
+fn is_unspecified(json: &JsonMaterial) -> bool {
     let pbr = &json.pbr_metallic_roughness;
-    let ideal = matches!((pbr.metallic_factor.0, pbr.roughness_factor.0), (0.0, 1.0) | (1.0, 0.0));
+    let factors = (pbr.base_color_factor.0, pbr.metallic_factor.0, pbr.roughness_factor.0);
+    factors == ([1.0; 4], 1.0, 1.0)
+        && pbr.base_color_texture.is_none()
+        && pbr.metallic_roughness_texture.is_none()
+        && json.emissive_texture.is_none()
+        && json.emissive_factor.0 == [0.0; 3]
+        && json.extensions.is_none()
+}
+
+fn losses(json: &JsonMaterial) -> Losses {
+    let pbr = &json.pbr_metallic_roughness;
+    let extensions = json.extensions.as_ref();
+    let specular = extensions.and_then(|all| all.specular.as_ref()).map_or(1.0, |it| it.specular_factor);
+    let transmission =
+        extensions.and_then(|all| all.transmission.as_ref()).map_or(0.0, |it| it.transmission_factor);
+    // Without specular reflection a non-metal is diffuse, however smooth.
+    let ideal = match (pbr.metallic_factor.0, pbr.roughness_factor.0) {
+        (0.0, 1.0) | (1.0, 0.0) => true,
+        (metallic, _) => metallic == 0.0 && specular == 0.0,
+    };
+    let is_unspecified = is_unspecified(json);
     // A black surface reflects nothing, so its approximation is exact.
     let black = pbr.base_color_factor.0[..3].iter().all(|&x| x == 0.0);
     Losses {
@@ -99,9 +122,10 @@ fn losses(json: &json::Material) -> Losses {
             || json.normal_texture.is_some()
             || json.occlusion_texture.is_some(),
         emission: json.emissive_texture.is_some() && json.emissive_factor.0 != [0.0; 3],
-        transparent: json.alpha_mode != Valid(AlphaMode::Opaque),
+        transparent: json.alpha_mode != Valid(AlphaMode::Opaque) || transmission > 0.0,
         spectral: false,
-        approximated: !ideal && !black,
+        unspecified: is_unspecified,
+        approximated: !ideal && !black && !is_unspecified,
         is_mirror: is_mirror(json),
     }
 }

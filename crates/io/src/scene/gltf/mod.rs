@@ -10,6 +10,7 @@ mod container;
 mod document;
 mod guard;
 mod instance;
+mod json_material;
 mod light;
 mod material;
 mod primitive;
