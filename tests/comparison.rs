@@ -122,6 +122,20 @@ fn a_difference_in_structure_is_found_without_errors_too() {
     assert!(without.pixels[0].r.is_nan());
 }
 
+/// Pixels differ by twice their errors, up or down, which the means do not show; one block differs far more, so that it would
+/// be most of an unlimited sum.
+#[test]
+fn a_block_that_differs_far_more_hides_no_difference_of_the_others() {
+    let [a, mut b] = [1, 2].map(|seed| noise(seed, |_, _| 1.0));
+    for (at, mean) in b.means.iter_mut().enumerate() {
+        let apart = if at < 4 { 1e4 } else { 2.0 * (0.1 / 12.0_f64.sqrt()) };
+        let sign = if at % 62 % 2 == 0 { 1.0 } else { -1.0 };
+        *mean += Rgb::splat(sign * apart);
+    }
+    let chi_square = Comparison::between(&[a], &[b]).unwrap().chi_square.unwrap();
+    assert!(chi_square.z > 10.0, "{chi_square:?}");
+}
+
 /// A picture of 96 x 96 pixels whose errors are those of its tiles, and nothing is known of them.
 fn tiled_noise(seed: u64) -> Estimates {
     let mut picture = Estimates::unknown(96, 96);

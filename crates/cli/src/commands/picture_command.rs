@@ -5,6 +5,7 @@ use crate::job::BuiltSubject;
 use crate::usage;
 use anyhow::{Result, anyhow};
 use clap::Parser;
+use clap::error::ErrorKind;
 
 /// The command line that renders a picture, as a job file has it.
 #[derive(Debug, Parser)]
@@ -17,7 +18,12 @@ pub(crate) enum PictureCommand {
 impl PictureCommand {
     /// Parses the command line, without the program's name.
     pub(crate) fn parse(words: &[String]) -> Result<Self> {
-        Self::try_parse_from(words).map_err(|error| anyhow!(usage::message(&error)))
+        Self::try_parse_from(words).map_err(|error| match error.kind() {
+            ErrorKind::DisplayHelp => {
+                anyhow!("--help: not allowed in `plan`; see `globillum render --help` and `globillum cornell --help`")
+            }
+            _ => anyhow!(usage::message(&error)),
+        })
     }
 
     pub(crate) fn flags(&self) -> &RenderFlags {

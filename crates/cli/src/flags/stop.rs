@@ -16,7 +16,8 @@ pub(crate) struct StopFlags {
     ///
     /// Stopping as soon as the error is small biases the mean a little. With a pilot, the samples that are averaged do
     /// not influence when the render stops (Stein 1945). At least 2 passes, and fewer than --spp has. A pilot that asks
-    /// for more than sixteen times its passes is doubled.
+    /// for more than sixteen times its passes is doubled. Its passes are in no checkpoint: a run that is resumed renders
+    /// them again.
     #[arg(long, value_name = "PASSES", requires = "error", value_parser = parse::integer(2..=u32::MAX))]
     #[arg(allow_negative_numbers = true)]
     pilot: Option<u32>,

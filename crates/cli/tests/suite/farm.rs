@@ -324,6 +324,7 @@ fn jobs_that_cannot_be_are_refused() {
     }
     refused(&with(&["--sped"]), &["unexpected argument --sped"]);
     refused(&["plan", "job.json", "--", "merge", "a"], &["unknown command merge"]);
+    refused(&with(&["--help"]), &["--help: not allowed in `plan`; see `globillum render --help`"]);
     refused(&["plan", "job.json", "--error", "0.1", "--", "cornell"], &["--pilot"]);
     refused(&["status", "job.json"], &["job.json: cannot be read"]);
     let written = |text: &'static str, words: &[&str]| {
