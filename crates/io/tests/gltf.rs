@@ -314,15 +314,22 @@ fn lights_shine_with_their_strength_from_the_sides_they_have() {
 #[test]
 fn perspective_cameras_are_placed_by_their_nodes() {
     let loaded = load(square(&json!({
-        "nodes": [{"mesh": 0}, {"translation": [0, 0, 3], "children": [2, 3]}, {"camera": 0}, {"camera": 1}],
+        "nodes": [
+            {"mesh": 0}, {"translation": [0, 0, 3], "children": [2, 3, 4, 5, 6]},
+            {"camera": 0}, {"camera": 1}, {"camera": 2}, {"camera": 3}, {"camera": 4},
+        ],
         "cameras": [
             {"type": "perspective", "perspective": {"yfov": 0.7, "aspectRatio": 1.5, "znear": 0.1}},
             {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}},
+            {"type": "perspective", "perspective": {"yfov": 0.7, "aspectRatio": 0, "znear": 0.1}},
+            {"type": "perspective", "perspective": {"yfov": 0.7, "aspectRatio": 1e300, "znear": 0.1}},
+            {"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}},
         ],
     })));
     let expected = PinholeCamera::look_at(DVec3::Z * 3.0, DVec3::ZERO, DVec3::Y, 0.7_f32.into()).unwrap();
     assert_eq!(warnings(&loaded), [(Place::Camera(1), WarningKind::CameraIgnored)]);
-    assert_eq!((loaded.cameras, loaded.aspect_ratios), (vec![expected], vec![Some(1.5)]));
+    assert_eq!(loaded.cameras, [expected; 4]);
+    assert_eq!(loaded.aspect_ratios, [Some(1.5), None, None, None]);
 }
 
 #[test]

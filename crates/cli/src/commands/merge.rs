@@ -153,7 +153,7 @@ impl Expected {
         let parts = Parts::of(&self.job, &self.plan)?;
         let count = |part: &Part| self.tasks.iter().filter(|task| part.share_of(task) == 1.0).count();
         let mut candidates: Vec<&(PathBuf, Part)> = parts.0.iter().collect();
-        candidates.sort_by_key(|(_, part)| Reverse(count(part)));
+        candidates.sort_by_cached_key(|(_, part)| Reverse(count(part)));
         let mut files: Vec<&(PathBuf, Part)> = Vec::new();
         for task in &self.tasks {
             let holds = |(_, part): &&&(PathBuf, Part)| part.share_of(task) == 1.0;

@@ -53,7 +53,7 @@ impl PictureFlags {
     pub(crate) fn warn_of_aspect(&self, ratio: f64) {
         let Self { width, height, .. } = self;
         if (self.aspect() / ratio - 1.0).abs() > 0.01 {
-            let meant = (f64::from(*height) * ratio).round();
+            let meant = (f64::from(*height) * ratio).round().max(1.0);
             console::warn(format_args!(
                 "the file's camera is meant for a picture {ratio:.3} times as wide as high, such as --width {meant} \
                  --height {height}; {width} x {height} pixels keep its vertical field of view"

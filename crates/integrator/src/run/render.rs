@@ -163,7 +163,8 @@ impl<'a> Render<'a> {
     /// that is NaN or infinite. Panics are caught: [`RenderError::Preparation`] and
     /// [`RenderError::Worker`] for one in an accelerator, the sensor,
     /// [`Monitor::progress`] or [`Monitor::cancelled`], [`RenderError::Monitor`] for one in
-    /// [`Monitor::pass_done`] or, after a pass, in [`Monitor::progress`]. The passes before an error were handed to [`Monitor::pass_done`].
+    /// [`Monitor::pass_done`] or, after a pass, in [`Monitor::progress`]. The passes before an error were handed to
+    /// [`Monitor::pass_done`].
     pub fn run(mut self) -> Result<Picture, RenderError> {
         let (start, monitor) = (Instant::now(), self.monitor);
         let settings = self.settings.for_sensor(self.sensor)?;

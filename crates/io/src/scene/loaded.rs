@@ -12,8 +12,8 @@ pub struct Loaded {
     /// The cameras that can be used, in the order of their nodes. Those that cannot are left out, each with a warning, so
     /// that an index here need not be the camera's index in the file.
     pub cameras: Vec<PinholeCamera>,
-    /// For each camera the ratio of width to height of the picture that the file means it for; `None` where it says none. A
-    /// picture of another ratio keeps the vertical field of view.
+    /// For each camera the ratio of width to height of the picture that the file means it for, positive and finite; `None`
+    /// where it says no such ratio. A picture of another ratio keeps the vertical field of view.
     pub aspect_ratios: Vec<Option<f64>>,
     /// Content that is ignored or approximated.
     pub report: LoadReport,

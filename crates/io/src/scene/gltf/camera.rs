@@ -25,7 +25,8 @@ pub(super) fn add_all(document: &Document, tree: &Tree<'_>, loading: &mut Loadin
         match of(&placed, perspective.yfov.into()) {
             Ok(camera) => {
                 loading.cameras.push(camera);
-                loading.aspect_ratios.push(perspective.aspect_ratio.map(f64::from));
+                let ratio = perspective.aspect_ratio.map(f64::from);
+                loading.aspect_ratios.push(ratio.filter(|&ratio| ratio > 0.0 && ratio.is_finite()));
             }
             Err(RenderError::Camera(_)) => loading.warn(at, WarningKind::CameraFlattened),
             Err(source) => return Err(IoError::Camera { at: loading.at(place), source }),

@@ -1,4 +1,5 @@
-//! Materials in the JSON of a file. The types of the crate gltf would take more memory than the kilobyte that an object may.
+//! Materials in the JSON of a file. With both extensions, the types of the crate gltf would take more
+//! memory than the kilobyte that an object may.
 
 use gltf::json::extensions::material::EmissiveStrength;
 use gltf::json::material::{
