@@ -24,7 +24,7 @@ use crate::cpu::{SimdLevel, Token, vectorized};
 use crate::{Aabb, Accel, GeomError, Hit, KdOptions, QueryCounter, Ray, Traverse, Triangles};
 use simd::PACKET;
 use std::fmt;
-use trace::{Scratch, is_exhaustive, query_one, query_others, query_others_exhaustively, query_packets};
+use trace::{Scratch, query_one, query_others, query_others_exhaustively, query_packets};
 use tree::Tree;
 
 /// The most rays of a batch that are traversed together: traversal numbers them in 32 bits.
@@ -212,7 +212,7 @@ impl WideBvh {
         let first = answers.len();
         vectorized!(self.token, |simd| query_packets::<_, Q>(simd, tree, rays, scratch, answers));
         let answers = &mut answers[first..];
-        if is_exhaustive::<Q>(tree) {
+        if tree.is_small() {
             vectorized!(self.token, |simd| query_others_exhaustively::<_, Q>(
                 simd, tree, rays, scratch, answers
             ));

@@ -23,7 +23,6 @@ use crate::{QueryCounter, Ray};
 use child_test::visit_all;
 use common_origin_packet::CommonOriginScratch;
 use exhaustive::ExhaustiveScratch;
-pub(super) use exhaustive::is_exhaustive;
 use general_packet::GeneralPacketScratch;
 use prefetch_index::prefetch_index;
 use ray_setup::RaySetups;
@@ -83,7 +82,7 @@ pub(super) fn query_packets<S: Simd, Q: Query>(
             |set| {
                 common_origin.query(simd, tree, set, &mut report)
                     || Q::ANY_HIT
-                        && !is_exhaustive::<Q>(tree)
+                        && !tree.is_small()
                         && general.query(simd, tree, set, traversals, &mut report)
             },
         );
@@ -105,7 +104,7 @@ pub(super) fn query_others<S: Simd, Q: Query>(
     query_stream(simd, tree, rays, starts, traversals, |i, query: Q| answers[i] = query.answer());
 }
 
-/// [`query_others`] for a tree of which all triangles are [tested](is_exhaustive).
+/// [`query_others`] for a [small tree](Tree::is_small), of which all triangles are tested.
 #[inline(always)]
 pub(super) fn query_others_exhaustively<S: Simd, Q: Query>(
     simd: S,

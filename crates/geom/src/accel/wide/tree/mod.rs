@@ -40,6 +40,12 @@ impl Tree {
         size_of_val(&*self.nodes) + self.leaves.bytes() + self.projected.bytes()
     }
 
+    /// Whether it has so few triangles that batches test all of them instead of its nodes.
+    #[inline(always)]
+    pub(super) fn is_small(&self) -> bool {
+        !self.projected.is_empty()
+    }
+
     /// Makes traversals visit nodes whatever the number of triangles.
     #[cfg(feature = "conformance")]
     pub(super) fn drop_projected(&mut self) {

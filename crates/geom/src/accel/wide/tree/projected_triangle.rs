@@ -2,17 +2,35 @@
 
 use super::normalize::{NormalizedSpace, TINY};
 use crate::Triangles;
+use crate::accel::wide::simd::LANES;
 use crate::decide::{AXES, main_axis};
 use crate::ray::power_of_two;
 use glam::DVec3;
 
-/// The largest number of triangles of a tree that stores them projected (measured, docs/performance.md).
+/// The largest number of triangles of a tree that stores them projected, so that batches test all of them (measured,
+/// docs/performance.md).
 pub(crate) const MOST_PROJECTED: usize = 96;
 
 /// The triangles of a tree by the axis along which they are projected; none if the tree has more than [`MOST_PROJECTED`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ProjectedTriangles {
-    by_axis: [Vec<ProjectedTriangle>; 3],
+    by_axis: [OneAxis; 3],
+}
+
+/// Triangles that are projected along one axis.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct OneAxis {
+    pub(crate) triangles: Vec<ProjectedTriangle>,
+    /// The bounds of each eight of them.
+    pub(crate) bounds: Vec<BoundsColumns>,
+}
+
+/// The bounds of up to eight triangles in normalised space, a column for each face. Coordinates are off as those of
+/// [`NormalizedSpace::position`]. Lanes without a triangle are empty.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoundsColumns {
+    pub(crate) min: [[f32; LANES]; 3],
+    pub(crate) max: [[f32; LANES]; 3],
 }
 
 impl ProjectedTriangles {
@@ -22,25 +40,53 @@ impl ProjectedTriangles {
         if triangles.live().len() <= MOST_PROJECTED {
             for &index in triangles.live() {
                 let (axis, triangle) = ProjectedTriangle::new(triangles, index, space);
-                this.by_axis[axis].push(triangle);
+                this.by_axis[axis].triangles.push(triangle);
             }
         }
-        this.by_axis.iter_mut().for_each(Vec::shrink_to_fit);
+        for OneAxis { triangles: of_axis, bounds } in &mut this.by_axis {
+            of_axis.shrink_to_fit();
+            *bounds = of_axis.chunks(LANES).map(|eight| BoundsColumns::of(triangles, eight, space)).collect();
+        }
         this
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.by_axis.iter().map(Vec::len).sum()
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.by_axis.iter().all(|of_axis| of_axis.triangles.is_empty())
     }
 
     /// Those projected along each axis, with the axes x, y and z.
     #[inline(always)]
-    pub(crate) fn by_axes(&self) -> impl Iterator<Item = ([u8; 3], &Vec<ProjectedTriangle>)> {
+    pub(crate) fn by_axes(&self) -> impl Iterator<Item = ([u8; 3], &OneAxis)> {
         AXES.into_iter().zip(&self.by_axis)
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.by_axis.iter().map(|triangles| size_of_val(&**triangles)).sum()
+        let of_axis = |axis: &OneAxis| size_of_val(&*axis.triangles) + size_of_val(&*axis.bounds);
+        self.by_axis.iter().map(of_axis).sum()
+    }
+}
+
+impl OneAxis {
+    /// Up to 64 triangles at a time, and the bounds of each eight of them.
+    #[inline(always)]
+    pub(crate) fn by_64(&self) -> impl Iterator<Item = (&[BoundsColumns], &[ProjectedTriangle])> {
+        self.bounds.chunks(64 / LANES).zip(self.triangles.chunks(64))
+    }
+}
+
+impl BoundsColumns {
+    /// The bounds of at most eight triangles.
+    fn of(triangles: &Triangles, projected: &[ProjectedTriangle], space: &NormalizedSpace) -> Self {
+        let mut columns = Self { min: [[f32::INFINITY; LANES]; 3], max: [[f32::NEG_INFINITY; LANES]; 3] };
+        for (lane, triangle) in projected.iter().enumerate() {
+            let bounds = space.map(&triangles.get(triangle.index).bounds());
+            for axis in 0..3 {
+                columns.min[axis][lane] = bounds.min[axis];
+                columns.max[axis][lane] = bounds.max[axis];
+            }
+        }
+        columns
     }
 }
 
@@ -95,5 +141,21 @@ impl ProjectedTriangle {
             Self { plane: unknown, u: unknown, v: unknown, steepness: f32::NAN, index }
         };
         (axis, triangle)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::accel::wide::build::build_quickly;
+    use crate::{Triangles, conformance::shapes::statue};
+
+    #[test]
+    fn trees_of_at_most_96_triangles_are_small() {
+        for (count, is_small) in [(0, false), (1, true), (96, true), (97, false)] {
+            let triangles =
+                Triangles::new(statue(2000).triangles()[..count].to_vec()).expect("valid triangles");
+            let trees = build_quickly(&triangles).expect("the tree can be built");
+            assert_eq!(trees[0].is_small(), is_small, "{count} triangles");
+        }
     }
 }

@@ -1,6 +1,10 @@
 //! Exhaustive queries: all triangles of a small tree are tested, each against eight rays at once, and no node is visited.
+//! Any-hit queries leave out the triangles outside of the rays' bounds.
 
 mod projected_test;
+#[cfg(test)]
+mod random_rays;
+mod segment_bounds;
 
 use super::deferred_decision::Candidates;
 use super::prefilter::Filtered;
@@ -12,20 +16,10 @@ use crate::accel::wide::tree::Tree;
 use crate::accel::wide::tree::projected_triangle::MOST_PROJECTED;
 use fearless_simd::SimdMask;
 use projected_test::ProjectedTest;
-
-/// The largest number of triangles for which any-hit queries test all of them (measured, docs/performance.md). For closest-hit
-/// queries it is [`MOST_PROJECTED`].
-const MOST_OF_ANY_HIT: usize = 48;
+use segment_bounds::SegmentBounds;
 
 /// Candidates are within the final limit already.
 const NO_LIMIT: f32 = f32::INFINITY;
-
-/// Whether batches of this query test all triangles of a tree instead of its nodes.
-#[inline(always)]
-pub(crate) fn is_exhaustive<Q: Query>(tree: &Tree) -> bool {
-    let most = if Q::ANY_HIT { MOST_OF_ANY_HIT } else { MOST_PROJECTED };
-    (1..=most).contains(&tree.projected.len())
-}
 
 /// The memory of exhaustive queries, for eight rays at a time.
 #[derive(Debug)]
@@ -85,8 +79,12 @@ impl ExhaustiveScratch {
         mut report: impl FnMut(usize, Q),
     ) {
         self.setups.set_for_projected(&simd.columns(rays), &tree.bounds, &tree.space);
-        let hits = self.test_all(simd, tree);
-        let (limit, answered) = self.apply_certain_hits::<S, Q>(simd, rays, hits);
+        let mut may_hit = 0;
+        for (i, &may_hit_one) in self.setups.may_hit.iter().enumerate() {
+            may_hit |= u8::from(may_hit_one) << i;
+        }
+        let hits = self.test_all::<S, Q>(simd, tree, may_hit);
+        let (limit, answered) = self.apply_certain_hits::<S, Q>(simd, rays, may_hit, hits);
         let mut queries = rays.each_ref().map(
             #[inline(always)]
             |ray| Q::new(ray),
@@ -110,21 +108,40 @@ impl ExhaustiveScratch {
         }
     }
 
-    /// Tests all triangles. Keeps those that any ray may hit, and returns how many they are.
+    /// Tests all triangles, for any-hit queries without those outside of the rays' bounds. Keeps those that any ray may hit, and
+    /// returns how many they are.
     #[inline(always)]
-    fn test_all<S: Simd>(&mut self, simd: S, tree: &Tree) -> usize {
-        debug_assert!(tree.projected.len() <= MOST_PROJECTED);
-        let mut count = 0;
-        for (axes, triangles) in tree.projected.by_axes() {
+    fn test_all<S: Simd, Q: Query>(&mut self, simd: S, tree: &Tree, may_hit: u8) -> usize {
+        // Segments are often short. Rays of closest-hit queries end where they leave the scene, so their bounds hold most of it.
+        let bounds = Q::ANY_HIT.then(
+            #[inline(always)]
+            || SegmentBounds::of(simd, &self.setups, may_hit),
+        );
+        let mut kept = 0;
+        for (axes, of_axis) in tree.projected.by_axes() {
             let test = ProjectedTest::new(simd, &self.setups, axes);
-            for triangle in triangles {
-                let filtered = test.filter(simd, triangle);
-                // Without a branch, which would be mispredicted, and with a remainder instead of a check of bounds.
-                self.hits[count % MOST_PROJECTED] = (triangle.index, filtered);
-                count += usize::from(filtered.possible != 0);
+            if let Some(bounds) = &bounds {
+                for (of_triangles, triangles) in of_axis.by_64() {
+                    for i in Bits(bounds.overlap(simd, of_triangles)) {
+                        let Some(triangle) = triangles.get(i) else { break };
+                        kept += self.keep(kept, triangle.index, test.filter(simd, triangle));
+                    }
+                }
+            } else {
+                for triangle in &of_axis.triangles {
+                    kept += self.keep(kept, triangle.index, test.filter(simd, triangle));
+                }
             }
         }
-        count.min(MOST_PROJECTED)
+        kept.min(MOST_PROJECTED)
+    }
+
+    /// Keeps the result of a test as the one of this number, if a hit is possible. Returns how many are added.
+    #[inline(always)]
+    fn keep(&mut self, number: usize, index: u32, filtered: Filtered) -> usize {
+        // Without a branch, which would be mispredicted, and with a remainder instead of a check of bounds.
+        self.hits[number % MOST_PROJECTED] = (index, filtered);
+        usize::from(filtered.possible != 0)
     }
 
     /// Removes the hits of rays that exclude the triangle or can hit nothing. Returns what certain hits tell: the limits beyond
@@ -134,12 +151,9 @@ impl ExhaustiveScratch {
         &mut self,
         simd: S,
         rays: &[Ray; LANES],
+        may_hit: u8,
         hits: usize,
     ) -> (S::F, u8) {
-        let mut may_hit = 0;
-        for (i, &may_hit_one) in self.setups.may_hit.iter().enumerate() {
-            may_hit |= u8::from(may_hit_one) << i;
-        }
         let excluded = |at: usize| {
             S::I::load_array(
                 simd,
@@ -161,26 +175,5 @@ impl ExhaustiveScratch {
             }
         }
         (limit, answered)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Triangles;
-    use crate::accel::query::{AnyHit, ClosestHit};
-    use crate::conformance::shapes::statue;
-
-    #[test]
-    fn small_trees_are_tested_whole() {
-        for (count, closest, any) in
-            [(0, false, false), (48, true, true), (49, true, false), (96, true, false), (97, false, false)]
-        {
-            let triangles =
-                Triangles::new(statue(2000).triangles()[..count].to_vec()).expect("valid triangles");
-            let trees = crate::accel::wide::build::build_quickly(&triangles).expect("the tree can be built");
-            assert_eq!(is_exhaustive::<ClosestHit>(&trees[0]), closest, "{count} triangles");
-            assert_eq!(is_exhaustive::<AnyHit>(&trees[0]), any, "{count} triangles");
-        }
     }
 }
