@@ -138,7 +138,8 @@ mod tests {
         let [a, b, c] = [Vec3::new(1.8, -0.5, -0.5), Vec3::new(1.8, 0.5, -0.5), Vec3::new(1.8, 0.0, 0.5)];
         let columns = columns(&[Triangle::new(a, b, c)], &space);
         let across = Ray::new(DVec3::new(-1.9, 0.0, 0.0), DVec3::X);
-        let short = across.with_range(0.0, 3.6);
+        // It ends before the triangle, and passes below: it brings the bounds to the triangle along no axis but z.
+        let short = Ray::new(DVec3::new(-1.9, -0.8, 0.0), DVec3::X).with_range(0.0, 3.6);
         let untraceable = Ray::new(DVec3::splat(f64::NAN), DVec3::X);
         let aside = Ray::new(DVec3::splat(3.0), DVec3::NEG_X);
         // Rounding moves it by more than the scene.
