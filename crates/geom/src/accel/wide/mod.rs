@@ -46,8 +46,8 @@ const _: () = {
 /// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
 /// 64 coherent rays in a row are traversed as a packet: rays from one point that exclude no triangle, such as those of 8 x
 /// 8 pixels, and for any-hit queries other rays as well, such as those from there to one light. Packets are counted from
-/// the start of the batch. In trees of at most 96 triangles, or 48 for any-hit queries, other rays of a batch visit no nodes: each
-/// triangle is tested, eight rays at a time.
+/// the start of the batch. In trees of at most 96 triangles other rays of a batch visit no nodes: triangles are tested one by one,
+/// eight rays at a time. Any-hit queries leave out those that the bounds of the eight segments do not overlap.
 ///
 /// A dense part that is tiny against the whole scene, such as a mesh beside a sun made of triangles (a *teapot in a stadium*),
 /// has a tree of its own (docs/accelerators.md).
