@@ -17,7 +17,7 @@ const FIRST: Duration = Duration::from_secs(5);
 pub(crate) trait Saved: Sized {
     fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError>;
     fn to_bytes(&self) -> Vec<u8>;
-    /// Whether the file at `path` holds all of the passes in `bytes` and more, as where another process went on.
+    /// Whether the file at `path` is whole and holds all of the passes in `bytes` and more, as where another process went on.
     fn is_surpassed(bytes: &[u8], path: &Path) -> bool;
     /// Whether it holds no pass.
     fn is_empty(&self) -> bool;
@@ -44,7 +44,7 @@ impl Saved for Picture {
             return false;
         };
         let (own, other) = (own.header(), other.header());
-        own.key == other.key && is_all_of(other, own) && !is_all_of(own, other)
+        own.key == other.key && is_all_of(other, own) && !is_all_of(own, other) && read::<Self>(path).is_ok()
     }
     fn is_empty(&self) -> bool {
         self.samples == 0
@@ -234,6 +234,12 @@ mod tests {
             let picture: Picture = read(&path).expect("it is whole");
             assert_eq!(picture.film.passes(), vec![there], "{held:?}");
         }
+        // A file that is damaged after its header holds nothing.
+        let mut bytes = passes(0..3).to_bytes();
+        *bytes.last_mut().expect("it is not empty") ^= 1;
+        std::fs::write(&path, bytes).expect("it can be written");
+        assert!(write(&path, &passes(0..2)).expect("it can be written"));
+        assert_eq!(read::<Picture>(&path).expect("it is whole").film.passes(), [0..2]);
     }
 
     /// Passes that are saved as nothing.

@@ -7,9 +7,10 @@ use crate::interrupt::Interrupt;
 use crate::job::BuiltSubject;
 use crate::json::to_json;
 use crate::{checkpoint, console, parse};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use globillum::integrator::{Picture, Render, Settings, Stop};
 use globillum::io::AtomicFile;
+use std::ffi::OsString;
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -58,14 +59,15 @@ pub(crate) struct Options {
     max_array_size: u32,
     /// The picture: `render` or `cornell` with its flags, as on the command line
     #[arg(last = true, required = true, value_name = "COMMAND")]
-    picture: Vec<String>,
+    picture: Vec<OsString>,
 }
 
 pub(crate) fn run(options: &Options) -> Result<()> {
     let job = &options.job;
     ensure!(!job.exists(), "{}: exists already", job.display());
     let interrupt = Interrupt::catch()?;
-    let command = PictureCommand::parse(&options.picture)?;
+    let picture: Vec<String> = options.picture.iter().map(as_text).collect::<Result<_>>()?;
+    let command = PictureCommand::parse(&picture)?;
     let flags = command.flags();
     flags.check_for_farm()?;
     let parts = parts_folder(job);
@@ -85,10 +87,16 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         None => (0..settings.passes(), settings.samples),
     };
     let division = Division::new(settings.width, settings.height, passes, options.tasks);
-    let plan = Plan::new(key, options.picture.clone(), camera.pinhole(), samples, division);
+    let plan = Plan::new(key, picture, camera.pinhole(), samples, division);
     let json = to_json(&plan)?;
     file.commit(|writer| writer.write_all(json.as_bytes()))?;
     console::print(table(job, &plan, &settings, options.max_array_size).as_bytes())
+}
+
+/// A word of the picture's command line as a job file can hold it.
+fn as_text(word: &OsString) -> Result<String> {
+    let text = word.clone().into_string();
+    text.map_err(|word| anyhow!("{}: is not UTF-8, which a job file must be", word.display()))
 }
 
 /// The passes after those of the pilot that its error asks for.

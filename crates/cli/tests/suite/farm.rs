@@ -413,6 +413,20 @@ fn a_task_that_is_terminated_goes_on() {
     assert!(fs::read(part(folder, 0)).expect("it is there") == read(folder, "one.film"));
 }
 
+/// A job file is text.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_of_a_plan_are_utf_8() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut command = GLOBILLUM.command(folder.path(), &["plan", "job.json", "--", "render"]);
+    let (code, _, error) = run(command.arg(OsStr::from_bytes(b"a\xff.glb")));
+    assert_eq!(code, Some(1), "{error}");
+    assert!(error.ends_with("a\u{fffd}.glb: is not UTF-8, which a job file must be\n"), "{error}");
+    assert!(!folder.path().join("job.json").exists());
+}
+
 /// A full disk may have room later.
 #[cfg(target_os = "linux")]
 #[test]

@@ -31,6 +31,10 @@ pub(super) fn add_all(
         count += 1;
         loading.check_count(count, loading.limits.delta_lights, "delta lights")?;
         let (json, place) = (&lights[index], Place::Light(index));
+        if json.intensity < 0.0 {
+            let message = format!("intensity is negative: {}", json.intensity);
+            return Err(IoError::Parse { at: loading.at(place), message });
+        }
         // Candela to watts per steradian, or lux to watts per square metre.
         let watts = f64::from(json.intensity) / luminous_efficacy;
         let Some(light) = of(json, watts, place, &placed, loading)? else {
