@@ -83,8 +83,9 @@ pub enum RenderError {
         message: String,
     },
     /// A panic while a tile was rendered: in an accelerator, [`Sensor::start`](crate::Sensor::start),
-    /// [`Monitor::progress`](crate::Monitor::progress) or [`Monitor::cancelled`](crate::Monitor::cancelled). The process and
-    /// later renders go on.
+    /// [`Monitor::progress`](crate::Monitor::progress) or [`Monitor::cancelled`](crate::Monitor::cancelled). A replay reports
+    /// panics before its tile so, too, also in [`Sensor::project`](crate::Sensor::project). The process and later renders go
+    /// on.
     #[error("panic in the tile at pixel ({x}, {y}): {message}")]
     Worker {
         /// Column of the tile's upper left pixel. While a guide is trained, that of the tile that trains; of a replay, that of

@@ -63,7 +63,7 @@ pub struct FirstHit {
 }
 
 impl FirstHit {
-    /// What a pixel shows that no ray through it hits anything in.
+    /// That of a pixel of which no ray hits anything.
     pub const NOTHING: Self = Self {
         depth: f64::INFINITY,
         normal: DVec3::ZERO,

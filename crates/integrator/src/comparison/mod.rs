@@ -140,7 +140,7 @@ impl Comparison {
         }
     }
 
-    /// The probability that equal pictures differ as much as these, by the test that says most; at most 1, and
+    /// The probability that equal pictures differ as much as these, by the test of the least probability; at most 1, and
     /// corrected for the number of tests (Bonferroni).
     ///
     /// Of few tiles it is never small, however much the pictures differ ([`Comparison::least_p_value`]): 0.63 for one pass of

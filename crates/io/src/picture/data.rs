@@ -23,8 +23,8 @@ use std::ops::Range;
 ///
 /// A crop is the data window of a file whose display window is the whole picture.
 ///
-/// A picture without known errors does not have `stderr`, `samples` and `observations`, one without first hits not what
-/// follows them. [Attributes](PictureData::attributes) are text, each
+/// A picture with neither known errors nor numbers of samples does not have `stderr`, `blockerr`, `samples` and
+/// `observations`, one without first hits not what follows them. [Attributes](PictureData::attributes) are text, each
 /// named `globillum.` and its name; the attribute `software` names this library and its version.
 ///
 /// ```no_run

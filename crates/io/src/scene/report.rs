@@ -84,7 +84,7 @@ pub enum WarningKind {
     PoseIgnored,
     /// Animations.
     AnimationsIgnored { count: usize },
-    /// An unsupported extension that is not required, or that changes only how surfaces look.
+    /// An unsupported extension that is not required, or that changes no triangle, light or camera.
     ExtensionIgnored { name: String },
     /// Triangles with collinear vertices, which are dropped.
     Degenerate { count: usize },

@@ -9,7 +9,7 @@
 //!   themselves are not kept.
 //! - [`trace`]: a ray alone, a packet of 64 coherent rays (from a common origin for any query, from anywhere for any
 //!   hit), or a stream of all other rays. In small trees, only packets from a common origin visit nodes; for other rays of a
-//!   batch all triangles are tested, eight rays at a time. A conservative test in `f32` leaves few triangles, which are decided
+//!   batch triangles are tested one by one, eight rays at a time. A conservative test in `f32` leaves few triangles, which are decided
 //!   exactly (docs/numerics.md).
 //! - [`simd`]: vectors of eight lanes. All of the above is written once over them, for each level of
 //!   [`cpu`](crate::cpu).
@@ -45,9 +45,10 @@ const _: () = {
 ///
 /// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
 /// 64 coherent rays in a row are traversed as a packet: rays from one point that exclude no triangle, such as those of 8 x
-/// 8 pixels, and for any-hit queries other rays as well, such as those from there to one light. Packets are counted from
-/// the start of the batch. In trees of at most 96 triangles other rays of a batch visit no nodes: triangles are tested one by one,
-/// eight rays at a time. Any-hit queries leave out those that the bounds of the eight segments do not overlap.
+/// 8 pixels, and for any-hit queries in trees of more than 96 triangles other rays as well, such as those from there to one light.
+/// Packets are counted from the start of the batch. In trees of at most 96 triangles other rays of a batch visit no nodes:
+/// triangles are tested one by one, eight rays at a time. Any-hit queries leave out those that the bounds of the eight segments
+/// do not overlap.
 ///
 /// A dense part that is tiny against the whole scene, such as a mesh beside a sun made of triangles (a *teapot in a stadium*),
 /// has a tree of its own (docs/accelerators.md).
@@ -111,9 +112,9 @@ impl WideBvh {
     /// ```
     ///
     /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n`
-    /// references (see [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 44 n + 1024` bytes:
-    /// for each reference, a leaf block of one and a node of two children; 44 for each triangle of a tree of at most 96; and 1024
-    /// more for each dense part. Building takes at most `1100 b + 2^17` bytes
+    /// references (see [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 68 n + 2048` bytes:
+    /// for each reference, a leaf block of one and a node of two children; 44 for each triangle of a tree of at most 96, and 192
+    /// for each eight of them that are projected along one axis; and 2048 more for each dense part. Building takes at most `1100 b + 2^17` bytes
     /// beside the triangles, on up to a hundred threads. For each reference these are two nodes of the k-d tree, a
     /// reference, and a box in a list with room for twice its length, 84 bytes; two binary nodes, 152; a leaf block of
     /// one, twice, 80; and a node, in a list with room for three times its length while it grows, 768. The rest is for
