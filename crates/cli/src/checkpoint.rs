@@ -239,7 +239,7 @@ mod tests {
         *bytes.last_mut().expect("it is not empty") ^= 1;
         std::fs::write(&path, bytes).expect("it can be written");
         assert!(write(&path, &passes(0..2)).expect("it can be written"));
-        assert_eq!(read::<Picture>(&path).expect("it is whole").film.passes(), [0..2]);
+        assert_eq!(read::<Picture>(&path).expect("it is whole").film.passes(), vec![0..2]);
     }
 
     /// Passes that are saved as nothing.

@@ -41,6 +41,9 @@ impl Interrupt {
             flag::register(number, Arc::clone(&caught))?;
             flag::register_usize(number, Arc::clone(&signal), number as usize)?;
         }
+        // By default, a write beyond the limit on a file's size ends the program. If its signal is caught, the write fails.
+        #[cfg(unix)]
+        flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
         // A terminal that closes and its shell both send it: the second does not end the program at once.
         let hangup = hangup();
         if let Some(number) = hangup {

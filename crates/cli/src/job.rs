@@ -12,6 +12,7 @@ use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::preview::Preview;
 use crate::summary::{self, PictureSummary, Timing};
+use crate::threads;
 use crate::view::{AnyCamera, CameraBy, View};
 use anyhow::{Context, Result};
 use globillum::geom::Accel;
@@ -79,6 +80,7 @@ impl Job {
         let flags = flags.resolved(default_out)?;
         flags.add_to(inputs).check()?;
         let interrupt = Interrupt::catch()?;
+        threads::start(flags.speed.threads)?;
         let outputs = Outputs::open(&flags.output, flags.report.stats.as_deref())?;
         let checkpoint = flags.checkpoints.save.open()?;
         Ok(Self { flags, outputs, checkpoint, interrupt })
@@ -103,7 +105,7 @@ impl Job {
         let (picture, render_seconds, traced) = monitor
             .run(|monitor| render.monitor(monitor).run(), &mut failures)
             .map_err(|error| flags.checkpoints.save.explain(error))?;
-        let ended_by = summary::reason(picture.ending, &interrupt);
+        let ended_by = summary::reason(picture.ending, &flags.stop(), &interrupt);
         let timing = Timing { build_seconds, render_seconds, traced, ended_by };
         let by = (camera, camera_by);
         let summary = PictureSummary::new(&name, &flags, &settings, &scene, by, &picture, timing);

@@ -32,6 +32,7 @@ mod preview;
 mod progress;
 mod report;
 mod summary;
+mod threads;
 mod usage;
 pub mod view;
 

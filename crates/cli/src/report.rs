@@ -1,7 +1,7 @@
 use crate::failures::in_one_line;
 use crate::interrupt::Interrupted;
 use crate::{console, exit, usage};
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use std::process::ExitCode;
 
 /// Runs a program with its parsed `options`, and returns its exit code.
@@ -31,7 +31,7 @@ pub fn report_and_exit<O>(
 /// Prints help or version as clap does, in colour on a terminal.
 fn print_help(help: &clap::Error) -> anyhow::Result<()> {
     match help.print() {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error).context("standard output"),
         _ => Ok(()),
     }
 }

@@ -8,7 +8,7 @@ use crate::json::to_json;
 use crate::monitor::RenderMonitor;
 use crate::output::TextOutput;
 use crate::summary::{PointsSummary, Timing, reason};
-use crate::{console, points};
+use crate::{console, points, threads};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
 
@@ -68,6 +68,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     check_name(&options.out)?;
     let flags = options.flags.resolved()?;
     let interrupt = Interrupt::catch()?;
+    threads::start(flags.speed.threads)?;
     let stats = flags.report.stats.as_deref();
     let check_files = |uses: Uses<'_>| {
         uses.written("--out", [&options.out])
@@ -97,7 +98,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let (picture, render_seconds, traced) = monitor
         .run(|monitor| render.monitor(monitor).run(), &mut failures)
         .map_err(|error| flags.checkpoints.save.explain(error))?;
-    let ended_by = reason(picture.ending, &interrupt);
+    let ended_by = reason(picture.ending, &flags.stop(), &interrupt);
     let timing = Timing { build_seconds, render_seconds, traced, ended_by };
     let summary = PointsSummary::new(&name, &flags, &scene, &picture, timing);
     let data_on_stdout = out.is_stdout() || stats_output.as_ref().is_some_and(TextOutput::is_stdout);

@@ -7,7 +7,7 @@ use crate::flags::PictureOutput;
 use crate::interrupt::{Interrupt, NOTHING};
 use crate::merging::{self, Merged};
 use crate::output::{Outputs, STDOUT};
-use crate::{console, overwrite_check, parse, summary};
+use crate::{console, overwrite_check, parse, summary, threads};
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{CheckpointError, CheckpointHeader};
 use globillum::io::PictureData;
@@ -72,6 +72,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     ensure!(!is_stdout, "--checkpoint -: a checkpoint needs a file");
     options.check_files()?;
     let interrupt = Interrupt::catch()?;
+    threads::start(0)?;
     let outputs = Outputs::open(&options.output, None)?;
     let expected = options.expected()?;
     let parts = match &expected {

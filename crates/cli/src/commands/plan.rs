@@ -6,7 +6,7 @@ use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
 use crate::job::BuiltSubject;
 use crate::json::to_json;
-use crate::{checkpoint, console, parse};
+use crate::{checkpoint, console, parse, threads};
 use anyhow::{Context, Result, anyhow, ensure};
 use globillum::integrator::{Picture, Render, Settings, Stop};
 use globillum::io::AtomicFile;
@@ -70,6 +70,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let command = PictureCommand::parse(&picture)?;
     let flags = command.flags();
     flags.check_for_farm()?;
+    threads::start(flags.speed.threads)?;
     let parts = parts_folder(job);
     Uses::default().written("the job", [job]).written("the folder of its parts", [&parts]).check()?;
     let has_parts = fs::read_dir(&parts).is_ok_and(|mut files| files.next().is_some());

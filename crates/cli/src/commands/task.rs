@@ -7,7 +7,7 @@ use crate::file_conflicts::Uses;
 use crate::interrupt::Interrupt;
 use crate::job::BuiltSubject;
 use crate::monitor::RenderMonitor;
-use crate::{checkpoint_coverage, console, parse};
+use crate::{checkpoint_coverage, console, parse, threads};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use globillum::integrator::{CheckpointError, Picture, Render, Settings};
 use std::iter;
@@ -66,9 +66,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         return console::print(format!("{task}: is complete\n").as_bytes());
     }
     let command = PictureCommand::parse(&plan.picture).with_context(|| job.display().to_string())?;
-    let BuiltSubject { scene, camera, .. } = command.build(&interrupt)?;
     let mut settings = command.flags().settings();
     (settings.samples, settings.threads) = (plan.samples, options.threads()?.unwrap_or(settings.threads));
+    threads::start(settings.threads)?;
+    let BuiltSubject { scene, camera, .. } = command.build(&interrupt)?;
     let render =
         Render::new(&scene, camera.sensor(), &settings).rows(task.rows.clone()).passes(task.passes.clone());
     let name = job.display();

@@ -6,7 +6,7 @@ use crate::interrupt::Interrupt;
 use crate::load::{self, Warnings};
 use crate::monitor::RenderMonitor;
 use crate::patches::{NamedPatches, PatchKind};
-use crate::{console, parse};
+use crate::{console, parse, threads};
 use anyhow::{Result, anyhow, bail};
 use globillum::geom::Triangles;
 use globillum::integrator::view_factors::{
@@ -101,6 +101,7 @@ pub(crate) struct Options {
 pub(crate) fn run(options: &Options) -> Result<()> {
     let format = format_of(&options.out)?;
     let interrupt = Interrupt::catch()?;
+    threads::start(options.speed.threads)?;
     let check_files = |uses: Uses<'_>| {
         uses.written("--out", [&options.out]).written("--checkpoint", options.save.path()).check()
     };

@@ -75,6 +75,8 @@ pub(crate) struct CheckpointFlags {
     #[serde(flatten)]
     pub(crate) save: SaveFlags,
     /// Render only passes A to B - 1, to be joined with others by `globillum merge`
+    ///
+    /// With --resume, other passes that the checkpoint holds stay in it and in the picture.
     #[arg(long, value_name = "A..B", value_parser = parse::passes, allow_hyphen_values = true)]
     #[serde(serialize_with = "as_text")]
     pub(crate) passes: Option<Range<u32>>,
@@ -92,6 +94,11 @@ impl CheckpointFlags {
         beyond.map_or(Ok(()), |Range { start, end }| {
             bail!("--passes {start}..{end}: --spp {samples} has only passes 0..{passes}")
         })
+    }
+
+    /// How many of `passes` are rendered.
+    pub(super) fn rendered(&self, passes: u32) -> u32 {
+        self.passes.as_ref().map_or(passes, |asked| asked.end - asked.start)
     }
 
     /// The same render, of the passes asked for, resumed from the checkpoint if it is there.

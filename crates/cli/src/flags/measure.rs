@@ -36,6 +36,7 @@ impl MeasureFlags {
         flags.speed.threads = self.speed.resolved_threads();
         let settings = flags.apply_to(Settings::new(1, 1, 1));
         flags.checkpoints.check(settings.passes(), settings.samples)?;
+        flags.stop.check(flags.checkpoints.rendered(settings.passes()))?;
         Ok(flags)
     }
 

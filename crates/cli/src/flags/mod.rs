@@ -100,8 +100,8 @@ impl RenderFlags {
             "--buffers: only OpenEXR pictures hold them; --out names none"
         );
         let passes = self.settings().passes();
-        self.stop.check(passes)?;
-        self.checkpoints.check(passes, self.settings().samples)
+        self.checkpoints.check(passes, self.settings().samples)?;
+        self.stop.check(self.checkpoints.rendered(passes))
     }
 
     /// Samples of a pixel, if a flag says how many.

@@ -104,9 +104,10 @@ impl<'a> RunFigures<'a> {
 const ALL_SAMPLES: &str = "all samples taken";
 
 /// Why a render ended that `interrupt` can cancel.
-pub(crate) fn reason(ending: Ending, interrupt: &Interrupt) -> &'static str {
+pub(crate) fn reason(ending: Ending, stop: &Stop, interrupt: &Interrupt) -> &'static str {
     match ending {
         Ending::Samples => ALL_SAMPLES,
+        Ending::Goals if stop.pilot.is_some() => "the samples that the pilot asked for",
         Ending::Goals => "the error reached",
         Ending::Seconds => "the time given",
         Ending::Cancelled => interrupt.canceller(),

@@ -134,9 +134,11 @@ fn what_cannot_be_continued_is_named() {
 #[test]
 fn an_error_can_be_asked_for() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for pilot in [&[][..], &["--pilot", "4"]] {
+    for (pilot, reason) in
+        [(&[][..], "the error reached"), (&["--pilot", "4"], "the samples that the pilot asked for")]
+    {
         let said = CORNELL.succeed(folder.path(), &[&SMALL[..], &["--error", "0.3"], pilot].concat());
-        assert!(said.contains("ended by      the error reached"), "{said}");
+        assert!(said.contains(&format!("ended by      {reason}\n")), "{said}");
     }
     let said =
         CORNELL.succeed(folder.path(), &[&SMALL[..], &["--seconds", "0.2", "--error", "1e-9"]].concat());

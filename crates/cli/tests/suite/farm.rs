@@ -427,6 +427,31 @@ fn names_of_a_plan_are_utf_8() {
     assert!(!folder.path().join("job.json").exists());
 }
 
+/// Threads that the system refuses now may be had later. It refuses those with stacks larger than all memory.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_lack_of_threads_is_worth_another_try() {
+    let folder = rendered();
+    let folder = folder.path();
+    fs::remove_file(part(folder, 0)).expect("it is there");
+    let without_threads =
+        |command: &mut Command| run(command.env("RUST_MIN_STACK", (1_u64 << 47).to_string()));
+    let arguments: [&[&str]; 5] = [
+        &["task", "job.json", "--index", "0", "--threads", "1"],
+        &["merge", "job.parts/task-000001.part", "--out", "a.png"],
+        &["cornell", "--width", "8", "--height", "8", "--spp", "1", "--threads", "1"],
+        &["plan", "b.json", "--", "cornell", "--spp", "16"],
+        &["irradiance", "a.obj", "--points", "points.csv", "--samples", "1"],
+    ];
+    fs::write(folder.join("points.csv"), "0,0,0,0,1,0\n").expect("an empty folder");
+    fs::write(folder.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("an empty folder");
+    for arguments in arguments {
+        let (code, said, error) = without_threads(&mut GLOBILLUM.command(folder, arguments));
+        assert_eq!((code, &*said), (Some(75), ""), "{arguments:?}: {error}");
+        assert!(error.starts_with("error: worker threads: ") && error.lines().count() == 1, "{error}");
+    }
+}
+
 /// A full disk may have room later.
 #[cfg(target_os = "linux")]
 #[test]

@@ -40,6 +40,41 @@ fn end(child: Child) -> (Output, String) {
     (output, said)
 }
 
+/// A checkpoint that exceeds the limit on the size of files does not end the program: the picture is written.
+#[test]
+fn a_limit_on_the_size_of_files_is_an_error() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    // Limits are in units of 512 or 1024 bytes.
+    let limited = ["-c", "ulimit -f 8 && exec \"$@\"", "sh", CORNELL.path, "cornell"];
+    let size = ["--width", "24", "--height", "24", "--spp", "32", "--threads", "1"];
+    let mut command = Command::new("sh");
+    command.args(limited).args(size).args(["--checkpoint", "parts", "--out", "a.png"]).current_dir(folder);
+    let (output, said) = end(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("a shell"));
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.starts_with("error: parts: cannot be written: File too large"), "{said}");
+    assert_eq!(names(folder), ["a.png"]);
+}
+
+/// One thread builds, another one renders, and the first one of the program waits for both.
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_are_as_many_as_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut child = start(folder.path(), &[&ENDLESS[..], &["--threads", "1", "--scene", "1"]].concat());
+    let tasks = format!("/proc/{}/task", child.id());
+    let (mut most, mut looks_at_most) = (0, 0);
+    while most < 3 || looks_at_most < 100 {
+        assert_eq!(child.try_wait().expect("it is our own"), None, "it ended too soon");
+        most = most.max(std::fs::read_dir(&tasks).map_or(0, Iterator::count));
+        looks_at_most += u32::from(most >= 3);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().expect("it is our own");
+    end(child);
+    assert_eq!(most, 3);
+}
+
 /// Nothing but a signal ends this render.
 const ENDLESS: [&str; 6] = ["--width", "48", "--height", "32", "--error", "1e-12"];
 
