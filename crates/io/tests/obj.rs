@@ -107,6 +107,7 @@ fn line_ends_marks_tabs_and_continuations_do_not_matter() {
         obj.replace(' ', "\t"),
         obj.replace("f 1 2 3", "  f 1 \\\n 2 \\\n 3"),
         obj.replace("f 1 2 3", "f 1 \\\r\n2 3\r"),
+        format!("# C:\\\n  # C:\\\n{}", obj.replace("0\n", "0 # C:\\\n")),
     ];
     for variant in variants {
         assert_eq!(load(&variant).unwrap().model, expected, "{variant:?}");

@@ -142,7 +142,7 @@ fn lossy(bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> String {
     text
 }
 
-/// `text` with each line that ends in a backslash joined to the next.
+/// `text` with each line that ends in a backslash joined to the next, unless the backslash ends a comment.
 ///
 /// Empty lines follow the joined line, so that the line numbers below it do not change.
 fn joined(text: String) -> String {
@@ -153,7 +153,7 @@ fn joined(text: String) -> String {
     let mut continued = 0;
     for line in text.lines() {
         match line.strip_suffix('\\') {
-            Some(head) if !line.starts_with('#') => {
+            Some(head) if !has_comment(line) => {
                 out.extend([head, " "]);
                 continued += 1;
             }
@@ -165,4 +165,9 @@ fn joined(text: String) -> String {
         }
     }
     out
+}
+
+/// Whether the line is or ends in a comment: whether one of its words begins with `#`.
+fn has_comment(line: &str) -> bool {
+    line.split_ascii_whitespace().any(|word| word.starts_with('#'))
 }
