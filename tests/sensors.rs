@@ -110,6 +110,7 @@ fn what_cannot_be_traced_is_an_error_that_names_the_element() {
         PathStart::Ray(Ray::new(nan, DVec3::X)),
         PathStart::Ray(Ray::new(DVec3::ZERO, DVec3::ZERO)),
         PathStart::Irradiance { position: nan, normal: DVec3::X },
+        PathStart::Irradiance { position: 1e100 * DVec3::X, normal: DVec3::X },
         PathStart::Irradiance { position: DVec3::ZERO, normal: nan },
         PathStart::Irradiance { position: DVec3::ZERO, normal: DVec3::ZERO },
         PathStart::Irradiance { position: DVec3::ZERO, normal: 1.001 * DVec3::X },

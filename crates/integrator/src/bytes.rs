@@ -1,4 +1,4 @@
-//! Numbers as bytes, and checksums.
+//! ByteReader as bytes, and checksums.
 
 use crate::CheckpointError;
 use crate::hash::fold;
@@ -53,9 +53,9 @@ pub(super) fn read(source: &mut impl Read, length: u64, bytes: &mut Vec<u8>) -> 
 
 /// Takes numbers from the front.
 #[derive(Debug)]
-pub(super) struct Numbers<'a>(pub(super) &'a [u8]);
+pub(super) struct ByteReader<'a>(pub(super) &'a [u8]);
 
-impl Numbers<'_> {
+impl ByteReader<'_> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N], CheckpointError> {
         let (head, rest) = self.0.split_first_chunk().ok_or(CheckpointError::Length)?;
         self.0 = rest;

@@ -9,25 +9,25 @@ pub(crate) struct PixelRect {
 }
 
 /// Pixels along each side of a square, which is the usual tile. With four samples of each, a wavefront has 1,024 paths.
-pub(crate) const TILE_SIDE: u32 = 16;
+pub(crate) const SQUARE_SIDE: u32 = 16;
 
 /// Pixels along each side of the blocks whose means are observed.
 pub(crate) const BLOCK_SIDE: u32 = 4;
 
 impl PixelRect {
     /// The tiles of `window`, a rectangle of pixels, row by row: squares, of which parts may lie outside. Where the window
-    /// has half of [`TILE_SIDE`] columns or less, a tile is several squares above each other, with at most
-    /// `TILE_SIDE * TILE_SIDE` pixels in all.
+    /// has half of [`SQUARE_SIDE`] columns or less, a tile is several squares above each other, with at most
+    /// `SQUARE_SIDE * SQUARE_SIDE` pixels in all.
     pub(crate) fn tiles(window: PixelRect) -> impl Iterator<Item = PixelRect> {
-        let height = TILE_SIDE * (TILE_SIDE / window.width.clamp(1, TILE_SIDE));
-        let tiles = Self::grid([window.width, window.height], [TILE_SIDE, height]);
+        let height = SQUARE_SIDE * (SQUARE_SIDE / window.width.clamp(1, SQUARE_SIDE));
+        let tiles = Self::grid([window.width, window.height], [SQUARE_SIDE, height]);
         tiles.map(move |tile| PixelRect { x: window.x + tile.x, y: window.y + tile.y, ..tile })
     }
 
-    /// The square of [`TILE_SIDE`] x [`TILE_SIDE`] pixels that holds pixel (`x`, `y`), within a picture of this size.
+    /// The square of [`SQUARE_SIDE`] x [`SQUARE_SIDE`] pixels that holds pixel (`x`, `y`), within a picture of this size.
     pub(crate) fn square_around(x: u32, y: u32, [width, height]: [u32; 2]) -> PixelRect {
-        let start = |x: u32| x - x % TILE_SIDE;
-        let length = |x: u32, end: u32| TILE_SIDE.min(end - start(x));
+        let start = |x: u32| x - x % SQUARE_SIDE;
+        let length = |x: u32, end: u32| SQUARE_SIDE.min(end - start(x));
         PixelRect { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
     }
 

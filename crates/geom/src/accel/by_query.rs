@@ -3,15 +3,15 @@
 /// The methods of [`Traverse`](crate::Traverse) for a type with a method `query`, its one traversal.
 macro_rules! traverse_by_query {
     () => {
-        fn closest<P: $crate::QueryCounter>(
+        fn closest<C: $crate::QueryCounter>(
             &self,
             ray: &$crate::Ray,
-            counter: &mut P,
+            counter: &mut C,
         ) -> Option<$crate::Hit> {
             use $crate::accel::query::{ClosestHit, Query as _};
             self.query(ray, ClosestHit::new(ray), counter).answer()
         }
-        fn any<P: $crate::QueryCounter>(&self, ray: &$crate::Ray, counter: &mut P) -> bool {
+        fn any<C: $crate::QueryCounter>(&self, ray: &$crate::Ray, counter: &mut C) -> bool {
             use $crate::accel::query::{AnyHit, Query as _};
             self.query(ray, AnyHit::new(ray), counter).answer()
         }

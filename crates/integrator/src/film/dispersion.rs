@@ -1,7 +1,7 @@
 //! How certain a picture's variance is.
 
 use super::moments::{Moments, Tally};
-use crate::pixel_rect::{BLOCK_SIDE, PixelRect, TILE_SIDE};
+use crate::pixel_rect::{BLOCK_SIDE, PixelRect, SQUARE_SIDE};
 use std::slice::Chunks;
 
 /// The width of a film, and the side of blocks of pixels, by which it is divided from its upper left corner.
@@ -114,12 +114,12 @@ impl Blocks {
 
     /// `pixels`, a row of tiles at a time.
     pub(crate) fn tile_rows<'a, T>(&self, pixels: &'a [T]) -> Chunks<'a, T> {
-        pixels.chunks(self.width as usize * TILE_SIDE as usize)
+        pixels.chunks(self.width as usize * SQUARE_SIDE as usize)
     }
 
     /// Those of `blocks`, one for each block of a film, that are in a row of tiles.
     pub(crate) fn of_tile_row<'a, T>(&self, blocks: &'a [T], index: usize) -> &'a [T] {
-        let count = self.width.div_ceil(self.side) as usize * (TILE_SIDE / self.side) as usize;
+        let count = self.width.div_ceil(self.side) as usize * (SQUARE_SIDE / self.side) as usize;
         &blocks[count * index..blocks.len().min(count * (index + 1))]
     }
 

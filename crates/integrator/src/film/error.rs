@@ -12,7 +12,8 @@ use std::cmp::Reverse;
 #[non_exhaustive]
 pub struct ErrorEstimate {
     /// Root of the mean squared error: the standard errors of the pixels, averaged as squares, over
-    /// the picture's mean radiance. Infinite before there are two observations, 0 if no pixel varied: that is certain only
+    /// the picture's mean radiance. Infinite before there are two observations, and if the mean is not above 0: samples of
+    /// [`PathReuse::Tiles`](crate::PathReuse) may be negative. 0 if no pixel varied: that is certain only
     /// where [`interval_95`](Self::interval_95) ends at 0, and where radiance is not so small that variances underflow,
     /// below 1e-154.
     pub relative_rmse: f64,
@@ -68,11 +69,11 @@ impl PixelSums {
 
     /// [`ErrorEstimate::relative_rmse`] of the pixels added; infinite if there are none.
     pub fn relative_rmse(&self) -> f64 {
-        let mse = (self.variance / self.pixels as f64).mean();
+        let [mse, mean] = [self.variance, self.mean].map(|sum| (sum / self.pixels as f64).mean());
         if mse == 0.0 {
             0.0
-        } else if mse.is_finite() {
-            mse.sqrt() / (self.mean / self.pixels as f64).mean()
+        } else if mse.is_finite() && mean > 0.0 {
+            mse.sqrt() / mean
         } else {
             f64::INFINITY
         }

@@ -30,10 +30,9 @@ pub(super) fn margin_95(
             *around = if *around == 0.0 { picture } else { *around };
         }
     }
+    let [r, g, b] = around;
     let quantile = student::quantile_975(observations - 1);
-    let own = own.to_array();
-    let [r, g, b] = std::array::from_fn(|c| f64::max(quantile * own[c].sqrt(), AROUND * around[c].sqrt()));
-    Rgb::new(r, g, b)
+    own.map(|own| quantile * own.sqrt()).max(Rgb::new(r, g, b).map(|around| AROUND * around.sqrt()))
 }
 
 #[cfg(test)]

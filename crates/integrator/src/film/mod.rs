@@ -25,7 +25,7 @@ pub(crate) use pass_node::PassNode;
 pub use picture::{Ending, Picture};
 pub(crate) use window::Window;
 
-use crate::pixel_rect::{PixelRect, TILE_SIDE};
+use crate::pixel_rect::{PixelRect, SQUARE_SIDE};
 use crate::{CheckpointError, PathReuse};
 use globillum_material::Rgb;
 use pass_node::{insert, passes_of};
@@ -75,7 +75,7 @@ pub struct Film {
 
 impl Film {
     /// Rows of pixels in a row of tiles. A strip begins at a multiple of it, and ends at one or with the picture.
-    pub const TILE_ROWS: u32 = TILE_SIDE;
+    pub const TILE_ROWS: u32 = SQUARE_SIDE;
 
     /// A film without passes of these rows of a picture that ends with them.
     pub(crate) fn new(width: u32, rows: Range<u32>, path_reuse: PathReuse) -> Self {

@@ -46,7 +46,7 @@ pub(crate) enum Light<'a> {
 pub(crate) struct AreaProb {
     pub(crate) prob: f64,
     /// The density of a point that is then sampled uniformly by area, the choice included.
-    pub(crate) density: PdfArea,
+    pub(crate) pdf: PdfArea,
 }
 
 /// A triangle that emits, with what is precomputed for all receivers.
@@ -75,7 +75,7 @@ impl AreaLight {
             prob: AreaProb {
                 prob: weight / total,
                 // The area cancels.
-                density: PdfArea(emission.exitance().luminance() * raise / total),
+                pdf: PdfArea(emission.exitance().luminance() * raise / total),
             },
             area: triangle.area(),
             middle: (a + b + c) / 3.0,
@@ -91,7 +91,7 @@ impl AreaLight {
 
     #[inline(always)]
     fn chosen_with(&self, prob: f64) -> AreaProb {
-        AreaProb { prob, density: PdfArea(prob / self.area) }
+        AreaProb { prob, pdf: PdfArea(prob / self.area) }
     }
 
     fn moments(&self, triangle: &Triangle) -> LightMoments {

@@ -206,7 +206,7 @@ impl LightSampler<'_> {
         }
         let pdf = match spherical {
             Some(spherical) => spherical.pdf().chosen_with(prob.prob),
-            None => prob.density.to_solid_angle(distance_sq, cos_light)?,
+            None => prob.pdf.to_solid_angle(distance_sq, cos_light)?,
         };
         Some(AreaLightSample { point, direction, radiance, pdf })
     }
@@ -219,21 +219,16 @@ impl LightSampler<'_> {
     /// [`PdfSolidAngle::power_heuristic`].
     #[inline(always)]
     pub fn pdf(&self, at: &Interaction<'_>) -> PdfSolidAngle {
+        let (point, none) = (&at.point, PdfSolidAngle(0.0));
         if at.emitted().is_black() {
-            return PdfSolidAngle(0.0);
+            return none;
         }
-        self.density(&at.point)
-    }
-
-    /// [`LightSampler::pdf`] for a point of a triangle.
-    fn density(&self, point: &SurfacePoint) -> PdfSolidAngle {
-        let none = PdfSolidAngle(0.0);
         let Some(prob) = self.lights.prob(self.receiver, point.triangle) else { return none };
         match self.by_solid_angle(self.triangles.get(point.triangle)) {
             Some(spherical) => spherical.pdf().chosen_with(prob.prob),
             None => {
                 let Line { distance_sq, cos_light, .. } = self.line_to(point);
-                prob.density.to_solid_angle(distance_sq, cos_light).unwrap_or(none)
+                prob.pdf.to_solid_angle(distance_sq, cos_light).unwrap_or(none)
             }
         }
     }

@@ -1,4 +1,4 @@
-use crate::pixel_rect::{PixelRect, TILE_SIDE};
+use crate::pixel_rect::{PixelRect, SQUARE_SIDE};
 use std::ops::Range;
 
 /// The samples that a wavefront traces: the same ones of each pixel of a tile. They are numbered pixel by pixel, in the order
@@ -40,7 +40,7 @@ impl TileSamples {
 
     /// How many samples a square has. They follow each other, since squares of a tile lie above each other.
     pub(super) fn per_square(&self) -> usize {
-        (TILE_SIDE * self.tile.width) as usize * self.in_pixel.len()
+        (SQUARE_SIDE * self.tile.width) as usize * self.in_pixel.len()
     }
 }
 

@@ -1,5 +1,5 @@
 use crate::hash::{fold, sources};
-use crate::{DeltaLight, Scene, Sensor, Settings};
+use crate::{DeltaLight, Roulette, Scene, Sensor, Settings};
 use globillum_geom::Accel;
 use globillum_material::{Bsdf, Material, Rgb};
 use std::hash::Hasher;
@@ -58,24 +58,43 @@ impl Key {
     }
 
     fn add_settings(&mut self, settings: &Settings) {
-        let Settings { width, height, samples: _, pass_samples, threads: _, .. } = *settings;
+        // All fields are listed, so that a new one cannot be forgotten.
+        let &Settings {
+            width,
+            height,
+            samples: _,
+            pass_samples,
+            sampler,
+            filter,
+            seed,
+            threads: _,
+            max_bounces,
+            estimator,
+            light_sampling,
+            light_samples,
+            mirror_sampling,
+            supersampling,
+            path_reuse,
+            guiding,
+            roulette: Roulette { start, threshold },
+        } = settings;
         let kinds = [
-            settings.sampler as u32,
-            settings.filter as u32,
-            settings.estimator as u32,
-            settings.light_sampling as u32,
-            settings.mirror_sampling as u32,
-            settings.path_reuse.code(),
-            settings.supersampling as u32,
-            settings.guiding as u32,
+            sampler as u32,
+            filter as u32,
+            estimator as u32,
+            light_sampling as u32,
+            mirror_sampling as u32,
+            path_reuse.code(),
+            supersampling as u32,
+            guiding as u32,
         ];
-        for part in [width, height, pass_samples, settings.light_samples].into_iter().chain(kinds) {
+        for part in [width, height, pass_samples, light_samples].into_iter().chain(kinds) {
             self.add(part.into());
         }
-        self.add(settings.roulette.start.into());
-        self.add(settings.roulette.threshold.to_bits());
-        self.add(settings.seed);
-        self.add(settings.max_bounces.map_or(u64::MAX, u64::from));
+        self.add(start.into());
+        self.add(threshold.to_bits());
+        self.add(seed);
+        self.add(max_bounces.map_or(u64::MAX, u64::from));
     }
 }
 

@@ -135,8 +135,7 @@ impl IrradiancePoints {
         self.rows.iter().filter(move |row| (start..end).contains(row)).map(move |&row| {
             let (position, normal) = self.points[row as usize];
             let (irradiance, variance) = (film.mean(0, row - start), film.variance_of_mean(0, row - start));
-            let [r, g, b] = variance.to_array().map(f64::sqrt);
-            let std_err = Rgb::new(r, g, b);
+            let std_err = variance.map(f64::sqrt);
             Reading { position, normal, irradiance, std_err, margin_95: std_err * quantile }
         })
     }

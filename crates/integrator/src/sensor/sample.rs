@@ -133,8 +133,8 @@ pub enum PathStart {
     ///
     /// `position` may lie on a surface ([`Triangles::given_point`](globillum_geom::Triangles::given_point) says how
     /// exactly). The path begins with a vertex there, as if a camera saw a matte surface: lights are sampled at it,
-    /// and it counts as the first [bounce](crate::Settings::max_bounces). A coordinate that is not finite, or a
-    /// normal whose length differs from 1 by more than about 1e-4, is an error of the render.
+    /// and it counts as the first [bounce](crate::Settings::max_bounces). A coordinate beyond
+    /// [`Ray::MAX_ORIGIN`], or a normal whose length differs from 1 by more than about 1e-4, is an error of the render.
     Irradiance {
         /// Where, in world space.
         position: DVec3,
@@ -151,7 +151,9 @@ impl PathStart {
     pub(crate) fn is_valid(&self) -> bool {
         match self {
             Self::Ray(ray) => ray.is_traceable(),
-            Self::Irradiance { position, normal } => position.is_finite() && normal.is_normalized(),
+            Self::Irradiance { position, normal } => {
+                position.abs().cmple(DVec3::splat(Ray::MAX_ORIGIN)).all() && normal.is_normalized()
+            }
             Self::Nowhere => true,
         }
     }

@@ -6,7 +6,7 @@ mod pixel_filter;
 pub use estimator::Estimator;
 pub use pixel_filter::PixelFilter;
 
-use crate::pixel_rect::TILE_SIDE;
+use crate::pixel_rect::SQUARE_SIDE;
 use crate::{LightSampling, RenderError, Sampler, Sensor};
 use std::ops::Range;
 
@@ -126,7 +126,7 @@ impl PathReuse {
     pub fn tile_side(self) -> u32 {
         match self {
             Self::Off => 1,
-            Self::Tiles => TILE_SIDE,
+            Self::Tiles => SQUARE_SIDE,
         }
     }
 

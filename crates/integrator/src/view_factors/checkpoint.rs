@@ -3,7 +3,7 @@
 
 use super::row::Row;
 use super::{FactorSettings, ViewFactors};
-use crate::bytes::{Numbers, sealed, unsealed};
+use crate::bytes::{ByteReader, sealed, unsealed};
 use crate::error::CHECKPOINT_VERSION;
 use crate::{CheckpointError, Ending, Sampler};
 
@@ -28,7 +28,7 @@ impl ViewFactors {
     /// [`CheckpointError`] for any other bytes, without having allocated more memory than a small multiple of their
     /// length.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
-        let mut numbers = Numbers(bytes.strip_prefix(&MAGIC).ok_or(CheckpointError::NoCheckpoint)?);
+        let mut numbers = ByteReader(bytes.strip_prefix(&MAGIC).ok_or(CheckpointError::NoCheckpoint)?);
         let version = numbers.u32()?;
         if version != CHECKPOINT_VERSION {
             return Err(CheckpointError::Version(version));

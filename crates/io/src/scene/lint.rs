@@ -68,7 +68,7 @@ struct Planes {
 
 impl Planes {
     fn key(&self, triangle: &Triangle) -> [i64; 4] {
-        let normal = normal(triangle);
+        let normal = triangle.normal();
         let first = normal.to_array().into_iter().find(|x| x.abs() > RESOLUTION).unwrap_or(1.0);
         let normal = normal * first.signum();
         let offset = (triangle.vertices[0].as_dvec3() - self.middle).dot(normal) / self.size;
@@ -76,14 +76,9 @@ impl Planes {
     }
 }
 
-fn normal(triangle: &Triangle) -> DVec3 {
-    let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
-    (b - a).normalize_or_zero().cross((c - a).normalize_or_zero()).normalize_or_zero()
-}
-
 /// Whether two coplanar triangles overlap in more than an edge: no edge of either separates them.
 fn overlap(a: &Triangle, b: &Triangle) -> bool {
-    let normal = normal(a).abs();
+    let normal = a.normal().abs();
     // The projection along the normal's largest component is not degenerate.
     let flat = |t: &Triangle| {
         t.vertices.map(|v| v.as_dvec3()).map(|v| {

@@ -1,3 +1,5 @@
+use crate::Ray;
+
 /// The triangles tested last: mailboxing avoids repeated tests of a triangle that several cells along a ray
 /// reference (Amanatides and Woo, 1987, section 3), here with a hash table per ray (Benthin, 2006).
 #[derive(Debug)]
@@ -8,8 +10,7 @@ const SLOTS: usize = 16;
 
 impl Mailbox {
     pub(super) fn new() -> Self {
-        // No triangle has this index.
-        Self([u32::MAX; SLOTS])
+        Self([Ray::NO_TRIANGLE; SLOTS])
     }
 
     /// Whether `triangle` is not in the table; inserts it.

@@ -19,7 +19,7 @@ impl Branch {
 
     /// Appends a leaf with these references.
     pub(super) fn add_leaf(&mut self, mut refs: Vec<PrimRef>) {
-        refs.sort_unstable_by_key(|m| m.index);
+        refs.sort_unstable_by_key(|reference| reference.index);
         let (first, count) = (self.refs.len() as u32, refs.len() as u32);
         self.refs.append(&mut refs);
         self.nodes.push(Node::Leaf { first, count });
@@ -53,7 +53,7 @@ impl Branch {
     pub(super) fn collapse(&mut self, start: (usize, usize)) {
         self.nodes.truncate(start.0);
         let mut refs = self.refs.split_off(start.1);
-        refs.sort_unstable_by_key(|m| m.index);
+        refs.sort_unstable_by_key(|reference| reference.index);
         refs.dedup_by(|part, all| {
             let is_same = part.index == all.index;
             if is_same {

@@ -236,7 +236,10 @@ impl Builder<'_> {
         }
         let split = match &cell.events {
             Some(events) => cheapest_split(bounds, refs.len(), events, &self.costs)?,
-            None => Split::count(choose_plane(self.options, bounds, refs)?, refs.iter().map(|m| &m.bounds)),
+            None => Split::count(
+                choose_plane(self.options, bounds, refs)?,
+                refs.iter().map(|reference| &reference.bounds),
+            ),
         };
         let pays = self.costs.of_split(bounds, &split) < refs.len() as f64;
         let unpaid = if pays { 0 } else { cell.unpaid + 1 };

@@ -94,7 +94,7 @@ mod tests {
         let plane = Plane { axis, position, within: Side::Lower };
         PrimRef::new(&triangles, 0)
             .halves(&cell, &plane, &triangles, 1e-12)
-            .map(|part| part.map(|m| m.bounds))
+            .map(|part| part.map(|reference| reference.bounds))
     }
 
     #[test]

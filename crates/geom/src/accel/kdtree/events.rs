@@ -122,7 +122,7 @@ impl Events {
     /// into them.
     pub(super) fn divide(&self, moves: &[Move], refs: [&[PrimRef]; 2], parts: [usize; 2]) -> [Self; 2] {
         // One more than the largest number of events, as `distribute` requires.
-        let mut sides = refs.map(|m| Self { all: Vec::with_capacity(6 * m.len() + 1), ends: [0; 3] });
+        let mut sides = refs.map(|refs| Self { all: Vec::with_capacity(6 * refs.len() + 1), ends: [0; 3] });
         let mut fresh = Vec::new();
         for axis in 0..3 {
             let starts = sides.each_ref().map(|side| side.all.len());
@@ -237,18 +237,18 @@ mod tests {
         ) {
             let refs: Vec<PrimRef> = boxes.into_iter().map(reference).collect();
             let at = f32::from(at);
-            let straddles = |m: &PrimRef| m.bounds.min.x < at && m.bounds.max.x > at;
+            let straddles = |reference: &PrimRef| reference.bounds.min.x < at && reference.bounds.max.x > at;
             let mut sides = [Vec::new(), Vec::new()];
-            let moves: Vec<Move> = refs.iter().map(|m| {
-                if straddles(m) {
+            let moves: Vec<Move> = refs.iter().map(|reference| {
+                if straddles(reference) {
                     return Move::to(Place::Both, 0);
                 }
-                let side = if m.bounds.max.x > at { Place::Upper } else { Place::Lower };
-                sides[side as usize].push(*m);
+                let side = if reference.bounds.max.x > at { Place::Upper } else { Place::Lower };
+                sides[side as usize].push(*reference);
                 Move::to(side, sides[side as usize].len() - 1)
             }).collect();
             let parts = sides.each_ref().map(Vec::len);
-            for (_, i) in refs.iter().filter(|m| straddles(m)).zip(0..) {
+            for (_, i) in refs.iter().filter(|reference| straddles(reference)).zip(0..) {
                 // Arbitrary other boxes, like those that clipping makes.
                 sides[0].push(reference([i % 5, 3]));
                 sides[1].push(reference([-i % 7, i % 3]));

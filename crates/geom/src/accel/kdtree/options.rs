@@ -65,10 +65,9 @@ pub struct KdOptions {
     pub max_depth: u32,
     /// A cell with at most this many triangles, 1 by default, becomes a leaf; `maxPrims` of pbrt.
     pub leaf_size: u32,
-    /// The number of consecutive planes, 0 by default, that are tried although they do not pay; it is the limit of 3 of pbrt's
-    /// `badRefines`. A plane pays if it lowers
-    /// the expected cost of a ray. If the finished subtree is not cheaper than a leaf, it is replaced by the
-    /// leaf.
+    /// The number of consecutive planes, 0 by default, that are tried although they do not pay. A plane pays if it lowers
+    /// the expected cost of a ray. If the finished subtree is not cheaper than a leaf, it is replaced by the leaf. The
+    /// `badRefines` of pbrt counts all such planes from the root on, and the third makes a leaf.
     ///
     /// Any value is valid, since the number of trials is bounded ([`KdTree::build_with`]). The surface area
     /// heuristic does not gain from it; the other rules gain much in scenes aligned with their planes
@@ -77,7 +76,8 @@ pub struct KdOptions {
     /// The cost of visiting an inner node, in units of one triangle test; finite and `>= 0`. The default, 2,
     /// is measured (docs/accelerators.md).
     pub traversal_cost: f64,
-    /// The factor on the cost of a split with an empty half, in `(0, 1]`; 0.9 by default. It is 1 minus `emptyBonus` of pbrt.
+    /// The factor on the cost of a split with an empty half, traversal included, in `(0, 1]`; 0.9 by default (the lambda of
+    /// Wald and Havran 2006). In pbrt, 1 minus `emptyBonus` is the factor on the cost of triangle tests alone.
     pub empty_factor: f64,
     /// The bound of the fair rules on the ratio of a cell's longest to its shortest side; finite and `>= 2`; 3 by
     /// default.

@@ -38,7 +38,7 @@ impl Surroundings<'_> {
 
     /// The distance between the smallest and the largest point along `axis`.
     fn spread(&self, axis: usize) -> f64 {
-        let points = || self.refs.iter().map(|m| f64::from(m.point(axis)));
+        let points = || self.refs.iter().map(|reference| f64::from(reference.point(axis)));
         points().fold(f64::NEG_INFINITY, f64::max) - points().fold(f64::INFINITY, f64::min)
     }
 
@@ -54,7 +54,7 @@ impl Surroundings<'_> {
     }
 
     fn median(&self, axis: usize) -> Plane {
-        let mut points: Vec<f32> = self.refs.iter().map(|m| m.point(axis)).collect();
+        let mut points: Vec<f32> = self.refs.iter().map(|reference| reference.point(axis)).collect();
         let half = points.len() / 2;
         let (_, &mut position, _) = points.select_nth_unstable_by(half, f32::total_cmp);
         Plane { axis, position, within: Side::Lower }
@@ -79,8 +79,8 @@ impl Surroundings<'_> {
 
     /// The plane, moved to the nearest box if all boxes are on one side of it.
     fn slide(&self, plane: Plane) -> Plane {
-        let all = |place| self.refs.iter().all(|m| plane.place(&m.bounds) == place);
-        let bounds = || self.refs.iter().map(|m| m.bounds);
+        let all = |place| self.refs.iter().all(|reference| plane.place(&reference.bounds) == place);
+        let bounds = || self.refs.iter().map(|reference| reference.bounds);
         if all(Place::Upper) {
             let nearest = bounds().map(|b| b.min[plane.axis]).fold(f32::INFINITY, f32::min);
             Plane { position: nearest, within: Side::Upper, ..plane }

@@ -70,7 +70,7 @@ mod tests {
         let (refs, cell) = (refs(&boxes), boxes.iter().fold(Aabb::EMPTY, |a, b| a.union(b)));
         let mut visited = 0;
         sweep(&cell, 0, boxes.len(), Events::new(&refs).along(0), |split| {
-            assert_eq!(split, Split::count(split.plane, refs.iter().map(|m| &m.bounds)));
+            assert_eq!(split, Split::count(split.plane, refs.iter().map(|reference| &reference.bounds)));
             visited += 1;
         });
         assert_eq!(visited, 5);

@@ -1,9 +1,9 @@
-use super::bytes::{self, Numbers, sealed};
+use super::bytes::{self, ByteReader, sealed};
 use crate::error::CHECKPOINT_VERSION;
 use crate::film::moments::Tally;
 use crate::film::pass_node::{PassNodeHeader, passes_of};
 use crate::film::{Film, Picture};
-use crate::pixel_rect::TILE_SIDE;
+use crate::pixel_rect::SQUARE_SIDE;
 use crate::{CheckpointError, Counters, PathReuse, Settings};
 use std::io::Read;
 use std::ops::Range;
@@ -76,8 +76,8 @@ impl CheckpointStrip {
     /// The rows of a row of tiles; `None` after the last one.
     pub(super) fn tile_row(&self, index: u32) -> Option<Range<u32>> {
         let Range { start, end } = self.rows;
-        let first = start.checked_add(index.checked_mul(TILE_SIDE)?)?;
-        (first < end).then(|| first..end.min(first.saturating_add(TILE_SIDE)))
+        let first = start.checked_add(index.checked_mul(SQUARE_SIDE)?)?;
+        (first < end).then(|| first..end.min(first.saturating_add(SQUARE_SIDE)))
     }
 }
 
@@ -142,12 +142,12 @@ impl CheckpointHeader {
         let mut bytes = Vec::new();
         let fixed = bytes::read(source, FIXED_BYTES, &mut bytes);
         let rest = bytes.strip_prefix(&MAGIC).ok_or(CheckpointError::NoCheckpoint)?;
-        let version = Numbers(rest).u32()?;
+        let version = ByteReader(rest).u32()?;
         if version != CHECKPOINT_VERSION {
             return Err(CheckpointError::Version(version));
         }
         fixed?;
-        let mut numbers = Numbers(&rest[4..]);
+        let mut numbers = ByteReader(&rest[4..]);
         let (count, length) = (numbers.u32()?, numbers.u32()?);
         let mut pair = || Ok::<_, CheckpointError>([numbers.u32()?, numbers.u32()?]);
         let ([width, height], full_size, crop_origin) = (pair()?, pair()?, pair()?);
@@ -159,7 +159,7 @@ impl CheckpointHeader {
         }
         bytes::read(source, u64::from(length) + 8, &mut bytes)?;
         let (content, checksum) = bytes::unsealed(0, &bytes)?;
-        let mut numbers = Numbers(&content[FIXED_BYTES as usize..]);
+        let mut numbers = ByteReader(&content[FIXED_BYTES as usize..]);
         let strips = (0..count).map(|_| CheckpointStrip::read(&mut numbers)).collect::<Result<_, _>>()?;
         if !numbers.0.is_empty() {
             return Err(CheckpointError::Length);
@@ -177,7 +177,7 @@ impl CheckpointHeader {
     #[cfg(any(test, feature = "fuzz"))]
     pub(super) fn content(bytes: &[u8]) -> Option<&[u8]> {
         // The magic, the version and the number of strips are before the length.
-        let length = Numbers(bytes.get(16..)?).u32().ok()?;
+        let length = ByteReader(bytes.get(16..)?).u32().ok()?;
         bytes.get(..FIXED_BYTES as usize + length as usize)
     }
 
@@ -207,7 +207,7 @@ impl CheckpointHeader {
 }
 
 impl CheckpointStrip {
-    fn read(numbers: &mut Numbers<'_>) -> Result<Self, CheckpointError> {
+    fn read(numbers: &mut ByteReader<'_>) -> Result<Self, CheckpointError> {
         let rows = numbers.u32()?..numbers.u32()?;
         let count = numbers.u32()?;
         let node = |_| {
@@ -220,7 +220,7 @@ impl CheckpointStrip {
 
     fn validate(&self, header: &CheckpointHeader) -> Result<(), CheckpointError> {
         let Range { start, end } = self.rows;
-        let whole = |row: u32| row.is_multiple_of(TILE_SIDE);
+        let whole = |row: u32| row.is_multiple_of(SQUARE_SIDE);
         if start >= end || end > header.height || !whole(start) || !(whole(end) || end == header.height) {
             return Err(CheckpointError::Malformed("range of rows"));
         }

@@ -1,7 +1,7 @@
 //! A row of tiles as bytes: for each node how its halves differ, then for each pixel the sum of three components
 //! and, if there are several observations, their spread, and then that of each block of 4 x 4 pixels; then a checksum.
 
-use super::bytes::{Numbers, sealed, unsealed};
+use super::bytes::{ByteReader, sealed, unsealed};
 use crate::CheckpointError;
 use crate::film::dispersion::{Blocks, Halves};
 use crate::film::pass_node::{PassNode, PassNodeHeader};
@@ -54,7 +54,7 @@ pub(super) fn from_bytes(
     seed: u64,
 ) -> Result<Film, CheckpointError> {
     let (content, _) = unsealed(seed, bytes)?;
-    let mut numbers = Numbers(content);
+    let mut numbers = ByteReader(content);
     for &header in nodes {
         let halves = Halves { spread: numbers.f64()?, squared: numbers.f64()?, fourths: numbers.f64()? };
         if !halves.are_possible() {

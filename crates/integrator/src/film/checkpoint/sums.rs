@@ -1,6 +1,6 @@
 //! The end of a checkpoint: the sums over all its pixels (their number, means, variances of means), and a checksum.
 
-use super::bytes::{Numbers, sealed, unsealed};
+use super::bytes::{ByteReader, sealed, unsealed};
 use crate::CheckpointError;
 use crate::film::PixelSums;
 
@@ -16,6 +16,6 @@ pub(super) fn to_bytes(sums: &PixelSums, seed: u64) -> Vec<u8> {
 
 pub(super) fn from_bytes(bytes: &[u8], seed: u64) -> Result<PixelSums, CheckpointError> {
     let (content, _) = unsealed(seed, bytes)?;
-    let mut numbers = Numbers(content);
+    let mut numbers = ByteReader(content);
     Ok(PixelSums { pixels: numbers.u64()?, mean: numbers.rgb()?, variance: numbers.rgb()? })
 }

@@ -2,7 +2,7 @@ use super::header::CheckpointHeader;
 use super::reader::row_seed;
 use super::{rows, sums};
 use crate::film::{Film, PixelSums};
-use crate::pixel_rect::TILE_SIDE;
+use crate::pixel_rect::SQUARE_SIDE;
 use std::io::{self, Write};
 
 /// Writes a checkpoint from the top: first what it holds, then its rows, and at the [end](CheckpointWriter::finish)
@@ -34,7 +34,7 @@ impl<W: Write> CheckpointWriter<W> {
         if rows.nodes().is_empty() {
             return Ok(());
         }
-        for (index, y) in rows.rows().step_by(TILE_SIDE as usize).enumerate() {
+        for (index, y) in rows.rows().step_by(SQUARE_SIDE as usize).enumerate() {
             let seed = row_seed(self.checksum, y);
             self.target.write_all(&rows::to_bytes(rows, index, seed))?;
         }

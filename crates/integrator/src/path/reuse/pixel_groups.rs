@@ -1,6 +1,6 @@
 //! The groups of pixels that reuse each other's paths, and how their samples are stratified.
 
-use crate::pixel_rect::{BLOCK_SIDE, PixelRect, TILE_SIDE};
+use crate::pixel_rect::{BLOCK_SIDE, PixelRect, SQUARE_SIDE};
 use crate::sampler::Member;
 
 /// Blocks of a square of 16 x 16 pixels, and pixels of a block and of a group.
@@ -10,7 +10,7 @@ const COUNT: usize = 16;
 pub(super) type PixelGroup = [Option<u32>; COUNT];
 
 /// A square is 4 x 4 blocks, and holds whole groups. A tile is one, or several above each other.
-const _: () = assert!(TILE_SIDE == BLOCK_SIDE * BLOCK_SIDE && (BLOCK_SIDE * BLOCK_SIDE) as usize == COUNT);
+const _: () = assert!(SQUARE_SIDE == BLOCK_SIDE * BLOCK_SIDE && (BLOCK_SIDE * BLOCK_SIDE) as usize == COUNT);
 
 /// The power of `a` in pass 0. With it the pixels of a group are a (0, 4, 2)-net: no two are in one row or column.
 const FIRST_POWER: u32 = 6;
@@ -56,7 +56,7 @@ impl Groups {
         let place = times_power(index(x, y), self.power);
         let group = place ^ block;
         let square =
-            u64::from(y / TILE_SIDE) * u64::from(width.div_ceil(TILE_SIDE)) + u64::from(x / TILE_SIDE);
+            u64::from(y / SQUARE_SIDE) * u64::from(width.div_ceil(SQUARE_SIDE)) + u64::from(x / SQUARE_SIDE);
         Member { net: square, number: group * COUNT as u32 + place, digits: 8 }
     }
 
@@ -64,7 +64,7 @@ impl Groups {
     pub(super) fn of_tile(self, tile: PixelRect) -> impl Iterator<Item = PixelGroup> {
         let pixels: [u32; COUNT] =
             std::array::from_fn(|place| times_power(place as u32, POWERS - self.power));
-        PixelRect::grid([tile.width, tile.height], [TILE_SIDE; 2]).flat_map(move |square| {
+        PixelRect::grid([tile.width, tile.height], [SQUARE_SIDE; 2]).flat_map(move |square| {
             (0..COUNT).map(move |group| {
                 std::array::from_fn(|block| {
                     let (pixel, block) = (pixels[group ^ block], block as u32);

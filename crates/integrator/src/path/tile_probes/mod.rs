@@ -6,7 +6,7 @@ mod open_sky;
 pub(super) use light_edges::LightEdges;
 
 use super::render_context::RenderContext;
-use crate::pixel_rect::{PixelRect, TILE_SIDE};
+use crate::pixel_rect::{PixelRect, SQUARE_SIDE};
 use globillum_material::Rgb;
 use open_sky::is_open;
 
@@ -23,7 +23,7 @@ pub(crate) struct TileProbes {
 
 impl TileProbes {
     pub(crate) fn of(context: &RenderContext<'_>, tile: PixelRect) -> Self {
-        let squares = PixelRect::grid([tile.width, tile.height], [TILE_SIDE; 2]);
+        let squares = PixelRect::grid([tile.width, tile.height], [SQUARE_SIDE; 2]);
         let control_variate = |square: PixelRect| {
             let square = PixelRect { x: tile.x + square.x, y: tile.y + square.y, ..square };
             if is_open(context, square) { context.scene.environment() } else { Rgb::BLACK }

@@ -19,12 +19,12 @@ pub(super) struct Description<'a> {
 #[derive(Default)]
 struct Notes {
     losses: Losses,
-    lines: Lines,
+    lines: StatementLines,
 }
 
 /// The lines of the last `Kd`, `Ks` and `Ke` of a material, 0 for none.
 #[derive(Clone, Copy, Default)]
-struct Lines {
+struct StatementLines {
     diffuse: usize,
     specular: usize,
     emissive: usize,
@@ -73,9 +73,11 @@ pub(super) fn read<'a>(
     mut begin: impl FnMut(&Statement<'a>) -> Result<()>,
 ) -> Result<impl Iterator<Item = Description<'a>>> {
     let mut begun: Vec<(Statement<'a>, Notes)> = Vec::new();
-    let pass = |statement: &Statement<'a>, line: &mut String| {
+    let next = |statement: &Statement<'a>, line: &mut String| {
         if statement.keyword != "newmtl" {
-            return begun.last_mut().map_or(Ok(()), |(_, notes)| pass(statement, notes, unknown, line));
+            return begun
+                .last_mut()
+                .map_or(Ok(()), |(_, notes)| pass_property(statement, notes, unknown, line));
         }
         begin(statement)?;
         begun.push((*statement, Notes::default()));
@@ -83,13 +85,13 @@ pub(super) fn read<'a>(
         line.push_str("newmtl m\n");
         Ok(())
     };
-    let (materials, _) = lines::read(library, pass, |lines| tobj::load_mtl_buf(lines))?;
+    let (materials, _) = lines::read(library, next, |lines| tobj::load_mtl_buf(lines))?;
     let all = begun.into_iter().zip(materials);
     Ok(all.map(|((begin, notes), read)| Description { begin, notes, read }))
 }
 
 /// Checks a statement of a material, and writes the line that tobj reads for it or notes what is lost.
-fn pass<'a>(
+fn pass_property<'a>(
     statement: &Statement<'a>,
     notes: &mut Notes,
     unknown: &mut UnknownStatements<'a>,

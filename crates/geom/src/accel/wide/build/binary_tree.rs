@@ -140,7 +140,7 @@ impl BinaryTree {
 
     /// Adds references for a leaf block; if many rays visit it, with children for smaller blocks that fewer do.
     fn add_leaf(&mut self, first: u32, refs: &mut [PrimRef]) {
-        let bounds = refs.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
+        let bounds = refs.iter().fold(Aabb::EMPTY, |all, reference| all.union(&reference.bounds));
         let range = RefRange { first, count: refs.len() as u32 };
         let visits = expected_visits(&bounds) * self.area_scale;
         let (at, costs) = (self.nodes.len(), CollapseCosts::of_leaf(visits));

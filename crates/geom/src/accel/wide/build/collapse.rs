@@ -90,7 +90,7 @@ impl<'a> Collapse<'a> {
             None => Child::Node(self.add_node(at)),
             Some(RefRange { first, count }) => {
                 let refs = &self.refs[first as usize..][..count as usize];
-                let listed = refs.iter().map(|m| m.index);
+                let listed = refs.iter().map(|reference| reference.index);
                 Child::Block { first: self.leaves.push(self.triangles, &self.space, listed), count }
             }
         };

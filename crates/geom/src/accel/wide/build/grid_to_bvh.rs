@@ -2,7 +2,7 @@
 //! upper levels are split between cells instead of references.
 
 use super::binary_tree::BinaryTree;
-use super::sah::{Boxed, center, center_bounds, split_in_bins};
+use super::sah::{Bounded, center, center_bounds, split_in_bins};
 use crate::Aabb;
 use crate::accel::grid::Lattice;
 use crate::accel::prim_ref::PrimRef;
@@ -30,7 +30,7 @@ struct GridCell {
     count: u32,
 }
 
-impl Boxed for GridCell {
+impl Bounded for GridCell {
     fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -138,7 +138,7 @@ fn sort_by_cell(refs: &[PrimRef]) -> (Vec<PrimRef>, Vec<GridCell>) {
     let filled = starts.iter().zip(next).filter(|&(&first, next)| first < next);
     let cell = |(&first, next): (&u32, u32)| {
         let refs = &sorted[first as usize..next as usize];
-        let bounds = refs.iter().fold(Aabb::EMPTY, |all, m| all.union(&m.bounds));
+        let bounds = refs.iter().fold(Aabb::EMPTY, |all, reference| all.union(&reference.bounds));
         GridCell { bounds, first, count: next - first }
     };
     let cells = filled.map(cell).collect();

@@ -74,14 +74,14 @@ struct BinSplit {
 }
 
 /// What a split sends to one side or the other.
-pub(super) trait Boxed: Copy {
+pub(super) trait Bounded: Copy {
     fn bounds(&self) -> Aabb;
 
     /// The number of triangles.
     fn count(&self) -> usize;
 }
 
-impl Boxed for PrimRef {
+impl Bounded for PrimRef {
     fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -100,7 +100,7 @@ struct Bins {
 
 impl Bins {
     /// The bins for these boxes.
-    fn new(items: &[impl Boxed]) -> Self {
+    fn new(items: &[impl Bounded]) -> Self {
         let Aabb { min, max } = center_bounds(items);
         let rate = (max - min).map(|extent| if extent > 0.0 { BINS as f32 / extent } else { 0.0 });
         Self { start: min.extend(0.0), rate: rate.extend(0.0) }
@@ -117,7 +117,7 @@ impl Bins {
     }
 
     /// The split of least cost; `None` if all are in one bin along each axis.
-    fn best(&self, items: &[impl Boxed]) -> Option<BinSplit> {
+    fn best(&self, items: &[impl Bounded]) -> Option<BinSplit> {
         let mut bins = [[Bin::EMPTY; BINS]; 3];
         // Bit `bin` is set for a bin that is not empty.
         let mut filled = [0_u32; 3];
@@ -161,13 +161,13 @@ fn cheapest(splits: impl Iterator<Item = BinSplit>) -> Option<BinSplit> {
 
 /// The center of a box, and 0.
 #[inline(always)]
-pub(super) fn center(item: &impl Boxed) -> Vec4 {
+pub(super) fn center(item: &impl Bounded) -> Vec4 {
     let Aabb { min, max } = item.bounds();
     (0.5 * (min + max)).extend(0.0)
 }
 
 /// The bounds of all centers.
-pub(super) fn center_bounds(items: &[impl Boxed]) -> Aabb {
+pub(super) fn center_bounds(items: &[impl Bounded]) -> Aabb {
     let mut all = MinBox::EMPTY;
     for center in items.iter().map(center) {
         all.unite(&MinBox { min: center, minus_max: -center });
@@ -177,7 +177,7 @@ pub(super) fn center_bounds(items: &[impl Boxed]) -> Aabb {
 
 /// Reorders `items` so that those below the split of least expected cost come first. Returns its axis, and how
 /// many these are; `None` if all are in one place.
-pub(super) fn split_in_bins(items: &mut [impl Boxed]) -> Option<(u8, usize)> {
+pub(super) fn split_in_bins(items: &mut [impl Bounded]) -> Option<(u8, usize)> {
     let bins = Bins::new(items);
     let BinSplit { axis, bin, .. } = bins.best(items)?;
     let mut upper = Vec::with_capacity(items.len());
@@ -220,7 +220,7 @@ mod tests {
     /// Half the surface of the box of all, times the leaf blocks that they fill.
     fn cost(refs: &[PrimRef]) -> f64 {
         let mut all = Bin::EMPTY;
-        refs.iter().for_each(|m| all.add(&MinBox::of(&m.bounds), 1));
+        refs.iter().for_each(|reference| all.add(&MinBox::of(&reference.bounds), 1));
         all.cost()
     }
 
@@ -229,14 +229,17 @@ mod tests {
         // Every other one lies far up along z.
         let mut refs: Vec<_> = (0..20).map(|i| reference(i, [i as i8, 3, 100 * (i % 2) as i8], 1)).collect();
         assert_eq!(split(&mut refs, false), (2, 10));
-        assert!(refs[..10].iter().all(|m| m.index % 2 == 0) && refs[10..].iter().all(|m| m.index % 2 == 1));
+        assert!(
+            refs[..10].iter().all(|reference| reference.index % 2 == 0)
+                && refs[10..].iter().all(|reference| reference.index % 2 == 1)
+        );
     }
 
     #[test]
     fn what_lies_in_one_place_is_split_into_whole_blocks() {
         let mut refs: Vec<_> = (0..41).map(|i| reference(i, [5, 5, 5], 2)).collect();
         assert_eq!(split(&mut refs, false), (0, 24));
-        assert!(refs.iter().zip(0..).all(|(m, i)| m.index == i));
+        assert!(refs.iter().zip(0..).all(|(reference, i)| reference.index == i));
     }
 
     proptest! {
@@ -248,14 +251,14 @@ mod tests {
                 boxes.iter().enumerate().map(|(i, &(corner, size))| reference(i, corner, size)).collect();
             let before = refs.clone();
             let (axis, lower) = split(&mut refs, must_balance);
-            let mut indices: Vec<_> = refs.iter().map(|m| m.index).collect();
+            let mut indices: Vec<_> = refs.iter().map(|reference| reference.index).collect();
             indices.sort_unstable();
             prop_assert!(indices.into_iter().eq(0..before.len() as u32));
             let (low, high) = refs.split_at(lower);
             prop_assert!(!low.is_empty() && !high.is_empty());
-            let along = |m: &PrimRef| center(m)[usize::from(axis)];
+            let along = |reference: &PrimRef| center(reference)[usize::from(axis)];
             let last = low.iter().map(along).fold(f32::NEG_INFINITY, f32::max);
-            prop_assert!(high.iter().all(|m| along(m) >= last));
+            prop_assert!(high.iter().all(|reference| along(reference) >= last));
             if must_balance {
                 prop_assert_eq!(lower, before.len().div_ceil(2).next_multiple_of(LANES));
                 return Ok(());
@@ -264,7 +267,7 @@ mod tests {
             for axis in 0..3 {
                 for bin in 1..BINS {
                     let (a, b): (Vec<_>, Vec<_>) =
-                        before.iter().partition(|m| bins.of(center(*m))[axis] < bin);
+                        before.iter().partition(|reference| bins.of(center(*reference))[axis] < bin);
                     if !a.is_empty() && !b.is_empty() {
                         prop_assert!(cost(low) + cost(high) <= cost(&a) + cost(&b));
                     }
