@@ -1,20 +1,24 @@
 //! Random numbers, addressed by (seed, pixel, sample, dimension).
 
+mod bounce_numbers;
 mod decision;
 mod digits;
 mod member;
 mod nested;
+mod numbers;
 mod sobol;
 mod stream;
 
+pub(crate) use bounce_numbers::BounceNumbers;
+pub(crate) use decision::MirrorSize;
+pub(crate) use member::Member;
+pub(crate) use numbers::Numbers;
+pub(crate) use sobol::SobolPoint;
 pub(crate) use stream::ReservedStream;
 pub use stream::Stream;
 
 use decision::Decision;
-pub(crate) use decision::MirrorSize;
-pub(crate) use member::Member;
-pub(crate) use sobol::SobolPoint;
-use sobol::{Half, SobolPoints};
+use sobol::SobolPoints;
 use std::ops::Range;
 
 /// The source of random numbers. It changes the error of a picture, not its mean.
@@ -29,16 +33,6 @@ pub enum Sampler {
     /// error is estimated from their variance.
     #[default]
     Sobol,
-}
-
-/// The random numbers of one sample of one pixel.
-///
-/// A number depends on its address only, so any sample can be computed alone. Each decision of a path has
-/// an address of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Numbers {
-    Independent(Stream),
-    Sobol(SobolPoint),
 }
 
 impl Sampler {
@@ -88,215 +82,6 @@ impl Sampler {
     }
 }
 
-/// The random numbers of one bounce, each uniform in `[0, 1)`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct BounceNumbers {
-    /// Chooses a light.
-    pub(crate) light: f64,
-    /// Chooses a point on it.
-    pub(crate) point: [f64; 2],
-    /// Samples the scattered direction.
-    pub(crate) scatter: [f64; 2],
-    /// Russian roulette, if it has begun.
-    pub(crate) roulette: Option<f64>,
-}
-
-impl BounceNumbers {
-    /// The numbers of `N` samples at a bounce, with one for roulette if `roulette`. Sobol' points of passes of
-    /// one length are vectorised.
-    #[inline(always)]
-    pub(crate) fn draw<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
-        match Numbers::as_points(samples) {
-            Some(points) => Self::side_by_side(&points, bounce, roulette),
-            None => Self::one_by_one(samples, bounce, roulette),
-        }
-    }
-
-    #[inline(always)]
-    fn side_by_side<const N: usize>(points: &SobolPoints<N>, bounce: u32, roulette: bool) -> [Self; N] {
-        let [x, y, light] = points.uniform(Decision::light(bounce));
-        let [u, v] = points.scatter(bounce);
-        let mut all = [Self::default(); N];
-        for (i, numbers) in all.iter_mut().enumerate() {
-            *numbers = Self { light: light[i], point: [x[i], y[i]], scatter: [u[i], v[i]], roulette: None };
-        }
-        if roulette {
-            let [chances] = points.uniform(Decision::roulette(bounce));
-            for (numbers, chance) in all.iter_mut().zip(chances) {
-                numbers.roulette = Some(chance);
-            }
-        }
-        all
-    }
-
-    /// Rarely used, and so not inlined into each instruction set's code.
-    #[inline(never)]
-    fn one_by_one<const N: usize>(samples: &[Numbers; N], bounce: u32, roulette: bool) -> [Self; N] {
-        samples.map(|numbers| {
-            let (light, point) = numbers.light(Decision::light(bounce));
-            let scatter = numbers.scatter(bounce);
-            let roulette = roulette.then(|| numbers.single(Decision::roulette(bounce)));
-            Self { light, point, scatter, roulette }
-        })
-    }
-}
-
-impl<const N: usize> SobolPoints<N> {
-    /// The numbers of `N` samples for the scattered directions of a bounce. A bounce of even number and the next share
-    /// four coordinates, since light of several bounces depends on how their directions combine.
-    #[inline(always)]
-    fn scatter(&self, bounce: u32) -> [[f64; N]; 2] {
-        let half = if bounce.is_multiple_of(2) { Half::First } else { Half::Last };
-        self.half(Decision::scatter(bounce - bounce % 2), half)
-    }
-}
-
-impl Numbers {
-    /// The positions in their pixels of `N` samples: each uniform in the unit square.
-    #[inline(always)]
-    pub(crate) fn pixel_positions<const N: usize>(samples: &[Self; N]) -> [[f64; 2]; N] {
-        let Some(points) = Self::as_points(samples) else {
-            return samples.map(|numbers| numbers.pixel_position());
-        };
-        let [x, y] = points.uniform(Decision::PIXEL_POSITION);
-        std::array::from_fn(
-            #[inline(always)]
-            |i| [x[i], y[i]],
-        )
-    }
-
-    /// The position in the pixel: uniform in the unit square.
-    #[inline(never)]
-    fn pixel_position(&self) -> [f64; 2] {
-        self.uniform(Decision::PIXEL_POSITION)
-    }
-
-    /// As Sobol' points; `None` if a sample is independent or passes differ in length.
-    #[inline(always)]
-    fn as_points<const N: usize>(samples: &[Self; N]) -> Option<SobolPoints<N>> {
-        let Self::Sobol(first) = samples[0] else { return None };
-        let mut points = [first; N];
-        for (point, numbers) in points.iter_mut().zip(samples) {
-            let Self::Sobol(this) = numbers else { return None };
-            *point = *this;
-        }
-        SobolPoints::new(&points)
-    }
-
-    /// What [`Numbers::light`] returns for `N` samples. Sobol' points of passes of one length are vectorised.
-    #[inline(always)]
-    fn lights_of<const N: usize>(samples: &[Self; N], decision: Decision) -> [(f64, [f64; 2]); N] {
-        let Some(points) = Self::as_points(samples) else {
-            return Self::lights_one_by_one(samples, decision);
-        };
-        let [x, y, light] = points.uniform(decision);
-        std::array::from_fn(
-            #[inline(always)]
-            |i| (light[i], [x[i], y[i]]),
-        )
-    }
-
-    /// The numbers of part `part` of `count`, a power of two up to [`Sampler::MAX_PARTS`], for a decision that a sample
-    /// takes as many times. By Sobol' points, those of all parts of the samples of a pass are one net.
-    #[inline]
-    pub(crate) fn part(&self, part: u32, count: u32) -> Self {
-        match self {
-            _ if count == 1 => *self,
-            Self::Independent(stream) => Self::Independent(stream.part(part)),
-            Self::Sobol(point) => Self::Sobol(point.part(part, count.trailing_zeros())),
-        }
-    }
-
-    /// What [`Numbers::light_in_mirror`] returns for `N` samples. Sobol' points of passes of one length are vectorised.
-    #[inline(always)]
-    pub(crate) fn lights_in_mirrors<const N: usize>(
-        samples: &[Self; N],
-        size: MirrorSize,
-        bounce: u32,
-    ) -> [(f64, [f64; 2]); N] {
-        Self::lights_of(samples, Decision::light_in_mirror(size, bounce))
-    }
-
-    /// Parts `first` and on of `count`, and then the first ones again.
-    #[inline(always)]
-    pub(crate) fn parts<const N: usize>(&self, first: u32, count: u32) -> [Self; N] {
-        std::array::from_fn(
-            #[inline(always)]
-            |i| self.part((first + i as u32) % count, count),
-        )
-    }
-
-    /// For the choices of `N` lights by parts `first` and on, and of points on them.
-    #[inline(always)]
-    pub(crate) fn lights<const N: usize>(&self, bounce: u32, first: u32, count: u32) -> [(f64, [f64; 2]); N] {
-        Self::lights_of(&self.parts(first, count), Decision::light(bounce))
-    }
-
-    /// Rarely used, and so not inlined.
-    #[inline(never)]
-    fn lights_one_by_one<const N: usize>(samples: &[Self; N], decision: Decision) -> [(f64, [f64; 2]); N] {
-        samples.map(|numbers| numbers.light(decision))
-    }
-
-    /// For the choice of a mirror: uniform in `[0, 1)`.
-    #[inline]
-    pub(crate) fn mirror(&self, size: MirrorSize, bounce: u32) -> f64 {
-        self.single(Decision::mirror(size, bounce))
-    }
-
-    /// What [`Numbers::mirror`] returns for `N` samples. Sobol' points of passes of one length are vectorised.
-    #[inline(always)]
-    pub(crate) fn mirrors<const N: usize>(samples: &[Self; N], size: MirrorSize, bounce: u32) -> [f64; N] {
-        match Self::as_points(samples) {
-            Some(points) => {
-                let [choice] = points.uniform(Decision::mirror(size, bounce));
-                choice
-            }
-            None => samples.map(|numbers| numbers.mirror(size, bounce)),
-        }
-    }
-
-    /// For the choice of a light in that mirror, and of a point on it: together uniform in the unit
-    /// cube.
-    #[inline]
-    pub(crate) fn light_in_mirror(&self, size: MirrorSize, bounce: u32) -> (f64, [f64; 2]) {
-        self.light(Decision::light_in_mirror(size, bounce))
-    }
-
-    /// For a scattered direction.
-    fn scatter(&self, bounce: u32) -> [f64; 2] {
-        match self {
-            Self::Independent(_) => self.uniform(Decision::scatter(bounce)),
-            Self::Sobol(point) => SobolPoints::from(&[*point]).scatter(bounce).map(|[u]| u),
-        }
-    }
-
-    /// For the choice of a light, and of a point on it.
-    fn light(&self, decision: Decision) -> (f64, [f64; 2]) {
-        let [x, y, z] = self.uniform(decision);
-        match self {
-            Self::Independent(_) => (x, [y, z]),
-            // The first two coordinates are the best stratified.
-            Self::Sobol(_) => (z, [x, y]),
-        }
-    }
-
-    fn single(&self, decision: Decision) -> f64 {
-        let [u] = self.uniform(decision);
-        u
-    }
-
-    /// The first `D` numbers of a decision.
-    fn uniform<const D: usize>(&self, decision: Decision) -> [f64; D] {
-        match self {
-            Self::Independent(stream) => {
-                std::array::from_fn(|i| stream.uniform(decision.dimension() + i as u32))
-            }
-            Self::Sobol(point) => point.uniform(decision),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -314,6 +99,12 @@ mod tests {
     /// The positions of `N` rays of one sample of the first pass.
     fn rays<const N: usize>(sampler: Sampler, sample: u32) -> [[f64; 2]; N] {
         sampler.ray_positions(1, 7, sample, &(0..PASS))
+    }
+
+    /// The first number of a decision.
+    fn single(numbers: Numbers, decision: Decision) -> f64 {
+        let [u] = numbers.uniform(decision);
+        u
     }
 
     const BOTH: [Sampler; 2] = [Sampler::Independent, Sampler::Sobol];
@@ -388,10 +179,10 @@ mod tests {
         for sampler in BOTH {
             // One sample in each pass: those of one pass are dependent on purpose.
             let numbers = |pixel: u64, i: u32| numbers(sampler, pixel, PASS * i + i % PASS);
-            let roulette = |pixel, i| numbers(pixel, i).single(Decision::roulette(0));
+            let roulette = |pixel, i| single(numbers(pixel, i), Decision::roulette(0));
             let second = |numbers: Numbers, decision| numbers.uniform::<2>(Decision(decision))[1];
             let decisions =
-                (0..draws).map(|i| [numbers(3, i).single(Decision(0)), numbers(3, i).single(Decision(1))]);
+                (0..draws).map(|i| [single(numbers(3, i), Decision(0)), single(numbers(3, i), Decision(1))]);
             let coordinates = (0..draws).map(|i| [second(numbers(3, i), 0), second(numbers(3, i), 2)]);
             let pixels = (0..draws).map(|i| [roulette(3, i), roulette(4, i)]);
             let passes = (0..draws).map(|i| [roulette(3, i), roulette(3, i + 1)]);
@@ -413,7 +204,8 @@ mod tests {
             let mut products = [0.0; 4];
             for sample in first..first + PASS {
                 let numbers = numbers(Sampler::Sobol, 9, sample);
-                let ([a, b], [c, d]) = (numbers.pixel_position(), numbers.uniform(Decision::scatter(0)));
+                let ([a, b], [c, d]) =
+                    (Numbers::pixel_positions(&[numbers])[0], numbers.uniform(Decision::scatter(0)));
                 for (product, [x, y]) in products.iter_mut().zip([[a, c], [a, d], [b, c], [b, d]]) {
                     *product += (x - 0.5) * (y - 0.5) / n;
                 }
@@ -440,7 +232,7 @@ mod tests {
         let points: Vec<_> = samples.flat_map(|numbers| numbers.lights::<4>(2, 0, 4)).collect();
         for (i, point) in (0..).zip(&points) {
             let part = numbers(Sampler::Sobol, 9, i / 4).part(i % 4, 4);
-            assert_eq!(part.light(Decision::light(2)), *point);
+            assert_eq!(part.lights::<1>(2, 0, 1), [*point]);
         }
         assert_one_net(points.iter().map(|&(_, point)| point));
     }
@@ -468,8 +260,8 @@ mod tests {
     fn parts_of_independent_samples_differ() {
         let numbers = numbers(Sampler::Independent, 9, 3);
         let mut drawn: Vec<f64> =
-            (0..16).map(|part| numbers.part(part, 16).single(Decision::light(0))).collect();
-        drawn.push(numbers.single(Decision::light(0)));
+            (0..16).map(|part| single(numbers.part(part, 16), Decision::light(0))).collect();
+        drawn.push(single(numbers, Decision::light(0)));
         drawn.sort_by(f64::total_cmp);
         assert!(drawn.windows(2).all(|pair| pair[0] != pair[1]));
         assert_eq!(numbers.part(0, 1), numbers);
@@ -495,7 +287,7 @@ mod tests {
             let samples: [Numbers; 8] = std::array::from_fn(|i| {
                 sampler.numbers(3, Member::alone(11 * i as u64), pass.start + i as u32 * 997 % length, &pass)
             });
-            let films = samples.map(|numbers| numbers.pixel_position());
+            let films = samples.map(|numbers| Numbers::pixel_positions(&[numbers])[0]);
             assert_eq!(Numbers::pixel_positions(&samples), films, "{sampler:?}, {length}");
             for (size, bounce) in [(MirrorSize::Large, 0), (MirrorSize::Small, 1), (MirrorSize::Large, 20)] {
                 let mirrors = samples.map(|numbers| numbers.mirror(size, bounce));
@@ -507,10 +299,13 @@ mod tests {
             for bounce in [0, 1, 40] {
                 let roulette = bounce > 0;
                 let together = BounceNumbers::draw(&samples, bounce, roulette);
-                let one_by_one = BounceNumbers::one_by_one(&samples, bounce, roulette);
-                assert_eq!(together, one_by_one, "{sampler:?}, {length}");
                 let alone = samples.map(|numbers| BounceNumbers::draw(&[numbers], bounce, roulette)[0]);
                 assert_eq!(together, alone, "{sampler:?}, {length}");
+                // Not side by side.
+                let of_both =
+                    [samples[5], numbers(Sampler::Independent, 1, 2), numbers(Sampler::Sobol, 1, 2)];
+                let mixed = BounceNumbers::draw(&of_both, bounce, roulette);
+                assert_eq!(mixed[0], together[5], "{sampler:?}, {length}");
             }
         }
     }

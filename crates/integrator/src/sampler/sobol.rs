@@ -40,13 +40,6 @@ struct Shape {
 /// The hash of a key for the second permutation of many digits. Those of [`Axis`] follow.
 const SECOND: u64 = 1;
 
-/// Two of four coordinates.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Half {
-    First,
-    Last,
-}
-
 impl SobolPoint {
     /// The largest number of digits: `2^21` points of a member in a replicate.
     const MAX_DIGITS: u32 = 21;
@@ -127,14 +120,16 @@ impl<const N: usize> SobolPoints<N> {
         coordinates(SOBOL, keys, places)
     }
 
-    /// The first or last two of the four coordinates of the points of `decision`.
+    /// The numbers for the scattered directions of a bounce. A bounce of even number and the next share four coordinates,
+    /// since light of several bounces depends on how their directions combine.
     #[inline(always)]
-    pub(super) fn half(&self, decision: Decision, half: Half) -> [[f64; N]; 2] {
+    pub(super) fn scatter(&self, bounce: u32) -> [[f64; N]; 2] {
         let [first, second, third, fourth] = FAURE;
-        let (keys, places) = self.places(decision);
-        match half {
-            Half::First => coordinates([first, second], keys, places),
-            Half::Last => coordinates([third, fourth], keys, places),
+        let (keys, places) = self.places(Decision::scatter(bounce - bounce % 2));
+        if bounce.is_multiple_of(2) {
+            coordinates([first, second], keys, places)
+        } else {
+            coordinates([third, fourth], keys, places)
         }
     }
 
@@ -238,19 +233,17 @@ mod tests {
     use super::*;
 
     /// The defining property of a (0, m, 2)-net: each elementary interval, whatever its shape,
-    /// holds one point. Both halves of four coordinates have it.
+    /// holds one point. Both pairs of four coordinates have it.
     #[test]
     fn every_elementary_interval_holds_one_point() {
-        for (digits, replicate, decision) in
+        for (digits, replicate, bounce) in
             [(0, 0, 1), (1, 3, 0), (4, 0, 7), (6, 1, 2), (8, 2, 600), (11, 0, 3)]
         {
-            for half in [Half::First, Half::Last] {
-                let points: Vec<_> = (0..1_u32 << digits)
-                    .map(|i| SobolPoint::new(5, Member::alone(77), replicate, i, digits))
-                    .map(|point| SobolPoints::from(&[point]).half(Decision(decision), half).map(|[u]| u))
-                    .collect();
-                assert!(is_net(&points, digits), "{digits} digits, {half:?}");
-            }
+            let points: Vec<_> = (0..1_u32 << digits)
+                .map(|i| SobolPoint::new(5, Member::alone(77), replicate, i, digits))
+                .map(|point| SobolPoints::from(&[point]).scatter(bounce).map(|[u]| u))
+                .collect();
+            assert!(is_net(&points, digits), "{digits} digits, bounce {bounce}");
         }
     }
 
@@ -338,7 +331,7 @@ mod tests {
         for fours in 0..=5 {
             let points: Vec<[f64; 4]> = (0..1_u32 << (2 * fours))
                 .map(|i| SobolPoints::from(&[SobolPoint::new(5, Member::alone(77), 3, i, 2 * fours)]))
-                .map(|point| [Half::First, Half::Last].map(|half| point.half(Decision(8), half)))
+                .map(|point| [2, 3].map(|bounce| point.scatter(bounce)))
                 .map(|[[[x], [y]], [[z], [w]]]| [x, y, z, w])
                 .collect();
             let splits = (0..=fours).flat_map(|a| (0..=fours - a).map(move |b| (a, b)));
