@@ -28,8 +28,8 @@ fn above(triangle: &Triangle, (u, v): (f64, f64), height: f64) -> DVec3 {
 }
 
 /// Triangles and points: far away, beside an edge and a vertex, very close to the interior, at a grazing
-/// angle, and behind.
-fn views() -> [(Triangle, DVec3); 8] {
+/// angle, and behind; a needle of a small solid angle whose longest side looks long.
+fn views() -> [(Triangle, DVec3); 10] {
     [
         (PLAIN, DVec3::ZERO),
         (PLAIN, DVec3::new(-1.0, 5.0, 1.0)),
@@ -39,6 +39,8 @@ fn views() -> [(Triangle, DVec3); 8] {
         (PLAIN, above(&PLAIN, (0.2, 0.3), 1e-3)),
         (PLAIN, above(&PLAIN, (1.1, -0.4), 0.3)),
         (NEEDLE, above(&NEEDLE, (0.2, 0.2), -0.03)),
+        (NEEDLE, DVec3::ZERO),
+        (NEEDLE, DVec3::new(-1.3, 0.2, 0.1)),
     ]
 }
 

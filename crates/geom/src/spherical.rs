@@ -30,9 +30,17 @@ pub struct SphericalTriangle {
 }
 
 impl SphericalTriangle {
-    /// The smallest solid angle, in steradians. Below it, area sampling has nearly the same variance
-    /// (docs/estimators.md has figures).
+    /// The smallest solid angle, in steradians, of a triangle that is not elongated. Below it, area sampling has nearly the
+    /// same variance (docs/estimators.md has figures).
     pub const MIN_SOLID_ANGLE: f64 = 0.1;
+
+    /// The cosine of the smallest angle, 0.64 radians, under which the longest side of an elongated triangle is seen: from
+    /// 1.5 times its length. The solid angle may be small there, but the distances of its points differ.
+    pub const MAX_COS_LONGEST: f64 = 0.8;
+
+    /// The squared longest side of an elongated triangle, over its area, is above this. Half a rectangle is elongated if that
+    /// is about five times as long as wide.
+    pub const ELONGATED: f64 = 10.0;
 
     /// The smallest determinant of the unit vectors toward the vertices. Rounding displaces a sample by about
     /// `2^-53` over it, in units of the random numbers. The determinant is smaller for small solid angles,
@@ -41,20 +49,21 @@ impl SphericalTriangle {
 
     /// The spherical triangle of `triangle` around `origin`, for either side of the triangle.
     ///
-    /// `None` if area sampling is preferable: if the solid angle is below
-    /// [`SphericalTriangle::MIN_SOLID_ANGLE`], or the determinant below
+    /// `None` if area sampling is preferable: if the solid angle is below [`SphericalTriangle::MIN_SOLID_ANGLE`], unless the
+    /// triangle is [elongated](SphericalTriangle::ELONGATED) and its longest side is seen under a
+    /// [large angle](SphericalTriangle::MAX_COS_LONGEST); or if the determinant is below
     /// [`SphericalTriangle::MIN_DETERMINANT`]. This includes every `origin` in the triangle's plane.
     pub fn new(triangle: &Triangle, origin: DVec3) -> Option<Self> {
-        let [e1, e2] = triangle.edges();
-        let longest_sq = e1.length_squared().max(e2.length_squared()).max(e1.distance_squared(e2));
+        let longest_sq = longest_side_sq(triangle);
         let to_vertex = triangle.vertices[0].as_dvec3() - origin;
-        // Every point is more than twice the longest side away: less than 0.1 sr.
+        // Every point is more than twice the longest side away: less than 0.1 sr, and no side of 0.5 radians.
         if to_vertex.length_squared() > 10.0 * longest_sq {
             return None;
         }
         let vertices = triangle.vertices.map(|v| v.as_dvec3() - origin);
         let distances = vertices.map(DVec3::length);
-        let det = vertices[0].dot(triangle.area_vector()).abs() / distances.iter().product::<f64>();
+        let area_vector = triangle.area_vector();
+        let det = vertices[0].dot(area_vector).abs() / distances.iter().product::<f64>();
         let unit: [DVec3; 3] = std::array::from_fn(|i| vertices[i] / distances[i]);
         let first = opposite_to_longest_arc(&unit);
         let from_first = |i: usize| (first + i) % 3;
@@ -63,19 +72,21 @@ impl SphericalTriangle {
         // The sum of one and a cosine would cancel near an edge.
         let one_plus_cos = 0.5 * (a + b).length_squared();
         let below = one_plus_cos + c.dot(a + b);
+        let cos_arc = b.dot(c);
+        let is_long = cos_arc <= Self::MAX_COS_LONGEST && is_elongated(longest_sq, area_vector.length());
         // The tangent of half the solid angle is `det / below`, and is larger than its argument.
-        if below > 0.0 && det < 0.5 * Self::MIN_SOLID_ANGLE * below {
+        if !is_long && below > 0.0 && det < 0.5 * Self::MIN_SOLID_ANGLE * below {
             return None;
         }
         let solid_angle = 2.0 * libm::atan2(det, below);
-        let sound = solid_angle >= Self::MIN_SOLID_ANGLE && det >= Self::MIN_DETERMINANT;
-        sound.then(|| Self {
+        let is_large = is_long || solid_angle >= Self::MIN_SOLID_ANGLE;
+        (is_large && det >= Self::MIN_DETERMINANT).then(|| Self {
             first,
             towards,
             distances: [0, 1, 2].map(|i| distances[from_first(i)]),
             one_plus_cos,
             sin_arc: b.cross(c - b).length(),
-            cos_arc: b.dot(c),
+            cos_arc,
             det,
             solid_angle,
         })
@@ -85,17 +96,18 @@ impl SphericalTriangle {
     /// [`SphericalTriangle::new`] returns `None`. Comparing with it saves most of the work for distant
     /// points.
     ///
-    /// From a distance of at least `r` to the triangle, the solid angle of its area `A` is at most `A / r^2`.
-    /// Each vertex is within two thirds of a median of the centroid, and a median is at most as long as the
-    /// longest side.
+    /// From a distance of at least `r` to the triangle, the solid angle of its area `A` is at most `A / r^2`, and a side of
+    /// length `l` is seen under an angle of at most `2 atan(l / 2 r)`, whose cosine is above 0.8 from `r = 1.5 l` on. Each
+    /// vertex is within two thirds of a median of the centroid, and a median is at most as long as the longest side.
     pub fn reach(triangle: &Triangle) -> f64 {
-        let [e1, e2] = triangle.edges();
-        let longest = e1.length().max(e2.length()).max(e1.distance(e2));
+        let (longest_sq, area) = (longest_side_sq(triangle), triangle.area());
+        let (longest, large) = (longest_sq.sqrt(), (area / Self::MIN_SOLID_ANGLE).sqrt());
+        let r = if is_elongated(longest_sq, 2.0 * area) { large.max(1.5 * longest) } else { large };
         // The factor exceeds all rounding errors, here and in `new`.
-        1.001 * ((triangle.area() / Self::MIN_SOLID_ANGLE).sqrt() + longest * (2.0 / 3.0))
+        1.001 * (r + longest * (2.0 / 3.0))
     }
 
-    /// The solid angle, in steradians, at least [`SphericalTriangle::MIN_SOLID_ANGLE`].
+    /// The solid angle, in steradians, above 0.
     pub fn solid_angle(&self) -> f64 {
         self.solid_angle
     }
@@ -149,13 +161,25 @@ impl SphericalTriangle {
         if on_edge == DVec3::ZERO {
             return [0.0, 0.0];
         }
-        let end = on_edge.normalize();
+        // Its square may underflow.
+        let end = (on_edge / on_edge.abs().max_element()).normalize();
         let to = (first * a + on_edge).normalize();
         // The determinant of A, B and the end of the arc is that of A, B and C times the coefficient of C.
         let det = self.det * third / on_edge.length();
         let part = 2.0 * libm::atan2(det, self.one_plus_cos + end.dot(a + b));
         [part / self.solid_angle, a.distance_squared(to) / a.distance_squared(end)]
     }
+}
+
+/// The squared length of the longest side.
+fn longest_side_sq(triangle: &Triangle) -> f64 {
+    let [e1, e2] = triangle.edges();
+    e1.length_squared().max(e2.length_squared()).max(e1.distance_squared(e2))
+}
+
+/// Of a triangle with this squared longest side and twice the area.
+fn is_elongated(longest_sq: f64, twice_area: f64) -> bool {
+    2.0 * longest_sq > SphericalTriangle::ELONGATED * twice_area
 }
 
 /// The index of the unit vector whose opposite arc is the longest.
