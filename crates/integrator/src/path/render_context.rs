@@ -24,6 +24,8 @@ pub(crate) struct RenderContext<'a> {
     pub(super) guide: Option<&'a Guide>,
     /// The probability, above zero, with which a vertex after the first diffuse one samples lights in large mirrors.
     pub(super) large_mirror_prob: f64,
+    /// Whether path reuse lowers the variance by more than it raises the time, as far as probes tell.
+    pub(super) reuse_pays: bool,
     /// Whether pixels share the caustics that their paths find.
     pub(super) shares_caustics: bool,
     /// The photons by which first diffuse vertices look for caustics of several mirrors; `None` if they do not.
@@ -35,7 +37,8 @@ pub(crate) struct RenderContext<'a> {
 }
 
 impl<'a> RenderContext<'a> {
-    /// A context with the lights of the scene and without guide, photons or shared caustics, which [`prepare`](super::prepare) adds.
+    /// A context with the lights of the scene and without guide, photons or shared caustics, which
+    /// [`prepare`](super::prepare) adds.
     pub(super) fn new(
         scene: &'a Scene<dyn Accel + 'a>,
         sensor: &'a dyn Sensor,
@@ -54,6 +57,7 @@ impl<'a> RenderContext<'a> {
             mirrors,
             guide: None,
             large_mirror_prob: 1.0,
+            reuse_pays: true,
             shares_caustics: false,
             photons: None,
             light_points: LightPoints::default(),
@@ -63,11 +67,14 @@ impl<'a> RenderContext<'a> {
 }
 
 impl RenderContext<'_> {
-    /// Whether pixels reuse the paths of other pixels of their tile: not if paths have no second bounce or roulette begins
-    /// at the first.
+    /// Whether pixels reuse the paths of other pixels of their tile: not if that does not pay, paths have no second bounce or
+    /// roulette begins at the first.
     pub(super) fn reuses_paths(&self) -> bool {
         let Settings { max_bounces, roulette, path_reuse, .. } = *self.settings;
-        path_reuse == PathReuse::Tiles && max_bounces.is_none_or(|max| max >= 2) && roulette.start > 0
+        self.reuse_pays
+            && path_reuse == PathReuse::Tiles
+            && max_bounces.is_none_or(|max| max >= 2)
+            && roulette.start > 0
     }
 
     /// Whether the edges of lights are supersampled.
@@ -139,7 +146,8 @@ impl RenderContext<'_> {
         self.settings.max_bounces.is_none_or(|max| bounce + 1 < max)
     }
 
-    /// The probability with which a diffuse vertex samples lights in large mirrors, by whether it is the first one of the path.
+    /// The probability with which a diffuse vertex samples lights in large mirrors, by whether it is the first one of the
+    /// path.
     #[inline(always)]
     pub(super) fn large_mirror_prob(&self, is_first: bool) -> f64 {
         if is_first { 1.0 } else { self.large_mirror_prob }

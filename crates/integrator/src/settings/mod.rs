@@ -62,9 +62,9 @@ pub struct Settings {
     pub light_sampling: LightSampling,
     /// Light samples at the first diffuse vertex of a path where each is a choice among several. The vertex takes this many
     /// in a light tree: of three triangles or more, or of a delta light and another light. It takes at most this many among
-    /// the triangles of small mirrors: of adjacent coplanar triangles whose area is less than a quarter of the mean area of a
-    /// cluster of lights (of a distant light, as much as it looks), as in most curved mirrors. A power of two up to [`Settings::MAX_LIGHT_SAMPLES`]. Elsewhere there
-    /// is one. This changes the variance, not the mean.
+    /// the triangles of small mirrors: of adjacent coplanar triangles whose area is less than a quarter of the mean area of
+    /// a cluster of lights (of a distant light, as much as it looks), as in most curved mirrors. A power of two up to
+    /// [`Settings::MAX_LIGHT_SAMPLES`]. Elsewhere there is one. This changes the variance, not the mean.
     pub light_samples: u32,
     /// Whether lights are sampled by way of mirrors.
     pub mirror_sampling: MirrorSampling,
@@ -103,7 +103,8 @@ pub enum PathReuse {
     /// Light that a path finds after its first diffuse vertex by way of up to eight mirrors is shared by all pixels of the
     /// tile, if some paths at fixed places find little such light. It takes a query for each of these pixels.
     ///
-    /// A prefix that Russian roulette could have ended ([`Roulette::start`]) is not shared.
+    /// A prefix that Russian roulette could have ended ([`Roulette::start`]) is not shared. In a scene without mirrors,
+    /// nothing is shared if suffixes bring less than half of a pixel's variance, as some paths at fixed places find.
     ///
     /// [`Film::block_variances_of_mean`]: crate::Film::block_variances_of_mean
     #[default]
@@ -148,8 +149,8 @@ pub enum MirrorSampling {
     ///
     /// Light by way of more than one mirror is found by scattering. If pixels share caustics ([`PathReuse::Tiles`]) and the
     /// estimator samples lights, it is also looked for where photons left mirrors: half of the first diffuse vertices send
-    /// a ray there (after Jensen 1995). For this, each render traces eight paths from the lights for each pixel
-    /// of the whole picture, at least `2^14` and at most `2^20`, which take up to 100 MB. They are not counted; their time is.
+    /// a ray there (after Jensen 1995). For this, each render traces eight paths from the lights for each pixel of the
+    /// whole picture, at least `2^14` and at most `2^20`, which take up to 100 MB. They are not counted; their time is.
     #[default]
     Images,
 }
@@ -203,9 +204,9 @@ pub struct Roulette {
 }
 
 impl Roulette {
-    /// The largest probability of surviving, so that paths between perfect mirrors end too, after 1000 bounces on average. Let
-    /// `a` be the albedo of a closed room and `h` the share of directions that leave it: if `a^2 (1 - h)` is larger than
-    /// this, the variance is infinite.
+    /// The largest probability of surviving, so that paths between perfect mirrors end too, after 1000 bounces on average.
+    /// Let `a` be the albedo of a closed room and `h` the share of directions that leave it: if `a^2 (1 - h)` is larger
+    /// than this, the variance is infinite.
     pub const MAX_SURVIVE_PROB: f64 = 0.999;
 
     /// The smallest threshold: `2^-20`.

@@ -1,7 +1,7 @@
 //! The probability with which vertices after the first diffuse one sample lights in large mirrors. It follows from what
 //! such samples and those without a mirror contribute to the paths of probes.
 
-use super::path_starts::{PATCH_SIDE, patches, path_settings};
+use super::path_starts::{capped_bounces, distances, patches, path_settings};
 use crate::Settings;
 use crate::path::counters::Counters;
 use crate::path::radiance_sums::Contribution;
@@ -17,9 +17,6 @@ const PATHS: u32 = 1 << 12;
 
 /// The seed of their random numbers: `mirror` in ASCII.
 const SEED: u64 = 0x6d69_7272_6f72;
-
-/// Their paths end after this many bounces, whatever the settings say of roulette.
-const MAX_BOUNCES: u32 = 16;
 
 /// The probability is this many times the ratio of the roots of sums of squares (measured, docs/estimators.md).
 const FACTOR: f64 = 2.0;
@@ -64,7 +61,7 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     let of_patch = |wavefront: &mut Wavefront, (patch, samples): (PixelRect, Range<u32>)| {
         wavefront.later_squares(&context, patch, samples)
     };
-    let patches = patches(&settings, distances(&settings), 1);
+    let patches = patches(&settings, distances(&settings, PATHS), 1);
     let of_patches: Vec<_> = patches.into_par_iter().map_init(Wavefront::default, of_patch).collect();
     let mut squares = Squares::default();
     of_patches.into_iter().for_each(|of_patch| squares += of_patch);
@@ -76,18 +73,7 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
 /// The settings of the probes' paths.
 fn probe_settings(settings: &Settings) -> Settings {
     let samples = (u64::from(PATHS) / settings.pixel_count()).max(1).next_power_of_two() as u32;
-    let max_bounces = Some(settings.max_bounces.unwrap_or(MAX_BOUNCES).min(MAX_BOUNCES));
-    Settings { max_bounces, ..path_settings(settings, samples, SEED) }
-}
-
-/// The distances of patches, so that a sample of each of their pixels takes about [`PATHS`] paths or fewer.
-fn distances(&Settings { width, height, .. }: &Settings) -> [u32; 2] {
-    let most = PATHS / (PATCH_SIDE * PATCH_SIDE);
-    let by_shape = f64::from(most) * f64::from(width) / f64::from(height);
-    let columns = (by_shape.sqrt() as u32).clamp(1, width.div_ceil(PATCH_SIDE));
-    let rows = (most / columns).clamp(1, height.div_ceil(PATCH_SIDE));
-    let columns = (most / rows).clamp(1, width.div_ceil(PATCH_SIDE));
-    [(width, columns), (height, rows)].map(|(size, count)| size.div_ceil(count).max(PATCH_SIDE))
+    Settings { max_bounces: capped_bounces(settings), ..path_settings(settings, samples, SEED) }
 }
 
 impl Wavefront {
@@ -133,6 +119,7 @@ impl Wavefront {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::preliminary::path_starts::PATCH_SIDE;
     use crate::path::preliminary::prepare;
     use crate::path::test_rooms::{assert_equal_means, built, radiance_sum};
     use crate::{Model, PathReuse, PinholeCamera, Scene};
@@ -222,7 +209,7 @@ mod tests {
             [(1, 1), (7, 9), (64, 64), (100, 65), (1920, 1080), (16_384, 3), (16, 1 << 20), (1, 1 << 27)];
         for (width, height) in sizes {
             let settings = probe_settings(&Settings::new(width, height, 1));
-            let patches = patches(&settings, distances(&settings), 1);
+            let patches = patches(&settings, distances(&settings, PATHS), 1);
             let paths: usize = patches.iter().map(|(patch, _)| patch.pixel_count()).sum();
             let least = PATHS as usize / if width.min(height) < PATCH_SIDE { 16 } else { 4 };
             assert!((least..=2 * PATHS as usize).contains(&paths), "{width} x {height}: {paths}");

@@ -1,5 +1,5 @@
-//! Which lights are visible: paths at fixed places of the picture sample lights, and those that they rarely see are chosen less
-//! often. Otherwise a strong light behind a wall takes the samples of all others.
+//! Which lights are visible: paths at fixed places of the picture sample lights, and those that they rarely see are chosen
+//! less often. Otherwise a strong light behind a wall takes the samples of all others.
 
 use super::path_starts::probe_starts;
 use crate::light::{ChosenLight, LightTree, Lights, VisibilityCount};
@@ -78,8 +78,8 @@ mod tests {
 
     const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 12, height: 12 };
 
-    /// A floor before a mirror, a lamp above its left half, and one of this radiance above its right half. A wall between them may
-    /// have a hole at the floor. The camera sees the left half.
+    /// A floor before a mirror, a lamp above its left half, and one of this radiance above its right half. A wall between
+    /// them may have a hole at the floor. The camera sees the left half.
     fn scene(radiance: f64, has_hole: bool) -> Scene<KdTree> {
         let p = DVec3::new;
         let mut model = Model::default();
@@ -143,8 +143,8 @@ mod tests {
         assert!(probs[0].is_some() && probs[0] == probs[1], "{probs:?}");
     }
 
-    /// As if no sample had found the lamp on the right, which lights both halves, and the left one by way of a mirror too. The same
-    /// seeds, so that most other light cancels.
+    /// As if no sample had found the lamp on the right, which lights both halves, and the left one by way of a mirror too.
+    /// The same seeds, so that most other light cancels.
     #[test]
     fn the_mean_does_not_depend_on_what_samples_have_found() {
         let (scene, camera) = (scene(2.0, true), camera());

@@ -2,7 +2,8 @@
 //!
 //! - [paths that train a guide](training);
 //! - paths at fixed places of the picture, which find [which lights are visible](light_visibility), [how often to sample
-//!   lights in mirrors](large_mirror_prob), and [whether caustics are rare](rare_caustics);
+//!   lights in mirrors](large_mirror_prob), [whether path reuse pays](path_reuse), and [whether caustics are
+//!   rare](rare_caustics);
 //! - [photons](caustic_photons) from the lights;
 //! - where the sensor may see small lights ([`LightPoints`]).
 //!
@@ -11,6 +12,7 @@
 mod caustic_photons;
 mod large_mirror_prob;
 mod light_visibility;
+mod path_reuse;
 mod path_starts;
 mod rare_caustics;
 mod training;
@@ -38,6 +40,7 @@ pub(crate) fn prepare<'a>(
     let lights_by_visibility = light_visibility::lights(&context).map(Arc::new);
     let context = RenderContext { lights_by_visibility, ..context };
     let context = RenderContext { large_mirror_prob: large_mirror_prob::of(&context), ..context };
+    let context = RenderContext { reuse_pays: path_reuse::pays(&context), ..context };
     let context = RenderContext { shares_caustics: rare_caustics::are_shared(&context), ..context };
     let context = RenderContext { photons: photon_guide(&context, cancelled)?, ..context };
     let light_points = match context.supersamples_lights() {

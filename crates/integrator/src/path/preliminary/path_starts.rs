@@ -6,6 +6,14 @@ use std::ops::Range;
 /// Pixels along the side of a patch, in which paths that precede a picture begin.
 pub(super) const PATCH_SIDE: u32 = 8;
 
+/// The most bounces of paths that precede a picture, whatever the settings say of roulette.
+const MAX_BOUNCES: u32 = 16;
+
+/// The limit on the bounces of such paths.
+pub(super) fn capped_bounces(settings: &Settings) -> Option<u32> {
+    Some(settings.max_bounces.unwrap_or(MAX_BOUNCES).min(MAX_BOUNCES))
+}
+
 /// The settings of paths that precede the first sample of a picture: this many of each pixel, by this seed. Pixels share
 /// nothing, each vertex takes one light sample, and lights are not supersampled.
 pub(super) fn path_settings(settings: &Settings, samples: u32, seed: u64) -> Settings {
@@ -20,8 +28,8 @@ pub(super) fn path_settings(settings: &Settings, samples: u32, seed: u64) -> Set
     }
 }
 
-/// Patches of pixels at these distances in both directions, each with every range of `at_once` samples of its pixels. Where distances are
-/// larger than [`PATCH_SIDE`], there are gaps between patches.
+/// Patches of pixels at these distances in both directions, each with every range of `at_once` samples of its pixels. Where
+/// distances are larger than [`PATCH_SIDE`], there are gaps between patches.
 pub(super) fn patches(
     settings: &Settings,
     distances: [u32; 2],
@@ -30,6 +38,16 @@ pub(super) fn patches(
     let ranges = (0..settings.samples).step_by(at_once as usize).map(|first| first..first + at_once);
     let cells = PixelRect::grid([settings.width, settings.height], distances);
     cells.flat_map(|cell| ranges.clone().map(move |range| (cell.corner(PATCH_SIDE), range))).collect()
+}
+
+/// The distances of patches, so that a sample of each of their pixels takes about `paths` paths or fewer.
+pub(super) fn distances(&Settings { width, height, .. }: &Settings, paths: u32) -> [u32; 2] {
+    let most = paths / (PATCH_SIDE * PATCH_SIDE);
+    let by_shape = f64::from(most) * f64::from(width) / f64::from(height);
+    let columns = (by_shape.sqrt() as u32).clamp(1, width.div_ceil(PATCH_SIDE));
+    let rows = (most / columns).clamp(1, height.div_ceil(PATCH_SIDE));
+    let columns = (most / rows).clamp(1, width.div_ceil(PATCH_SIDE));
+    [(width, columns), (height, rows)].map(|(size, count)| size.div_ceil(count).max(PATCH_SIDE))
 }
 
 /// Where the probes of one of `per_side` rows begin, of which each has as many, evenly spaced over the picture.

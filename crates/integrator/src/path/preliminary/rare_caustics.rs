@@ -25,9 +25,9 @@ pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
     may_share && caustics_found(context) <= MAX_FOUND
 }
 
-/// How many caustics that would be shared [`PROBES_PER_SIDE`] x [`PROBES_PER_SIDE`] paths find from their first two diffuse vertices, each by
-/// way of up to [`MAX_REFLECTIONS`] mirrors whatever the limit on bounces. They follow from the scene, the sensor and the
-/// settings, never from samples.
+/// How many caustics that would be shared [`PROBES_PER_SIDE`] x [`PROBES_PER_SIDE`] paths find from their first two diffuse
+/// vertices, each by way of up to [`MAX_REFLECTIONS`] mirrors whatever the limit on bounces. They follow from the scene,
+/// the sensor and the settings, never from samples.
 fn caustics_found(context: &RenderContext<'_>) -> usize {
     let first = scattered_rays(context, 0, starts(context));
     let second = scattered_rays(context, 1, first.iter().map(|&(ray, _)| PathStart::Ray(ray)));
