@@ -40,8 +40,8 @@
 )]
 //! | [`glam`] | vectors, in the version that all modules take |
 //!
-//! Features: `gltf`, `obj`, `images` and `scenes`, on by default; `shapes`, on with `scenes`, the module `geom::shapes` of boxes,
-//! spheres and tori; `conformance`, the suite that checks accelerators of your own.
+//! Features: `gltf`, `obj`, `images` and `scenes`, on by default; `shapes`, on with `scenes`, the module `geom::shapes` of
+//! boxes, spheres and tori; `conformance`, the suite that checks accelerators of your own.
 
 pub use glam;
 #[doc(inline)]

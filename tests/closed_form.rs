@@ -94,9 +94,9 @@ fn furnace_moments(rho: f64, threshold: f64) -> (f64, f64) {
     (moments[0], moments[1] / moments[0].powi(2))
 }
 
-/// A white room into which the sky shines through a hole in the ceiling, a 1/49 of its surface: the radiance is that of the sky
-/// everywhere. Paths find the hole after 48 bounces on average; if roulette ended one in twenty at each, the variance would be
-/// infinite.
+/// A white room into which the sky shines through a hole in the ceiling, a 1/49 of its surface: the radiance is that of the
+/// sky everywhere. Paths find the hole after 48 bounces on average; if roulette ended one in twenty at each, the variance
+/// would be infinite.
 #[test]
 fn a_white_room_with_a_hole() {
     let walls = cuboid(DVec3::ZERO, DVec3::ONE, 0.0).into_iter();

@@ -128,8 +128,8 @@ fn one_light_over_a_floor() {
     }
 }
 
-/// A lamp of which a room is lit is found beside one of `1e12` or `1e24` times its power in another room, and a dim sun beside
-/// one that shines from below the floor.
+/// A lamp of which a room is lit is found beside one of `1e12` or `1e24` times its power in another room, and a dim sun
+/// beside one that shines from below the floor.
 #[test]
 fn a_dim_light_is_found_beside_a_strong_one_that_is_hidden() {
     let (near, below) = (Vec3::new(0.5, 1.0, -1.0), DVec3::new(0.0, -10.0, 0.0));

@@ -8,8 +8,8 @@ use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels}
 
 const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
-/// In one of ten pictures, a point on the light next to a vertex makes the kaleidoscope's error by `Light` up to three times as
-/// large, which would be too wide. It is not so with these seeds.
+/// In one of ten pictures, a point on the light next to a vertex makes the kaleidoscope's error by `Light` up to three
+/// times as large, which would be too wide. It is not so with these seeds.
 const FIRST_SEED: u64 = 10;
 
 /// Compares all pairs of estimators. Each has its own seed, its own number of samples and its own accelerator,

@@ -8,8 +8,8 @@
 //! The sign of an edge function of projected vertices is correct or zero, and zero counts as inside. So the
 //! projected triangles of a closed mesh leave no gap, not even at edges and vertices.
 //!
-//! Whatever is not certain in `f32`, every accelerator decides by this routine, so all give the same answers to the
-//! bit. It is always inlined, so that a traversal compiled for FMA instructions uses them here too; the bits are the same without.
+//! Whatever is not certain in `f32`, every accelerator decides by this routine, so all give the same answers to the bit. It
+//! is always inlined, so that a traversal compiled for FMA instructions uses them here too; the bits are the same without.
 
 use crate::accurate::difference_of_products;
 use crate::ray::power_of_two;

@@ -88,8 +88,8 @@ pub enum RenderError {
     /// on.
     #[error("panic in the tile at pixel ({x}, {y}): {message}")]
     Worker {
-        /// Column of the tile's upper left pixel. While a guide is trained, that of the tile that trains; of a replay, that of
-        /// the pixel's tile; of first hits, 0, and `y` is their row.
+        /// Column of the tile's upper left pixel. While a guide is trained, that of the tile that trains; of a replay, that
+        /// of the pixel's tile; of first hits, 0, and `y` is their row.
         x: u32,
         /// Row of that pixel, 0 at the top.
         y: u32,

@@ -46,11 +46,11 @@ pub(crate) struct Options {
     scene: SceneFlags,
     /// Camera: where it stands / what it looks at / up / vertical field of view in degrees
     ///
-    /// Positions are in the scene's units, at most 1e60 in magnitude; up is as --up says and the field of view 40 degrees if not given.
-    /// Without this flag the file's first camera is used. A file without cameras is framed automatically: its
-    /// bounding box fills the picture, seen from the front and a little from the right, and from above the
-    /// more, the flatter it is. A closed room with light inside is seen from inside. The camera in use is
-    /// printed in the notation of this flag.
+    /// Positions are in the scene's units, at most 1e60 in magnitude; up is as --up says and the field of view 40 degrees
+    /// if not given. Without this flag the file's first camera is used. A file without cameras is framed automatically: its
+    /// bounding box fills the picture, seen from the front and a little from the right, and from above the more, the
+    /// flatter it is. A closed room with light inside is seen from inside. The camera in use is printed in the notation of
+    /// this flag.
     #[arg(long, value_name = "X,Y,Z/X,Y,Z[/X,Y,Z[/FOV]]", help_heading = "Scene")]
     #[arg(allow_hyphen_values = true)]
     camera: Option<String>,

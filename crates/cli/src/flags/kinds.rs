@@ -64,8 +64,8 @@ kinds! {
     SupersamplingKind of Supersampling {
         /// One camera ray per sample
         Off,
-        /// Sixteen more where neighbouring pixels see different emission, also in mirrors, or where a small light is; 32 instead
-        /// of these if the pixel sees a curved mirror
+        /// Sixteen more where neighbouring pixels see different emission, also in mirrors, or where a small light is; 32
+        /// instead of these if the pixel sees a curved mirror
         Lights,
     }
     PathReuseKind of PathReuse {

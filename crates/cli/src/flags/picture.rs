@@ -21,9 +21,10 @@ pub(crate) struct PictureFlags {
     pub(crate) filter: FilterKind,
     /// Render only the pixels of this rectangle; X and Y count from the upper left corner
     ///
-    /// Its pixels have the bits of the whole picture. With path reuse, which shares paths within tiles of 16 x 16
-    /// pixels, tiles are rendered as a whole: the figures and a checkpoint are of all of them. OpenEXR files tell the errors of blocks of
-    /// 4 x 4 pixels only if X and Y are multiples of 4, and so are WIDTH and HEIGHT or the rectangle reaches the border.
+    /// Its pixels have the bits of the whole picture. With path reuse, which shares paths within tiles of 16 x 16 pixels,
+    /// tiles are rendered as a whole: the figures and a checkpoint are of all of them. OpenEXR files tell the errors of
+    /// blocks of 4 x 4 pixels only if X and Y are multiples of 4, and so are WIDTH and HEIGHT or the rectangle reaches the
+    /// border.
     #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = Crop::parse, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,
     /// Replace the pictures of --out while they are rendered, for viewers that load a changed file again

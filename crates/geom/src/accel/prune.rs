@@ -31,8 +31,8 @@ pub(crate) struct Pruner {
 /// The slack in units of `eps * reach`: 24 for the hit point, the rest for the rounding of accelerators.
 const SLACK_ULPS: f64 = 64.0;
 
-/// Direction components smaller in magnitude than this fraction of the largest become that fraction, so that no quotient is NaN.
-/// The effect within the scene is far below the slack.
+/// Direction components smaller in magnitude than this fraction of the largest become that fraction, so that no quotient is
+/// NaN. The effect within the scene is far below the slack.
 pub(crate) const PARALLEL: f64 = power_of_two(-200);
 
 impl Ray {

@@ -14,8 +14,9 @@
 //!   `t`, `u` and `v` are the answer, to the bit. [`Shear::new`](crate::decide::Shear::new) returns `None` for
 //!   a ray that cannot hit anything.
 //! - **Candidates**: consider only [`live`](crate::Triangles::live) triangles that the ray does not
-//!   [exclude](crate::Ray::excludes). A hit counts if `t_min < t < t_max`. The hit of smallest `t` wins; the smallest index breaks ties. A node that begins
-//!   exactly at the closest `t` so far is therefore visited; a node that begins beyond it is not.
+//!   [exclude](crate::Ray::excludes). A hit counts if `t_min < t < t_max`. The hit of smallest `t` wins; the smallest index
+//!   breaks ties. A node that begins exactly at the closest `t` so far is therefore visited; a node that begins beyond it
+//!   is not.
 //! - **Pruning**: widen boxes, slabs and cells by [`Ray::pruning_slack`](crate::Ray::pruning_slack), given the
 //!   bounds of all triangles. The computed `t` of a hit describes a point within `24 eps reach` of the triangle
 //!   (`eps = 2^-53`), not on it. Without slack an accelerator loses hits that brute force finds. The bound relies on the edge
@@ -24,8 +25,9 @@
 //!   Ray/Triangle Intersection" (JCGT 2(1), 2013). docs/numerics.md of the repository contains the proof.
 //! - **Zeros**: a direction component can be zero, of either sign. The quotient of two zeros is NaN; a comparison
 //!   with NaN must not discard a candidate.
-//! - **Other queries**: `occluded` returns `intersect(ray).is_some()`. A batch clears its output and stores the
-//!   answers of its rays one by one. `bounds` returns [`Triangles::bounds`](crate::Triangles::bounds). No query panics, or allocates more than [`Accel`](crate::Accel) allows.
+//! - **Other queries**: `occluded` returns `intersect(ray).is_some()`. A batch clears its output and stores the answers of
+//!   its rays one by one. `bounds` returns [`Triangles::bounds`](crate::Triangles::bounds). No query panics, or allocates
+//!   more than [`Accel`](crate::Accel) allows.
 //!
 //! The following accelerator follows the rules. Without slack, the suite rejects it:
 //!

@@ -165,8 +165,8 @@ impl Comparison {
     }
 }
 
-/// The most by which a tile's squared difference counts as above its variance, over the variance around: few tiles that differ
-/// much do not hide that others do. What is cut off makes the test rather too small.
+/// The most by which a tile's squared difference counts as above its variance, over the variance around: few tiles that
+/// differ much do not hide that others do. What is cut off makes the test rather too small.
 const LARGEST_EXCESS: f64 = 4.0;
 
 /// Both sides.
@@ -222,8 +222,8 @@ impl Pair {
         })
     }
 
-    /// The differences of the sums of tiles, the mean of the components, over the root of their pixels' variances, of the side
-    /// whose are known; as they are if none are.
+    /// The differences of the sums of tiles, the mean of the components, over the root of their pixels' variances, of the
+    /// side whose are known; as they are if none are.
     ///
     /// The variances bring tiles to one scale, so that no few outweigh the others; no test needs them to be right.
     fn differences(&self, sides: &[Vec<f64>; 2]) -> Vec<f64> {

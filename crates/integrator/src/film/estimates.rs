@@ -90,8 +90,8 @@ impl Estimates {
         [self.width, self.height] != self.full_size
     }
 
-    /// Replaces the pixels that `part`, a crop or a strip of the same picture, holds. Unless it begins and ends with blocks of
-    /// this picture, the errors of all blocks that it touches are unknown from then on.
+    /// Replaces the pixels that `part`, a crop or a strip of the same picture, holds. Unless it begins and ends with blocks
+    /// of this picture, the errors of all blocks that it touches are unknown from then on.
     ///
     /// ```
     /// use globillum_integrator::{Estimates, Render};

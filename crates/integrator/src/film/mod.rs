@@ -35,8 +35,8 @@ use std::ops::Range;
 /// such as [`IrradiancePoints`](crate::IrradiancePoints), every radiance of the film is an irradiance, and rows are not in
 /// the order of the list: [`IrradiancePoints::readings`](crate::IrradiancePoints::readings) is.
 ///
-/// A film holds a picture, a crop of it, or a strip of either ([`Film::rows`]). Its methods treat what it holds as a picture of
-/// its own: row 0 is the first row of the strip.
+/// A film holds a picture, a crop of it, or a strip of either ([`Film::rows`]). Its methods treat what it holds as a
+/// picture of its own: row 0 is the first row of the strip.
 ///
 /// All pixels hold the same passes. Equal passes give equal bits, wherever and in whatever order
 /// they were rendered and put together.

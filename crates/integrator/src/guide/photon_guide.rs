@@ -155,8 +155,8 @@ mod tests {
         Receiver { position: DVec3::new(x, y, 0.0), side: Vec3::Z }
     }
 
-    /// Directions fill bins of equal solid angle as often as the density says. Chi-square exceeds the limit with a probability
-    /// of 1e-6 or less, by the normal approximation of Wilson and Hilferty (1931).
+    /// Directions fill bins of equal solid angle as often as the density says. Chi-square exceeds the limit with a
+    /// probability of 1e-6 or less, by the normal approximation of Wilson and Hilferty (1931).
     #[test]
     fn directions_have_their_density() {
         const BINS: usize = 24;

@@ -10,8 +10,8 @@ pub(super) const CHILD_BITS: u32 = WIDTH.trailing_zeros();
 /// Half of the lanes.
 const HALF: usize = WIDTH / 2;
 
-/// The lane of a child in vectors over all children. Children `2 k` and `2 k + 1` have lanes `k` and `HALF + k`, so vectors of half
-/// the width add them.
+/// The lane of a child in vectors over all children. Children `2 k` and `2 k + 1` have lanes `k` and `HALF + k`, so vectors
+/// of half the width add them.
 #[inline(always)]
 pub(super) const fn lane_of(child: usize) -> usize {
     child % 2 * HALF + child / 2
@@ -39,8 +39,8 @@ impl ChildWeights {
     /// The least sum of importances of which uniform shares are shares, so that they are above zero.
     const LEAST_TOTAL: f64 = 1e-280;
 
-    /// Weights equal to these importances, from 0 up: a child without importance is never chosen. [`ChildWeights::choose`] and
-    /// [`ChildWeights::prob`] need a total above zero.
+    /// Weights equal to these importances, from 0 up: a child without importance is never chosen. [`ChildWeights::choose`]
+    /// and [`ChildWeights::prob`] need a total above zero.
     #[inline(always)]
     pub(super) fn of_importance(importance: [f64; WIDTH]) -> Self {
         // Four steps. A sum is the one of a child before it and a rest, so it is not below that when rounded. Zeros

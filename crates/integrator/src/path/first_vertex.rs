@@ -24,8 +24,8 @@ pub(super) fn first_diffuse_vertex<'a>(
 }
 
 /// The first diffuse vertex of the path that begins at `start`, if no more than [`MAX_REFLECTIONS`] mirrors precede it and
-/// `may_end` holds for its bounce and those of the mirrors. A path that measures irradiance has it where it begins. `None` too
-/// if the start is not valid.
+/// `may_end` holds for its bounce and those of the mirrors. A path that measures irradiance has it where it begins. `None`
+/// too if the start is not valid.
 pub(super) fn diffuse_vertex<'a>(
     context: &RenderContext<'a>,
     start: PathStart,

@@ -65,9 +65,9 @@ pub struct Vertex {
 /// shared.
 ///
 /// # Errors
-/// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture
-/// does not have. [`RenderError::SensorSize`] for settings of another size than the sensor's.
-/// [`RenderError::Threads`] if no threads can be started. [`RenderError::Worker`] for a panic in an accelerator or the sensor.
+/// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture does not have.
+/// [`RenderError::SensorSize`] for settings of another size than the sensor's. [`RenderError::Threads`] if no threads can
+/// be started. [`RenderError::Worker`] for a panic in an accelerator or the sensor.
 pub fn replay(
     scene: &Scene<dyn Accel + '_>,
     sensor: &dyn Sensor,

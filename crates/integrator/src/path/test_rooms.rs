@@ -141,8 +141,8 @@ pub(super) fn radiance_sum(context: &RenderContext<'_>, tile: PixelRect) -> f64 
     wavefront.radiance().iter().map(|radiance| radiance.mean()).sum()
 }
 
-/// Asserts that the two numbers that `pair` returns for a seed have the same mean, whose standard error is below `limit` of it. A
-/// deviation exceeds the limit with a probability of 1e-6 (Student's distribution with 799 degrees of freedom).
+/// Asserts that the two numbers that `pair` returns for a seed have the same mean, whose standard error is below `limit` of
+/// it. A deviation exceeds the limit with a probability of 1e-6 (Student's distribution with 799 degrees of freedom).
 pub(super) fn assert_equal_means(limit: f64, pair: impl Fn(u64) -> [f64; 2]) {
     let (mut level, mut deviation, mut squares) = (0.0, 0.0_f64, 0.0_f64);
     for seed in 0..800 {

@@ -10,9 +10,9 @@ pub struct Progress {
     pub samples_total: u64,
     /// Rays traced so far in this run, as counted by [`Counters::rays`](crate::Counters::rays).
     pub rays: u64,
-    /// The picture's error after the last whole pass ([`ErrorEstimate`](crate::ErrorEstimate)), also of a picture that this run
-    /// has resumed; infinite while unknown. [`Stop::relative_rmse`](crate::Stop::relative_rmse) is compared with the upper
-    /// end of its interval, so this may be below the goal before the render ends.
+    /// The picture's error after the last whole pass ([`ErrorEstimate`](crate::ErrorEstimate)), also of a picture that this
+    /// run has resumed; infinite while unknown. [`Stop::relative_rmse`](crate::Stop::relative_rmse) is compared with the
+    /// upper end of its interval, so this may be below the goal before the render ends.
     pub relative_rmse: f64,
     /// Seconds since the run began.
     pub seconds: f64,

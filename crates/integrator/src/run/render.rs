@@ -152,8 +152,8 @@ impl<'a> Render<'a> {
         Self { before: Some(picture), ..self }
     }
 
-    /// Renders. If the monitor cancels, the current pass is dropped and the passes before it are returned. There may be none: the
-    /// film then has no samples and is black.
+    /// Renders. If the monitor cancels, the current pass is dropped and the passes before it are returned. There may be
+    /// none: the film then has no samples and is black.
     ///
     /// # Errors
     /// [`RenderError::Param`] for settings and stop conditions out of range, [`RenderError::Range`] for passes, crop or rows,

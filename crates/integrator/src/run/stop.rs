@@ -23,8 +23,8 @@ use crate::{Film, RenderError};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Stop {
-    /// Limit, above 0 and finite: seconds from the start of this run. No pass begins that is expected to end later, judged by the
-    /// passes of this run, and one that does is dropped.
+    /// Limit, above 0 and finite: seconds from the start of this run. No pass begins that is expected to end later, judged
+    /// by the passes of this run, and one that does is dropped.
     ///
     /// The first pass that this run adds is always finished, so a run adds at least one pass,
     /// [resumed](crate::Render::resume) or not, unless the picture holds all passes, the goals are met before,
@@ -33,10 +33,10 @@ pub struct Stop {
     /// [pilot](Stop::pilot), whose first pass is finished too, the second is the time of two passes.
     pub seconds: Option<f64>,
     /// Goal, above 0 and finite: the upper end of the 95 % interval of the picture's relative error
-    /// ([`ErrorEstimate`](crate::ErrorEstimate)) is at most this. A picture in which no pixel has varied meets it only from 64
-    /// observations on, as does one whose variances are so small that they underflow, at a radiance below 1e-154. The error
-    /// is relative to the mean over all pixels: a small bright object on a black background takes many more samples than one
-    /// that fills the picture.
+    /// ([`ErrorEstimate`](crate::ErrorEstimate)) is at most this. A picture in which no pixel has varied meets it only from
+    /// 64 observations on, as does one whose variances are so small that they underflow, at a radiance below 1e-154. The
+    /// error is relative to the mean over all pixels: a small bright object on a black background takes many more samples
+    /// than one that fills the picture.
     pub relative_rmse: Option<f64>,
     /// Goal for single pixels.
     pub pixels: Option<PixelGoal>,
@@ -57,8 +57,8 @@ pub struct Stop {
 /// A goal for the errors of single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGoal {
-    /// The largest standard error of a component, above 0 and finite, relative to the mean radiance of the picture. A pixel whose
-    /// samples have all missed its light has standard error 0 and meets the goal.
+    /// The largest standard error of a component, above 0 and finite, relative to the mean radiance of the picture. A pixel
+    /// whose samples have all missed its light has standard error 0 and meets the goal.
     pub error: f64,
     /// The share of all pixels that must meet it, in `(0, 1]`.
     pub share: f64,

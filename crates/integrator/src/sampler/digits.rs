@@ -75,8 +75,8 @@ fn times_powers(x: u64, inverse: bool) -> u64 {
     x & PLACES[0] | one & PLACES[1] | two & PLACES[2]
 }
 
-/// The polynomial modulo two whose coefficients are the digits of `x`, as a sum of powers of `x^DEGREE + x + 1`, for degrees 2
-/// and 3: each `DEGREE` digits of the result are the coefficients of a factor.
+/// The polynomial modulo two whose coefficients are the digits of `x`, as a sum of powers of `x^DEGREE + x + 1`, for
+/// degrees 2 and 3: each `DEGREE` digits of the result are the coefficients of a factor.
 ///
 /// Up to a fixed matrix for the digits of a factor, these are the digits of Sobol's coordinate of this polynomial: for degree
 /// 2 with the initial numbers 1 and 3, for degree 3 with 1, 3 and 1 (Joe and Kuo 2008).
@@ -88,8 +88,8 @@ fn in_powers<const DEGREE: u32>(x: u64) -> u64 {
     divided::<DEGREE, 1>(x)
 }
 
-/// Divides each polynomial of twice as many digits as the divisor `(x^DEGREE + x + 1)^POWER`, which is `x^WIDTH + x^POWER + 1`
-/// for a power of two. The quotient follows the remainder.
+/// Divides each polynomial of twice as many digits as the divisor `(x^DEGREE + x + 1)^POWER`, which is
+/// `x^WIDTH + x^POWER + 1` for a power of two. The quotient follows the remainder.
 #[inline(always)]
 fn divided<const DEGREE: u32, const POWER: u32>(x: u64) -> u64 {
     let width = DEGREE * POWER;
@@ -126,7 +126,8 @@ mod tests {
         assert_eq!(fourth, [0, 4, 6, 2, 1, 5, 7, 3]);
     }
 
-    /// Digits from direction numbers, by the recurrence of Joe and Kuo (2008), as sums of a column for each digit of the index.
+    /// Digits from direction numbers, by the recurrence of Joe and Kuo (2008), as sums of a column for each digit of the
+    /// index.
     #[test]
     fn coordinates_of_powers_are_those_of_direction_numbers() {
         let third = directions([1, 3], |[v0, v1]| [v1, v1 ^ v0 ^ v0 << 2]);

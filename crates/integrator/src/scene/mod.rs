@@ -82,8 +82,9 @@ impl<A: ?Sized> Scene<A> {
 }
 
 impl<A: Accel> Scene<A> {
-    /// Checks the model's triangles and calls `build` for their accelerator: [`WideBvh::build`](globillum_geom::WideBvh::build),
-    /// [`KdTree::build`](globillum_geom::KdTree::build) or another function of this type. Traces no ray.
+    /// Checks the model's triangles and calls `build` for their accelerator:
+    /// [`WideBvh::build`](globillum_geom::WideBvh::build), [`KdTree::build`](globillum_geom::KdTree::build) or another
+    /// function of this type. Traces no ray.
     ///
     /// To change materials or lights alone, share the accelerator: build it once over [`Scene::triangles`] or
     /// [`Triangles::new`], keep it in an [`Arc`](std::sync::Arc), and return a clone of that from `build`.

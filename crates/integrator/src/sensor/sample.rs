@@ -6,9 +6,9 @@ use std::hash::Hasher;
 /// What a render measures with: a grid of elements, each the mean of a quantity over the samples that it takes.
 ///
 /// The elements of a [`PinholeCamera`](crate::PinholeCamera) are pixels, those of
-/// [`IrradiancePoints`](crate::IrradiancePoints) points of a list. All else of a render, such as estimators, errors, stop conditions and checkpoints, is the same
-/// for any sensor. Elements are taken in tiles of 16 x 16, row by row, or of up to 256 elements in a grid of at most
-/// eight columns; the bits of a picture do not depend on the tiles.
+/// [`IrradiancePoints`](crate::IrradiancePoints) points of a list. All else of a render, such as estimators, errors, stop
+/// conditions and checkpoints, is the same for any sensor. Elements are taken in tiles of 16 x 16, row by row, or of up to
+/// 256 elements in a grid of at most eight columns; the bits of a picture do not depend on the tiles.
 ///
 /// A fisheye camera, which maps angles to distances from the middle of the picture:
 ///

@@ -36,7 +36,8 @@ pub struct FactorAccuracy {
     /// The root of the mean of their squared standard errors over their mean; infinite if there are none, and
     /// before there are two passes.
     pub relative_rmse: f64,
-    /// The root of the mean square of their relative standard errors, infinite like `relative_rmse`. Dominated by the smallest of them.
+    /// The root of the mean square of their relative standard errors, infinite like `relative_rmse`. Dominated by the
+    /// smallest of them.
     pub rms_of_relative: f64,
     /// The largest standard error; 0 if there are none.
     pub largest_std_err: f64,
@@ -91,8 +92,8 @@ impl ViewFactors {
         u64::from(self.passes) * u64::from(self.pass_rays)
     }
 
-    /// A hash of what determines the factors but for the number of passes: triangles, patches, settings and the sources of the
-    /// library, as [`Render::key`](crate::Render::key) of a picture.
+    /// A hash of what determines the factors but for the number of passes: triangles, patches, settings and the sources of
+    /// the library, as [`Render::key`](crate::Render::key) of a picture.
     pub fn key(&self) -> u64 {
         self.key
     }

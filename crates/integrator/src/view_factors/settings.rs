@@ -13,8 +13,9 @@ pub struct FactorSettings {
     /// Rays of each patch in one pass, a power of two in `[1, 2^16]`. They are stratified together: longer passes
     /// give smaller errors, which rest on the number of passes.
     pub pass_rays: u32,
-    /// Goal, above 0 and finite; `None`, the default, for none: the run ends when [`FactorAccuracy::relative_rmse`](super::FactorAccuracy::relative_rmse) is at most this: the
-    /// estimate itself, not the upper end of an interval as in [`Stop`](crate::Stop).
+    /// Goal, above 0 and finite; `None`, the default, for none: the run ends when
+    /// [`FactorAccuracy::relative_rmse`](super::FactorAccuracy::relative_rmse) is at most this: the estimate itself, not
+    /// the upper end of an interval as in [`Stop`](crate::Stop).
     ///
     /// It is judged after [`FactorSettings::MIN_PASSES`] passes, each time that an eighth more (rounded down, at least
     /// one) is traced, and after the last pass: at numbers of passes that do not depend on the factors, nor on where a

@@ -94,8 +94,8 @@ impl PictureFile {
         Self { gain: stops.exp2(), ..self }
     }
 
-    /// Writes the film's pixels: [`PictureData::of`] it. The key, seed, settings and camera, by which pictures are compared later,
-    /// are in [`PictureData::of_render`].
+    /// Writes the film's pixels: [`PictureData::of`] it. The key, seed, settings and camera, by which pictures are compared
+    /// later, are in [`PictureData::of_render`].
     ///
     /// # Errors
     /// Those of [`PictureFile::write_data`].

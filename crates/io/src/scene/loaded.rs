@@ -17,8 +17,8 @@ pub struct Loaded {
     pub aspect_ratios: Vec<Option<f64>>,
     /// Content that is ignored or approximated.
     pub report: LoadReport,
-    /// The materials with their names, in the order of the model's: those that `usemtl` names in an OBJ file, also if no library
-    /// has them, or all of a glTF file. The material of faces without one is not among them.
+    /// The materials with their names, in the order of the model's: those that `usemtl` names in an OBJ file, also if no
+    /// library has them, or all of a glTF file. The material of faces without one is not among them.
     pub materials: Vec<NamedMaterial>,
     /// The objects of the file, in the order of their triangles; empty unless
     /// [asked for](crate::Loader::keep_objects).
@@ -47,8 +47,8 @@ pub struct Loaded {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct NamedMaterial {
-    /// Its name in the file. In glTF other materials may share it, and one without a name is `material N`; in OBJ the name may
-    /// be empty.
+    /// Its name in the file. In glTF other materials may share it, and one without a name is `material N`; in OBJ the name
+    /// may be empty.
     pub name: String,
     /// The material of the model.
     pub id: MaterialId,

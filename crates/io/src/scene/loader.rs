@@ -182,11 +182,12 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded, IoError> {
 /// its first vertex. Degenerate triangles are dropped. The index of a vertex must refer to one above it in
 /// the file.
 ///
-/// A material is Lambertian with the albedo `Kd`, or a mirror. It is a mirror if `Pm` exceeds `Pr`; without
-/// `Pm`, if it has `Ks` that is not black and `illum 3`, or `Ks` and neither `Kd` nor `map_Kd`. The mirror's reflectance is
-/// `Kd`, or `Ks` where `Kd` is absent, black, or far darker; docs/scenes.md has the whole rule. A texture of `Kd` or `Ks` counts
-/// as a grey of 0.5, which multiplies it. `Ke` is the radiance emitted from the front, unless there is a `map_Ke`. Faces without a material are Lambertian with an albedo of one half. Colours are rounded to
-/// `f32`. Libraries must be in the file's folder or below it. Textures and vertex normals are not read.
+/// A material is Lambertian with the albedo `Kd`, or a mirror. It is a mirror if `Pm` exceeds `Pr`; without `Pm`, if it has
+/// `Ks` that is not black and `illum 3`, or `Ks` and neither `Kd` nor `map_Kd`. The mirror's reflectance is `Kd`, or `Ks`
+/// where `Kd` is absent, black, or far darker; docs/scenes.md has the whole rule. A texture of `Kd` or `Ks` counts as a
+/// grey of 0.5, which multiplies it. `Ke` is the radiance emitted from the front, unless there is a `map_Ke`. Faces without
+/// a material are Lambertian with an albedo of one half. Colours are rounded to `f32`. Libraries must be in the file's
+/// folder or below it. Textures and vertex normals are not read.
 ///
 /// # Errors
 /// An [`IoError`] that names file and line: for a file that cannot be read or has no faces, a malformed
@@ -216,9 +217,9 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<Loaded, IoError> {
 ///
 /// A material is an ideal mirror if its `metallicFactor` exceeds its `roughnessFactor` and it has no
 /// `metallicRoughnessTexture`, and Lambertian otherwise; `baseColorFactor` is the reflectance, halved if there is a
-/// `baseColorTexture`. A material that is only approximated is reported. Without an `emissiveTexture` it emits `emissiveFactor`
-/// times the strength of `KHR_materials_emissive_strength` from the front, or from both sides if it is `doubleSided`. Primitives
-/// without a material are Lambertian and white.
+/// `baseColorTexture`. A material that is only approximated is reported. Without an `emissiveTexture` it emits
+/// `emissiveFactor` times the strength of `KHR_materials_emissive_strength` from the front, or from both sides if it is
+/// `doubleSided`. Primitives without a material are Lambertian and white.
 ///
 /// The point, spot and directional lights of `KHR_lights_punctual` become delta lights. Their candela and lux
 /// are divided by 683 lumens per watt, or by [`Loader::luminous_efficacy`]; with 1 they stay as they are in
@@ -228,9 +229,9 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<Loaded, IoError> {
 /// the JSON are rounded to `f32`.
 ///
 /// # Errors
-/// An [`IoError`] that names the file and the element: for malformed JSON, inconsistent structures or data,
-/// node graphs that are not trees, a required extension that is not supported and may change triangles, lights or cameras, a file outside the scene's folder, a delta
-/// light with an invalid cone or intensity, a coordinate that is not finite or exceeds
+/// An [`IoError`] that names the file and the element: for malformed JSON, inconsistent structures or data, node graphs
+/// that are not trees, a required extension that is not supported and may change triangles, lights or cameras, a file
+/// outside the scene's folder, a delta light with an invalid cone or intensity, a coordinate that is not finite or exceeds
 /// [`MAX_COORDINATE`](globillum_geom::Triangle::MAX_COORDINATE), and a material outside the bounds of
 /// [`Material`](globillum_material::Material).
 ///

@@ -47,8 +47,8 @@ pub enum WarningKind {
     TransparencyIgnored { name: String },
     /// A spectral curve, which is not supported: the default is used.
     SpectrumIgnored { name: String },
-    /// A glTF material without any property of reflection or emission, such as one whose shader the exporter does not know: it
-    /// is white.
+    /// A glTF material without any property of reflection or emission, such as one whose shader the exporter does not know:
+    /// it is white.
     Unspecified { name: String },
     /// A material that is neither ideally diffuse nor an ideal mirror: the closer one is used.
     Approximated { name: String, by: &'static str },
@@ -64,7 +64,8 @@ pub enum WarningKind {
     NotTriangles { count: usize },
     /// Curves and surfaces of free form: Bézier, B-spline and others.
     FreeFormIgnored { count: usize },
-    /// Statements that OBJ or MTL does not define, or that name another OBJ file: they are ignored. The first has this keyword.
+    /// Statements that OBJ or MTL does not define, or that name another OBJ file: they are ignored. The first has this
+    /// keyword.
     UnknownStatements { keyword: String, count: usize },
     /// Bytes of a .glb file after the length that its header states.
     BytesAfterEnd { count: usize },

@@ -1,4 +1,5 @@
-//! Reports speed against error, for pictures and for ray-triangle tests: `cargo run --release -p globillum-lab --bin convergence`.
+//! Reports speed against error, for pictures and for ray-triangle tests:
+//! `cargo run --release -p globillum-lab --bin convergence`.
 
 use clap::Parser;
 use globillum_cli::report_and_exit;

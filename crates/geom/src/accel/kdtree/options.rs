@@ -5,10 +5,10 @@ use crate::GeomError;
 /// The choice of the split plane of a [`KdTree`] cell.
 ///
 /// Leaf criteria, limits, clipping and layout are the same for all rules. Those from
-/// [`MedianOfSpread`](SplitRule::MedianOfSpread) to [`SlidingFair`](SplitRule::SlidingFair) are those of the ANN
-/// library for points (Arya and Mount, 1998); [`MedianOfSide`](SplitRule::MedianOfSide) is the rule of textbooks. Here a *point* is the center of the bounds of a triangle's part
-/// in the cell; both halves reference a triangle that straddles the plane. If the plane of a rule does not
-/// lie strictly inside the cell, the cell is split in the middle of its longest side.
+/// [`MedianOfSpread`](SplitRule::MedianOfSpread) to [`SlidingFair`](SplitRule::SlidingFair) are those of the ANN library
+/// for points (Arya and Mount, 1998); [`MedianOfSide`](SplitRule::MedianOfSide) is the rule of textbooks. Here a *point* is
+/// the center of the bounds of a triangle's part in the cell; both halves reference a triangle that straddles the plane. If
+/// the plane of a rule does not lie strictly inside the cell, the cell is split in the middle of its longest side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SplitRule {

@@ -7,10 +7,10 @@
 //!   children at the least expected cost (Ylitie, Karras and Laine, 2017).
 //! - [`tree`]: what traversal reads, which are nodes with the bounds of their children, and leaf blocks. The planes
 //!   themselves are not kept.
-//! - [`trace`]: a ray alone, a packet of 64 coherent rays (from a common origin for any query, from anywhere for any
-//!   hit), or a stream of all other rays. In small trees, only packets from a common origin visit nodes; for other rays of a
-//!   batch triangles are tested one by one, eight rays at a time. A conservative test in `f32` leaves few triangles, which are decided
-//!   exactly (docs/numerics.md).
+//! - [`trace`]: a ray alone, a packet of 64 coherent rays (from a common origin for any query, from anywhere for any hit),
+//!   or a stream of all other rays. In small trees, only packets from a common origin visit nodes; for other rays of a
+//!   batch triangles are tested one by one, eight rays at a time. A conservative test in `f32` leaves few triangles, which
+//!   are decided exactly (docs/numerics.md).
 //! - [`simd`]: vectors of eight lanes. All of the above is written once over them, for each level of
 //!   [`cpu`](crate::cpu).
 
@@ -43,15 +43,15 @@ const _: () = {
 /// [`WideBvh::build_quickly`] sorts the triangles into the cells of a grid. Within a cell, object splits group the triangles
 /// into leaf blocks of up to eight.
 ///
-/// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and
-/// 64 coherent rays in a row are traversed as a packet: rays from one point that exclude no triangle, such as those of 8 x
-/// 8 pixels, and for any-hit queries in trees of more than 96 triangles other rays as well, such as those from there to one light.
-/// Packets are counted from the start of the batch. In trees of at most 96 triangles other rays of a batch visit no nodes:
-/// triangles are tested one by one, eight rays at a time. Any-hit queries leave out those that the bounds of the eight segments
-/// do not overlap.
+/// Batches are faster than single rays. Many rays are in flight at once, which hides memory latency; and 64 coherent rays
+/// in a row are traversed as a packet: rays from one point that exclude no triangle, such as those of 8 x 8 pixels, and for
+/// any-hit queries in trees of more than 96 triangles other rays as well, such as those from there to one light. Packets
+/// are counted from the start of the batch. In trees of at most 96 triangles other rays of a batch visit no nodes:
+/// triangles are tested one by one, eight rays at a time. Any-hit queries leave out those that the bounds of the eight
+/// segments do not overlap.
 ///
-/// A dense part that is tiny against the whole scene, such as a mesh beside a sun made of triangles (a *teapot in a stadium*),
-/// has a tree of its own (docs/accelerators.md).
+/// A dense part that is tiny against the whole scene, such as a mesh beside a sun made of triangles (a *teapot in a
+/// stadium*), has a tree of its own (docs/accelerators.md).
 ///
 /// The tree is traversed with the best vector instructions of the machine; the answers are the same with any.
 ///
@@ -77,8 +77,9 @@ impl WideBvh {
         Self::build_with(triangles, &Self::default_options())
     }
 
-    /// Builds a tree in a fifth to a third of the time of [`WideBvh::build`], without k-d planes: triangles are sorted into the cells of a uniform grid,
-    /// and upper levels are split between cells. Queries take at most about a tenth longer (docs/performance.md).
+    /// Builds a tree in a fifth to a third of the time of [`WideBvh::build`], without k-d planes: triangles are sorted into
+    /// the cells of a uniform grid, and upper levels are split between cells. Queries take at most about a tenth longer
+    /// (docs/performance.md).
     ///
     /// Over `n` live triangles a closed mesh takes about `140 n` bytes on one thread, beside the triangles (measured).
     /// The bounds that [`WideBvh::build_with`] states hold.
@@ -111,15 +112,16 @@ impl WideBvh {
     /// # Ok::<(), globillum_geom::GeomError>(())
     /// ```
     ///
-    /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n`
-    /// references (see [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 68 n + 2048` bytes:
-    /// for each reference, a leaf block of one and a node of two children; 44 for each triangle of a tree of at most 96, and 192
-    /// for each eight of them that are projected along one axis; and 2048 more for each dense part. Building takes at most `1100 b + 2^17` bytes
-    /// beside the triangles, on up to a hundred threads. For each reference these are two nodes of the k-d tree, a
-    /// reference, and a box in a list with room for twice its length, 84 bytes; two binary nodes, 152; a leaf block of
-    /// one, twice, 80; and a node, in a list with room for three times its length while it grows, 768. The rest is for
-    /// the recursion. Earlier steps, which build the k-d tree and split its leaves, take less. In practice blocks and
-    /// nodes are fuller: in the smallest cells, meshes and random triangles take 200 to 1700 `n` bytes (measured).
+    /// Memory is bounded beforehand. Over `n` live triangles the k-d tree's leaves hold at most `b = 8 n` references (see
+    /// [`KdTree::build_with`](crate::KdTree::build_with)), and this tree takes at most `296 b + 68 n + 2048` bytes: for
+    /// each reference, a leaf block of one and a node of two children; 44 for each triangle of a tree of at most 96, and
+    /// 192 for each eight of them that are projected along one axis; and 2048 more for each dense part. Building takes at
+    /// most `1100 b + 2^17` bytes beside the triangles, on up to a hundred threads. For each reference these are two nodes
+    /// of the k-d tree, a reference, and a box in a list with room for twice its length, 84 bytes; two binary nodes, 152; a
+    /// leaf block of one, twice, 80; and a node, in a list with room for three times its length while it grows, 768. The
+    /// rest is for the recursion. Earlier steps, which build the k-d tree and split its leaves, take less. In practice
+    /// blocks and nodes are fuller: in the smallest cells, meshes and random triangles take 200 to 1700 `n` bytes
+    /// (measured).
     ///
     /// # Errors
     /// As [`KdTree::build_with`](crate::KdTree::build_with), and [`GeomError::Budget`] for more than about 134 million

@@ -12,8 +12,8 @@ pub(crate) struct LightMoments {
     pub(super) variance: DVec3,
     /// The mean of the normals. Its length is at most 1.
     pub(super) normal: DVec3,
-    /// The sum of the variances of their three coordinates: at most 1 for triangles, [`LightMoments::POINT_VARIANCE`] for a point
-    /// light, and between 0 and that for a spot light.
+    /// The sum of the variances of their three coordinates: at most 1 for triangles, [`LightMoments::POINT_VARIANCE`] for a
+    /// point light, and between 0 and that for a spot light.
     pub(super) normal_variance: f64,
     /// Whether some of them emit the same in the opposite directions too.
     pub(super) both_sides: bool,

@@ -400,8 +400,8 @@ mod tests {
         }
     }
 
-    /// Eight spot lights in one place: each is chosen within its beam, whatever the size of the scene. From a point of the air
-    /// far outside of the scene, too.
+    /// Eight spot lights in one place: each is chosen within its beam, whatever the size of the scene. From a point of the
+    /// air far outside of the scene, too.
     #[test]
     fn spot_lights_in_one_place_are_told_apart_at_any_scale() {
         let axes = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| vector(Stream::new(22, 0, i), 0).normalize());

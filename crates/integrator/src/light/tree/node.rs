@@ -4,8 +4,8 @@ use crate::light::child_weights::{ChildWeights, WIDTH, child_of, lane_of};
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 
-/// A number for each child, by lane. Single precision is enough for what only guides sampling, but not for positions, of which
-/// small differences count.
+/// A number for each child, by lane. Single precision is enough for what only guides sampling, but not for positions, of
+/// which small differences count.
 type Lanes = [f32; WIDTH];
 
 /// A child of a node.
@@ -100,8 +100,8 @@ impl Node {
         ChildWeights::with_uniform_share(self.importance(receiver), self.count)
     }
 
-    /// The importance of each child, by lane: the irradiance from it, about, if it is visible. The mean of a product of both cosines
-    /// and the inverse squared distance is taken for a product of means.
+    /// The importance of each child, by lane: the irradiance from it, about, if it is visible. The mean of a product of
+    /// both cosines and the inverse squared distance is taken for a product of means.
     #[inline(always)]
     pub(super) fn importance(&self, &Receiver { position, side }: &Receiver) -> [f64; WIDTH] {
         let side_sq = side * side;

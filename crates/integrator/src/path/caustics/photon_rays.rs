@@ -1,8 +1,8 @@
 //! Rays that look for caustics where photons left mirrors.
 //!
-//! A caustic by way of several mirrors is found by two techniques, combined by the balance heuristic: by paths that the BSDF
-//! scatters, which pixels [share](super::shared_caustics), and by rays toward the places where photons of the vicinity left their
-//! last mirror.
+//! A caustic by way of several mirrors is found by two techniques, combined by the balance heuristic: by paths that the
+//! BSDF scatters, which pixels [share](super::shared_caustics), and by rays toward the places where photons of the vicinity
+//! left their last mirror.
 
 use crate::checked_accel;
 use crate::guide::PhotonGuide;

@@ -8,8 +8,8 @@ use globillum_geom::{Hit, Ray};
 /// For how many vertices choices are made at once.
 const AT_ONCE: usize = 4;
 
-/// Choices of lights or mirrors in a tree, made for several vertices at once: they do not depend on each other, so a processor
-/// works on all of them. Only vertices that take one sample have one. Its buffers are reused.
+/// Choices of lights or mirrors in a tree, made for several vertices at once: they do not depend on each other, so a
+/// processor works on all of them. Only vertices that take one sample have one. Its buffers are reused.
 #[derive(Debug)]
 pub(in crate::path) struct Choices<T> {
     vertices: Vec<Vertex>,
@@ -40,8 +40,8 @@ impl<T: Copy> Choices<T> {
         self.of_paths.get(index).copied().unwrap_or(PriorChoice::Open)
     }
 
-    /// Chooses for those vertices of `paths` that `takes_one` says take one sample, each by what `number` returns for the index
-    /// of its path.
+    /// Chooses for those vertices of `paths` that `takes_one` says take one sample, each by what `number` returns for the
+    /// index of its path.
     #[inline(always)]
     fn make(
         &mut self,

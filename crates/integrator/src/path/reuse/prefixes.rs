@@ -73,8 +73,8 @@ impl Prefixes {
         self.all[sample as usize].as_ref()
     }
 
-    /// The prefixes of `samples`, except that of sample `own`, that may share what the path of `own` has found: those that end
-    /// at the same bounce as its prefix.
+    /// The prefixes of `samples`, except that of sample `own`, that may share what the path of `own` has found: those that
+    /// end at the same bounce as its prefix.
     #[inline(always)]
     pub(in crate::path) fn others_like(
         &self,
@@ -115,8 +115,8 @@ impl Prefixes {
         self.have_ended = true;
     }
 
-    /// Finds the largest throughput of the prefixes that ended at `bounce` and share suffixes: those of each group, or of each
-    /// square if it shares what suffixes find of caustics.
+    /// Finds the largest throughput of the prefixes that ended at `bounce` and share suffixes: those of each group, or of
+    /// each square if it shares what suffixes find of caustics.
     pub(in crate::path) fn update_largest_throughputs(
         &mut self,
         context: &RenderContext<'_>,

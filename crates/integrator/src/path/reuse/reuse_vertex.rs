@@ -60,10 +60,10 @@ impl ReuseVertex {
         Some((density, self.point.segment_to(&other.point)?))
     }
 
-    /// The density, times pi, with which cosine sampling from here finds a suffix, and the direction in which it does, of any
-    /// length: per area at its start, or per solid angle if it is the environment. `None` if the start is not in front of this
-    /// vertex or this vertex not in front of the start, as seen in the mirror if there is one; if one of them is behind the
-    /// mirror; and if the density is not a normal number.
+    /// The density, times pi, with which cosine sampling from here finds a suffix, and the direction in which it does, of
+    /// any length: per area at its start, or per solid angle if it is the environment. `None` if the start is not in front
+    /// of this vertex or this vertex not in front of the start, as seen in the mirror if there is one; if one of them is
+    /// behind the mirror; and if the density is not a normal number.
     ///
     /// By way of a mirror, it is the density directly from the image of this vertex: reflection keeps lengths and angles.
     #[inline(always)]
@@ -93,8 +93,8 @@ impl ReuseVertex {
         (near > 0.0 && far > 0.0 && density.is_normal()).then_some((density, direction))
     }
 
-    /// Adds the rays by which this vertex finds a suffix in `direction`, if they are unoccluded, and returns their number. It is
-    /// 0 if the direction leads past the mirror triangle, and if a cosine is zero up to rounding.
+    /// Adds the rays by which this vertex finds a suffix in `direction`, if they are unoccluded, and returns their number.
+    /// It is 0 if the direction leads past the mirror triangle, and if a cosine is zero up to rounding.
     #[inline(always)]
     pub(super) fn push_rays(
         &self,

@@ -35,8 +35,8 @@ struct SharedRadiance {
 #[derive(Debug, Default)]
 pub(in crate::path) struct SuffixSharing {
     shared: Vec<SharedRadiance>,
-    /// Those of all shared radiance, in order, each with how many rays must be unoccluded: two by way of a mirror, none for the
-    /// connection of a suffix to its own prefix, which is first.
+    /// Those of all shared radiance, in order, each with how many rays must be unoccluded: two by way of a mirror, none for
+    /// the connection of a suffix to its own prefix, which is first.
     connections: Vec<(Connection, usize)>,
     /// The segments of all connections, in order.
     rays: Vec<Ray>,

@@ -109,8 +109,8 @@ impl Wavefront {
         self.rays.truncate(kept);
     }
 
-    /// The vertex that `path`, the one of index `i`, has met; `None` if it has left the scene. Adds the emission there, or of the
-    /// environment.
+    /// The vertex that `path`, the one of index `i`, has met; `None` if it has left the scene. Adds the emission there, or
+    /// of the environment.
     #[inline(always)]
     fn find_vertex<'a>(
         &mut self,

@@ -8,8 +8,8 @@ use globillum_integrator::{PinholeCamera, RenderError};
 use gltf::json::camera::Type;
 use gltf::json::validation::Checked::Valid;
 
-/// Adds the perspective cameras that nodes place. A camera looks along -z of its node. The picture determines
-/// the aspect ratio, not the file, whose own is kept beside. A camera whose node flattens its view is left out with a warning.
+/// Adds the perspective cameras that nodes place. A camera looks along -z of its node. The picture determines the aspect
+/// ratio, not the file, whose own is kept beside. A camera whose node flattens its view is left out with a warning.
 pub(super) fn add_all(document: &Document, tree: &Tree<'_>, loading: &mut Loading<'_>) -> Result<()> {
     for placed in tree.placed() {
         let Some(camera) = placed.node.camera else { continue };

@@ -25,7 +25,8 @@ use buffer::Buffers;
 use document::Document;
 use tree::Tree;
 
-/// Reads the content of a glTF file, text or binary, into `loading`. `luminous_efficacy`, in lumens per watt, converts the units of delta lights.
+/// Reads the content of a glTF file, text or binary, into `loading`. `luminous_efficacy`, in lumens per watt, converts the
+/// units of delta lights.
 pub(crate) fn read(bytes: &[u8], luminous_efficacy: f64, loading: &mut Loading<'_>) -> Result<()> {
     let container = container::open(bytes, loading)?;
     let document = Document::parse(&container, loading)?;

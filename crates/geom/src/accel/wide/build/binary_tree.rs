@@ -79,8 +79,8 @@ pub(super) struct BinaryTree {
     /// A power of two that brings the scene's surface into a range where `f32` suffices, so that costs
     /// do not depend on the unit of length.
     area_scale: f64,
-    /// The expected visits below which the triangles of a leaf block are not split: those of [`FEW`] of the rays that meet the
-    /// scene.
+    /// The expected visits below which the triangles of a leaf block are not split: those of [`FEW`] of the rays that meet
+    /// the scene.
     few: f64,
 }
 

@@ -1,6 +1,7 @@
-//! Traversal, and the dispatch between its kinds: single rays, coherent rays from a [common origin](common_origin_packet) as
-//! a packet, other coherent rays of any-hit queries as a [general packet](general_packet), and all other rays as a
-//! [stream]. In small trees there are neither general packets nor streams, but [tests of triangles without nodes](exhaustive).
+//! Traversal, and the dispatch between its kinds: single rays, coherent rays from a [common origin](common_origin_packet)
+//! as a packet, other coherent rays of any-hit queries as a [general packet](general_packet), and all other rays as a
+//! [stream]. In small trees there are neither general packets nor streams, but
+//! [tests of triangles without nodes](exhaustive).
 //!
 //! Single rays, streams and general packets share their setup, the tests of children and the state of a ray. Packets from a
 //! common origin have tests of their own. All share the types of the [conservative triangle test](prefilter) and the

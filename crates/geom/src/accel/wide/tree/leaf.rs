@@ -108,8 +108,8 @@ impl<'a> LeafBlock<'a> {
 
     /// The lanes that hold one of two triangles. Lanes beyond the block may be among them.
     ///
-    /// Any index may be asked for: `index ^ NORMAL` is the word of the triangle of this index, and no triangle's word if there
-    /// is none.
+    /// Any index may be asked for: `index ^ NORMAL` is the word of the triangle of this index, and no triangle's word if
+    /// there is none.
     #[inline(always)]
     pub(crate) fn lanes_of<S: Simd>(self, simd: S, [a, b]: [u32; 2]) -> u8 {
         let words = simd.load(self.row((Self::ROWS - 1) * self.count)).to_bits();

@@ -78,7 +78,8 @@ fn split(items: &mut [Item], count: usize) -> Vec<&mut [Item]> {
     a
 }
 
-/// Brings the first `middle` of `items` to the front, along the axis of positions or of normals on which they extend farthest.
+/// Brings the first `middle` of `items` to the front, along the axis of positions or of normals on which they extend
+/// farthest.
 ///
 /// Both parts keep the order of their items: what is summed up over one must not depend on how a library selects.
 fn divide(items: &mut [Item], middle: usize) {

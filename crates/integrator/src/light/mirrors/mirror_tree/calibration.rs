@@ -33,7 +33,8 @@ impl AddAssign for Sums {
     }
 }
 
-/// The slot of a child, which is `WIDTH` times the index of its node plus the number of the child, and what is added to its sums.
+/// The slot of a child, which is `WIDTH` times the index of its node plus the number of the child, and what is added to its
+/// sums.
 type Found = (usize, Sums);
 
 impl MirrorTree {
@@ -186,8 +187,8 @@ mod tests {
     }
 
     /// Facets are chosen more nearly in proportion to their importances, from other viewpoints than those of the
-    /// calibration too. The cost falls from 23.8 to 19.1. With eight children for each node it fell from 72 to 43: more children
-    /// leave less to calibrate.
+    /// calibration too. The cost falls from 23.8 to 19.1. With eight children for each node it fell from 72 to 43: more
+    /// children leave less to calibrate.
     #[test]
     fn calibration_brings_probabilities_closer_to_importances() {
         let (tree, lights) = tree();

@@ -77,8 +77,8 @@ impl Node {
         self.area[lane] = (f64::from(self.area[lane]) * factor) as f32;
     }
 
-    /// The importance of each child, by lane: the solid angle that it takes up, times the share of its normals for which a ray
-    /// goes on to the lights, times the largest cosine at the receiver.
+    /// The importance of each child, by lane: the solid angle that it takes up, times the share of its normals for which a
+    /// ray goes on to the lights, times the largest cosine at the receiver.
     ///
     /// A facet reflects light from its source to the receiver if its normal is parallel to the half vector
     /// `wi + wo`. Normals, positions and lights vary within their bounds; the difference of normal and half vector is

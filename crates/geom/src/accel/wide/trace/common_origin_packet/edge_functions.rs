@@ -18,8 +18,8 @@ const DEPTH_ERR: f32 = 26.0;
 /// Error of a vertex projected along the central ray, beyond that of the offset, in units of `W`.
 const VERTEX_ERR: f32 = 8.0;
 /// Error of an edge function of vertices up to `m` across from the central ray and up to a distance of `a` from the origin
-/// along the main axis, with `b = a + 1`, for rays whose slopes deviate by up to `d` from those of the central ray, in units of `W`:
-/// the factors of `m * m`, of `m * b` and of `m * b * d`.
+/// along the main axis, with `b = a + 1`, for rays whose slopes deviate by up to `d` from those of the central ray, in
+/// units of `W`: the factors of `m * m`, of `m * b` and of `m * b * d`.
 const EDGE_ERR: [f32; 3] = [13.0, 0.5, 37.0];
 /// A bound for the error of the distance `a`, `2 W b`.
 const AHEAD_ERR: f32 = 1.0 / 65536.0;

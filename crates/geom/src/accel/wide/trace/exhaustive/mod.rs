@@ -108,11 +108,12 @@ impl ExhaustiveScratch {
         }
     }
 
-    /// Tests all triangles, for any-hit queries without those outside of the rays' bounds. Keeps those that any ray may hit, and
-    /// returns how many they are.
+    /// Tests all triangles, for any-hit queries without those outside of the rays' bounds. Keeps those that any ray may
+    /// hit, and returns how many they are.
     #[inline(always)]
     fn test_all<S: Simd, Q: Query>(&mut self, simd: S, tree: &Tree, may_hit: u8) -> usize {
-        // Segments are often short. Rays of closest-hit queries end where they leave the scene, so their bounds hold most of it.
+        // Segments are often short. Rays of closest-hit queries end where they leave the scene, so their bounds hold most
+        // of it.
         let bounds = Q::ANY_HIT.then(
             #[inline(always)]
             || SegmentBounds::of(simd, &self.setups, may_hit),
@@ -144,8 +145,8 @@ impl ExhaustiveScratch {
         usize::from(filtered.possible != 0)
     }
 
-    /// Removes the hits of rays that exclude the triangle or can hit nothing. Returns what certain hits tell: the limits beyond
-    /// which other hits cannot matter, and the rays whose any-hit query is answered.
+    /// Removes the hits of rays that exclude the triangle or can hit nothing. Returns what certain hits tell: the limits
+    /// beyond which other hits cannot matter, and the rays whose any-hit query is answered.
     #[inline(always)]
     fn apply_certain_hits<S: Simd, Q: Query>(
         &mut self,

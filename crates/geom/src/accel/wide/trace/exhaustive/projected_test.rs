@@ -10,8 +10,8 @@ use crate::accel::wide::tree::projected_triangle::ProjectedTriangle;
 const PLANE_ERR: f32 = 7.0;
 /// The error of a barycentric coordinate at a known parameter, in units of `t_err` times the steepness.
 const POINT_ERR: f32 = 4.0;
-/// What an error of the parameter adds to that of a coordinate, in units of it times the steepness. 2 is a bound; with 2.5 the
-/// error becomes infinite before a coordinate does.
+/// What an error of the parameter adds to that of a coordinate, in units of it times the steepness. 2 is a bound; with 2.5
+/// the error becomes infinite before a coordinate does.
 const PLANE_TO_POINT: f32 = 2.5;
 
 /// Eight rays, ready for triangles that are projected along one axis.

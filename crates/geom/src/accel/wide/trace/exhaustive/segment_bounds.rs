@@ -78,8 +78,8 @@ mod tests {
         triangles.iter().map(of_one).collect()
     }
 
-    /// Rays that hit a triangle by the exact decision, some at the very end of their range, and triangles that are parallel to
-    /// an axis plane, whose bounds are flat. Most other triangles are left out.
+    /// Rays that hit a triangle by the exact decision, some at the very end of their range, and triangles that are parallel
+    /// to an axis plane, whose bounds are flat. Most other triangles are left out.
     #[test]
     fn what_is_left_out_is_not_hit() {
         let (mut source, mut hits, mut kept, mut tests) = (Seeded::new(79), 0, 0, 0);
