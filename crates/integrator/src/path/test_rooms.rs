@@ -6,11 +6,12 @@ use super::tile_probes::LightEdges;
 use super::{RenderContext, TileProbes, Wavefront, train_guide};
 use crate::guide::{Guide, PhotonGuide};
 use crate::pixel_rect::PixelRect;
-use crate::{Guiding, Model, PinholeCamera, Scene, Sensor, Settings};
+use crate::{ElementSample, Guiding, Model, PathStart, PinholeCamera, Scene, Sensor, Settings};
 use glam::DVec3;
 use globillum_geom::conformance::shapes::{icosphere, quad};
 use globillum_geom::{KdTree, Triangle};
 use globillum_material::{Emission, Material, Rgb, Sides};
+use std::hash::Hasher;
 
 pub(super) const TILE: PixelRect = PixelRect { x: 0, y: 0, width: 13, height: 16 };
 
@@ -58,6 +59,19 @@ pub(super) fn room_model(size: f64) -> Model {
 
 pub(super) fn camera(fov: f64) -> PinholeCamera {
     PinholeCamera::look_at(DVec3::new(0.3, 0.9, 2.2), DVec3::new(0.1, 0.0, 0.0), DVec3::Y, fov).unwrap()
+}
+
+/// Points of the floor that measure irradiance, up to these distances from its middle.
+#[derive(Debug)]
+pub(super) struct FloorPoints(pub(super) [f64; 2]);
+
+impl Sensor for FloorPoints {
+    fn start(&self, sample: &ElementSample) -> PathStart {
+        let position = DVec3::new(self.0[0] * sample.x, 0.0, self.0[1] * sample.y);
+        PathStart::Irradiance { position, normal: DVec3::Y }
+    }
+
+    fn hash(&self, _: &mut dyn Hasher) {}
 }
 
 pub(super) fn settings() -> Settings {

@@ -189,31 +189,16 @@ fn shared_radiance(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::test_rooms::{Setup, TILE, advanced, camera, room, room_with_wall, settings, shaft};
-    use crate::path::{TileProbes, Wavefront};
-    use crate::{
-        ElementSample, Estimator, Guiding, MirrorSampling, PathStart, PinholeCamera, Roulette, Scene, Sensor,
-        Settings,
+    use crate::path::test_rooms::{
+        FloorPoints, Setup, TILE, advanced, camera, room, room_with_wall, settings, shaft,
     };
+    use crate::path::{TileProbes, Wavefront};
+    use crate::{Estimator, Guiding, MirrorSampling, PinholeCamera, Roulette, Scene, Sensor, Settings};
     use glam::DVec3;
     use globillum_geom::KdTree;
-    use std::hash::Hasher;
     use std::ops::Range;
 
     const SEEDS: u64 = 100;
-
-    /// Points of the floor that measure irradiance.
-    #[derive(Debug)]
-    struct Floor;
-
-    impl Sensor for Floor {
-        fn start(&self, sample: &ElementSample) -> PathStart {
-            let position = DVec3::new(0.9 * sample.x, 0.0, 0.9 * sample.y);
-            PathStart::Irradiance { position, normal: DVec3::Y }
-        }
-
-        fn hash(&self, _: &mut dyn Hasher) {}
-    }
 
     /// Differences of radiance, by bands of four rows and of all pixels, each with the sum of its squares over all seeds.
     type Deviations = [[(f64, f64); 3]; 5];
@@ -285,7 +270,7 @@ mod tests {
         let (room, shaft, walled, [wide, near]) =
             (room(0.6), shaft(0.5), room_with_wall(), [0.9, 0.2].map(camera));
         check_means(&[
-            (&room, &Floor, settings()),
+            (&room, &FloorPoints([0.9, 0.9]), settings()),
             (&shaft, &near, settings()),
             (&shaft, &wide, Settings { max_bounces: Some(4), ..settings() }),
             (&walled, &near, Settings { mirror_sampling: MirrorSampling::Off, ..settings() }),

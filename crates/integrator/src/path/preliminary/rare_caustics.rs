@@ -83,25 +83,11 @@ fn starts(context: &RenderContext<'_>) -> impl Iterator<Item = PathStart> {
 mod tests {
     use super::*;
     use crate::path::prepare;
-    use crate::path::test_rooms::{built, camera, room, settings, shaft, shaft_model};
-    use crate::{ElementSample, PathReuse, PinholeCamera, Roulette, Sensor, Settings};
+    use crate::path::test_rooms::{FloorPoints, built, camera, room, settings, shaft, shaft_model};
+    use crate::{PathReuse, PinholeCamera, Roulette, Sensor, Settings};
     use glam::DVec3;
     use globillum_geom::conformance::shapes::quad;
     use globillum_material::{Material, Rgb};
-    use std::hash::Hasher;
-
-    /// Points of the floor that measure irradiance.
-    #[derive(Debug)]
-    struct Floor;
-
-    impl Sensor for Floor {
-        fn start(&self, sample: &ElementSample) -> PathStart {
-            let position = DVec3::new(0.4 * sample.x, 0.0, 0.9 * sample.y);
-            PathStart::Irradiance { position, normal: DVec3::Y }
-        }
-
-        fn hash(&self, _: &mut dyn Hasher) {}
-    }
 
     /// What is seen directly, by way of one mirror or of two, and what is measured, has the same caustics. Where roulette
     /// begins so early that no pixel shares what it sees in mirrors, these do not count.
@@ -111,7 +97,8 @@ mod tests {
         let eye = DVec3::new(0.0, 2.0, 0.5);
         let toward = |x: f64| PinholeCamera::look_at(eye, DVec3::new(x, 0.0, 0.0), DVec3::Y, 0.1).unwrap();
         let [direct, by_one, by_two] = [0.0, 1.0, 2.0].map(toward);
-        let sensors: [(&dyn Sensor, u32); 4] = [(&direct, 1), (&by_one, 2), (&by_two, 3), (&Floor, 1)];
+        let sensors: [(&dyn Sensor, u32); 4] =
+            [(&direct, 1), (&by_one, 2), (&by_two, 3), (&FloorPoints([0.4, 0.9]), 1)];
         for (sensor, start) in sensors {
             let settings =
                 |start| Settings { roulette: Roulette { start, threshold: 0.2 }, ..Settings::new(16, 16, 4) };
