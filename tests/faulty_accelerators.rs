@@ -4,7 +4,7 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, BruteForce, Hit, Ray, Triangles};
 use globillum::integrator::view_factors::{FactorError, FactorRun, FactorSettings, Patches};
-use globillum::integrator::{Model, RenderError, Scene, Settings, Supersampling, render};
+use globillum::integrator::{Model, PathReuse, RenderError, Scene, Settings, Supersampling, render};
 use globillum::material::{Material, Rgb};
 use globillum_testkit::scenes::{light_over_floor, stare};
 use globillum_testkit::shapes::{cuboid, inside_out};
@@ -69,13 +69,13 @@ impl Accel for Faulty {
     }
 }
 
-/// The error of a render of `model`.
-fn error_of(model: Model, fault: Fault, supersampling: Supersampling) -> RenderError {
+/// The error of a render of `model`. With path reuse, probes precede the tiles.
+fn error_of(model: Model, fault: Fault, supersampling: Supersampling, path_reuse: PathReuse) -> RenderError {
     let build = |triangles: &Triangles| Ok(Faulty { inner: BruteForce::build(triangles), fault });
     let scene = Scene::build(model, build).expect("the model is good");
     let camera = stare(DVec3::new(0.1, 0.8, 0.2), DVec3::new(0.3, 0.0, -0.1));
     let mut settings = Settings::new(32, 32, 32);
-    settings.supersampling = supersampling;
+    (settings.supersampling, settings.path_reuse) = (supersampling, path_reuse);
     render(&scene, &camera, &settings).expect_err("the accelerator is faulty")
 }
 
@@ -87,7 +87,7 @@ fn answers_of_another_number_than_rays_are_an_error() {
         (Fault::AppendedOccluded, "occluded_batch"),
         (Fault::MissingOccluded, "occluded_batch"),
     ] {
-        let error = error_of(light_over_floor(), fault, Supersampling::default());
+        let error = error_of(light_over_floor(), fault, Supersampling::default(), PathReuse::Off);
         assert!(matches!(error, RenderError::Worker { .. }), "{error:?}");
         assert!(error.to_string().contains(&format!("Accel::{method} stored ")), "{error}");
     }
@@ -115,7 +115,7 @@ fn a_panic_before_the_first_tile_says_so() {
     let mut model = light_over_floor();
     let mirror = Material::mirror(Rgb::splat(0.9)).expect("in range");
     model.add(mirror, cuboid(DVec3::new(0.0, 0.1, 0.0), DVec3::splat(0.05), 0.0));
-    let error = error_of(model, Fault::UnknownTriangle, Supersampling::Off);
+    let error = error_of(model, Fault::UnknownTriangle, Supersampling::Off, PathReuse::Tiles);
     assert!(matches!(error, RenderError::Preparation { .. }), "{error:?}");
     let said = error.to_string();
     assert!(said.starts_with("panic before the first tile: ") && said.contains("999"), "{said}");

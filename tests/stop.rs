@@ -3,9 +3,9 @@
 use glam::DVec3;
 use globillum::geom::{Aabb, Accel, Hit, Ray, Triangle};
 use globillum::integrator::{
-    ElementSample, Ending, Estimator, Guiding, IrradiancePoints, Model, Monitor, PathStart, Picture,
-    PinholeCamera, PixelGoal, Progress, Render, RenderError, Scene, Sensor, Settings, Stop, Supersampling,
-    render, replay,
+    ElementSample, Ending, Estimator, Guiding, IrradiancePoints, Model, Monitor, PathReuse, PathStart,
+    Picture, PinholeCamera, PixelGoal, Progress, Render, RenderError, Scene, Sensor, Settings, Stop,
+    Supersampling, render, replay,
 };
 use globillum::material::{Material, Rgb};
 use globillum_testkit::accelerators::RENDERED;
@@ -586,8 +586,8 @@ fn a_panic_in_any_method_of_a_monitor_is_an_error() {
 #[test]
 fn a_nan_is_an_error_that_names_its_sample() {
     let mut settings = Settings::new(64, 64, 64);
-    // No probes for lights come first.
-    (settings.threads, settings.supersampling) = (1, Supersampling::Off);
+    // No probes come first, neither for lights nor for path reuse.
+    (settings.threads, settings.supersampling, settings.path_reuse) = (1, Supersampling::Off, PathReuse::Off);
     // A camera ray of the first tile: four samples of a pixel, block after block of 4 x 4 pixels.
     let (scene, camera) = failing(4 * 18 + 3, Failure::NotANumber);
     let error = render(&scene, &camera, &settings).expect_err("a point is not a number");
@@ -599,9 +599,10 @@ fn a_nan_is_an_error_that_names_its_sample() {
 fn path_reuse_does_not_spread_a_nan() {
     let mut settings = Settings::new(64, 64, 64);
     (settings.threads, settings.roulette.start, settings.supersampling) = (1, 20, Supersampling::Off);
-    // No path ends early in a furnace: 64 x 64 paths of three rays come first, which find out which lights are visible, and
-    // 2048 rays precede the third rays of the first tile's 4 x 256 samples.
-    let ray = 3 * 64 * 64 + 2048 + 4 * 18 + 3;
+    // No path ends early in a furnace: 64 x 64 paths of three rays come first, which find out which lights are visible, then
+    // as many of 17 rays, which find out whether reuse pays, and 2048 rays precede the third rays of the first tile's 4 x 256
+    // samples.
+    let ray = (3 + 17) * 64 * 64 + 2048 + 4 * 18 + 3;
     let scene = failing_in(&scenes::furnace(0.5, 1.0, DVec3::ZERO), ray, Failure::NotANumber);
     let camera = stare(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.35, -0.2, 1.0));
     let error = render(&scene, &camera, &settings).expect_err("a point is not a number");

@@ -149,3 +149,24 @@ impl Passes {
             .map_or_else(|| Dispersion::among(blocks, self.tally.observations), |(_, dispersion)| dispersion)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The root of the mean variance over the mean, unless that says nothing.
+    #[test]
+    fn a_mean_that_is_not_above_zero_has_an_infinite_relative_error() {
+        let sums = |mean: f64, variance: f64| PixelSums {
+            pixels: 4,
+            mean: Rgb::splat(mean),
+            variance: Rgb::splat(variance),
+        };
+        assert_eq!(sums(8.0, 1.0).relative_rmse(), 0.25);
+        for mean in [0.0, -8.0] {
+            assert_eq!(sums(mean, 1.0).relative_rmse(), f64::INFINITY, "{mean}");
+            assert_eq!(sums(mean, 0.0).relative_rmse(), 0.0, "{mean}");
+        }
+        assert_eq!(PixelSums::default().relative_rmse(), f64::INFINITY);
+    }
+}
