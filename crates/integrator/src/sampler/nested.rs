@@ -7,7 +7,7 @@
 /// 1995). If `k` is the first digit in which `x` and `x'` differ, the difference of their `z` is that of `x` and `x'` times
 /// `m + K (y + y')`. This factor is odd and uniform for any `y` and `y'`, so the difference is uniform among the numbers
 /// whose lowest bit is bit `k`. For a given factor `z` is a permutation of `y`, which is uniform. A mean of values of the
-/// points has therefore the same variance. Matoušek ("On the L2-Discrepancy for Anchored Boxes", 1998) uses random matrices
+/// points therefore has the same variance. Matoušek ("On the L2-Discrepancy for Anchored Boxes", 1998) uses random matrices
 /// to this end.
 ///
 /// Without `K`, and without the sum modulo two, images of several numbers depend on each other: the mean over a net then has
