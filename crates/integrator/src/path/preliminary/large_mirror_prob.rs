@@ -1,7 +1,7 @@
 //! The probability with which vertices after the first diffuse one sample lights in large mirrors. It follows from what
 //! such samples and those without a mirror contribute to the paths of probes.
 
-use super::path_starts::{capped_bounces, distances, patches, path_settings};
+use super::path_starts::{capped_bounces, distances, patches, path_context, path_settings};
 use crate::Settings;
 use crate::path::counters::Counters;
 use crate::path::radiance_sums::Contribution;
@@ -52,12 +52,7 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
         return 1.0;
     }
     let settings = probe_settings(context.settings);
-    let lights_by_visibility = context.lights_by_visibility.clone();
-    // Without a guide, which depends on the seed.
-    let context = RenderContext {
-        lights_by_visibility,
-        ..RenderContext::new(context.scene, context.sensor, &settings)
-    };
+    let context = path_context(context, &settings);
     let of_patch = |wavefront: &mut Wavefront, (patch, samples): (PixelRect, Range<u32>)| {
         wavefront.later_squares(&context, patch, samples)
     };

@@ -1,6 +1,6 @@
 //! Whether path reuse pays, by the part of the variance of pixels that suffixes bring to paths at fixed places.
 
-use super::path_starts::{capped_bounces, distances, patches, path_settings};
+use super::path_starts::{capped_bounces, distances, patches, path_context, path_settings};
 use crate::Settings;
 use crate::path::counters::Counters;
 use crate::path::radiance_sums::Target;
@@ -27,8 +27,8 @@ const MIN_SHARE: f64 = 0.5;
 /// Whether path reuse lowers the variance by more than it raises the time. True where the paths tell nothing, and in scenes
 /// with mirrors, where shared caustics may bring more than these paths find.
 pub(super) fn pays(context: &RenderContext<'_>) -> bool {
-    let may_not = context.reuses_paths() && !context.scene.has_mirrors();
-    !may_not || share_of_suffixes(context).is_none_or(|share| share >= MIN_SHARE)
+    let is_certain = !context.reuses_paths() || context.scene.has_mirrors();
+    is_certain || share_of_suffixes(context).is_none_or(|share| share >= MIN_SHARE)
 }
 
 /// The part of a pixel's variance that its suffixes bring, as the mean over pixels that vary; `None` if none does. No pixel
@@ -38,12 +38,7 @@ fn share_of_suffixes(context: &RenderContext<'_>) -> Option<f64> {
     let paths = path_settings(context.settings, SAMPLES, SEED);
     let max_bounces = capped_bounces(context.settings);
     let settings = Settings { path_reuse, light_samples, max_bounces, ..paths };
-    let lights_by_visibility = context.lights_by_visibility.clone();
-    // Without a guide, which depends on the seed.
-    let context = RenderContext {
-        lights_by_visibility,
-        ..RenderContext::new(context.scene, context.sensor, &settings)
-    };
+    let context = path_context(context, &settings);
     let of_patch = |wavefront: &mut Wavefront, (patch, samples): (PixelRect, Range<u32>)| {
         wavefront.shares_of_suffixes(&context, patch, samples)
     };

@@ -28,6 +28,14 @@ pub(super) fn path_settings(settings: &Settings, samples: u32, seed: u64) -> Set
     }
 }
 
+/// What such paths are traced in, with these settings: there is no guide, which depends on the seed.
+pub(super) fn path_context<'a>(context: &RenderContext<'a>, settings: &'a Settings) -> RenderContext<'a> {
+    RenderContext {
+        lights_by_visibility: context.lights_by_visibility.clone(),
+        ..RenderContext::new(context.scene, context.sensor, settings)
+    }
+}
+
 /// Patches of pixels at these distances in both directions, each with every range of `at_once` samples of its pixels. Where
 /// distances are larger than [`PATCH_SIDE`], there are gaps between patches.
 pub(super) fn patches(
