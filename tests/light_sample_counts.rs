@@ -40,21 +40,29 @@ fn squares() -> Vec<Triangle> {
     (0..9).flat_map(square).collect()
 }
 
+/// Strips close to the target, of which none hides another: six lights that a tree chooses in parts.
+fn strips() -> Vec<Triangle> {
+    let along_x = level(0.2, [-0.7, 1.3], [-0.3, -0.28]);
+    let along_z = level(0.4, [0.3, 0.34], [0.0, 2.0]);
+    let short = level(0.3, [-0.3, 0.2], [0.1, 0.11]);
+    [along_x, along_z, short].concat()
+}
+
 fn lambert(albedo: f64) -> Material {
     Material::lambert(Rgb::splat(albedo)).expect("an albedo")
 }
 
-/// The floor under the squares.
-fn many_lights() -> Model {
+/// The floor under these lights.
+fn under(lights: &[Triangle]) -> Model {
     let mut model = Model::default();
     model.add(lambert(ALBEDO), floor());
-    model.add(Material::light(Rgb::WHITE).expect("a light"), squares());
+    model.add(Material::light(Rgb::WHITE).expect("a light"), lights.iter().copied());
     model
 }
 
-/// The same with a point light, a sheet that hides some of the lights, and a ball beside it that scatters or reflects.
+/// The same under the squares, with a point light, a sheet that hides some of the lights, and a ball beside it that scatters or reflects.
 fn crowded(ball: Material) -> Model {
-    let mut model = many_lights();
+    let mut model = under(&squares());
     model.add_delta_light(
         DeltaLight::point(DVec3::new(0.5, 0.7, 0.4).as_vec3(), Rgb::splat(0.1)).expect("a light"),
     );
@@ -77,10 +85,15 @@ fn green(film: &Film) -> Estimate {
 
 #[test]
 fn any_number_of_samples_has_the_radiance_of_the_form_factors() {
-    let (model, truth) = (many_lights(), ALBEDO * form_factor(TARGET, DVec3::Y, &squares()));
+    assert_radiance_of_form_factors(&squares(), &[1, 2, 8, 16]);
+    assert_radiance_of_form_factors(&strips(), &[4]);
+}
+
+fn assert_radiance_of_form_factors(lights: &[Triangle], light_samples: &[u32]) {
+    let (model, truth) = (under(lights), ALBEDO * form_factor(TARGET, DVec3::Y, lights));
     for sampler in [Sampler::Sobol, Sampler::Independent] {
         for estimator in [Light, Mis] {
-            for light_samples in [1, 2, 8, 16] {
+            for &light_samples in light_samples {
                 let mut settings = independent_pixels(32, 32, 64);
                 (settings.sampler, settings.estimator) = (sampler, estimator);
                 (settings.light_samples, settings.max_bounces) = (light_samples, Some(1));
@@ -129,7 +142,7 @@ fn four_independent_samples_have_a_quarter_of_the_variance() {
         let mut settings = independent_pixels(64, 64, 128);
         (settings.sampler, settings.estimator) = (Sampler::Independent, Light);
         (settings.light_samples, settings.max_bounces) = (light_samples, Some(1));
-        green(&film(&many_lights(), &settings)).sample_variance()
+        green(&film(&under(&squares()), &settings)).sample_variance()
     };
     let ratio = variance(1) / variance(4);
     assert!((ratio / 4.0 - 1.0).abs() < 0.03, "{ratio}");

@@ -350,11 +350,35 @@ fn around_the_origin() -> Scene<BruteForce> {
     scene(model, &[DeltaLight::point(Vec3::new(0.0, -2.0, 0.0), Rgb::new(8.0, 16.0, 32.0)).unwrap()])
 }
 
+/// Strips around the origin: a tree chooses among parts of them.
+fn strips() -> Scene<BruteForce> {
+    let mut model = Model::default();
+    let mut add = |corner: [f32; 3], along: [f32; 3], across: [f32; 3], sides| {
+        let [corner, along, across] = [corner, along, across].map(Vec3::from);
+        let strip = Triangle::quad(corner, corner + along, corner + along + across, corner + across);
+        model.add(emitting(Rgb::splat(3.0), sides), strip);
+    };
+    add([-2.0, 0.3, -0.1], [4.0, 0.0, 0.0], [0.0, 0.0, 0.05], Sides::Front);
+    add([-0.4, 0.4, -3.0], [0.0, 0.1, 5.0], [0.01, 0.0, 0.0], Sides::Both);
+    add([-0.6, 0.8, 0.2], [1.2, 0.1, 0.0], [0.0, 0.02, 0.04], Sides::Both);
+    scene(model, &[])
+}
+
+#[test]
+fn parts_of_a_light_are_one_light() {
+    let scene = strips();
+    assert_eq!(scene.lights().len(), 6);
+    assert!(scene.lights().triangles().eq(0..6));
+}
+
 /// The density of a hit point, which multiple importance sampling asks for, is that of the sample: in front of
 /// all lights, beside an edge, behind a light, and far away.
 #[test]
 fn the_density_asked_for_is_that_of_the_sample() {
-    let scene = around_the_origin();
+    [around_the_origin(), strips()].iter().for_each(densities_are_those_of_samples);
+}
+
+fn densities_are_those_of_samples(scene: &Scene<BruteForce>) {
     let places = [[0.0; 3], [1.999, 0.5, -1e-5], [0.1, 2.0, 0.2], [500.0, -700.0, 300.0]].map(DVec3::from);
     for (sampling, from) in
         [LightSampling::Area, LightSampling::SolidAngle].into_iter().flat_map(|s| places.map(|p| (s, p)))
@@ -385,13 +409,20 @@ fn the_density_asked_for_is_that_of_the_sample() {
 /// The mean of one over the density is the solid angle of what emits toward the shading point.
 #[test]
 fn densities_cover_what_is_seen_of_the_lights() {
+    let solid_angle = |scene: &Scene<BruteForce>, i| {
+        SphericalTriangle::new(scene.triangles().get(i), DVec3::ZERO).unwrap().solid_angle()
+    };
+    let scene = strips();
+    densities_cover(&scene, (0..6).map(|i| solid_angle(&scene, i)).sum());
     let scene = around_the_origin();
     // The third and the fourth emit on both sides; the first faces the origin.
-    let solid_angle =
-        |i| SphericalTriangle::new(scene.triangles().get(i), DVec3::ZERO).unwrap().solid_angle();
     // Far away: its area by the cosine over the squared distance, at its center.
     let center = DVec3::new(30.0, 1.0 / 3.0, 1.0 / 3.0);
-    let truth = solid_angle(0) + solid_angle(2) + 0.5 * 30.0 / center.length().powi(3);
+    let far = 0.5 * 30.0 / center.length().powi(3);
+    densities_cover(&scene, solid_angle(&scene, 0) + solid_angle(&scene, 2) + far);
+}
+
+fn densities_cover(scene: &Scene<BruteForce>, truth: f64) {
     for sampling in [LightSampling::Area, LightSampling::SolidAngle] {
         let lights = scene.light_sampler(sampling, DVec3::ZERO, DVec3::Y);
         let (mut sum, mut sum_sq, n) = (0.0, 0.0, 2_000_000);

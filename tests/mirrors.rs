@@ -11,6 +11,7 @@ use globillum_testkit::polygon::form_factor;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{icosphere, inside_out, quad};
 use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels};
+use std::f64::consts::TAU;
 
 use Estimator::{Bsdf, Light, Mis};
 use MirrorSampling::{Images, Off};
@@ -268,6 +269,16 @@ fn either_segment_of_a_mirrored_path_can_be_blocked() {
     assert_radiance("a mirror under a sheet", &light_and_wall(&wall()), direct, &[(Light, 128), (Mis, 128)]);
 }
 
+/// An open column around a point of its lower end, of this radius, height and number of facets.
+fn column(base: DVec3, radius: f64, height: f64, facets: u32) -> Vec<Triangle> {
+    let corner = |i: u32, y: f64| {
+        let (sin, cos) = f64::sin_cos(TAU * f64::from(i) / f64::from(facets));
+        base + DVec3::new(radius * cos, y, radius * sin)
+    };
+    let facet = |i| quad(corner(i, height), corner(i + 1, height), corner(i + 1, 0.0), corner(i, 0.0));
+    (0..facets).flat_map(facet).collect()
+}
+
 /// Curved mirrors and hard lights: next event estimation by way of mirrors changes no mean.
 #[test]
 fn mirror_sampling_changes_no_mean() {
@@ -279,7 +290,9 @@ fn mirror_sampling_changes_no_mean() {
     let at_focus = inside_out(level(0.1, [0.13, 0.19], [-0.25, -0.15]));
     let edge_on = inside_out(upright(TARGET.x, [0.3, 0.8], [-0.5, 0.5]));
     let shade = shade();
-    let cases: [(&str, Model, u32); 5] = [
+    let column = || column(DVec3::new(0.6, 0.0, -0.2), 0.2, 0.9, 40);
+    let cases: [(&str, Model, u32); 6] = [
+        ("a column of long facets", model(&whole_light(), &column(), &shade), 2),
         ("a ball", model(&whole_light(), &ball(), &shade), 2),
         ("a ball and a light edge-on", model(&edge_on, &ball(), &[]), 2),
         ("mirrors facing mirrors", model(&light([-0.3, 0.45]), &[walls(), ball()].concat(), &shade), 3),

@@ -1,3 +1,4 @@
+use crate::accurate::cross;
 use crate::{PdfSolidAngle, Triangle};
 use glam::DVec3;
 
@@ -54,15 +55,21 @@ impl SphericalTriangle {
     /// [large angle](SphericalTriangle::MAX_COS_LONGEST); or if the determinant is below
     /// [`SphericalTriangle::MIN_DETERMINANT`]. This includes every `origin` in the triangle's plane.
     pub fn new(triangle: &Triangle, origin: DVec3) -> Option<Self> {
-        let longest_sq = longest_side_sq(triangle);
-        let to_vertex = triangle.vertices[0].as_dvec3() - origin;
+        Self::of_vertices(triangle.vertices.map(|v| v.as_dvec3()), origin)
+    }
+
+    /// The same for a triangle with these vertices, such as a part of another one.
+    pub fn of_vertices(vertices: [DVec3; 3], origin: DVec3) -> Option<Self> {
+        let edges = edges(vertices);
+        let longest_sq = longest_side_sq(edges);
+        let to_vertex = vertices[0] - origin;
         // Every point is more than twice the longest side away: less than 0.1 sr, and no side of 0.5 radians.
         if to_vertex.length_squared() > 10.0 * longest_sq {
             return None;
         }
-        let vertices = triangle.vertices.map(|v| v.as_dvec3() - origin);
+        let vertices = vertices.map(|v| v - origin);
         let distances = vertices.map(DVec3::length);
-        let area_vector = triangle.area_vector();
+        let area_vector = cross(edges[0], edges[1]);
         let det = vertices[0].dot(area_vector).abs() / distances.iter().product::<f64>();
         let unit: [DVec3; 3] = std::array::from_fn(|i| vertices[i] / distances[i]);
         let first = opposite_to_longest_arc(&unit);
@@ -100,7 +107,13 @@ impl SphericalTriangle {
     /// length `l` is seen under an angle of at most `2 atan(l / 2 r)`, whose cosine is above 0.8 from `r = 1.5 l` on. Each
     /// vertex is within two thirds of a median of the centroid, and a median is at most as long as the longest side.
     pub fn reach(triangle: &Triangle) -> f64 {
-        let (longest_sq, area) = (longest_side_sq(triangle), triangle.area());
+        Self::reach_of_vertices(triangle.vertices.map(|v| v.as_dvec3()))
+    }
+
+    /// The same for a triangle with these vertices.
+    pub fn reach_of_vertices(vertices: [DVec3; 3]) -> f64 {
+        let edges = edges(vertices);
+        let (longest_sq, area) = (longest_side_sq(edges), 0.5 * cross(edges[0], edges[1]).length());
         let (longest, large) = (longest_sq.sqrt(), (area / Self::MIN_SOLID_ANGLE).sqrt());
         let r = if is_elongated(longest_sq, 2.0 * area) { large.max(1.5 * longest) } else { large };
         // The factor exceeds all rounding errors, here and in `new`.
@@ -171,9 +184,15 @@ impl SphericalTriangle {
     }
 }
 
-/// The squared length of the longest side.
-fn longest_side_sq(triangle: &Triangle) -> f64 {
-    let [e1, e2] = triangle.edges();
+/// The edges from the first vertex.
+#[inline(always)]
+fn edges([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
+    [b - a, c - a]
+}
+
+/// The squared length of the longest side, by the edges from the first vertex.
+#[inline(always)]
+fn longest_side_sq([e1, e2]: [DVec3; 2]) -> f64 {
     e1.length_squared().max(e2.length_squared()).max(e1.distance_squared(e2))
 }
 

@@ -1,9 +1,9 @@
 use super::alias_table::{AliasTable, raised};
+use super::area_light::{AreaLight, AreaProb, power};
 use super::delta::DeltaLight;
 use super::receiver::Receiver;
-use super::tree::{ChosenLight, LightMoments, LightTree, TreeLight, VisibilityCount};
-use glam::DVec3;
-use globillum_geom::{PdfArea, SphericalTriangle, Triangle, Triangles};
+use super::tree::{ChosenLight, LightTree, TreeLight, VisibilityCount};
+use globillum_geom::{SurfacePoint, Triangles};
 use globillum_material::Emission;
 
 /// The lights of a scene, its triangles that emit and its delta lights.
@@ -13,6 +13,8 @@ use globillum_material::Emission;
 /// delta lights, such as a square, are chosen by power, which costs less. A light of less than a 64th of their mean power
 /// then counts as if it had that much.
 ///
+/// In the tree a triangle much longer than wide, as of a tube, is several lights, each a part of it.
+///
 /// A render chooses lights less often that are rarely visible in its picture. The
 /// [`Scene::light_sampler`](crate::Scene::light_sampler) does not.
 ///
@@ -20,6 +22,7 @@ use globillum_material::Emission;
 /// [`LightSampler`](crate::LightSampler) samples points on lights.
 #[derive(Clone, Debug)]
 pub struct Lights {
+    /// In ascending order of their triangles; the parts of one follow each other.
     areas: Vec<AreaLight>,
     deltas: Vec<DeltaLight>,
     distribution: LightDistribution,
@@ -41,69 +44,12 @@ pub(crate) enum Light<'a> {
     Delta(&'a DeltaLight, f64),
 }
 
-/// The probability of choosing a triangle that emits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct AreaProb {
-    pub(crate) prob: f64,
-    /// The density of a point that is then sampled uniformly by area, the choice included.
-    pub(crate) pdf: PdfArea,
-}
-
-/// A triangle that emits, with what is precomputed for all receivers.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AreaLight {
-    pub(crate) triangle: u32,
-    pub(crate) emission: Emission,
-    pub(crate) normal: DVec3,
-    /// If lights are chosen by power.
-    prob: AreaProb,
-    area: f64,
-    middle: DVec3,
-    reach_sq: f64,
-}
-
-impl AreaLight {
-    /// Of triangle `index`, chosen by `weight`, where `total` is that of all lights.
-    fn new(index: u32, triangle: &Triangle, emission: Emission, weight: f64, total: f64) -> Self {
-        let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
-        // 1 unless the light is dim.
-        let raise = weight / power(triangle, &emission);
-        Self {
-            triangle: index,
-            emission,
-            normal: triangle.normal(),
-            prob: AreaProb {
-                prob: weight / total,
-                // The area cancels.
-                pdf: PdfArea(emission.exitance().luminance() * raise / total),
-            },
-            area: triangle.area(),
-            middle: (a + b + c) / 3.0,
-            reach_sq: SphericalTriangle::reach(triangle).powi(2),
-        }
-    }
-
-    /// Whether [`SphericalTriangle::new`] may succeed from `point`.
-    #[inline(always)]
-    pub(crate) fn may_look_large(&self, point: DVec3) -> bool {
-        self.middle.distance_squared(point) <= self.reach_sq
-    }
-
-    #[inline(always)]
-    fn chosen_with(&self, prob: f64) -> AreaProb {
-        AreaProb { prob, pdf: PdfArea(prob / self.area) }
-    }
-
-    fn moments(&self, triangle: &Triangle) -> LightMoments {
-        let both_sides = !self.emission.toward(-1.0).is_black();
-        let intensity = self.emission.toward(1.0).luminance() * self.area;
-        LightMoments::of_triangle(triangle.vertices.map(|v| v.as_dvec3()), self.normal, both_sides, intensity)
-    }
-}
-
 impl Lights {
     /// Up to this number of triangles, two of a square, a light tree costs more than it brings.
     const MOST_BY_POWER: usize = 2;
+
+    /// The most parts into which the triangles of a tree are cut. None is cut where there are more triangles than half of that.
+    const MOST_PARTS: usize = 4096;
 
     /// The triangles whose `emission`, asked by index, is not black, and those of `deltas` that are not.
     pub(crate) fn of(
@@ -123,11 +69,14 @@ impl Lights {
         let area = |(index, &weight): (u32, &f64)| {
             AreaLight::new(index, triangles.get(index), emission(index), weight, total)
         };
-        let areas: Vec<_> = emitting.into_iter().zip(&weights).map(area).collect();
+        let mut areas: Vec<_> = emitting.into_iter().zip(&weights).map(area).collect();
         let distribution = match (areas.len(), deltas.len()) {
             (0..=Self::MOST_BY_POWER, 0) => LightDistribution::Power(AliasTable::new(&weights)),
             (0, 1) => LightDistribution::Power(AliasTable::new(&[1.0])),
             _ => {
+                let most = Self::MOST_PARTS / areas.len().max(1);
+                let parts = |light: AreaLight| light.in_parts(triangles.get(light.triangle), most);
+                areas = areas.into_iter().flat_map(parts).collect();
                 let near =
                     areas.iter().map(|light| TreeLight::Near(light.moments(triangles.get(light.triangle))));
                 let lights: Vec<_> = near.chain(deltas.iter().map(DeltaLight::tree_light)).collect();
@@ -139,7 +88,7 @@ impl Lights {
 
     /// The number of lights of both kinds, without degenerate triangles and black delta lights.
     pub fn len(&self) -> usize {
-        self.areas.len() + self.deltas.len()
+        self.triangles().count() + self.deltas.len()
     }
 
     /// The tree in which lights are chosen at each receiver anew; `None` if they are chosen by power.
@@ -159,17 +108,18 @@ impl Lights {
 
     /// Whether there are no lights of either kind.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.areas.is_empty() && self.deltas.is_empty()
     }
 
     /// The indices of the triangles that emit, in ascending order, without degenerate triangles.
     pub fn triangles(&self) -> impl Iterator<Item = u32> {
-        self.areas.iter().map(|light| light.triangle)
+        self.areas.iter().filter(|light| light.is_first_of_triangle()).map(|light| light.triangle)
     }
 
     /// The emitted powers of the triangles that emit, as luminance, in ascending order of their indices.
     pub(crate) fn area_powers(&self) -> impl Iterator<Item = f64> {
-        self.areas.iter().map(|light| light.area * light.emission.exitance().luminance())
+        let first = self.areas.iter().filter(|light| light.is_first_of_triangle());
+        first.map(AreaLight::power_of_triangle)
     }
 
     /// The delta lights that are not black, in the order of the model.
@@ -203,19 +153,22 @@ impl Lights {
         }
     }
 
-    /// The probability with which [`Lights::choose`] chooses triangle `index` for the receiver, to
-    /// the bit; `None` if it is not a light.
-    pub(crate) fn prob(&self, receiver: Receiver, index: u32) -> Option<AreaProb> {
-        let place = self.areas.binary_search_by_key(&index, |light| light.triangle).ok()?;
+    /// The light with this point of `triangles`, and the probability with which [`Lights::choose`] chooses it for the
+    /// receiver, to the bit; `None` if the triangle is not a light.
+    pub(crate) fn light_at(
+        &self,
+        point: &SurfacePoint,
+        triangles: &Triangles,
+        receiver: Receiver,
+    ) -> Option<(&AreaLight, AreaProb)> {
+        let first = self.areas.partition_point(|light| light.triangle < point.triangle);
+        let light = self.areas.get(first).filter(|light| light.triangle == point.triangle)?;
+        let place = first + light.offset_to_part_at(triangles.get(point.triangle), point.position);
         let light = &self.areas[place];
-        Some(match &self.distribution {
+        let prob = match &self.distribution {
             LightDistribution::Power(_) => light.prob,
             LightDistribution::Tree(tree) => light.chosen_with(tree.prob(receiver, place)),
-        })
+        };
+        Some((light, prob))
     }
-}
-
-/// The emitted power, as luminance.
-fn power(triangle: &Triangle, emission: &Emission) -> f64 {
-    triangle.area() * emission.exitance().luminance()
 }

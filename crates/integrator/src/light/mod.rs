@@ -1,6 +1,7 @@
 //! The lights of a scene, and how they and points on them are chosen, directly and by way of [`mirrors`].
 
 mod alias_table;
+mod area_light;
 mod child_weights;
 mod delta;
 mod descent;
@@ -9,6 +10,7 @@ mod mirrors;
 mod receiver;
 mod sampling;
 mod tree;
+mod triangle_part;
 mod unit_of_length;
 
 pub(crate) use alias_table::AliasTable;

@@ -1,5 +1,6 @@
+use super::area_light::{AreaLight, AreaProb};
 use super::delta::DeltaLightSample;
-use super::lights::{AreaLight, AreaProb, Light, Lights};
+use super::lights::{Light, Lights};
 use super::receiver::Receiver;
 use crate::Interaction;
 use glam::DVec3;
@@ -12,8 +13,8 @@ use globillum_material::Rgb;
 pub enum LightSampling {
     /// Uniform by area: cheaper, and as good for small or distant triangles.
     Area,
-    /// Uniform by solid angle as seen from the receiver where [`SphericalTriangle::new`] allows it, and
-    /// by area elsewhere.
+    /// Uniform by solid angle as seen from the receiver where [`SphericalTriangle::new`] allows it, for the triangle or the
+    /// part of one that is chosen, and by area elsewhere.
     #[default]
     SolidAngle,
 }
@@ -193,11 +194,12 @@ impl LightSampler<'_> {
             return None;
         }
         let spherical =
-            if light.may_look_large(self.receiver.position) { self.by_solid_angle(triangle) } else { None };
-        let (u, v) = match &spherical {
+            if light.may_look_large(self.receiver.position) { self.by_solid_angle(light) } else { None };
+        let in_light = match &spherical {
             Some(spherical) => spherical.sample(u),
             None => Triangle::sample_uniform(u),
         };
+        let (u, v) = light.barycentrics_in_triangle(in_light);
         let point = self.triangles.surface_point_with_normal(light.triangle, light.normal, u, v);
         let Line { direction, distance_sq, cos_light } = self.line_to(&point);
         let radiance = light.emission.toward(cos_light);
@@ -223,8 +225,10 @@ impl LightSampler<'_> {
         if at.emitted().is_black() {
             return none;
         }
-        let Some(prob) = self.lights.prob(self.receiver, point.triangle) else { return none };
-        match self.by_solid_angle(self.triangles.get(point.triangle)) {
+        let Some((light, prob)) = self.lights.light_at(point, self.triangles, self.receiver) else {
+            return none;
+        };
+        match self.by_solid_angle(light) {
             Some(spherical) => spherical.pdf().chosen_with(prob.prob),
             None => {
                 let Line { distance_sq, cos_light, .. } = self.line_to(point);
@@ -236,10 +240,13 @@ impl LightSampler<'_> {
     /// The spherical triangle if points are sampled by solid angle. Depends on the triangle and the
     /// receiver only, so that sampling and density agree.
     #[inline(always)]
-    fn by_solid_angle(&self, triangle: &Triangle) -> Option<SphericalTriangle> {
+    fn by_solid_angle(&self, light: &AreaLight) -> Option<SphericalTriangle> {
         match self.sampling {
             LightSampling::Area => None,
-            LightSampling::SolidAngle => SphericalTriangle::new(triangle, self.receiver.position),
+            LightSampling::SolidAngle => {
+                let vertices = light.vertices(self.triangles.get(light.triangle));
+                SphericalTriangle::of_vertices(vertices, self.receiver.position)
+            }
         }
     }
 

@@ -15,12 +15,14 @@ pub(crate) use large_mirrors::LargeMirrors;
 pub(crate) use small_mirrors::{ChosenMirror, MirrorPoint, SmallMirrors};
 
 use crate::light::lights::Lights;
+use crate::light::triangle_part::TrianglePart;
 use facet::Facet;
 use facets::Facets;
 use globillum_geom::{Aabb, Triangles};
 use light_bounds::LightBounds;
 use light_clusters::LightClusters;
 use mirror_tree::FacetBounds;
+use small_mirrors::SmallMirror;
 
 /// The mirrors of a scene, by way of which area lights are sampled. Delta lights are not: BSDF sampling finds them in a
 /// mirror with probability zero, so the mean would depend on whether mirrors are sampled.
@@ -37,6 +39,10 @@ impl Mirrors {
     /// middle between them.
     const LARGE: f64 = 0.25;
 
+    /// The most parts into which the triangles of small facets are cut. None is cut where there are more triangles than half
+    /// of that.
+    const MOST_PARTS: usize = 1 << 16;
+
     /// The triangles for which `is_mirror` holds.
     pub(crate) fn of(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool, lights: &Lights) -> Self {
         let has_area_lights = lights.triangles().next().is_some();
@@ -50,14 +56,17 @@ impl Mirrors {
         let least = Self::LARGE * apparent_area(triangles, lights) / clusters.len() as f64;
         let (large, small): (Vec<_>, Vec<_>) =
             facets.into_iter().partition(|facet| facet.area(triangles) >= least);
-        let small_mirror = |facet: &Facet, index: u32| {
-            let triangle = triangles.get(index);
-            let (normal, area) = (facet.normal, triangle.area());
-            (index, FacetBounds { bounds: triangle.bounds(), normal, area, body: facet.body })
+        let most = Self::MOST_PARTS / small.iter().map(|facet| facet.triangles.len()).sum::<usize>().max(1);
+        let parts = |facet: &Facet, index: u32| {
+            let (triangle, normal, body) = (triangles.get(index), facet.normal, facet.body);
+            TrianglePart::of(triangle, most).map(move |part| {
+                let (bounds, area) = (part.bounds(triangle), part.area_share() * triangle.area());
+                (SmallMirror { triangle: index, part }, FacetBounds { bounds, normal, area, body })
+            })
         };
         let small: Vec<_> = small
             .iter()
-            .flat_map(|facet| facet.triangles.iter().map(move |&index| small_mirror(facet, index)))
+            .flat_map(|facet| facet.triangles.iter().flat_map(move |&index| parts(facet, index)))
             .collect();
         let all_lights = LightBounds::around(triangles, lights.triangles());
         let of_large = || LargeMirrors::new(triangles, &large, bodies.clone(), all_lights);
@@ -121,8 +130,20 @@ mod tests {
         (triangles, mirrors)
     }
 
-    fn shapes() -> [(&'static str, Vec<Triangle>); 3] {
+    /// A column of 24 facets, of which each is cut into parts.
+    fn column() -> Vec<Triangle> {
+        let corner = |i: u32, y: f64| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / 24.0);
+            DVec3::new(0.2 + 0.3 * cos, y, 0.1 + 0.3 * sin)
+        };
+        (0..24)
+            .flat_map(|i| quad(corner(i, 1.2), corner(i + 1, 1.2), corner(i + 1, -0.6), corner(i, -0.6)))
+            .collect()
+    }
+
+    fn shapes() -> [(&'static str, Vec<Triangle>); 4] {
         [
+            ("a column", column()),
             ("a block", cuboid(DVec3::new(0.3, 0.4, -0.2), DVec3::new(0.3, 0.6, 0.4), 0.32).to_vec()),
             ("a ball", icosphere(3).placed(0.7, DVec3::new(0.2, 0.3, 0.0)).triangles()),
             ("a ring", torus(40, 20).triangles()),
@@ -206,10 +227,9 @@ mod tests {
                             .large
                             .as_ref()
                             .and_then(|large| large.chosen(&triangles, upward(from), large.facet_of(index)?));
-                        let by_small = mirrors
-                            .small
-                            .as_ref()
-                            .and_then(|small| small.choice_prob(upward(from), index, light, f64::INFINITY));
+                        let by_small = mirrors.small.as_ref().and_then(|small| {
+                            small.prob_to_reflect(&triangles, upward(from), index, (light, to))
+                        });
                         assert!(
                             by_large.is_some() || by_small.is_some(),
                             "{what}, {size}, {unit}, {mountains}, {i}: {index}"
@@ -231,8 +251,8 @@ mod tests {
             let mut seen = 0;
             for i in 0..12 {
                 let (from, light, _) = ends(&triangles, Stream::new(2, 0, i));
-                let mut times = vec![0_u32; triangles.len()];
-                let mut probs = vec![0.0; triangles.len()];
+                let count = mirrors.small.as_ref().map_or(0, SmallMirrors::len).max(triangles.len());
+                let (mut times, mut probs) = (vec![0_u32; count], vec![0.0; count]);
                 if let Some(large) = &mirrors.large {
                     for chosen in numbers().filter_map(|u| large.choose(&triangles, upward(from), || u)) {
                         let again = large.chosen(&triangles, upward(from), chosen.index).unwrap();
@@ -243,13 +263,13 @@ mod tests {
                 }
                 if let Some(small) = &mirrors.small {
                     let attempts = [30.0, f64::INFINITY][i as usize % 2];
-                    for (index, prob) in
+                    for (place, prob) in
                         numbers().filter_map(|u| small.choice(upward(from), light, attempts, u))
                     {
-                        let again = small.choice_prob(upward(from), index, light, attempts);
+                        let again = small.choice_prob(upward(from), place, light, attempts);
                         assert_eq!(again, Some(prob), "{what}");
-                        times[index as usize] += 1;
-                        probs[index as usize] = prob;
+                        times[place as usize] += 1;
+                        probs[place as usize] = prob;
                     }
                 }
                 for (&times, prob) in times.iter().zip(probs).filter(|(times, _)| **times > 0) {
@@ -273,7 +293,7 @@ mod tests {
             // Between the middle of the ring and the floor.
             let (from, (_, light, to)) = (DVec3::new(x, -0.3, z), ends(&triangles, numbers));
             for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
-                let prob = small.choice_prob(upward(from), index, light, f64::INFINITY);
+                let prob = small.prob_to_reflect(&triangles, upward(from), index, (light, to));
                 (shown, least) = (shown + 1, least.min(prob.unwrap_or(0.0)));
             }
         }

@@ -4,6 +4,7 @@ use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
 use super::triangle_map::TriangleMap;
 use super::viewpoints::viewpoints;
 use crate::light::receiver::Receiver;
+use crate::light::triangle_part::TrianglePart;
 use glam::DVec3;
 use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Triangles};
 
@@ -13,10 +14,19 @@ use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Trian
 pub(crate) struct SmallMirrors {
     tree: MirrorTree,
     /// By their place in the tree.
-    triangles: Vec<u32>,
-    /// The place of each triangle.
-    places: TriangleMap,
+    mirrors: Vec<SmallMirror>,
+    /// The places of the parts of each triangle, one after the other.
+    places: Vec<u32>,
+    /// Where those of each triangle begin.
+    first_places: TriangleMap,
     clusters: LightClusters,
+}
+
+/// A mirror triangle or a part of one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SmallMirror {
+    pub(super) triangle: u32,
+    pub(super) part: TrianglePart,
 }
 
 /// A mirror triangle that was chosen to show a light.
@@ -46,21 +56,32 @@ impl SmallMirrors {
     /// angle, in steradians, of the triangles that show lights. The settings limit the number of samples.
     const ATTEMPTS: f64 = 480.0;
 
-    /// Builds the tree of one or more mirror triangles with their bounds.
+    /// Builds the tree of one or more mirrors with their bounds. The parts of a triangle follow each other.
     pub(super) fn new(
         triangles: &Triangles,
-        mirrors: &[(u32, FacetBounds)],
+        mirrors: &[(SmallMirror, FacetBounds)],
         bodies: Vec<Aabb>,
         clusters: LightClusters,
     ) -> Self {
         let bounds: Vec<_> = mirrors.iter().map(|(_, bounds)| *bounds).collect();
         let (tree, order) = MirrorTree::new(triangles, &bounds, bodies);
-        let in_order: Vec<_> = order.iter().map(|&mirror| mirrors[mirror as usize].0).collect();
-        let mut mirrors = in_order.clone();
-        mirrors.sort_unstable();
-        let places = TriangleMap::new(in_order.iter().copied().zip(0..));
-        let tree = tree.calibrated(&viewpoints(triangles, &mirrors, &clusters));
-        Self { tree, triangles: in_order, places, clusters }
+        let mut places = vec![0; mirrors.len()];
+        (0..).zip(&order).for_each(|(place, &mirror)| places[mirror as usize] = place);
+        let first_parts = || (0..).zip(mirrors).filter(|(_, (mirror, _))| mirror.part.number() == 0);
+        let first_places =
+            TriangleMap::new(first_parts().map(|(first, (mirror, _))| (mirror.triangle, first)));
+        let mut indices: Vec<_> = first_parts().map(|(_, (mirror, _))| mirror.triangle).collect();
+        indices.sort_unstable();
+        let tree = tree.calibrated(&viewpoints(triangles, &indices, &clusters));
+        let mirrors = order.iter().map(|&mirror| mirrors[mirror as usize].0).collect();
+        Self { tree, mirrors, places, first_places, clusters }
+    }
+
+    /// The place of the mirror with this position on the triangle `index`; `None` if that is no small mirror.
+    fn place_at(&self, triangle: &Triangle, index: u32, position: DVec3) -> Option<u32> {
+        let first = self.first_places.get(index)?;
+        let part = self.mirrors[self.places[first as usize] as usize].part;
+        Some(self.places[(first + part.number_at(triangle, position)) as usize])
     }
 
     /// The cluster of the light triangle `index`.
@@ -110,15 +131,16 @@ impl SmallMirrors {
         point: [f64; 2],
     ) -> Option<MirrorPoint> {
         let Cluster { bounds, prob: cluster_prob } = self.clusters.get(cluster);
-        let (triangle, from) = (self.triangles[place as usize], receiver.position);
-        let (u, v) = Triangle::sample_uniform(point);
+        let (SmallMirror { triangle, part }, from) = (self.mirrors[place as usize], receiver.position);
+        let (u, v) = part.barycentrics_in_triangle(Triangle::sample_uniform(point));
         let point = triangles.surface_point(triangle, u, v);
         let direction = (point.position - from).try_normalize()?;
         let reflected = reflection(direction, point.normal);
         if !bounds.may_be_hit_by(point.position, reflected) {
             return None;
         }
-        let pdf = pdf(triangles.get(triangle), from, direction)?;
+        let whole = triangles.get(triangle);
+        let pdf = Plane::of(whole, from).pdf(whole.area() * part.area_share(), direction)?;
         let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);
         (pdf.0 > 0.0).then_some(MirrorPoint { triangle, point, direction, pdf, cluster })
     }
@@ -135,52 +157,88 @@ impl SmallMirrors {
         index: u32,
         light: &SurfacePoint,
     ) -> Option<PdfSolidAngle> {
-        let place = self.places.get(index)?;
         let cluster = self.clusters.of_light(light.triangle)?;
+        let (triangle, from) = (triangles.get(index), receiver.position);
+        let plane = Plane::of(triangle, from);
+        let (position, direction) = plane.reflection_to(light.position, from)?;
+        let place = self.place_at(triangle, index, position)?;
         let root = self.root(receiver, Self::ATTEMPTS / f64::from(count), cluster)?;
         let prob = self.tree.prob(&root, place, |_| true)?;
-        let (triangle, from) = (triangles.get(index), receiver.position);
-        let (normal, height) = plane(triangle, from);
-        let image = mirror_image(from, normal, height);
-        // At the image, the direction has the same angle with the plane.
-        let pdf = pdf(triangle, from, (light.position - image).try_normalize()?)?;
+        let area = triangle.area() * self.mirrors[place as usize].part.area_share();
+        let pdf = plane.pdf(area, direction)?;
         let pdf = pdf.chosen_with(self.clusters.get(cluster).prob * prob).of_samples(count);
         (pdf.0 > 0.0).then_some(pdf)
     }
 }
 
-/// The normal of the triangle, and the signed distance of `from` from its plane.
-fn plane(triangle: &Triangle, from: DVec3) -> (DVec3, f64) {
-    let normal = triangle.normal();
-    (normal, normal.dot(from - triangle.vertices[0].as_dvec3()))
+/// The plane of a triangle, as it is seen from a receiver.
+struct Plane {
+    normal: DVec3,
+    /// The signed distance of the receiver.
+    height: f64,
 }
 
-/// The density per steradian of the unit `direction` toward a point of the triangle, uniform by area.
-fn pdf(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<PdfSolidAngle> {
-    let (normal, height) = plane(triangle, from);
-    let cos = normal.dot(direction).abs();
-    let distance = height / cos;
-    PdfArea(1.0 / triangle.area()).to_solid_angle(distance * distance, cos)
+impl Plane {
+    fn of(triangle: &Triangle, from: DVec3) -> Self {
+        let normal = triangle.normal();
+        Self { normal, height: normal.dot(from - triangle.vertices[0].as_dvec3()) }
+    }
+
+    /// Where the plane reflects the receiver, at `from`, to the position `to`, and the unit direction from the receiver's image,
+    /// which has the same angle with the plane as that from the receiver.
+    fn reflection_to(&self, to: DVec3, from: DVec3) -> Option<(DVec3, DVec3)> {
+        let image = mirror_image(from, self.normal, self.height);
+        let direction = (to - image).try_normalize()?;
+        Some((image + self.distance_along(direction).abs() * direction, direction))
+    }
+
+    /// The distance from the receiver to the plane along the unit `direction`, with the sign of the height.
+    fn distance_along(&self, direction: DVec3) -> f64 {
+        self.height / self.normal.dot(direction).abs()
+    }
+
+    /// The density per steradian of the unit `direction` toward a point that is uniform on this area of the plane.
+    fn pdf(&self, area: f64, direction: DVec3) -> Option<PdfSolidAngle> {
+        let (cos, distance) = (self.normal.dot(direction).abs(), self.distance_along(direction));
+        PdfArea(1.0 / area).to_solid_angle(distance * distance, cos)
+    }
 }
 
 #[cfg(test)]
 impl SmallMirrors {
-    /// The triangle chosen to show the cluster of `light`, with its probability.
+    /// The place of the mirror chosen to show the cluster of `light`, with its probability.
     pub(super) fn choice(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<(u32, f64)> {
         let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
-        let [chosen] = self.tree.choose(&[Some(root)], [u], |_| true);
-        chosen.map(|(place, prob)| (self.triangles[place as usize], prob))
+        self.tree.choose(&[Some(root)], [u], |_| true)[0]
     }
 
-    /// The probability of this choice of triangle `index`.
+    /// The probability of this choice of the mirror at `place`.
     pub(super) fn choice_prob(
         &self,
         receiver: Receiver,
-        index: u32,
+        place: u32,
         light: u32,
         attempts: f64,
     ) -> Option<f64> {
         let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
-        self.tree.prob(&root, self.places.get(index)?, |_| true)
+        self.tree.prob(&root, place, |_| true)
+    }
+
+    /// The probability of the choice of the mirror that reflects the receiver to the position `to` of `light` on the triangle
+    /// `index`.
+    pub(super) fn prob_to_reflect(
+        &self,
+        triangles: &Triangles,
+        receiver: Receiver,
+        index: u32,
+        (light, to): (u32, DVec3),
+    ) -> Option<f64> {
+        let triangle = triangles.get(index);
+        let (position, _) = Plane::of(triangle, receiver.position).reflection_to(to, receiver.position)?;
+        self.choice_prob(receiver, self.place_at(triangle, index, position)?, light, f64::INFINITY)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.mirrors.len()
     }
 }

@@ -87,6 +87,11 @@ impl LightTree {
         Self { nodes, frame, far, addresses, simd: SimdLevel::best() }
     }
 
+    /// The number of lights.
+    pub(crate) fn len(&self) -> usize {
+        self.addresses.len()
+    }
+
     /// Chooses a light for the receiver by each of `us`, in `[0, 1)`.
     #[inline(never)] // compiled once for all accelerators
     pub(crate) fn choose<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [ChosenLight; N] {

@@ -27,7 +27,7 @@ pub(super) fn lights(context: &RenderContext<'_>) -> Option<Lights> {
     let tree = lights.tree().filter(|_| context.samples_lights)?;
     let of_row = |row| samples_of_row(context, tree, row);
     let of_rows: Vec<_> = (0..PATHS_PER_SIDE).into_par_iter().map(of_row).collect();
-    let mut counts = vec![VisibilityCount::default(); lights.len()];
+    let mut counts = vec![VisibilityCount::default(); tree.len()];
     of_rows.into_iter().flatten().for_each(|(light, is_visible)| counts[light as usize].add(is_visible));
     lights.by_visibility(&counts)
 }
@@ -113,9 +113,13 @@ mod tests {
     }
 
     /// The probability of the lamp on the right for a point of the floor on the left.
-    fn prob_of_right(lights: &Lights) -> f64 {
+    fn prob_of_right(scene: &Scene<KdTree>, lights: &Lights) -> f64 {
         let receiver = Receiver { position: DVec3::new(-0.8, 0.0, 0.2), side: Vec3::Y };
-        [8, 9].iter().filter_map(|&triangle| lights.prob(receiver, triangle)).map(|prob| prob.prob).sum()
+        let prob = |triangle| {
+            let point = scene.triangles().surface_point(triangle, 0.3, 0.3);
+            lights.light_at(&point, scene.triangles(), receiver).expect("it emits").1.prob
+        };
+        prob(8) + prob(9)
     }
 
     #[test]
@@ -124,7 +128,8 @@ mod tests {
             let hidden = scene(radiance, false);
             let by_visibility = found(&hidden, &settings(0)).expect("one lamp is hidden");
             // The odds of the other lamp.
-            let odds = [hidden.lights(), &by_visibility].map(|lights| 1.0 / prob_of_right(lights) - 1.0);
+            let odds =
+                [hidden.lights(), &by_visibility].map(|lights| 1.0 / prob_of_right(&hidden, lights) - 1.0);
             assert!(odds[1] > least * odds[0], "{radiance}: {odds:?}");
         }
         let hidden = scene(1e3, false);
@@ -138,8 +143,8 @@ mod tests {
     fn it_follows_from_the_scene() {
         let hidden = scene(1e3, false);
         let other = Settings { seed: 5, samples: 64, pass_samples: 64, ..settings(0) };
-        let probs =
-            [settings(0), other].map(|settings| found(&hidden, &settings).as_deref().map(prob_of_right));
+        let probs = [settings(0), other]
+            .map(|settings| Some(prob_of_right(&hidden, found(&hidden, &settings)?.as_ref())));
         assert!(probs[0].is_some() && probs[0] == probs[1], "{probs:?}");
     }
 
@@ -151,7 +156,7 @@ mod tests {
         let counts = [1000, 1000, 0, 0].map(|visible| VisibilityCount::new(1000, visible));
         let misled = scene.lights().by_visibility(&counts).map(Arc::new);
         let misled = misled.expect("one lamp is thought to be hidden");
-        let [before, after] = [scene.lights(), &misled].map(prob_of_right);
+        let [before, after] = [scene.lights(), &misled].map(|lights| prob_of_right(&scene, lights));
         assert!(after < 0.1 * before, "{before}, {after}");
         assert_equal_means(2e-3, |seed| {
             let settings = settings(seed);
