@@ -60,7 +60,8 @@ fn under(lights: &[Triangle]) -> Model {
     model
 }
 
-/// The same under the squares, with a point light, a sheet that hides some of the lights, and a ball beside it that scatters or reflects.
+/// The same under the squares, with a point light, a sheet that hides some of the lights, and a ball beside it that
+/// scatters or reflects.
 fn crowded(ball: Material) -> Model {
     let mut model = under(&squares());
     model.add_delta_light(

@@ -364,13 +364,6 @@ fn strips() -> Scene<BruteForce> {
     scene(model, &[])
 }
 
-#[test]
-fn parts_of_a_light_are_one_light() {
-    let scene = strips();
-    assert_eq!(scene.lights().len(), 6);
-    assert!(scene.lights().triangles().eq(0..6));
-}
-
 /// The density of a hit point, which multiple importance sampling asks for, is that of the sample: in front of
 /// all lights, beside an edge, behind a light, and far away.
 #[test]

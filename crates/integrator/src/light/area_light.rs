@@ -16,10 +16,10 @@ pub(crate) struct AreaProb {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AreaLight {
     pub(crate) triangle: u32,
-    part: TrianglePart,
+    pub(super) part: TrianglePart,
     pub(crate) emission: Emission,
     pub(crate) normal: DVec3,
-    /// If lights are chosen by power.
+    /// That of the whole triangle, if lights are chosen by power.
     pub(super) prob: AreaProb,
     area: f64,
     middle: DVec3,
@@ -27,14 +27,20 @@ pub(crate) struct AreaLight {
 }
 
 impl AreaLight {
-    /// Of triangle `index`, chosen by `weight`, where `total` is that of all lights.
-    pub(super) fn new(index: u32, triangle: &Triangle, emission: Emission, weight: f64, total: f64) -> Self {
-        let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
+    /// A part of triangle `index`, which is chosen by `weight`, where `total` is that of all lights.
+    pub(super) fn new(
+        (index, triangle): (u32, &Triangle),
+        part: TrianglePart,
+        emission: Emission,
+        weight: f64,
+        total: f64,
+    ) -> Self {
+        let vertices = part.vertices(triangle);
         // 1 unless the light is dim.
         let raise = weight / power(triangle, &emission);
         Self {
             triangle: index,
-            part: TrianglePart::WHOLE,
+            part,
             emission,
             normal: triangle.normal(),
             prob: AreaProb {
@@ -42,30 +48,10 @@ impl AreaLight {
                 // The area cancels.
                 pdf: PdfArea(emission.exitance().luminance() * raise / total),
             },
-            area: triangle.area(),
-            middle: (a + b + c) / 3.0,
-            reach_sq: SphericalTriangle::reach(triangle).powi(2),
+            area: triangle.area() * part.area_share(),
+            middle: vertices.iter().sum::<DVec3>() / 3.0,
+            reach_sq: SphericalTriangle::reach_of_vertices(vertices).powi(2),
         }
-    }
-
-    /// The parts of this light, a whole one: at least one, and no more than `most`.
-    pub(super) fn in_parts(self, triangle: &Triangle, most: usize) -> impl Iterator<Item = Self> {
-        let of_part = move |part: TrianglePart| {
-            let vertices = part.vertices(triangle);
-            Self {
-                part,
-                area: self.area * part.area_share(),
-                middle: vertices.iter().sum::<DVec3>() / 3.0,
-                reach_sq: SphericalTriangle::reach_of_vertices(vertices).powi(2),
-                ..self
-            }
-        };
-        TrianglePart::of(triangle, most).map(of_part)
-    }
-
-    /// How many places after this light, the first part of its triangle, that part is that contains `position`.
-    pub(super) fn offset_to_part_at(&self, triangle: &Triangle, position: DVec3) -> usize {
-        self.part.number_at(triangle, position) as usize
     }
 
     /// Whether it is a whole triangle or the first part of one.
@@ -78,19 +64,7 @@ impl AreaLight {
         self.area / self.part.area_share() * self.emission.exitance().luminance()
     }
 
-    /// The vertices; `triangle` is that of the light.
-    #[inline(always)]
-    pub(super) fn vertices(&self, triangle: &Triangle) -> [DVec3; 3] {
-        self.part.vertices(triangle)
-    }
-
-    /// The barycentrics in the triangle of the point of these barycentrics in the light.
-    #[inline(always)]
-    pub(super) fn barycentrics_in_triangle(&self, barycentrics: (f64, f64)) -> (f64, f64) {
-        self.part.barycentrics_in_triangle(barycentrics)
-    }
-
-    /// Whether [`SphericalTriangle::new`] may succeed from `point`.
+    /// Whether [`SphericalTriangle::of_vertices`] may succeed for this light and `point`.
     #[inline(always)]
     pub(super) fn may_look_large(&self, point: DVec3) -> bool {
         self.middle.distance_squared(point) <= self.reach_sq
@@ -104,7 +78,7 @@ impl AreaLight {
     pub(super) fn moments(&self, triangle: &Triangle) -> LightMoments {
         let both_sides = !self.emission.toward(-1.0).is_black();
         let intensity = self.emission.toward(1.0).luminance() * self.area;
-        LightMoments::of_triangle(self.vertices(triangle), self.normal, both_sides, intensity)
+        LightMoments::of_triangle(self.part.vertices(triangle), self.normal, both_sides, intensity)
     }
 }
 

@@ -3,6 +3,7 @@ use super::area_light::{AreaLight, AreaProb, power};
 use super::delta::DeltaLight;
 use super::receiver::Receiver;
 use super::tree::{ChosenLight, LightTree, TreeLight, VisibilityCount};
+use super::triangle_part::TrianglePart;
 use globillum_geom::{SurfacePoint, Triangles};
 use globillum_material::Emission;
 
@@ -48,7 +49,8 @@ impl Lights {
     /// Up to this number of triangles, two of a square, a light tree costs more than it brings.
     const MOST_BY_POWER: usize = 2;
 
-    /// The most parts into which the triangles of a tree are cut. None is cut where there are more triangles than half of that.
+    /// The most parts into which the triangles of a tree are cut. None is cut where there are more triangles than a third
+    /// of that.
     const MOST_PARTS: usize = 4096;
 
     /// The triangles whose `emission`, asked by index, is not black, and those of `deltas` that are not.
@@ -66,17 +68,18 @@ impl Lights {
         let deltas: Vec<_> = deltas.iter().filter(|light| !light.is_black()).copied().collect();
         let weights = raised(powers);
         let total: f64 = weights.iter().sum();
-        let area = |(index, &weight): (u32, &f64)| {
-            AreaLight::new(index, triangles.get(index), emission(index), weight, total)
+        let is_by_power = emitting.len() <= Self::MOST_BY_POWER && deltas.is_empty();
+        let most = if is_by_power { 1 } else { Self::MOST_PARTS / emitting.len().max(1) };
+        let parts = |(index, &weight): (u32, &f64)| {
+            let (triangle, emission) = (triangles.get(index), emission(index));
+            TrianglePart::of(triangle, most)
+                .map(move |part| AreaLight::new((index, triangle), part, emission, weight, total))
         };
-        let mut areas: Vec<_> = emitting.into_iter().zip(&weights).map(area).collect();
+        let areas: Vec<_> = emitting.into_iter().zip(&weights).flat_map(parts).collect();
         let distribution = match (areas.len(), deltas.len()) {
             (0..=Self::MOST_BY_POWER, 0) => LightDistribution::Power(AliasTable::new(&weights)),
             (0, 1) => LightDistribution::Power(AliasTable::new(&[1.0])),
             _ => {
-                let most = Self::MOST_PARTS / areas.len().max(1);
-                let parts = |light: AreaLight| light.in_parts(triangles.get(light.triangle), most);
-                areas = areas.into_iter().flat_map(parts).collect();
                 let near =
                     areas.iter().map(|light| TreeLight::Near(light.moments(triangles.get(light.triangle))));
                 let lights: Vec<_> = near.chain(deltas.iter().map(DeltaLight::tree_light)).collect();
@@ -86,7 +89,8 @@ impl Lights {
         Self { areas, deltas, distribution }
     }
 
-    /// The number of lights of both kinds, without degenerate triangles and black delta lights.
+    /// The number of lights of both kinds, without degenerate triangles and black delta lights. A triangle in
+    /// parts counts once.
     pub fn len(&self) -> usize {
         self.triangles().count() + self.deltas.len()
     }
@@ -163,12 +167,36 @@ impl Lights {
     ) -> Option<(&AreaLight, AreaProb)> {
         let first = self.areas.partition_point(|light| light.triangle < point.triangle);
         let light = self.areas.get(first).filter(|light| light.triangle == point.triangle)?;
-        let place = first + light.offset_to_part_at(triangles.get(point.triangle), point.position);
+        let number = light.part.number_at(triangles.get(point.triangle), point.position);
+        let place = first + number as usize;
         let light = &self.areas[place];
         let prob = match &self.distribution {
             LightDistribution::Power(_) => light.prob,
             LightDistribution::Tree(tree) => light.chosen_with(tree.prob(receiver, place)),
         };
         Some((light, prob))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use globillum_geom::Triangle;
+    use globillum_material::{Rgb, Sides};
+
+    #[test]
+    fn a_triangle_in_parts_has_its_own_power() {
+        let [a, b, c, d] =
+            [(0.0, 0.0), (9.0, 0.0), (9.0, 0.1), (0.0, 0.1)].map(|(x, z)| Vec3::new(x, 1.0, z));
+        let square = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Z);
+        let triangles = Triangles::new([&[square], &Triangle::quad(a, b, c, d)[..]].concat()).unwrap();
+        let glow = Emission::new(Rgb::WHITE, Sides::Front).unwrap();
+        let lights = Lights::of(&triangles, |_| glow, &[]);
+        assert_eq!((lights.areas.len(), lights.len()), (1 + 31 + 31, 3));
+        for (index, found) in lights.triangles().zip(lights.area_powers()) {
+            let expected = power(triangles.get(index), &glow);
+            assert!((found / expected - 1.0).abs() < 1e-12, "{index}: {found}, {expected}");
+        }
     }
 }

@@ -199,7 +199,7 @@ impl LightSampler<'_> {
             Some(spherical) => spherical.sample(u),
             None => Triangle::sample_uniform(u),
         };
-        let (u, v) = light.barycentrics_in_triangle(in_light);
+        let (u, v) = light.part.barycentrics_in_triangle(in_light);
         let point = self.triangles.surface_point_with_normal(light.triangle, light.normal, u, v);
         let Line { direction, distance_sq, cos_light } = self.line_to(&point);
         let radiance = light.emission.toward(cos_light);
@@ -237,14 +237,14 @@ impl LightSampler<'_> {
         }
     }
 
-    /// The spherical triangle if points are sampled by solid angle. Depends on the triangle and the
+    /// The spherical triangle if points are sampled by solid angle. Depends on the light and the
     /// receiver only, so that sampling and density agree.
     #[inline(always)]
     fn by_solid_angle(&self, light: &AreaLight) -> Option<SphericalTriangle> {
         match self.sampling {
             LightSampling::Area => None,
             LightSampling::SolidAngle => {
-                let vertices = light.vertices(self.triangles.get(light.triangle));
+                let vertices = light.part.vertices(self.triangles.get(light.triangle));
                 SphericalTriangle::of_vertices(vertices, self.receiver.position)
             }
         }

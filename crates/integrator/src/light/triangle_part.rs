@@ -3,8 +3,8 @@ use globillum_geom::{Aabb, Triangle};
 
 /// A part of a triangle, which is cut into slices parallel to its shortest side if it is much longer than wide.
 ///
-/// The slices are equally long. The first has the tip, the vertex opposite to the shortest side, and is one part; each of the
-/// others has two sides that are parallel, and is two. A triangle that is not cut is one part.
+/// The slices are equally long. The first has the tip, the vertex opposite to the shortest side, and is one part. Each of
+/// the others is a trapezoid, and is two parts. A triangle that is not cut is one part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TrianglePart {
     /// The index of the tip.
@@ -49,14 +49,15 @@ impl TrianglePart {
             return 0;
         }
         let [tip, left, right] = self.tip_first(triangle);
-        let (e1, e2, to) = (left - tip, right - tip, position - tip);
-        let normal = e1.cross(e2);
-        let place = DVec2::new(to.cross(e2).dot(normal), e1.cross(to).dot(normal)) / normal.length_squared();
-        let slice =
-            ((place.x + place.y) * f64::from(self.slices)).clamp(0.0, f64::from(self.slices - 1)) as u32;
+        // The long sides alone would leave little of the narrow direction.
+        let (left_side, shortest_side, to) = (left - tip, right - left, position - tip);
+        let normal = left_side.cross(shortest_side);
+        let share = |vector: DVec3| vector.dot(normal) / normal.length_squared();
+        let (along, across) = (share(to.cross(shortest_side)), share(left_side.cross(to)));
+        let slice = (along * f64::from(self.slices)).clamp(0.0, f64::from(self.slices - 1)) as u32;
         let [near, far] = self.ends(slice);
         // The line from the left end of the slice's near side to the right end of its far side divides it.
-        let is_second = place.x * far + place.y * near < near * far;
+        let is_second = along * far - across * (far - near) < near * far;
         (2 * slice + u32::from(is_second)).saturating_sub(1)
     }
 
@@ -76,7 +77,7 @@ impl TrianglePart {
         self.corners().map(|place| (1.0 - place.x - place.y) * tip + place.x * left + place.y * right)
     }
 
-    /// Bounds of the part, at most a unit of rounding larger than it.
+    /// Bounds of the part, at most two units of rounding larger than it.
     pub(super) fn bounds(&self, triangle: &Triangle) -> Aabb {
         if self.is_whole() {
             return triangle.bounds();
@@ -147,8 +148,8 @@ mod tests {
     use crate::Stream;
     use glam::Vec3;
 
-    /// Triangles of sides of 1 and about `length`, and one that is also long but has no short side; each vertex is the tip of
-    /// one.
+    /// Triangles of sides of 1 and about `length`, of which each vertex is the tip of one, and one that is as long but has no
+    /// short side.
     fn triangles(length: f32) -> [Triangle; 4] {
         let [a, b, c] =
             [Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 3.0, 3.0), Vec3::new(1.0 + length, 2.1, 3.0)];
@@ -198,7 +199,23 @@ mod tests {
                     assert_eq!(parts[0].number_at(&triangle, position), number, "{part:?} of {triangle:?}");
                 }
             }
-            assert!(parts.is_empty() || (area - 1.0).abs() < 1e-14, "{area}");
+            assert!((area - 1.0).abs() < 1e-14, "{area}");
+        }
+    }
+
+    /// However narrow the triangle, rounding leaves points in their slices.
+    #[test]
+    fn narrow_triangles_are_cut_across() {
+        let [tip, left, right] = [Vec3::ONE, Vec3::ZERO, Vec3::X * 1e-30];
+        for vertices in [[tip, left, right], [right, tip, left], [left, right, tip]] {
+            let triangle = Triangle { vertices };
+            let parts = parts(&triangle, 99);
+            assert_eq!(parts.len(), 31);
+            for (number, part) in (0..).zip(&parts) {
+                let middle = part.vertices(&triangle).iter().sum::<DVec3>() / 3.0;
+                let found = parts[0].number_at(&triangle, middle);
+                assert_eq!(parts[found as usize].slice(), part.slice(), "{number} of {triangle:?}");
+            }
         }
     }
 

@@ -39,9 +39,13 @@ impl Mirrors {
     /// middle between them.
     const LARGE: f64 = 0.25;
 
-    /// The most parts into which the triangles of small facets are cut. None is cut where there are more triangles than half
-    /// of that.
+    /// The most parts into which the triangles of small facets are cut. None is cut where there are more triangles than a
+    /// third of that.
     const MOST_PARTS: usize = 1 << 16;
+
+    /// The least length of a triangle that is cut, over the longest side of the scene's bounds: parts are large beside the
+    /// rounding of their place in the mirror tree.
+    const LEAST_LENGTH: f64 = 1.0 / (1 << 16) as f64;
 
     /// The triangles for which `is_mirror` holds.
     pub(crate) fn of(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool, lights: &Lights) -> Self {
@@ -57,9 +61,11 @@ impl Mirrors {
         let (large, small): (Vec<_>, Vec<_>) =
             facets.into_iter().partition(|facet| facet.area(triangles) >= least);
         let most = Self::MOST_PARTS / small.iter().map(|facet| facet.triangles.len()).sum::<usize>().max(1);
+        let least_length = Self::LEAST_LENGTH * triangles.bounds().extent().max_element();
         let parts = |facet: &Facet, index: u32| {
             let (triangle, normal, body) = (triangles.get(index), facet.normal, facet.body);
-            TrianglePart::of(triangle, most).map(move |part| {
+            let is_tiny = triangle.bounds().extent().max_element() < least_length;
+            TrianglePart::of(triangle, if is_tiny { 1 } else { most }).map(move |part| {
                 let (bounds, area) = (part.bounds(triangle), part.area_share() * triangle.area());
                 (SmallMirror { triangle: index, part }, FacetBounds { bounds, normal, area, body })
             })
@@ -130,13 +136,13 @@ mod tests {
         (triangles, mirrors)
     }
 
-    /// A column of 24 facets, of which each is cut into parts.
+    /// A column of 64 facets, which are small beside lights of half a unit, and of which each is cut into parts.
     fn column() -> Vec<Triangle> {
         let corner = |i: u32, y: f64| {
-            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / 24.0);
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / 64.0);
             DVec3::new(0.2 + 0.3 * cos, y, 0.1 + 0.3 * sin)
         };
-        (0..24)
+        (0..64)
             .flat_map(|i| quad(corner(i, 1.2), corner(i + 1, 1.2), corner(i + 1, -0.6), corner(i, -0.6)))
             .collect()
     }
@@ -248,10 +254,12 @@ mod tests {
         let numbers = || (0..n).map(|k| (f64::from(k) + 0.5) / f64::from(n));
         for (what, shape) in shapes() {
             let (triangles, mirrors) = scene(&shape, 0.5, 1.0);
+            let small = mirrors.small.as_ref().map_or(0, SmallMirrors::len);
+            assert_eq!(small > shape.len(), what == "a column", "{what}: {small}");
             let mut seen = 0;
             for i in 0..12 {
                 let (from, light, _) = ends(&triangles, Stream::new(2, 0, i));
-                let count = mirrors.small.as_ref().map_or(0, SmallMirrors::len).max(triangles.len());
+                let count = small.max(triangles.len());
                 let (mut times, mut probs) = (vec![0_u32; count], vec![0.0; count]);
                 if let Some(large) = &mirrors.large {
                     for chosen in numbers().filter_map(|u| large.choose(&triangles, upward(from), || u)) {

@@ -29,7 +29,7 @@ pub(super) struct SmallMirror {
     pub(super) part: TrianglePart,
 }
 
-/// A mirror triangle that was chosen to show a light.
+/// A small mirror that was chosen to show a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ChosenMirror {
     cluster: u32,
@@ -77,7 +77,7 @@ impl SmallMirrors {
         Self { tree, mirrors, places, first_places, clusters }
     }
 
-    /// The place of the mirror with this position on the triangle `index`; `None` if that is no small mirror.
+    /// The place of the mirror with this position on the triangle `index`; `None` if the triangle has none.
     fn place_at(&self, triangle: &Triangle, index: u32, position: DVec3) -> Option<u32> {
         let first = self.first_places.get(index)?;
         let part = self.mirrors[self.places[first as usize] as usize].part;
@@ -184,8 +184,8 @@ impl Plane {
         Self { normal, height: normal.dot(from - triangle.vertices[0].as_dvec3()) }
     }
 
-    /// Where the plane reflects the receiver, at `from`, to the position `to`, and the unit direction from the receiver's image,
-    /// which has the same angle with the plane as that from the receiver.
+    /// Where the plane reflects the receiver, at `from`, to the position `to`, and the unit direction from the receiver's
+    /// image, which has the same angle with the plane as that from the receiver.
     fn reflection_to(&self, to: DVec3, from: DVec3) -> Option<(DVec3, DVec3)> {
         let image = mirror_image(from, self.normal, self.height);
         let direction = (to - image).try_normalize()?;
@@ -224,8 +224,8 @@ impl SmallMirrors {
         self.tree.prob(&root, place, |_| true)
     }
 
-    /// The probability of the choice of the mirror that reflects the receiver to the position `to` of `light` on the triangle
-    /// `index`.
+    /// The probability of the choice of the mirror on the triangle `index` that reflects the receiver to the position `to` of
+    /// `light`.
     pub(super) fn prob_to_reflect(
         &self,
         triangles: &Triangles,
@@ -235,7 +235,13 @@ impl SmallMirrors {
     ) -> Option<f64> {
         let triangle = triangles.get(index);
         let (position, _) = Plane::of(triangle, receiver.position).reflection_to(to, receiver.position)?;
-        self.choice_prob(receiver, self.place_at(triangle, index, position)?, light, f64::INFINITY)
+        let place = self.place_at(triangle, index, position)?;
+        let Aabb { min, max } = self.mirrors[place as usize].part.bounds(triangle);
+        let margin = 1e-6 * triangles.bounds().extent();
+        assert!(
+            position.cmpge(min.as_dvec3() - margin).all() && position.cmple(max.as_dvec3() + margin).all()
+        );
+        self.choice_prob(receiver, place, light, f64::INFINITY)
     }
 
     pub(super) fn len(&self) -> usize {

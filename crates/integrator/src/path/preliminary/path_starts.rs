@@ -28,7 +28,7 @@ pub(super) fn path_settings(settings: &Settings, samples: u32, seed: u64) -> Set
     }
 }
 
-/// What such paths are traced in, with these settings: there is no guide, which depends on the seed.
+/// The context of such paths, with these settings. It has no guide, which would depend on the seed.
 pub(super) fn path_context<'a>(context: &RenderContext<'a>, settings: &'a Settings) -> RenderContext<'a> {
     RenderContext {
         lights_by_visibility: context.lights_by_visibility.clone(),
