@@ -1,7 +1,7 @@
 //! What a camera sees first, without its light.
 
 use crate::caught::caught;
-use crate::film::Window;
+use crate::pixel_rect::PixelRect;
 use crate::worker_threads::run_in_threads;
 use crate::{ElementSample, PathStart, RenderError, Scene, Sensor, Settings};
 use glam::DVec3;
@@ -111,9 +111,8 @@ impl FirstHits {
     /// If a range begins after its end, or they are not all within the picture.
     #[must_use]
     pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
-        let window = Window::new(columns, rows, [self.width, self.height]);
-        let [width, height] = window.size();
-        Self { width, height, pixels: window.cut(&self.pixels) }
+        let rect = PixelRect::of_ranges(columns, rows, [self.width, self.height]);
+        Self { width: rect.width, height: rect.height, pixels: rect.cut(&self.pixels, self.width) }
     }
 }
 

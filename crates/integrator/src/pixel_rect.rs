@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 /// A rectangle of pixels: a picture or a part of one, such as a tile, which one thread renders. Where a caller says so,
 /// its units are blocks or tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,6 +17,22 @@ pub(crate) const SQUARE_SIDE: u32 = 16;
 pub(crate) const BLOCK_SIDE: u32 = 4;
 
 impl PixelRect {
+    /// All pixels of a picture of this size.
+    pub(crate) fn whole([width, height]: [u32; 2]) -> PixelRect {
+        PixelRect { x: 0, y: 0, width, height }
+    }
+
+    /// These columns and rows.
+    ///
+    /// # Panics
+    /// If a range begins after its end, or they are not all within a picture of this size.
+    pub(crate) fn of_ranges(columns: Range<u32>, rows: Range<u32>, [width, height]: [u32; 2]) -> PixelRect {
+        let is_within = |range: &Range<u32>, end| range.start <= range.end && range.end <= end;
+        assert!(is_within(&columns, width) && is_within(&rows, height), "a crop lies within the picture");
+        let [(x, width), (y, height)] = [columns, rows].map(|range| (range.start, range.end - range.start));
+        PixelRect { x, y, width, height }
+    }
+
     /// The tiles of `window`, a rectangle of pixels, row by row: squares, of which parts may lie outside. Where the window
     /// has half of [`SQUARE_SIDE`] columns or less, a tile is several squares above each other, with at most
     /// `SQUARE_SIDE * SQUARE_SIDE` pixels in all.
@@ -48,6 +66,20 @@ impl PixelRect {
             y: (self.y - window.y) / BLOCK_SIDE,
             width: self.width.div_ceil(BLOCK_SIDE),
             height: self.height.div_ceil(BLOCK_SIDE),
+        }
+    }
+
+    /// The blocks of the picture of which it has a pixel, as a rectangle of blocks.
+    pub(crate) fn touched_blocks(&self) -> PixelRect {
+        let length = |start: u32, length: u32| match length {
+            0 => 0,
+            _ => (start + length).div_ceil(BLOCK_SIDE) - start / BLOCK_SIDE,
+        };
+        PixelRect {
+            x: self.x / BLOCK_SIDE,
+            y: self.y / BLOCK_SIDE,
+            width: length(self.x, self.width),
+            height: length(self.y, self.height),
         }
     }
 
@@ -96,6 +128,21 @@ impl PixelRect {
     pub(crate) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + Clone + use<> {
         let Self { x, y, width, height } = *self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
+    }
+
+    /// Where its pixels are, row by row, in a picture of this width.
+    pub(crate) fn places(&self, width: u32) -> impl Iterator<Item = usize> + use<> {
+        self.pixels().map(move |(x, y)| y as usize * width as usize + x as usize)
+    }
+
+    /// Its pixels of a picture of this width, row by row.
+    pub(crate) fn cut<T: Copy>(&self, picture: &[T], width: u32) -> Vec<T> {
+        self.places(width).map(|place| picture[place]).collect()
+    }
+
+    /// Replaces its pixels of a picture of this width by `pixels`, row by row.
+    pub(crate) fn paste<T: Copy>(&self, pixels: &[T], picture: &mut [T], width: u32) {
+        self.places(width).zip(pixels).for_each(|(place, &pixel)| picture[place] = pixel);
     }
 
     /// Its pixels, block by block, so that neighbours follow each other.

@@ -7,7 +7,7 @@ use globillum_material::Rgb;
 
 /// The deviates of the differences of two sides, of `width` cells in each row.
 pub(super) fn deviates([a, b]: [&[Cell]; 2], width: u32) -> Vec<Rgb> {
-    let cells = PixelRect { x: 0, y: 0, width, height: (a.len() / width as usize) as u32 };
+    let cells = PixelRect::whole([width, (a.len() / width as usize) as u32]);
     let of_cell = |at: (u32, u32)| {
         let near = PixelRect::pixels_near(at, cells.width, cells.height).filter(|&other| other != at);
         let mut around = [Rgb::BLACK; 2];

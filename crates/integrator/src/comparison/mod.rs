@@ -10,7 +10,7 @@ use crate::film::student::quantile_975;
 use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
 use deviates::deviates;
 use globillum_material::Rgb;
-use side::{Cell, Side, places};
+use side::{Cell, Side};
 
 pub use verdict::Verdict;
 
@@ -167,7 +167,7 @@ impl Comparison {
 
 /// The most by which a tile's squared difference counts as above its variance, over the variance around: few tiles that
 /// differ much do not hide that others do. What is cut off makes the test rather too small.
-const LARGEST_EXCESS: f64 = 4.0;
+const MAX_EXCESS: f64 = 4.0;
 
 /// Both sides.
 struct Pair {
@@ -217,7 +217,7 @@ impl Pair {
     /// What `of` takes of the means of both sides, summed over each tile.
     fn sums(&self, of: impl Fn(Rgb) -> f64) -> impl Iterator<Item = [f64; 2]> {
         self.tiles().map(move |tile| {
-            places(tile, self.width)
+            tile.places(self.width)
                 .fold([0.0; 2], |[a, b], at| [a + of(self.a.pixels[at].mean), b + of(self.b.pixels[at].mean)])
         })
     }
@@ -268,14 +268,14 @@ impl Pair {
         let (mut squares, mut expected, mut excesses) = (0.0, 0.0, Vec::new());
         for ((tile, variance), around) in self.tiles().zip(&variances).zip(around) {
             let weight = if around > 0.0 { 1.0 / around } else { 1.0 };
-            let square = places(tile, self.width).map(|at| {
+            let square = tile.places(self.width).map(|at| {
                 let apart = self.a.pixels[at].mean - self.b.pixels[at].mean;
                 (apart * apart).mean()
             });
             let square: f64 = square.sum();
             squares += weight * square;
             expected += weight * variance;
-            excesses.push((weight * (square - variance)).min(LARGEST_EXCESS));
+            excesses.push((weight * (square - variance)).min(MAX_EXCESS));
         }
         let reduced = if squares == expected { 1.0 } else { squares / expected };
         Some(ChiSquare { reduced, z: normal::of_sum(excesses.into_iter()) })
@@ -284,7 +284,7 @@ impl Pair {
     /// The variances of a side's pixels, summed over each tile; infinite if unknown.
     fn tile_variances(&self, side: &Side) -> Vec<f64> {
         let variance = |at: usize| side.pixels[at].variance.mean();
-        self.tiles().map(|tile| places(tile, self.width).map(variance).sum()).collect()
+        self.tiles().map(|tile| tile.places(self.width).map(variance).sum()).collect()
     }
 
     /// The mean of the values of the tiles around each, of which chance in the tile itself is independent, and a little more
@@ -292,7 +292,7 @@ impl Pair {
     fn around(&self, values: &[f64]) -> Vec<f64> {
         let columns = self.columns();
         let (width, height) = (columns as u32, (values.len() / columns) as u32);
-        let tiles = PixelRect { x: 0, y: 0, width, height };
+        let tiles = PixelRect::whole([width, height]);
         let floor = floor(values);
         let around = |tile: (u32, u32)| {
             let around = PixelRect::pixels_near(tile, width, height).filter(|&other| other != tile);

@@ -24,11 +24,6 @@ fn blocks(width: u32, height: u32) -> impl Iterator<Item = PixelRect> {
     PixelRect::grid([width, height], [BLOCK_SIDE; 2])
 }
 
-/// Where the pixels of a block are in a picture.
-pub(super) fn places(block: PixelRect, width: u32) -> impl Iterator<Item = usize> {
-    block.pixels().map(move |(x, y)| y as usize * width as usize + x as usize)
-}
-
 impl Side {
     /// The side of a picture with its own errors, or of several pictures, whose errors are their spread. All have
     /// the size of the first.
@@ -51,7 +46,7 @@ impl Side {
         let block = |(block, dependence): (PixelRect, f64)| {
             let (mut mean, mut variance, mut uncertain, mut count) = (Rgb::BLACK, Rgb::BLACK, 0.0, 0.0);
             let mut least = f64::INFINITY;
-            for pixel in places(block, picture.width).map(|at| pixels[at]) {
+            for pixel in block.places(picture.width).map(|at| pixels[at]) {
                 mean += pixel.mean;
                 variance += pixel.variance;
                 uncertain += pixel.variance.mean().powi(2) / pixel.dof;
@@ -73,7 +68,7 @@ impl Side {
         let block = |block: PixelRect| {
             let mean = |seed: &Estimates| {
                 let mut sum = Rgb::BLACK;
-                places(block, width).for_each(|at| sum += seed.means[at]);
+                block.places(width).for_each(|at| sum += seed.means[at]);
                 sum / block.pixel_count() as f64
             };
             spread(seeds.iter().map(mean))
@@ -90,12 +85,12 @@ impl Side {
 /// (Cauchy and Schwarz).
 fn dependence(picture: &Estimates, pixels: &[Cell]) -> Vec<f64> {
     let independent = |block: PixelRect| {
-        let variance: f64 = places(block, picture.width).map(|at| pixels[at].variance.mean()).sum();
+        let variance: f64 = block.places(picture.width).map(|at| pixels[at].variance.mean()).sum();
         variance / (block.pixel_count() as f64).powi(2)
     };
     let independent: Vec<f64> = blocks(picture.width, picture.height).map(independent).collect();
     let told = |at: usize| picture.block_errors[at].map(|error| error * error).mean();
-    let whole = PixelRect { x: 0, y: 0, width: picture.width, height: picture.height };
+    let whole = PixelRect::whole([picture.width, picture.height]);
     let all = whole.blocks_in(&whole);
     let of_block = |(block, place)| {
         let around = PixelRect::pixels_near(place, all.width, all.height).map(|(x, y)| all.index(x, y));

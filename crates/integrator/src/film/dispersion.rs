@@ -130,10 +130,8 @@ impl Blocks {
 
     /// The pixels of every block, as places among `pixels` pixels of whole rows.
     pub(crate) fn all(self, pixels: usize) -> impl Iterator<Item = impl Iterator<Item = usize>> {
-        let width = self.width as usize;
-        let place = move |(x, y): (u32, u32)| y as usize * width + x as usize;
-        PixelRect::grid([self.width, (pixels / width) as u32], [self.side; 2])
-            .map(move |block| block.pixels().map(place))
+        let height = (pixels / self.width as usize) as u32;
+        PixelRect::grid([self.width, height], [self.side; 2]).map(move |block| block.places(self.width))
     }
 }
 

@@ -1,6 +1,5 @@
 use super::dispersion::Blocks;
 use super::moments::mean;
-use super::window::Window;
 use super::{Film, margin};
 use crate::PathReuse;
 use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
@@ -120,17 +119,17 @@ impl Estimates {
             let start = part.origin[axis].checked_sub(self.origin[axis]).unwrap_or(u32::MAX);
             start..start.saturating_add(length)
         });
-        let window = Window::new(columns, rows, [self.width, self.height]);
-        window.paste(&part.means, &mut self.means);
-        window.paste(&part.standard_errors, &mut self.standard_errors);
-        window.paste(&part.samples, &mut self.samples);
-        window.paste(&part.observations, &mut self.observations);
-        let blocks = window.blocks(BLOCK_SIDE);
-        if self.has_blocks_of(&window) {
-            blocks.paste(&part.block_errors, &mut self.block_errors);
+        let rect = PixelRect::of_ranges(columns, rows, [self.width, self.height]);
+        rect.paste(&part.means, &mut self.means, self.width);
+        rect.paste(&part.standard_errors, &mut self.standard_errors, self.width);
+        rect.paste(&part.samples, &mut self.samples, self.width);
+        rect.paste(&part.observations, &mut self.observations, self.width);
+        let (blocks, columns) = (rect.touched_blocks(), self.width.div_ceil(BLOCK_SIDE));
+        if self.has_blocks_of(&rect) {
+            blocks.paste(&part.block_errors, &mut self.block_errors, columns);
         } else {
-            let unknown = vec![Rgb::splat(f64::INFINITY); blocks.columns.len() * blocks.rows.len()];
-            blocks.paste(&unknown, &mut self.block_errors);
+            let unknown = vec![Rgb::splat(f64::INFINITY); blocks.pixel_count()];
+            blocks.paste(&unknown, &mut self.block_errors, columns);
         }
         if part.path_reuse != PathReuse::Off {
             self.path_reuse = part.path_reuse;
@@ -143,30 +142,31 @@ impl Estimates {
     /// If a range begins after its end, or they are not all within the picture.
     #[must_use]
     pub fn crop(&self, columns: Range<u32>, rows: Range<u32>) -> Self {
-        let window = Window::new(columns, rows, [self.width, self.height]);
-        let ([left, top], [width, height]) = ([window.columns.start, window.rows.start], window.size());
+        let rect = PixelRect::of_ranges(columns, rows, [self.width, self.height]);
         let mut crop = Self {
             full_size: self.full_size,
-            origin: [self.origin[0] + left, self.origin[1] + top],
-            means: window.cut(&self.means),
-            standard_errors: window.cut(&self.standard_errors),
-            samples: window.cut(&self.samples),
-            observations: window.cut(&self.observations),
+            origin: [self.origin[0] + rect.x, self.origin[1] + rect.y],
+            means: rect.cut(&self.means, self.width),
+            standard_errors: rect.cut(&self.standard_errors, self.width),
+            samples: rect.cut(&self.samples, self.width),
+            observations: rect.cut(&self.observations, self.width),
             path_reuse: self.path_reuse,
-            ..Self::unknown(width, height)
+            ..Self::unknown(rect.width, rect.height)
         };
-        if self.has_blocks_of(&window) {
-            crop.block_errors = window.blocks(BLOCK_SIDE).cut(&self.block_errors);
+        if self.has_blocks_of(&rect) {
+            let columns = self.width.div_ceil(BLOCK_SIDE);
+            crop.block_errors = rect.touched_blocks().cut(&self.block_errors, columns);
         }
         crop
     }
 
     /// Whether the blocks of a crop are blocks of this picture.
-    fn has_blocks_of(&self, crop: &Window) -> bool {
+    fn has_blocks_of(&self, crop: &PixelRect) -> bool {
         let is_end = |at: u32, size: u32| at.is_multiple_of(BLOCK_SIDE) || at == size;
-        let are_blocks =
-            |range: &Range<u32>, size: u32| range.start.is_multiple_of(BLOCK_SIDE) && is_end(range.end, size);
-        are_blocks(&crop.columns, self.width) && are_blocks(&crop.rows, self.height)
+        let are_blocks = |start: u32, length: u32, size: u32| {
+            start.is_multiple_of(BLOCK_SIDE) && is_end(start + length, size)
+        };
+        are_blocks(crop.x, crop.width, self.width) && are_blocks(crop.y, crop.height, self.height)
     }
 
     /// Whether every list has the length that it says it has.
@@ -191,7 +191,7 @@ impl Estimates {
         assert!(self.are_whole(), "every list has one entry for each pixel or block");
         let variances: Vec<Rgb> = self.standard_errors.iter().map(|&error| error * error).collect();
         let picture = mean(variances.iter().copied());
-        let whole = PixelRect { x: 0, y: 0, width: self.width, height: self.height };
+        let whole = PixelRect::whole([self.width, self.height]);
         let margin = |(at, pixel): (usize, (u32, u32))| {
             let around = PixelRect::pixels_near(pixel, self.width, self.height);
             let around = around.map(|(x, y)| variances[whole.index(x, y)]);

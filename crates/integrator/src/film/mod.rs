@@ -12,7 +12,6 @@ mod pass_node;
 mod picture;
 mod pixels;
 pub(crate) mod student;
-mod window;
 
 pub use checkpoint::{CheckpointHeader, CheckpointReader, CheckpointStrip, CheckpointWriter, Merge};
 pub(crate) use dispersion::Blocks;
@@ -23,7 +22,6 @@ pub use fuzz::check_checkpoint;
 pub(crate) use moments::{Moments, Tally, mean};
 pub(crate) use pass_node::PassNode;
 pub use picture::{Ending, Picture};
-pub(crate) use window::Window;
 
 use crate::pixel_rect::{PixelRect, SQUARE_SIDE};
 use crate::{CheckpointError, PathReuse};

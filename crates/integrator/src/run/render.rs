@@ -207,12 +207,11 @@ impl<'a> Render<'a> {
     /// The pixels of the crop; the whole picture if there is none.
     fn checked_crop(&self, settings: &Settings) -> Result<PixelRect, RenderError> {
         let Settings { width, height, .. } = *settings;
-        let Some([columns, rows]) = &self.crop else { return Ok(PixelRect { x: 0, y: 0, width, height }) };
+        let Some([columns, rows]) = &self.crop else { return Ok(PixelRect::whole([width, height])) };
         let step = settings.path_reuse.tile_side();
         check_range("columns of the crop", columns, width, step)?;
         check_range("rows of the crop", rows, height, step)?;
-        let length = |range: &Range<u32>| range.end - range.start;
-        Ok(PixelRect { x: columns.start, y: rows.start, width: length(columns), height: length(rows) })
+        Ok(PixelRect::of_ranges(columns.clone(), rows.clone(), [width, height]))
     }
 
     /// The rows to render, of a picture or crop of this height.
