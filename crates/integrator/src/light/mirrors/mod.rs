@@ -7,6 +7,8 @@ mod light_bounds;
 mod light_clusters;
 mod mirror_tree;
 mod small_mirrors;
+#[cfg(test)]
+mod tests;
 mod triangle_map;
 mod viewpoints;
 
@@ -37,15 +39,15 @@ pub(crate) struct Mirrors {
 impl Mirrors {
     /// The least area of a large facet, over the mean apparent area of a light cluster: both look about as large from the
     /// middle between them.
-    const LARGE: f64 = 0.25;
+    const MIN_LARGE_AREA: f64 = 0.25;
 
     /// The most parts into which the triangles of small facets are cut. None is cut where there are more triangles than a
     /// third of that.
-    const MOST_PARTS: usize = 1 << 16;
+    const MAX_PARTS: usize = 1 << 16;
 
     /// The least length of a triangle that is cut, over the longest side of the scene's bounds: parts are large beside the
     /// rounding of their place in the mirror tree.
-    const LEAST_LENGTH: f64 = 1.0 / (1 << 16) as f64;
+    const MIN_LENGTH: f64 = 1.0 / (1 << 16) as f64;
 
     /// The triangles for which `is_mirror` holds.
     pub(crate) fn of(triangles: &Triangles, is_mirror: impl Fn(u32) -> bool, lights: &Lights) -> Self {
@@ -57,11 +59,11 @@ impl Mirrors {
         }
         let Facets { facets, bodies } = Facets::of(triangles, &mirrors);
         let clusters = LightClusters::of(triangles, lights);
-        let least = Self::LARGE * apparent_area(triangles, lights) / clusters.len() as f64;
+        let least = Self::MIN_LARGE_AREA * apparent_area(triangles, lights) / clusters.len() as f64;
         let (large, small): (Vec<_>, Vec<_>) =
             facets.into_iter().partition(|facet| facet.area(triangles) >= least);
-        let most = Self::MOST_PARTS / small.iter().map(|facet| facet.triangles.len()).sum::<usize>().max(1);
-        let least_length = Self::LEAST_LENGTH * triangles.bounds().extent().max_element();
+        let most = Self::MAX_PARTS / small.iter().map(|facet| facet.triangles.len()).sum::<usize>().max(1);
+        let least_length = Self::MIN_LENGTH * triangles.bounds().extent().max_element();
         let parts = |facet: &Facet, index: u32| {
             let (triangle, normal, body) = (triangles.get(index), facet.normal, facet.body);
             let is_tiny = triangle.bounds().extent().max_element() < least_length;
@@ -101,230 +103,4 @@ fn apparent_area(triangles: &Triangles, lights: &Lights) -> f64 {
         triangle.area() * (scale * scale)
     };
     lights.triangles().map(area).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Stream;
-    use crate::light::Receiver;
-    use glam::{DVec3, Vec3};
-    use globillum_geom::conformance::shapes::{cuboid, icosphere, quad, torus};
-    use globillum_geom::{Ray, Triangle};
-    use globillum_material::{Emission, Rgb, Sides};
-
-    /// The mirrors above a floor and below two lights of this size, with lengths times `unit`.
-    fn scene(mirrors: &[Triangle], size: f64, unit: f32) -> (Triangles, Mirrors) {
-        scene_beside(&[], mirrors, size, unit)
-    }
-
-    /// The same beside `others`, which come last and do not reflect.
-    fn scene_beside(others: &[Triangle], mirrors: &[Triangle], size: f64, unit: f32) -> (Triangles, Mirrors) {
-        let p = DVec3::new;
-        let floor = quad(p(-2.0, -1.0, 2.0), p(2.0, -1.0, 2.0), p(2.0, -1.0, -2.0), p(-2.0, -1.0, -2.0));
-        let [light, other] = [-1.0, 3.8 * size - 1.0].map(|x| {
-            let (near, far) = (0.1 + size, x + size);
-            quad(p(x, 3.0, 0.1), p(far, 3.0, 0.1), p(far, 3.0, near), p(x, 3.0, near))
-        });
-        let all = [&light, &other, &floor, mirrors, others].map(<[Triangle]>::to_vec).concat();
-        let scaled = |triangle: &Triangle| Triangle { vertices: triangle.vertices.map(|v| unit * v) };
-        let triangles = Triangles::new(all.iter().map(scaled).collect()).unwrap();
-        let glow = Emission::new(Rgb::WHITE, Sides::Both).unwrap();
-        let lights = Lights::of(&triangles, |index| if index < 4 { glow } else { Emission::NONE }, &[]);
-        let are_mirrors = 6..6 + mirrors.len() as u32;
-        let mirrors = Mirrors::of(&triangles, |index| are_mirrors.contains(&index), &lights);
-        (triangles, mirrors)
-    }
-
-    /// A column of 64 facets, which are small beside lights of half a unit, and of which each is cut into parts.
-    fn column() -> Vec<Triangle> {
-        let corner = |i: u32, y: f64| {
-            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / 64.0);
-            DVec3::new(0.2 + 0.3 * cos, y, 0.1 + 0.3 * sin)
-        };
-        (0..64)
-            .flat_map(|i| quad(corner(i, 1.2), corner(i + 1, 1.2), corner(i + 1, -0.6), corner(i, -0.6)))
-            .collect()
-    }
-
-    fn shapes() -> [(&'static str, Vec<Triangle>); 4] {
-        [
-            ("a column", column()),
-            ("a block", cuboid(DVec3::new(0.3, 0.4, -0.2), DVec3::new(0.3, 0.6, 0.4), 0.32).to_vec()),
-            ("a ball", icosphere(3).placed(0.7, DVec3::new(0.2, 0.3, 0.0)).triangles()),
-            ("a ring", torus(40, 20).triangles()),
-        ]
-    }
-
-    /// On a surface that faces up.
-    fn upward(position: DVec3) -> Receiver {
-        Receiver { position, side: Vec3::Y }
-    }
-
-    /// A point of the floor, and one of a light.
-    fn ends(triangles: &Triangles, numbers: Stream) -> (DVec3, u32, DVec3) {
-        let point = |index: u32, k: u32| {
-            let (u, v) = Triangle::sample_uniform(numbers.uniform_pair(k));
-            triangles.surface_point(index, u, v).position
-        };
-        let [floor, light] = [4, 0].map(|first| first + (4.0 * numbers.uniform(first)) as u32);
-        (point(4 + floor % 2, 8), light, point(light, 10))
-    }
-
-    /// Whether the triangle reflects a ray from `from` to `to`, both outside of its body, on its front.
-    fn reflects(triangles: &Triangles, index: u32, from: DVec3, to: DVec3) -> bool {
-        let triangle = triangles.get(index);
-        let (normal, corner) = (triangle.normal(), triangle.vertices[0].as_dvec3());
-        let heights = [from, to].map(|end| normal.dot(end - corner));
-        let image = from - 2.0 * heights[0] * normal;
-        let toward = to - image;
-        let reflected = toward - 2.0 * normal.dot(toward) * normal;
-        let ray = Ray::new(from, reflected);
-        let is_hit = Facet::of(index, triangle).may_be_hit_by(triangles, &ray);
-        heights[0] > 1e-3 * triangle.area().sqrt() && heights[1] > 0.0 && is_hit
-    }
-
-    /// A sun that looks as large as before and is farther away leaves a mirror large.
-    #[test]
-    fn a_mirror_is_as_large_as_it_looks_beside_the_light() {
-        let p = DVec3::new;
-        let mirror = quad(p(-1.0, 0.0, 1.0), p(1.0, 0.0, 1.0), p(1.0, 0.0, -1.0), p(-1.0, 0.0, -1.0));
-        for (distance, half, is_large) in
-            [(2.0, 0.5, true), (2.0, 4.0, false), (1e2, 5.0, true), (1e6, 5e4, true), (1e6, 2e6, false)]
-        {
-            let sun = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-                .map(|(x, z)| p(half * x, distance, half * z));
-            let sun = quad(sun[0], sun[1], sun[2], sun[3]);
-            let triangles = Triangles::new([sun, mirror].as_flattened().to_vec()).unwrap();
-            let glow = Emission::new(Rgb::WHITE, Sides::Both).unwrap();
-            let lights = Lights::of(&triangles, |index| if index < 2 { glow } else { Emission::NONE }, &[]);
-            let mirrors = Mirrors::of(&triangles, |index| index >= 2, &lights);
-            assert_eq!(
-                (mirrors.large.is_some(), mirrors.small.is_none()),
-                (is_large, is_large),
-                "{distance}"
-            );
-        }
-    }
-
-    /// No bound is too small: a mirror that reflects a point of a light to the receiver has a probability above
-    /// zero there, also where the scene is far larger than the mirrors.
-    #[test]
-    fn every_mirror_that_shows_a_light_is_sampled() {
-        for (what, shape) in shapes() {
-            // Bounds are tightest around small lights.
-            let stages = [
-                (0.5, 1.0, 0),
-                (0.5, 2.0_f32.powi(40), 0),
-                (0.5, 2.0_f32.powi(-40), 0),
-                (1e-3, 1.0, 0),
-                (1e-3, 1.0, 1),
-            ];
-            let mountain = [Triangle { vertices: [Vec3::X, Vec3::Y, Vec3::Z].map(|v| 1e7 * v) }];
-            for (size, unit, mountains) in stages {
-                let (triangles, mirrors) = scene_beside(&mountain[..mountains], &shape, size, unit);
-                let mut shown = 0;
-                for i in 0..400 {
-                    let (from, light, to) = ends(&triangles, Stream::new(1, 0, i));
-                    let are_mirrors = 6..6 + shape.len() as u32;
-                    for index in are_mirrors.filter(|&i| reflects(&triangles, i, from, to)) {
-                        shown += 1;
-                        let by_large = mirrors
-                            .large
-                            .as_ref()
-                            .and_then(|large| large.chosen(&triangles, upward(from), large.facet_of(index)?));
-                        let by_small = mirrors.small.as_ref().and_then(|small| {
-                            small.prob_to_reflect(&triangles, upward(from), index, (light, to))
-                        });
-                        assert!(
-                            by_large.is_some() || by_small.is_some(),
-                            "{what}, {size}, {unit}, {mountains}, {i}: {index}"
-                        );
-                    }
-                }
-                assert!(shown > 8, "{what}: {shown}");
-            }
-        }
-    }
-
-    /// Of `n` evenly spaced numbers, the share that chooses a facet is its probability, to within one number.
-    #[test]
-    fn facets_are_chosen_as_often_as_told() {
-        let n = 4096;
-        let numbers = || (0..n).map(|k| (f64::from(k) + 0.5) / f64::from(n));
-        for (what, shape) in shapes() {
-            let (triangles, mirrors) = scene(&shape, 0.5, 1.0);
-            let small = mirrors.small.as_ref().map_or(0, SmallMirrors::len);
-            assert_eq!(small > shape.len(), what == "a column", "{what}: {small}");
-            let mut seen = 0;
-            for i in 0..12 {
-                let (from, light, _) = ends(&triangles, Stream::new(2, 0, i));
-                let count = small.max(triangles.len());
-                let (mut times, mut probs) = (vec![0_u32; count], vec![0.0; count]);
-                if let Some(large) = &mirrors.large {
-                    for chosen in numbers().filter_map(|u| large.choose(&triangles, upward(from), || u)) {
-                        let again = large.chosen(&triangles, upward(from), chosen.index).unwrap();
-                        assert_eq!(again.prob, chosen.prob, "{what}");
-                        times[chosen.index as usize] += 1;
-                        probs[chosen.index as usize] = chosen.prob;
-                    }
-                }
-                if let Some(small) = &mirrors.small {
-                    let attempts = [30.0, f64::INFINITY][i as usize % 2];
-                    for (place, prob) in
-                        numbers().filter_map(|u| small.choice(upward(from), light, attempts, u))
-                    {
-                        let again = small.choice_prob(upward(from), place, light, attempts);
-                        assert_eq!(again, Some(prob), "{what}");
-                        times[place as usize] += 1;
-                        probs[place as usize] = prob;
-                    }
-                }
-                for (&times, prob) in times.iter().zip(probs).filter(|(times, _)| **times > 0) {
-                    seen += 1;
-                    assert!((f64::from(times) - prob * f64::from(n)).abs() <= 1.0, "{what}: {times}, {prob}");
-                }
-            }
-            assert!(seen > 8, "{what}: {seen}");
-        }
-    }
-
-    /// Nodes around a receiver do not take all probability from the others.
-    #[test]
-    fn close_nodes_do_not_crowd_out_mirrors_that_show_a_light() {
-        let (triangles, mirrors) = scene(&torus(40, 20).triangles(), 0.5, 1.0);
-        let small = mirrors.small.unwrap();
-        let (mut shown, mut least) = (0, 1.0_f64);
-        for i in 0..200 {
-            let numbers = Stream::new(3, 0, i);
-            let [x, z] = numbers.uniform_pair(0).map(|u| 2.0 * u - 1.0);
-            // Between the middle of the ring and the floor.
-            let (from, (_, light, to)) = (DVec3::new(x, -0.3, z), ends(&triangles, numbers));
-            for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
-                let prob = small.prob_to_reflect(&triangles, upward(from), index, (light, to));
-                (shown, least) = (shown + 1, least.min(prob.unwrap_or(0.0)));
-            }
-        }
-        assert!(shown > 8 && least > 1e-4, "{shown}, {least}");
-    }
-
-    #[test]
-    fn a_point_in_a_mirrors_plane_has_no_image_in_it() {
-        let (triangles, mirrors) = scene(&[Triangle::new(Vec3::ZERO, Vec3::Z, Vec3::X)], 0.5, 1.0);
-        let large = mirrors.large.unwrap();
-        let at = |y: f64| {
-            let from = DVec3::new(0.2, y, 0.2);
-            let receiver = Receiver { position: from, side: -Vec3::Y * y.signum() as f32 };
-            let chosen = large.choose(&triangles, receiver, || 0.5)?;
-            Some(chosen.facet.image_of(receiver).position.y)
-        };
-        assert_eq!((at(0.0), at(1e-7), at(-1.0), at(1.0)), (None, None, None, Some(-1.0)));
-    }
-
-    #[test]
-    fn a_scene_without_area_lights_has_no_mirrors_to_sample() {
-        let triangles = Triangles::new(shapes()[0].1.clone()).unwrap();
-        let dark = Lights::of(&triangles, |_| Emission::NONE, &[]);
-        assert!(Mirrors::of(&triangles, |_| true, &dark).is_empty());
-    }
 }

@@ -14,7 +14,7 @@ pub(crate) struct VisibilityCount {
 
 impl VisibilityCount {
     /// Fewer samples tell too little.
-    const FEWEST: u32 = 256;
+    const MIN_SAMPLES: u32 = 256;
 
     /// This much of a sample counts as visible beside those that are: a light that no sample finds may be visible from
     /// elsewhere.
@@ -34,12 +34,12 @@ impl VisibilityCount {
     /// The share of visible samples; `None` if there are too few.
     fn share(self) -> Option<f64> {
         let share = (f64::from(self.visible) + Self::PRIOR) / (f64::from(self.sampled) + Self::PRIOR);
-        (self.sampled >= Self::FEWEST).then_some(share)
+        (self.sampled >= Self::MIN_SAMPLES).then_some(share)
     }
 }
 
 /// Importances are multiplied by at most this, or by 1: shares of visible samples are known roughly.
-const LARGEST_FACTOR: f64 = 0.25;
+const MAX_FACTOR: f64 = 0.25;
 
 /// The largest share of visible samples of some clusters. One of which samples tell too little counts as visible everywhere,
 /// since a hidden one may have taken its samples.
@@ -54,7 +54,7 @@ fn largest_share<'a>(counts: impl IntoIterator<Item = &'a VisibilityCount>) -> f
 /// the root of the share.
 fn factor(count: VisibilityCount, largest: f64) -> f64 {
     let root = count.share().map_or(1.0, |share| (share / largest).sqrt());
-    if root <= LARGEST_FACTOR { root } else { 1.0 }
+    if root <= MAX_FACTOR { root } else { 1.0 }
 }
 
 impl AddAssign for VisibilityCount {
