@@ -1,4 +1,4 @@
-//! ByteReader as bytes, and checksums.
+//! Numbers written as bytes and read again, and checksums.
 
 use crate::CheckpointError;
 use crate::hash::fold;

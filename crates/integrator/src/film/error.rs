@@ -45,7 +45,7 @@ impl Film {
 }
 
 /// From this number of equal observations on, a picture that never varied is taken for exact.
-const LEAST_EQUAL: u64 = 64;
+const MIN_EQUAL_OBSERVATIONS: u64 = 64;
 
 /// Sums over pixels, row by row from the top.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -124,7 +124,7 @@ impl ErrorSums {
         let relative_rmse = self.pixels.relative_rmse();
         let unknown = ErrorEstimate { relative_rmse, interval_95: [0.0, f64::INFINITY] };
         let Some(passes) = self.passes.as_ref().filter(|_| relative_rmse.is_finite()) else { return unknown };
-        if relative_rmse == 0.0 && passes.tally.observations >= LEAST_EQUAL {
+        if relative_rmse == 0.0 && passes.tally.observations >= MIN_EQUAL_OBSERVATIONS {
             return ErrorEstimate { relative_rmse, interval_95: [0.0; 2] };
         }
         let Dispersion { variance, dof } = passes.dispersion(&self.blocks);

@@ -10,7 +10,7 @@ use globillum_material::Rgb;
 /// rarely miss them all. Less than 1.4 leaves too many of them out, more makes intervals too wide where
 /// observations are few and normally distributed: of equal spread, they then hold the truth of 96.4 % of 4,
 /// 95.5 % of 8 and 95.1 % of 16 (docs/estimators.md).
-const AROUND: f64 = 1.4;
+const NEIGHBOUR_FACTOR: f64 = 1.4;
 
 /// Half the interval of 95 % of a pixel's mean, component by component, from the variances of means: its `own`,
 /// those of the pixels `around` it, itself among them, and, where none of these varied, the mean over the `picture`.
@@ -32,7 +32,7 @@ pub(super) fn margin_95(
     }
     let [r, g, b] = around;
     let quantile = student::quantile_975(observations - 1);
-    own.map(|own| quantile * own.sqrt()).max(Rgb::new(r, g, b).map(|around| AROUND * around.sqrt()))
+    own.map(|own| quantile * own.sqrt()).max(Rgb::new(r, g, b).map(|around| NEIGHBOUR_FACTOR * around.sqrt()))
 }
 
 #[cfg(test)]
@@ -49,7 +49,9 @@ mod tests {
     #[test]
     fn a_component_that_never_varied_has_the_margin_of_its_neighbours_or_of_the_picture() {
         let margins = margin(Rgb::new(4.0, 0.0, 0.0), Rgb::new(0.0, 8.0, 0.0), Rgb::splat(9.0));
-        for (margin, expected) in margins.into_iter().zip([2.0 * STUDENTS, 2.0 * AROUND, 3.0 * AROUND]) {
+        for (margin, expected) in
+            margins.into_iter().zip([2.0 * STUDENTS, 2.0 * NEIGHBOUR_FACTOR, 3.0 * NEIGHBOUR_FACTOR])
+        {
             assert_relative_eq!(margin, expected, max_relative = 1e-4);
         }
     }

@@ -12,14 +12,14 @@ use std::f64::consts::FRAC_1_PI;
 const CELL_PHOTONS: usize = 64;
 
 /// The most photons of a cell that guide. Cells that medians divide unevenly may have more.
-const MOST_PHOTONS: usize = 4 * CELL_PHOTONS;
+const MAX_PHOTONS: usize = 4 * CELL_PHOTONS;
 
 /// The radius of a ball is the distance from its center to the place of this rank among those of the cell, by distance; that
 /// of rank 0 is the center.
 const RANK: usize = 2;
 
 /// The least radius of a ball, over its distance from the receiver.
-const LEAST_TANGENT: f64 = 1e-3;
+const MIN_TANGENT: f64 = 1e-3;
 
 /// Where a path from a light has reached a diffuse surface by way of mirrors. It has no power.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +64,7 @@ impl PhotonGuide {
         let mut exits = vec![Vec::new(); 1 << depth];
         for photon in photons {
             let [cell] = tree.cells(&[photon.vertex]);
-            if exits[cell].len() < MOST_PHOTONS {
+            if exits[cell].len() < MAX_PHOTONS {
                 exits[cell].push(photon.exit);
             }
         }
@@ -110,7 +110,7 @@ impl Ball {
     fn cone(&self, apex: DVec3) -> Option<Cone> {
         let axis = self.center.as_dvec3() - apex;
         let length_sq = axis.length_squared();
-        let radius_sq = f64::from(self.radius).powi(2).max(LEAST_TANGENT * LEAST_TANGENT * length_sq);
+        let radius_sq = f64::from(self.radius).powi(2).max(MIN_TANGENT * MIN_TANGENT * length_sq);
         (length_sq > 0.0).then(|| Cone { axis, length_sq, sine_sq: radius_sq / (length_sq + radius_sq) })
     }
 }
@@ -225,7 +225,7 @@ mod tests {
         let exit = photons(1)[0].exit.as_dvec3();
         let direction = guide.sample(receiver(0.5, 0.5), (0.9, [0.99, 0.3])).unwrap();
         let sine = direction.cross((exit - receiver(0.5, 0.5).position).normalize()).length();
-        assert!(sine < 1.01 * LEAST_TANGENT, "{sine}");
+        assert!(sine < 1.01 * MIN_TANGENT, "{sine}");
         assert!(guide.pdf(receiver(0.5, 0.5), direction).0.is_finite());
         let there = Receiver { position: exit, side: Vec3::Z };
         assert_eq!(guide.sample(there, (0.5, [0.5, 0.5])), None);

@@ -63,15 +63,15 @@ impl AliasTable {
 }
 
 /// The least weight that [`raised`] leaves, in units of the mean of all weights.
-const LEAST_SHARE: f64 = 1.0 / 64.0;
+const MIN_SHARE: f64 = 1.0 / 64.0;
 
-/// The weights with those far below the mean raised to [`LEAST_SHARE`] of it, and all others unchanged.
+/// The weights with those far below the mean raised to [`MIN_SHARE`] of it, and all others unchanged.
 ///
 /// A weight that says nothing of visibility may be as good as zero for the only light of a room. What is raised takes
-/// less than `LEAST_SHARE` of all samples. Probabilities are then far above the spacing of random numbers, so a table draws
+/// less than `MIN_SHARE` of all samples. Probabilities are then far above the spacing of random numbers, so a table draws
 /// each index with its weight over the sum of all, to rounding.
 pub(super) fn raised(weights: Vec<f64>) -> Vec<f64> {
-    let least = LEAST_SHARE * weights.iter().sum::<f64>() / weights.len() as f64;
+    let least = MIN_SHARE * weights.iter().sum::<f64>() / weights.len() as f64;
     weights.into_iter().map(|weight| weight.max(least)).collect()
 }
 
@@ -117,7 +117,7 @@ mod tests {
             let mean = weights.iter().sum::<f64>() / f64::from(n);
             let raised = raised(weights.clone());
             let total: f64 = raised.iter().sum();
-            assert!(total < mean * f64::from(n) * (1.0 + LEAST_SHARE), "{n}: {total}");
+            assert!(total < mean * f64::from(n) * (1.0 + MIN_SHARE), "{n}: {total}");
             for (i, drawn) in drawn(&AliasTable::new(&raised)).into_iter().enumerate() {
                 assert_eq!(
                     raised[i],

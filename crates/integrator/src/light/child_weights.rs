@@ -37,7 +37,7 @@ impl ChildWeights {
     const UNIFORM_SHARE: f64 = 1.0 / 65536.0;
 
     /// The least sum of importances of which uniform shares are shares, so that they are above zero.
-    const LEAST_TOTAL: f64 = 1e-280;
+    const MIN_TOTAL: f64 = 1e-280;
 
     /// Weights equal to these importances, from 0 up: a child without importance is never chosen. [`ChildWeights::choose`]
     /// and [`ChildWeights::prob`] need a total above zero.
@@ -61,7 +61,7 @@ impl ChildWeights {
     pub(super) fn with_uniform_share(importance: [f64; WIDTH], count: f64) -> Self {
         let Self { mut of_lanes, mut ends } = Self::of_importance(importance);
         let least = Self::UNIFORM_SHARE / (1.0 - Self::UNIFORM_SHARE) / count;
-        let least = least * ends[WIDTH - 1].max(Self::LEAST_TOTAL);
+        let least = least * ends[WIDTH - 1].max(Self::MIN_TOTAL);
         for lane in 0..WIDTH {
             of_lanes[lane] += least;
             // Children that do not exist have no interval, and so are never chosen.

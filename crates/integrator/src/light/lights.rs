@@ -47,11 +47,11 @@ pub(crate) enum Light<'a> {
 
 impl Lights {
     /// Up to this number of triangles, two of a square, a light tree costs more than it brings.
-    const MOST_BY_POWER: usize = 2;
+    const MAX_BY_POWER: usize = 2;
 
     /// The most parts into which the triangles of a tree are cut. None is cut where there are more triangles than a third
     /// of that.
-    const MOST_PARTS: usize = 4096;
+    const MAX_PARTS: usize = 4096;
 
     /// The triangles whose `emission`, asked by index, is not black, and those of `deltas` that are not.
     pub(crate) fn of(
@@ -68,8 +68,8 @@ impl Lights {
         let deltas: Vec<_> = deltas.iter().filter(|light| !light.is_black()).copied().collect();
         let weights = raised(powers);
         let total: f64 = weights.iter().sum();
-        let is_by_power = emitting.len() <= Self::MOST_BY_POWER && deltas.is_empty();
-        let most = if is_by_power { 1 } else { Self::MOST_PARTS / emitting.len().max(1) };
+        let is_by_power = emitting.len() <= Self::MAX_BY_POWER && deltas.is_empty();
+        let most = if is_by_power { 1 } else { Self::MAX_PARTS / emitting.len().max(1) };
         let parts = |(index, &weight): (u32, &f64)| {
             let (triangle, emission) = (triangles.get(index), emission(index));
             TrianglePart::of(triangle, most)
@@ -77,7 +77,7 @@ impl Lights {
         };
         let areas: Vec<_> = emitting.into_iter().zip(&weights).flat_map(parts).collect();
         let distribution = match (areas.len(), deltas.len()) {
-            (0..=Self::MOST_BY_POWER, 0) => LightDistribution::Power(AliasTable::new(&weights)),
+            (0..=Self::MAX_BY_POWER, 0) => LightDistribution::Power(AliasTable::new(&weights)),
             (0, 1) => LightDistribution::Power(AliasTable::new(&[1.0])),
             _ => {
                 let near =

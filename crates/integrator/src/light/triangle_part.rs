@@ -22,7 +22,7 @@ impl TrianglePart {
     const PROPORTIONS: f64 = 5.0;
 
     /// The most slices. More of them leave as much variance.
-    const MOST_SLICES: f64 = 16.0;
+    const MAX_SLICES: f64 = 16.0;
 
     /// The parts of `triangle`, at least one and no more than `most`.
     pub(super) fn of(triangle: &Triangle, most: usize) -> impl Iterator<Item = Self> {
@@ -32,7 +32,7 @@ impl TrianglePart {
             .zip(opposite)
             .fold((0, f64::INFINITY), |least, side| if side.1 < least.1 { side } else { least });
         let longest = opposite.into_iter().fold(0.0, f64::max);
-        let slices = (longest / shortest / Self::PROPORTIONS).ceil().min(Self::MOST_SLICES) as u32;
+        let slices = (longest / shortest / Self::PROPORTIONS).ceil().min(Self::MAX_SLICES) as u32;
         let slices = slices.min(most.div_ceil(2) as u32);
         let first = if slices > 1 { Self { tip, slices, number: 0 } } else { Self::WHOLE };
         (0..2 * first.slices - 1).map(move |number| Self { number, ..first })

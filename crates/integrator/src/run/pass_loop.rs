@@ -5,7 +5,7 @@ use crate::{Ending, Picture, RenderError};
 use std::ops::{ControlFlow, Range};
 
 /// A pilot plans at most this many times its own passes; one that asks for more is doubled.
-const LONGEST_PLAN: f64 = 16.0;
+const MAX_PLAN: f64 = 16.0;
 
 /// Renders pass after pass until a stop condition holds.
 pub(crate) struct PassLoop<'a> {
@@ -103,9 +103,8 @@ impl PassLoop<'_> {
             }
             let planned = self.stop.passes_after(&trial.film);
             let (rendered, left) = (end - passes.start, passes.end - end);
-            let longest = LONGEST_PLAN * f64::from(rendered);
-            let has_few_left =
-                self.is_over_after((1.0 + LONGEST_PLAN) * f64::from(rendered), passes.start..end);
+            let longest = MAX_PLAN * f64::from(rendered);
+            let has_few_left = self.is_over_after((1.0 + MAX_PLAN) * f64::from(rendered), passes.start..end);
             if has_few_left || planned.is_none_or(|planned| planned.min(f64::from(left)) <= longest) {
                 return Ok(ControlFlow::Continue((end, planned)));
             }

@@ -117,7 +117,7 @@ impl PathReuse {
         [Self::Off, Self::Tiles].into_iter().find(|kind| kind.code() == code)
     }
 
-    /// A number that is the same in all versions.
+    /// A number that is the same in all versions. 1 stands for groups that no version has any more.
     pub(crate) fn code(self) -> u32 {
         self as u32
     }

@@ -43,9 +43,9 @@ pub(super) struct Buffers {
 }
 
 /// Rays in a batch.
-const BATCH: u32 = 1024;
+const RAYS_AT_ONCE: u32 = 1024;
 /// Rays whose random numbers are computed at once.
-const AT_ONCE: usize = 8;
+const NUMBERS_AT_ONCE: usize = 8;
 
 impl<'a, A: Accel + ?Sized> Tracer<'a, A> {
     /// A tracer for patches that are those of `triangles`, none of which is empty.
@@ -81,9 +81,9 @@ impl<'a, A: Accel + ?Sized> Tracer<'a, A> {
         let Buffers { rays, hits, counts, touched } = buffers;
         counts.resize(self.patches.len() + 2, 0);
         let pass_rays = self.settings.pass_rays;
-        for first in (0..pass_rays).step_by(BATCH as usize) {
+        for first in (0..pass_rays).step_by(RAYS_AT_ONCE as usize) {
             rays.clear();
-            self.spawn(patch, pass, first..pass_rays.min(first + BATCH), rays);
+            self.spawn(patch, pass, first..pass_rays.min(first + RAYS_AT_ONCE), rays);
             checked_accel::intersect(self.accel, rays, hits);
             for (ray, hit) in rays.iter().zip(hits.iter()) {
                 let column = self.column(ray, hit.as_ref());
@@ -110,10 +110,10 @@ impl<'a, A: Accel + ?Sized> Tracer<'a, A> {
         self.simd.run(
             #[inline(always)]
             || {
-                for first in samples.clone().step_by(AT_ONCE) {
+                for first in samples.clone().step_by(NUMBERS_AT_ONCE) {
                     let point = SobolPoint::new(self.settings.seed, member, pass, first, digits);
-                    let numbers = point.hypercube::<AT_ONCE>();
-                    for i in 0..AT_ONCE.min((samples.end - first) as usize) {
+                    let numbers = point.hypercube::<NUMBERS_AT_ONCE>();
+                    for i in 0..NUMBERS_AT_ONCE.min((samples.end - first) as usize) {
                         rays.push(self.ray(faces, numbers.map(|axis| axis[i])));
                     }
                 }

@@ -86,7 +86,7 @@ struct HeatMap<'c> {
 }
 
 /// The least number of pixels along each side of a map.
-const LEAST_SIDE: u32 = 384;
+const MIN_SIDE: u32 = 384;
 const MARGIN: u32 = 16;
 /// The height of the scale and its caption.
 const BELOW: u32 = 64;
@@ -94,7 +94,7 @@ const BELOW: u32 = 64;
 impl HeatMap<'_> {
     /// Pixels along each side of a ray's square.
     fn zoom(&self) -> u32 {
-        LEAST_SIDE.div_ceil(self.side)
+        MIN_SIDE.div_ceil(self.side)
     }
 }
 

@@ -202,14 +202,14 @@ pub(crate) struct Slope {
 
 impl Slope {
     /// Errors with a larger [`Errors::truth_share`] are not used for a slope.
-    const LARGEST_TRUTH_SHARE: f64 = 0.25;
+    const MAX_TRUTH_SHARE: f64 = 0.25;
 
     /// Fits a line by least squares to `errors`, pairs of a number of samples and the errors of an independent
     /// film. Returns `None` if fewer than three of them clearly exceed the truth's own error.
     ///
     /// All errors have equal weights: weights by precision would favour errors that are small by chance.
     pub(crate) fn fit(errors: &[(u32, Errors)]) -> Option<Self> {
-        let usable = errors.iter().filter(|(_, e)| e.truth_share <= Self::LARGEST_TRUTH_SHARE && e.mse > 0.0);
+        let usable = errors.iter().filter(|(_, e)| e.truth_share <= Self::MAX_TRUTH_SHARE && e.mse > 0.0);
         let points: Vec<_> = usable
             .map(|(n, e)| (f64::from(*n).ln(), 0.5 * e.mse.ln(), 0.5 * e.mse_std_err / e.mse))
             .collect();

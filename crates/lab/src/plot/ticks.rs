@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// The largest number of ticks.
-const MOST: usize = 10;
+const MAX_TICKS: usize = 10;
 
 /// 1, 2 and 5 times powers of ten within `range`, or fewer per decade if the range is wide.
 pub(crate) fn ticks(range: &Range<f64>) -> Vec<f64> {
@@ -15,7 +15,7 @@ pub(crate) fn ticks(range: &Range<f64>) -> Vec<f64> {
     };
     let coarser = (1..).map(|every| of(&[1.0], every));
     let all = [of(&[1.0, 2.0, 5.0], 1), of(&[1.0, 3.0], 1)].into_iter().chain(coarser);
-    all.into_iter().find(|ticks| ticks.len() <= MOST).unwrap_or_default()
+    all.into_iter().find(|ticks| ticks.len() <= MAX_TICKS).unwrap_or_default()
 }
 
 /// A number without trailing zeros, rounded to integers from 1 on and to six decimals below.
@@ -37,6 +37,6 @@ mod tests {
             let found: Vec<String> = ticks(&range).into_iter().map(short).collect();
             assert_eq!(found, expected, "{range:?}");
         }
-        assert!((3..=MOST).contains(&ticks(&(1e-12..1e12)).len()));
+        assert!((3..=MAX_TICKS).contains(&ticks(&(1e-12..1e12)).len()));
     }
 }

@@ -28,11 +28,11 @@ use trace::{Scratch, query_one, query_others, query_others_exhaustively, query_p
 use tree::Tree;
 
 /// The most rays of a batch that are traversed together: traversal numbers them in 32 bits.
-const MOST_RAYS: usize = 1 << 31;
+const MAX_RAYS: usize = 1 << 31;
 /// The same if there are several trees, which bounds the memory for the rays that are left for the next one.
-const MOST_RAYS_OF_SEVERAL: usize = 1 << 10;
+const MAX_RAYS_OF_SEVERAL: usize = 1 << 10;
 const _: () = {
-    let are_whole_packets = MOST_RAYS.is_multiple_of(PACKET) && MOST_RAYS_OF_SEVERAL.is_multiple_of(PACKET);
+    let are_whole_packets = MAX_RAYS.is_multiple_of(PACKET) && MAX_RAYS_OF_SEVERAL.is_multiple_of(PACKET);
     assert!(are_whole_packets, "packets are counted from the start of the batch");
 };
 
@@ -171,8 +171,8 @@ impl WideBvh {
     fn query_batch<Q: Query>(&self, rays: &[Ray], answers: &mut Vec<Q::Answer>) {
         answers.clear();
         let (most, added) = match self.trees.len() {
-            1 => (MOST_RAYS, 0),
-            _ => (MOST_RAYS_OF_SEVERAL, rays.len().min(MOST_RAYS_OF_SEVERAL)),
+            1 => (MAX_RAYS, 0),
+            _ => (MAX_RAYS_OF_SEVERAL, rays.len().min(MAX_RAYS_OF_SEVERAL)),
         };
         answers.reserve(rays.len() + added);
         self.query_chunks::<Q>(rays.chunks(most), answers);

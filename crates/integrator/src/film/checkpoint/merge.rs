@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::io::{self, Read};
 
 /// Checkpoints that are read at the same time.
-const AT_ONCE: usize = 16;
+const CHECKPOINTS_AT_ONCE: usize = 16;
 
 /// A merge of checkpoints of one picture, a row of tiles at a time.
 ///
@@ -104,7 +104,7 @@ impl<R: Read + Send> Merge<R> {
                 .iter_mut()
                 .filter(|input| input.reader.next_row() == Some(rows.clone()))
                 .collect();
-            for inputs in holding.chunks_mut(AT_ONCE) {
+            for inputs in holding.chunks_mut(CHECKPOINTS_AT_ONCE) {
                 let read: Vec<_> =
                     inputs.par_iter_mut().map(|input| Ok((input.index, input.next_rows()?))).collect();
                 for part in read {

@@ -29,7 +29,7 @@ impl Facet {
     pub(super) const PARALLEL: f64 = 4.0 * Self::COPLANAR;
 
     /// Beyond this number of triangles, a facet may show any light: to test each would cost more than it brings.
-    const MOST_TESTED: usize = 16;
+    const MAX_TESTED: usize = 16;
 
     /// Of triangle `index` alone.
     pub(super) fn of(index: u32, triangle: &Triangle) -> Self {
@@ -77,7 +77,7 @@ impl Facet {
     pub(crate) fn may_be_hit_by(&self, triangles: &Triangles, ray: &Ray) -> bool {
         let Some(shear) = Shear::new(ray) else { return false };
         let is_hit = |&index: &u32| shear.decide(triangles.get(index)).is_some_and(|hit| hit.t > 0.0);
-        self.triangles.len() > Self::MOST_TESTED || self.triangles.iter().any(is_hit)
+        self.triangles.len() > Self::MAX_TESTED || self.triangles.iter().any(is_hit)
     }
 
     /// Whether both points lie strictly on the same side of the plane.
@@ -103,7 +103,7 @@ impl Facet {
         }
         let image = mirror_image(from, self.normal, height);
         let may_show = |&index: &u32| lights.may_be_seen_through(triangles.get(index), image);
-        self.triangles.len() > Self::MOST_TESTED || self.triangles.iter().any(may_show)
+        self.triangles.len() > Self::MAX_TESTED || self.triangles.iter().any(may_show)
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) type Neighbours = [Option<u32>; 3];
 
 impl Facets {
     /// The most bodies that count as closed, since a node of the tree has a bit for each.
-    const MOST_BODIES: usize = 31;
+    const MAX_BODIES: usize = 31;
 
     /// Of the triangles with the indices `mirrors`. Adjacent triangles that are coplanar share a facet.
     pub(super) fn of(triangles: &Triangles, mirrors: &[u32]) -> Self {
@@ -53,7 +53,7 @@ struct ClosedBody {
     is_inverted: bool,
 }
 
-/// The first [`Facets::MOST_BODIES`] groups of connected triangles whose every edge is shared by exactly one other, in the
+/// The first [`Facets::MAX_BODIES`] groups of connected triangles whose every edge is shared by exactly one other, in the
 /// opposite direction.
 fn closed_bodies(triangles: &Triangles, mirrors: &[u32], neighbours: &[Neighbours]) -> Vec<ClosedBody> {
     let is_closed =
@@ -64,7 +64,7 @@ fn closed_bodies(triangles: &Triangles, mirrors: &[u32], neighbours: &[Neighbour
         ClosedBody { places, bounds, is_inverted }
     };
     let all = connected(neighbours, |_, _| true, 0..mirrors.len() as u32);
-    all.into_iter().filter(is_closed).take(Facets::MOST_BODIES).map(body).collect()
+    all.into_iter().filter(is_closed).take(Facets::MAX_BODIES).map(body).collect()
 }
 
 /// The groups of adjacent coplanar triangles, by their places. The first triangle of each is its largest.

@@ -24,7 +24,7 @@ pub(super) struct Cluster {
 
 impl LightClusters {
     /// The most clusters.
-    const MOST: usize = 64;
+    const MAX_CLUSTERS: usize = 64;
 
     /// Of one or more area lights. Triangles that share an edge are in one cluster.
     pub(super) fn of(triangles: &Triangles, lights: &Lights) -> Self {
@@ -33,11 +33,11 @@ impl LightClusters {
         let mut groups = connected(&neighbours(triangles, &emitting), |_, _| true, 0..emitting.len() as u32);
         let bounds =
             |group: &[u32]| LightBounds::around(triangles, group.iter().map(|&i| emitting[i as usize]));
-        if groups.len() > Self::MOST {
+        if groups.len() > Self::MAX_CLUSTERS {
             let mut centered: Vec<_> =
                 groups.into_iter().map(|group| (bounds(&group).center, group)).collect();
             groups = Vec::new();
-            halve(&mut centered, Self::MOST, &mut groups);
+            halve(&mut centered, Self::MAX_CLUSTERS, &mut groups);
         }
         let power = |group: &Vec<u32>| group.iter().map(|&i| powers[i as usize]).sum::<f64>();
         let group_powers: Vec<_> = groups.iter().map(power).collect();

@@ -6,7 +6,7 @@ use crate::sampler::BounceNumbers;
 use globillum_geom::{Hit, Ray};
 
 /// For how many vertices choices are made at once.
-const AT_ONCE: usize = 4;
+const VERTICES_AT_ONCE: usize = 4;
 
 /// Choices of lights or mirrors in a tree, made for several vertices at once: they do not depend on each other, so a
 /// processor works on all of them. Only vertices that take one sample have one. Its buffers are reused.
@@ -49,7 +49,10 @@ impl<T: Copy> Choices<T> {
         (paths, rays, hits): Wave<'_>,
         takes_one: impl Fn(&Path) -> bool,
         number: impl Fn(usize) -> f64,
-        choose: impl Fn([Receiver; AT_ONCE], [f64; AT_ONCE]) -> [PriorChoice<T>; AT_ONCE],
+        choose: impl Fn(
+            [Receiver; VERTICES_AT_ONCE],
+            [f64; VERTICES_AT_ONCE],
+        ) -> [PriorChoice<T>; VERTICES_AT_ONCE],
     ) {
         let scene = context.scene;
         self.of_paths.resize(paths.len(), PriorChoice::Open);
@@ -61,8 +64,8 @@ impl<T: Copy> Choices<T> {
                 self.vertices.push(Vertex { path: i, receiver, u: number(i) });
             }
         }
-        for vertices in self.vertices.chunks(AT_ONCE) {
-            let mut all = [vertices[0]; AT_ONCE];
+        for vertices in self.vertices.chunks(VERTICES_AT_ONCE) {
+            let mut all = [vertices[0]; VERTICES_AT_ONCE];
             all[..vertices.len()].copy_from_slice(vertices);
             let chosen = choose(all.map(|vertex| vertex.receiver), all.map(|vertex| vertex.u));
             for (vertex, chosen) in vertices.iter().zip(chosen) {
@@ -192,7 +195,7 @@ mod tests {
             assert_eq!(lights.of_path(i), PriorChoice::Made(Some(light)), "{i}");
             assert_eq!(mirrors.of_path(i), PriorChoice::Made(mirror), "{i}");
         }
-        assert!((30..60).contains(&with_light) && with_light % AT_ONCE as u32 != 0, "{with_light}");
+        assert!((30..60).contains(&with_light) && with_light % VERTICES_AT_ONCE as u32 != 0, "{with_light}");
         assert!((10..with_light).contains(&with_mirror), "{with_mirror}");
     }
 

@@ -17,15 +17,15 @@ const PROBES_PER_SIDE: u32 = 4;
 /// Probes along each side of a pixel that sees a curved mirror, in which lights look small.
 const PROBES_OF_MIRRORS: u32 = 8;
 
-/// The same if the unit direction of a probe is more than [`WIDE`] from that of the first one after the last mirror.
+/// The same if the unit direction of a probe is more than [`WIDE_DISTANCE`] from that of the first one after the last mirror.
 const PROBES_OF_WIDE_MIRRORS: u32 = 16;
-const WIDE: f64 = 0.6;
+const WIDE_DISTANCE: f64 = 0.6;
 
 /// A pixel sees a curved mirror if the directions of its probes are this many times farther apart after the last mirror
-/// than before the first, and by an angle of more than [`LEAST_ANGLE`] in radians.
+/// than before the first, and by an angle of more than [`MIN_ANGLE`] in radians.
 const SPREAD: f64 = 2.0;
 /// More than what rounding makes of the normals of triangles in one plane.
-const LEAST_ANGLE: f64 = 1e-6;
+const MIN_ANGLE: f64 = 1e-6;
 
 /// Pixels whose probes are traced at once.
 const PIXELS_AT_ONCE: usize = 16;
@@ -175,10 +175,10 @@ impl Probes {
             let squares = directions.clone().map(|other| (other[k] - first[k]).length_squared());
             squares.fold(0.0, f64::max)
         });
-        let is_spread = last > (SPREAD * SPREAD * from_camera).max(LEAST_ANGLE * LEAST_ANGLE);
+        let is_spread = last > (SPREAD * SPREAD * from_camera).max(MIN_ANGLE * MIN_ANGLE);
         match is_spread {
             false => PROBES_PER_SIDE,
-            true if last <= WIDE * WIDE => PROBES_OF_MIRRORS,
+            true if last <= WIDE_DISTANCE * WIDE_DISTANCE => PROBES_OF_MIRRORS,
             true => PROBES_OF_WIDE_MIRRORS,
         }
     }

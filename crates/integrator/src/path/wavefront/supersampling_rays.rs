@@ -11,7 +11,7 @@ const PLAIN: usize = 16;
 const IN_CURVED_MIRRORS: usize = 32;
 
 /// Rays that are traced at once.
-const BATCH: usize = 1024;
+const RAYS_AT_ONCE: usize = 1024;
 
 /// Camera rays that find emission only: those of supersampling.
 #[derive(Debug, Default)]
@@ -42,7 +42,7 @@ impl SupersamplingRays {
         pixels: &[u32],
         samples: &TileSamples,
     ) -> u64 {
-        let at_once = 1.max(BATCH / (samples.in_pixel.len() * N));
+        let at_once = 1.max(RAYS_AT_ONCE / (samples.in_pixel.len() * N));
         let mut camera_rays = 0;
         for pixels in pixels.chunks(at_once) {
             let before = self.found.len();

@@ -9,7 +9,7 @@ use crate::accel::wide::tree::MAX_LEVELS;
 use crate::accel::wide::tree::normalize::{power_of_two_below, power_of_two_inverse};
 
 /// A leaf block that fewer rays visit than this, as a share of those that meet the scene, is not split further.
-const FEW: f64 = 1.0 / 1024.0;
+const MIN_SPLIT_VISITS: f64 = 1.0 / 1024.0;
 
 /// A node of the binary tree.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +79,7 @@ pub(super) struct BinaryTree {
     /// A power of two that brings the scene's surface into a range where `f32` suffices, so that costs
     /// do not depend on the unit of length.
     area_scale: f64,
-    /// The expected visits below which the triangles of a leaf block are not split: those of [`FEW`] of the rays that meet
+    /// The expected visits below which the triangles of a leaf block are not split: those of [`MIN_SPLIT_VISITS`] of the rays that meet
     /// the scene.
     few: f64,
 }
@@ -89,7 +89,7 @@ impl BinaryTree {
     pub(super) fn empty(bounds: &Aabb) -> Self {
         let area = bounds.half_area();
         let area_scale = if area > 0.0 { power_of_two_inverse(power_of_two_below(area)) } else { 1.0 };
-        Self { nodes: Vec::new(), area_scale, few: FEW * area * area_scale }
+        Self { nodes: Vec::new(), area_scale, few: MIN_SPLIT_VISITS * area * area_scale }
     }
 
     /// No nodes, of the same scene.
@@ -193,7 +193,7 @@ mod tests {
     }
 
     fn nothing() -> BinaryTree {
-        BinaryTree { nodes: Vec::new(), area_scale: 1.0, few: FEW }
+        BinaryTree { nodes: Vec::new(), area_scale: 1.0, few: MIN_SPLIT_VISITS }
     }
 
     /// How many of `lanes` the lower child of the root gets.

@@ -5,7 +5,7 @@ use crate::Aabb;
 use crate::accel::wide::simd::LANES;
 
 /// Bounds are flat if they are thinner than this part of their longest side.
-const FLAT: f64 = 1.0 / 256.0;
+const MAX_FLAT_THICKNESS: f64 = 1.0 / 256.0;
 /// The cost of a visit to a leaf block, in visits to a node (measured, docs/performance.md).
 pub(super) const BLOCK_COST: f64 = 4.0;
 
@@ -56,6 +56,6 @@ impl CollapseCosts {
 /// it and leave it behind. (A needle counts as flat, too; few rays meet it.)
 pub(super) fn expected_visits(bounds: &Aabb) -> f64 {
     let extent = bounds.extent();
-    let is_flat = extent.min_element() < FLAT * extent.max_element();
+    let is_flat = extent.min_element() < MAX_FLAT_THICKNESS * extent.max_element();
     bounds.half_area() * if is_flat { 0.5 } else { 1.0 }
 }

@@ -9,24 +9,24 @@ use crate::{Aabb, Triangles};
 use std::cmp::Reverse;
 
 /// Triangles that are smaller than this fraction of the extent are fine (measured).
-const FINE: f64 = power_of_two(-17);
+const MAX_FINE_SIZE: f64 = power_of_two(-17);
 /// A part of the scene is tiny if its extent is at most this fraction of the whole's.
-const TINY: f64 = power_of_two(-4);
+const MAX_PART_SIZE: f64 = power_of_two(-4);
 /// Fewer fine triangles than this are not dense.
-const FEWEST: usize = 64;
+const MIN_TRIANGLES: usize = 64;
 /// Fewer than one of this many fine triangles are not dense either.
 const FINE_PER_DENSE: usize = 64;
 /// The most dense parts of a scene: each ray meets a tree for each of them.
-const MOST_PARTS: usize = 8;
+const MAX_PARTS: usize = 8;
 /// Bins in which gaps between fine triangles are sought, along each axis.
 const BINS: usize = 64;
 /// The most gaps at which fine triangles are separated.
-const MOST_GAPS: usize = 64;
+const MAX_GAPS: usize = 64;
 
 /// The triangles in parts: each dense part that is tiny against what surrounds it, which may hold such parts itself, and last
 /// what is left. Mostly there is one part, which is everything.
 pub(super) fn dense_parts(triangles: &Triangles) -> Vec<Triangles> {
-    let (mut parts, mut parts_left) = (Vec::new(), MOST_PARTS);
+    let (mut parts, mut parts_left) = (Vec::new(), MAX_PARTS);
     add_parts(triangles.clone(), &mut parts_left, &mut parts);
     parts
 }
@@ -54,15 +54,15 @@ fn add_parts(part: Triangles, parts_left: &mut usize, parts: &mut Vec<Triangles>
 fn bounds_of_dense_parts(part: &Triangles, most: usize) -> Vec<Aabb> {
     let extent = part.bounds().extent().max_element();
     let bounds = part.live().iter().map(|&index| part.get(index).bounds());
-    let fine: Vec<Aabb> = bounds.filter(|b| b.extent().max_element() < FINE * extent).collect();
-    let fewest = FEWEST.max(fine.len() / FINE_PER_DENSE);
-    let (mut groups, mut dense, mut gaps_left) = (vec![fine], Vec::new(), MOST_GAPS);
+    let fine: Vec<Aabb> = bounds.filter(|b| b.extent().max_element() < MAX_FINE_SIZE * extent).collect();
+    let fewest = MIN_TRIANGLES.max(fine.len() / FINE_PER_DENSE);
+    let (mut groups, mut dense, mut gaps_left) = (vec![fine], Vec::new(), MAX_GAPS);
     while let Some(group) = groups.pop() {
         if group.len() < fewest {
             continue;
         }
         let bounds = group.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
-        if bounds.extent().max_element() <= TINY * extent {
+        if bounds.extent().max_element() <= MAX_PART_SIZE * extent {
             dense.push((group.len(), bounds));
         } else if gaps_left > 0
             && let Some(gap) = widest_gap(&group, &bounds)
@@ -170,7 +170,7 @@ mod tests {
             let at = Vec3::new((i / 400) as f32 / 5.0 - 1.0, 0.0, (i % 400) as f32 * 1e-6);
             Triangle::new(at, at + 1e-7 * Vec3::X, at + 1e-7 * Vec3::Z)
         });
-        assert_eq!(counts(flat.chain([large(1.0)])).len(), 1 + MOST_PARTS);
+        assert_eq!(counts(flat.chain([large(1.0)])).len(), 1 + MAX_PARTS);
         // Few fine triangles are not dense.
         assert_eq!(counts(ball(Vec3::ZERO, 1.0).take(60).chain([large(1e6)])), [61]);
     }

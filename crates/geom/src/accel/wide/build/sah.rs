@@ -10,7 +10,7 @@ use glam::Vec4;
 /// How many bins there are along an axis.
 const BINS: usize = 16;
 /// `2^23`. Added to a small positive number, it rounds that to an integer, which is then in the low bits of the sum.
-const INTEGERS: f32 = 8_388_608.0;
+const INTEGER_ROUNDER: f32 = 8_388_608.0;
 
 /// A box as its lower corner and its negated upper one, so that minima unite two boxes.
 #[derive(Clone, Copy)]
@@ -112,7 +112,7 @@ impl Bins {
         let bins =
             ((center - self.start) * self.rate - 0.5).clamp(Vec4::ZERO, Vec4::splat(BINS as f32 - 1.0));
         // The last bits of the sum are the nearest integer.
-        let [x, y, z, w] = (bins + INTEGERS).to_array().map(|bin| bin.to_bits() as usize % BINS);
+        let [x, y, z, w] = (bins + INTEGER_ROUNDER).to_array().map(|bin| bin.to_bits() as usize % BINS);
         [x, y, z, w]
     }
 

@@ -56,8 +56,8 @@ pub(super) type RayColumns<const N: usize> = Aligned<[[f64; N]; 8]>;
 /// third.
 pub(super) type CornerColumns = Aligned<[[f32; LANES]; 9]>;
 
-/// Vectors of eight `f32` or `u32`, with the operators and methods of `fearless_simd` and these. Masks are bytes, bit `i`
-/// for lane `i`.
+/// Vectors of eight `f32` or `u32`. They have the operators and methods of `fearless_simd`, and those of [`SimdFloat`] and
+/// [`SimdInt`]. A mask is a byte with bit `i` for lane `i`.
 ///
 /// Comparisons with NaN are false. `mul_add` may round once or twice; `min` and `max` with a NaN are either operand.
 ///

@@ -19,17 +19,17 @@ use fearless_simd::SimdMask;
 /// By how much bounds of origins are widened, in units of `W` (docs/numerics.md).
 const ORIGIN_ERR: f32 = 20.0;
 /// Rays whose parameters are less certain than this are no packet.
-const UNCERTAIN: f32 = 20.5 * W;
+const MAX_PARAMETER_ERR: f32 = 20.5 * W;
 
 /// Rays that start further apart than this part of the scene's extent are no packet.
-const NEAR: f64 = 0.125;
+const MAX_ORIGIN_SPREAD: f64 = 0.125;
 /// The most rays that visit a node and all below it each by itself (measured).
-const FEW: u32 = 4;
+const MAX_SINGLE_RAYS: u32 = 4;
 /// A packet of which more rays visit nodes by themselves does not pay (measured).
-const MOST_ALONE: u32 = 32;
+const MAX_ALONE: u32 = 32;
 /// The most sets of coherent rays that are left to the stream after a packet that does not pay. The number is
 /// one at first. Each packet that does not pay doubles it, and each that does halves it.
-const LONGEST_PAUSE: u32 = 128;
+const MAX_PAUSE: u32 = 128;
 
 /// The memory of packets, and a record of how they have paid.
 #[derive(Debug)]
@@ -91,9 +91,9 @@ impl GeneralPacketScratch {
             }
             report(slot, *query);
         }
-        if packet.alone > MOST_ALONE {
+        if packet.alone > MAX_ALONE {
             self.pause = self.next_pause;
-            self.next_pause = LONGEST_PAUSE.min(2 * self.next_pause);
+            self.next_pause = MAX_PAUSE.min(2 * self.next_pause);
         } else {
             self.next_pause = 1.max(self.next_pause / 2);
         }
@@ -104,7 +104,7 @@ impl GeneralPacketScratch {
 /// Whether three of the rays start near the first one and point within 45 degrees of its direction.
 #[inline(always)]
 fn may_be_coherent(rays: &[Ray; PACKET], bounds: &Aabb) -> bool {
-    let (first, near) = (&rays[0], NEAR * bounds.extent().max_element());
+    let (first, near) = (&rays[0], MAX_ORIGIN_SPREAD * bounds.extent().max_element());
     let is_like_first = |i: usize| {
         let Ray { origin, direction, .. } = rays[i];
         let along = first.direction.dot(direction);
@@ -129,7 +129,7 @@ fn set<S: Simd>(
         for (i, &may_hit_one) in setups.may_hit.iter().enumerate() {
             may_hit |= RayMask::from(may_hit_one) << (at + i);
         }
-        certain |= RayMask::from(simd.le(simd.load(&setups.t_err), simd.splat(UNCERTAIN))) << at;
+        certain |= RayMask::from(simd.le(simd.load(&setups.t_err), simd.splat(MAX_PARAMETER_ERR))) << at;
     }
     (may_hit & !certain == 0).then_some(may_hit)
 }
@@ -175,7 +175,7 @@ impl<S: Simd, Q: Query> GeneralPacket<'_, S, Q> {
             let rays = rays & self.left;
             if Child::is_block(child) {
                 self.test_leaf_block(child, rays);
-            } else if rays.count_ones() <= FEW {
+            } else if rays.count_ones() <= MAX_SINGLE_RAYS {
                 self.visit_alone(child, rays);
             } else {
                 self.test_node(child, &bounds, octant, rays);

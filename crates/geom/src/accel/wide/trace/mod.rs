@@ -59,7 +59,7 @@ pub(super) fn query_one<S: Simd, Q: Query, C: QueryCounter>(
 /// Answers the queries of coherent rays, a packet at a time, and leaves the other rays to [`query_others`] or
 /// [`query_others_exhaustively`]. Adds an answer for each ray to `answers`, in the rays' order.
 ///
-/// There are at most [`MOST_RAYS`](super::MOST_RAYS) rays.
+/// There are at most [`MAX_RAYS`](super::MAX_RAYS) rays.
 #[inline(always)]
 pub(super) fn query_packets<S: Simd, Q: Query>(
     simd: S,

@@ -16,9 +16,9 @@ const VERTEX_ERR: f64 = 7.0;
 /// multiples of it, too: a smaller number needs other multiples.
 const DEPTH_ERR: f64 = 20.0;
 /// A ray is lost if it comes from so far away that rounding moves it by this: nothing is known of its hits.
-const LOST: f64 = 0.25;
+const LOST_RAY_ERR: f64 = 0.25;
 /// Larger inverse direction components are clamped to this; the scene is 2 wide.
-const LARGEST_INVERSE: f64 = (1_u64 << 60) as f64;
+const MAX_INVERSE: f64 = (1_u64 << 60) as f64;
 
 /// A ray that starts where it enters the scene, with its main direction component in `1..2`.
 ///
@@ -129,10 +129,10 @@ impl<const N: usize> RaySetups<N> {
         let unit = power_of_two_below(permute(ray.direction, z).z.abs());
         let gain = unit * space.scale;
         let slack = pruner.slack * space.scale;
-        let lost = slack > LOST;
+        let lost = slack > LOST_RAY_ERR;
         let slack = if lost { 8.0 } else { slack };
         let direction = ray.direction * power_of_two_inverse(unit);
-        let bounded = |x: f64| if x.abs() > LARGEST_INVERSE { LARGEST_INVERSE.copysign(x) } else { x };
+        let bounded = |x: f64| if x.abs() > MAX_INVERSE { MAX_INVERSE.copysign(x) } else { x };
         let DVec3 { x, y, z: w } = pruner.inverse * unit;
         let inverse = DVec3::new(bounded(x), bounded(y), bounded(w));
         let origin = (ray.origin + entry.start * ray.direction - space.center) * space.scale;

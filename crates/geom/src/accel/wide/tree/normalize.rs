@@ -28,7 +28,7 @@ impl NormalizedSpace {
     #[inline]
     pub(crate) fn position(&self, position: Vec3) -> Vec3 {
         let position = (position.as_dvec3() - self.center) * self.scale;
-        position.map(|x| if x.abs() < TINY { 0.0 } else { x }).as_vec3()
+        position.map(|x| if x.abs() < MIN_MAGNITUDE { 0.0 } else { x }).as_vec3()
     }
 
     /// A box in this space, each coordinate with the same error.
@@ -38,7 +38,7 @@ impl NormalizedSpace {
 }
 
 /// Coordinates and coefficients of smaller magnitude become zero, since denormal operands are slow.
-pub(super) const TINY: f64 = power_of_two(-60);
+pub(super) const MIN_MAGNITUDE: f64 = power_of_two(-60);
 
 /// The power of two with the exponent of `x`, a normal number.
 #[inline]

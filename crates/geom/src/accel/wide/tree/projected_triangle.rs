@@ -1,6 +1,6 @@
 //! The triangles of a small tree, projected along an axis, for a test that takes few instructions.
 
-use super::normalize::{NormalizedSpace, TINY};
+use super::normalize::{MIN_MAGNITUDE, NormalizedSpace};
 use crate::Triangles;
 use crate::accel::wide::simd::LANES;
 use crate::decide::{AXES, main_axis};
@@ -9,9 +9,9 @@ use glam::DVec3;
 
 /// The largest number of triangles of a tree that stores them projected, so that batches test all of them (measured,
 /// docs/performance.md).
-pub(crate) const MOST_PROJECTED: usize = 96;
+pub(crate) const MAX_PROJECTED: usize = 96;
 
-/// The triangles of a tree by the axis along which they are projected; none if the tree has more than [`MOST_PROJECTED`].
+/// The triangles of a tree by the axis along which they are projected; none if the tree has more than [`MAX_PROJECTED`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ProjectedTriangles {
     by_axis: [OneAxis; 3],
@@ -37,7 +37,7 @@ impl ProjectedTriangles {
     /// The live triangles, if they are few.
     pub(crate) fn of_few(triangles: &Triangles, space: &NormalizedSpace) -> Self {
         let mut this = Self::default();
-        if triangles.live().len() <= MOST_PROJECTED {
+        if triangles.live().len() <= MAX_PROJECTED {
             for &index in triangles.live() {
                 let (axis, triangle) = ProjectedTriangle::new(triangles, index, space);
                 this.by_axis[axis].triangles.push(triangle);
@@ -106,7 +106,7 @@ pub(crate) struct ProjectedTriangle {
 }
 
 /// A normal's largest component relative to the lengths of two edges, below which a triangle is too thin: `2^-21`.
-const THIN: f64 = power_of_two(-21);
+const MIN_NORMAL: f64 = power_of_two(-21);
 /// The numbers of a steeper triangle may overflow: `2^100`.
 const STEEPEST: f64 = power_of_two(100);
 
@@ -124,10 +124,10 @@ impl ProjectedTriangle {
         let [ax, ay, az] = permuted(a);
         // The last coefficients make `u` and `v` zero in the first vertex, which lies in the plane.
         let affine = |[x, y]: [f64; 2], z: f64| {
-            [x, y, -(x * ax + y * ay + z)].map(|x| if x.abs() < TINY { 0.0 } else { x as f32 })
+            [x, y, -(x * ax + y * ay + z)].map(|x| if x.abs() < MIN_MAGNITUDE { 0.0 } else { x as f32 })
         };
         let steepness = u.iter().chain(&v).map(|x| x.abs()).sum::<f64>();
-        let is_accurate = nz.abs() >= THIN * b.abs().max_element() * c.abs().max_element();
+        let is_accurate = nz.abs() >= MIN_NORMAL * b.abs().max_element() * c.abs().max_element();
         let triangle = if is_accurate && steepness <= STEEPEST {
             Self {
                 plane: affine(plane, az),

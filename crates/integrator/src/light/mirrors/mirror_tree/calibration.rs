@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
 
 /// How many viewpoints are summed up side by side.
-const BATCH: usize = 64;
+const VIEWPOINTS_AT_ONCE: usize = 64;
 
 /// The weight of the prior in a child's factor, as a share of the mean importance of the children of its level. The prior
 /// is the factor of the level, so a child of which the viewpoints see little is scaled like its level.
 const PRIOR: f64 = 0.01;
 
 /// No child is scaled to less than this, relative to its level: the viewpoints may have missed what it shows.
-const LEAST: f64 = 1.0 / 32.0;
+const MIN_FACTOR: f64 = 1.0 / 32.0;
 
 /// Sums over viewpoints, each divided by the importance of the whole tree.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,7 +60,7 @@ impl MirrorTree {
     /// The sums of each child, `WIDTH` for each node.
     fn sums(&self, viewpoints: &[Viewpoint]) -> Vec<Sums> {
         let mut sums = vec![Sums::default(); WIDTH * self.nodes.len()];
-        for batch in viewpoints.chunks(BATCH) {
+        for batch in viewpoints.chunks(VIEWPOINTS_AT_ONCE) {
             let found: Vec<_> = batch.par_iter().map(|at| self.seen_from(at)).collect();
             found.into_iter().flatten().for_each(|(slot, seen)| sums[slot] += seen);
         }
@@ -112,7 +112,7 @@ impl MirrorTree {
         for (node, sums) in self.nodes[level].iter_mut().zip(sums.as_chunks::<WIDTH>().0) {
             for (child, Sums { importance, of_facets }) in sums.iter().enumerate() {
                 let relative = (of_facets / ratio + prior) / (importance + prior);
-                node.scale(child, relative.max(LEAST));
+                node.scale(child, relative.max(MIN_FACTOR));
             }
         }
         ratio

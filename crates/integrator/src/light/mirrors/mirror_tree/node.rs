@@ -41,10 +41,10 @@ pub(super) struct Node {
 
 impl Node {
     /// The angle, in radians, from which on a cone is wide.
-    const WIDE: f64 = 1.5;
+    const MIN_WIDE_ANGLE: f64 = 1.5;
 
     /// The sine of the angles up to which a child counts as plane.
-    const FLAT: f32 = 1e-4;
+    const MAX_PLANE_SINE: f32 = 1e-4;
 
     /// A node of one to `WIDTH` children, of which the first has the index `first`.
     pub(super) fn new(children: &[Bounds], first: u32) -> Self {
@@ -52,7 +52,7 @@ impl Node {
             std::array::from_fn(|lane| children.get(child_of(lane)).map_or(0.0, |child| value(child) as f32))
         };
         let vectors = |value: &dyn Fn(&Bounds) -> DVec3| [0, 1, 2].map(|k| lanes(&|child| value(child)[k]));
-        let is_wide = |bounds: &Bounds| bounds.angles[0].max(bounds.angles[1]) >= Self::WIDE;
+        let is_wide = |bounds: &Bounds| bounds.angles[0].max(bounds.angles[1]) >= Self::MIN_WIDE_ANGLE;
         let side = |bounds: &Bounds, k: usize| {
             let (sin, cos) = libm::sincos(bounds.angles[k]);
             if is_wide(bounds) { (1.0, DVec3::ZERO) } else { (sin, cos * bounds.frame[1 + k]) }
@@ -87,15 +87,15 @@ impl Node {
     /// direction to the receiver occurs, as much as of any half vector.
     #[inline(always)]
     pub(super) fn importance(&self, query: &Query) -> [f64; WIDTH] {
-        const LEAST: f32 = f32::MIN_POSITIVE;
+        const MIN_LENGTH_SQ: f32 = f32::MIN_POSITIVE;
         let mut all = [0.0; WIDTH];
         // A plain loop in single precision, which the compiler vectorizes.
         for (i, importance) in all.iter_mut().enumerate() {
             let radius = self.radius[i];
             let to_from = difference(query.from, &self.center, i);
             let to_lights = difference(query.lights, &self.center, i);
-            let from_sq = max(dot(to_from, to_from), LEAST);
-            let lights_sq = max(dot(to_lights, to_lights), LEAST);
+            let from_sq = max(dot(to_from, to_from), MIN_LENGTH_SQ);
+            let lights_sq = max(dot(to_lights, to_lights), MIN_LENGTH_SQ);
             let (per_from, per_lights) = (1.0 / from_sq.sqrt(), 1.0 / lights_sq.sqrt());
             let half = [
                 to_from[0] * per_from + to_lights[0] * per_lights,
@@ -113,7 +113,7 @@ impl Node {
             let along = abs(along);
             let a = self.share(i, 0, half, along, turn, &lights);
             let b = self.share(i, 1, half, along, turn, &lights);
-            let is_flat = max(self.sines[0][i], self.sines[1][i]) < Self::FLAT;
+            let is_flat = max(self.sines[0][i], self.sines[1][i]) < Self::MAX_PLANE_SINE;
             let share = if is_near && is_flat { 1.0 } else { facing * a * b };
             let cos = if is_near { 1.0 } else { 0.5 * dot(half, half).sqrt() };
             let cos_from = from_size - dot(query.side.to_array(), to_from) * per_from;

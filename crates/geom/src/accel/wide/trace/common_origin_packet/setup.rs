@@ -8,9 +8,9 @@ use crate::decide::{AXES, main_axis, permute};
 use glam::DVec3;
 
 /// An origin further away than this leaves too little of the precision of `f32`; the scene is 2 wide.
-const FAR: f64 = 64.0;
+const MAX_ORIGIN_DISTANCE: f64 = 64.0;
 /// Rays whose slopes are further apart than this visit too few nodes in common.
-const WIDEST: f64 = 0.125;
+const MAX_SLOPE_SPREAD: f64 = 0.125;
 
 /// The origin that the rays of a packet share, and a middle ray from it.
 ///
@@ -59,7 +59,9 @@ impl PacketSetup {
         origin.z *= sense;
         let other = permute(last.direction, main_axis);
         let (first_slopes, last_slopes) = (direction / direction.z.abs(), other / other.z.abs());
-        if origin.abs().max_element() > FAR || (first_slopes - last_slopes).abs().max_element() > WIDEST {
+        if origin.abs().max_element() > MAX_ORIGIN_DISTANCE
+            || (first_slopes - last_slopes).abs().max_element() > MAX_SLOPE_SPREAD
+        {
             return None;
         }
         let DVec3 { x, y, .. } = 0.5 * (first_slopes + last_slopes);
@@ -73,7 +75,7 @@ impl PacketSetup {
 }
 
 /// A depth beyond the scene.
-const BEYOND: f64 = 2.0;
+const DEPTH_BEYOND_SCENE: f64 = 2.0;
 
 /// The rays of a packet, a column for each number.
 #[repr(align(64))]
@@ -105,7 +107,7 @@ impl PacketRays {
         let [x, y] = [range(&self.deviation[0]), range(&self.deviation[1])];
         [setup.low, setup.high] = [[x[0], y[0]], [x[1], y[1]]];
         setup.begin = range(&self.begin)[0];
-        [x, y].iter().all(|[least, greatest]| f64::from(greatest - least) <= WIDEST)
+        [x, y].iter().all(|[least, greatest]| f64::from(greatest - least) <= MAX_SLOPE_SPREAD)
     }
 
     /// Sets up eight rays; returns which of them belong to the packet: none if one of them excludes a triangle.
@@ -141,7 +143,7 @@ impl PacketRays {
             let rate = dz[i].abs() * setup.scale;
             let (begin, end) = (setup.origin.z + t_min[i] * rate, setup.origin.z + t_max[i] * rate);
             begins[i] = begin as f32;
-            ends[i] = (if end < BEYOND { end } else { BEYOND }) as f32;
+            ends[i] = (if end < DEPTH_BEYOND_SCENE { end } else { DEPTH_BEYOND_SCENE }) as f32;
         }
         (self.begin[g], self.range_end[g], self.limit[g]) = (begins, ends, ends);
         let domain = Ray::DIRECTION_DOMAIN;

@@ -7,7 +7,7 @@ use crate::accel::wide::tree::projected_triangle::BoundsColumns;
 /// By how much bounds are widened, in units of a ray's `t_err` (docs/numerics.md).
 const BOUNDS_ERR: f32 = 2.0;
 /// At this parameter a ray has left the scene, which is 2 wide.
-const OUTSIDE: f32 = 3.0;
+const PARAMETER_OUTSIDE_SCENE: f32 = 3.0;
 
 /// A box that holds whatever eight rays may hit.
 pub(super) struct SegmentBounds<S: Simd> {
@@ -21,7 +21,7 @@ impl<S: Simd> SegmentBounds<S> {
     pub(super) fn of(simd: S, rays: &RaySetups<LANES>, may_hit: u8) -> Self {
         let err = simd.load(&rays.t_err) * BOUNDS_ERR;
         // Finite: infinity times a component of zero would be NaN.
-        let end = simd.load(&rays.end).min(simd.splat(OUTSIDE));
+        let end = simd.load(&rays.end).min(simd.splat(PARAMETER_OUTSIDE_SCENE));
         let (mut min, mut max) = ([simd.splat(0.0); 3], [simd.splat(0.0); 3]);
         for axis in 0..3 {
             let from = simd.load(&rays.origin[axis]);
