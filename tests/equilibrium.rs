@@ -228,10 +228,10 @@ fn size(s: &mut Settings, width: u32, height: u32, samples: u32) {
 
 const STAGES: [Stage; 28] = [
     stage("a room, BSDF sampling, roulette from the first bounce", room, |s| {
-        size(s, 33, 31, 40);
+        size(s, 33, 31, 100);
         (s.estimator, s.sampler, s.roulette.start) = (Estimator::Bsdf, Sampler::Independent, 0);
     }),
-    stage("a room, defaults, the last pass incomplete", room, |s| size(s, 17, 33, 38)),
+    stage("a room, defaults, the last pass incomplete", room, |s| size(s, 17, 33, 102)),
     stage("a room, area sampling of lights", room, |s| {
         size(s, 50, 3, 100);
         (s.light_sampling, s.path_reuse) = (LightSampling::Area, PathReuse::Off);
@@ -240,13 +240,14 @@ const STAGES: [Stage; 28] = [
     stage("a crowd, roulette from the first bounce", crowd, |s| {
         size(s, 31, 37, 70);
         (s.roulette.start, s.roulette.threshold) = (0, 1.0);
+        s.path_reuse = PathReuse::Off;
     }),
     stage("a crowd, early roulette, path reuse", crowd, |s| {
-        size(s, 30, 33, 120);
+        size(s, 30, 33, 176);
         (s.roulette.start, s.roulette.threshold) = (1, 1.0);
     }),
     stage("a crowd, BSDF sampling", crowd, |s| {
-        size(s, 32, 32, 20);
+        size(s, 32, 32, 80);
         s.estimator = Estimator::Bsdf;
     }),
     stage("a crowd, tent filter, independent samples", crowd, |s| {
@@ -254,7 +255,7 @@ const STAGES: [Stage; 28] = [
         (s.filter, s.sampler, s.path_reuse) = (PixelFilter::Tent, Sampler::Independent, PathReuse::Off);
     }),
     stage("a crowd, passes of one sample", crowd, |s| {
-        size(s, 23, 29, 50);
+        size(s, 23, 29, 240);
         s.pass_samples = 1;
     }),
     exact("sheets, BSDF sampling", sheets, |s| size(s, 97, 51, 1)),
@@ -264,35 +265,35 @@ const STAGES: [Stage; 28] = [
         (s.light_sampling, s.path_reuse) = (LightSampling::Area, PathReuse::Off);
     }),
     stage("mirrors, BSDF sampling", mirrors, |s| {
-        size(s, 31, 29, 50);
+        size(s, 31, 29, 160);
         s.estimator = Estimator::Bsdf;
     }),
-    stage("mirrors, defaults", mirrors, |s| size(s, 31, 29, 50)),
+    stage("mirrors, defaults", mirrors, |s| size(s, 31, 29, 192)),
     stage("mirrors, no sampling through mirrors", mirrors, |s| {
         size(s, 31, 29, 40);
         (s.mirror_sampling, s.path_reuse) = (MirrorSampling::Off, PathReuse::Off);
     }),
     stage("mirrors, roulette from the first bounce", mirrors, |s| {
         size(s, 31, 29, 50);
-        s.roulette.start = 0;
+        (s.roulette.start, s.path_reuse) = (0, PathReuse::Off);
     }),
     stage("a grey room, two bounces", grey, |s| {
-        size(s, 31, 29, 20);
+        size(s, 31, 29, 40);
         s.max_bounces = Some(2);
     }),
     stage("a grey room, five bounces, early roulette", grey, |s| {
-        size(s, 29, 31, 20);
+        size(s, 29, 31, 48);
         (s.max_bounces, s.roulette.start) = (Some(5), 1);
     }),
     exact("a grey room, five bounces, BSDF sampling", grey, |s| {
         size(s, 71, 43, 1);
         s.max_bounces = Some(5);
     }),
-    stage("curved mirrors", curved_mirrors, |s| size(s, 37, 23, 36)),
+    stage("curved mirrors", curved_mirrors, |s| size(s, 37, 23, 128)),
     exact("a statue, BSDF sampling", statue_in_the_open, |s| size(s, 63, 65, 1)),
-    stage("a statue, defaults", statue_in_the_open, |s| size(s, 31, 33, 20)),
+    stage("a statue, defaults", statue_in_the_open, |s| size(s, 31, 33, 48)),
     stage("a white floor, light sampling", white_floor, |s| {
-        size(s, 33, 31, 20);
+        size(s, 33, 31, 28);
         s.estimator = Estimator::Light;
     }),
     stage("a white floor, light sampling by area", white_floor, |s| {
@@ -301,9 +302,9 @@ const STAGES: [Stage; 28] = [
         (s.sampler, s.path_reuse) = (Sampler::Independent, PathReuse::Off);
     }),
     stage("a white floor, defaults", white_floor, |s| size(s, 5, 201, 20)),
-    stage("slivers", slivers, |s| size(s, 29, 31, 20)),
-    stage("a tiny crowd", || crowd_at(1e-12, DVec3::ZERO), |s| size(s, 31, 33, 24)),
-    stage("a crowd far away", || crowd_at(1.0, DVec3::new(9000.0, -4000.0, 7000.0)), |s| size(s, 31, 33, 24)),
+    stage("slivers", slivers, |s| size(s, 29, 31, 36)),
+    stage("a tiny crowd", || crowd_at(1e-12, DVec3::ZERO), |s| size(s, 31, 33, 80)),
+    stage("a crowd far away", || crowd_at(1.0, DVec3::new(9000.0, -4000.0, 7000.0)), |s| size(s, 31, 33, 80)),
 ];
 
 impl Stage {

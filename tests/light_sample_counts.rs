@@ -120,7 +120,7 @@ fn the_number_of_samples_changes_no_mean() {
             (Sampler::Independent, PathReuse::Tiles, Some(2), Mis),
         ] {
             let estimate = |seed, light_samples| {
-                let mut settings = Settings::new(52, 37, 128);
+                let mut settings = Settings::new(52, 37, 160);
                 (settings.sampler, settings.path_reuse) = (sampler, path_reuse);
                 (settings.max_bounces, settings.estimator) = (max_bounces, estimator);
                 (settings.seed, settings.light_samples) = (seed, light_samples);

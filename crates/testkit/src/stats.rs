@@ -6,6 +6,7 @@
 
 use globillum_integrator::{Film, PathReuse, Settings};
 use globillum_material::Rgb;
+use std::collections::BTreeMap;
 
 /// The limit of a mean's error in standard errors, by the suite's risk of false alarm.
 pub const Z_LIMIT: f64 = 5.85;
@@ -20,11 +21,17 @@ pub fn independent_pixels(width: u32, height: u32, samples: u32) -> Settings {
     settings
 }
 
-/// The number of pixels of each block of 4 x 4.
-fn block_sizes(film: &Film) -> impl Iterator<Item = f64> {
-    let lengths = |size: u32| (0..size).step_by(4).map(move |start| f64::from((size - start).min(4)));
-    let columns = film.width();
-    lengths(film.height()).flat_map(move |height| lengths(columns).map(move |width| width * height))
+/// For each tile of 16 x 16 pixels, by column and row, the largest possible standard deviation of the sum of its pixels: the
+/// sum of those of its blocks of 4 x 4.
+fn tile_std_devs(film: &Film, component: impl Fn(Rgb) -> f64) -> BTreeMap<(u32, u32), f64> {
+    let starts = |size: u32| (0..size).step_by(4);
+    let blocks = starts(film.height()).flat_map(|y| starts(film.width()).map(move |x| (x, y)));
+    let mut std_devs = BTreeMap::new();
+    for ((x, y), variance) in blocks.zip(film.block_variances_of_mean()) {
+        let pixels = f64::from((film.width() - x).min(4) * (film.height() - y).min(4));
+        *std_devs.entry((x / 16, y / 16)).or_default() += pixels * component(variance).sqrt();
+    }
+    std_devs
 }
 
 /// A mean and its standard error.
@@ -40,7 +47,8 @@ pub struct Estimate {
 
 impl Estimate {
     /// The mean of one colour component over all pixels of `film`, which must have the same expectation. `std_err` follows
-    /// from the variances of independent pixels, or of blocks of dependent ones.
+    /// from the variances of independent pixels. With path reuse it is an upper bound, which holds however the blocks of a
+    /// tile depend on each other.
     pub fn of_film(film: &Film, component: impl Fn(Rgb) -> f64) -> Self {
         let pixels = || (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
         let n = pixels().count() as f64;
@@ -48,9 +56,7 @@ impl Estimate {
         // The variances of independent terms add up to that of the sum.
         let within: f64 = match film.path_reuse() {
             PathReuse::Off => film.variances_of_mean().map(&component).sum(),
-            _ => {
-                block_sizes(film).zip(film.block_variances_of_mean()).map(|(n, v)| n * n * component(v)).sum()
-            }
+            _ => tile_std_devs(film, &component).into_values().map(|std_dev| std_dev * std_dev).sum(),
         };
         let count = n * film.samples() as f64;
         Self { mean, std_err: within.sqrt() / n, count }
