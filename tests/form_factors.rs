@@ -69,6 +69,18 @@ fn rectangular_lights_above_a_floor() {
     }
 }
 
+/// A light two million times as long as wide, which has parts though it is alone. From the middle, its ends are seen in nearly opposite directions.
+#[test]
+fn a_needle_above_a_floor() {
+    let (half_length, half_width) = (1e4, 0.005);
+    let model = scenes::rectangle_over_floor([-half_length, half_length], [-half_width, half_width], 1.0);
+    let factor = 4.0 * corner(half_length, half_width);
+    for how in [(Light, 64), (Mis, 64)] {
+        let film = film(&model, &stare(DVec3::new(0.001, 0.005, 0.002), DVec3::ZERO), &settings(how, 1));
+        Estimate::of_film(&film, |c| c.g).assert_is(0.5 * factor, &format!("{how:?}"));
+    }
+}
+
 #[test]
 fn a_light_and_its_image_in_a_mirror() {
     // Two bounces: floor, mirror, light. More bounces would add illumination by the floor itself.

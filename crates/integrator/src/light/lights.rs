@@ -11,8 +11,8 @@ use globillum_material::Emission;
 ///
 /// A light is chosen at each receiver with a probability about proportional to the irradiance that it brings
 /// there if it is visible, in a light tree (Conty Estevez and Kulla 2018). A light alone, and two triangles without
-/// delta lights, such as a square, are chosen by power, which costs less. A light of less than a 64th of their mean power
-/// then counts as if it had that much.
+/// delta lights, such as a square, are chosen by power, which costs less, unless they are more than 10,000 times as long
+/// as wide. A light of less than a 64th of their mean power then counts as if it had that much.
 ///
 /// In the tree a triangle much longer than wide, as of a tube, is several lights, each a part of it.
 ///
@@ -49,8 +49,8 @@ impl Lights {
     /// Up to this number of triangles, two of a square, a light tree costs more than it brings.
     const MAX_BY_POWER: usize = 2;
 
-    /// The most parts into which the triangles of a tree are cut. None is cut where there are more triangles than a third
-    /// of that.
+    /// The most parts into which the long triangles of a tree are cut, about. None is cut where more than a third of that
+    /// are long.
     const MAX_PARTS: usize = 4096;
 
     /// The triangles whose `emission`, asked by index, is not black, and those of `deltas` that are not.
@@ -68,8 +68,10 @@ impl Lights {
         let deltas: Vec<_> = deltas.iter().filter(|light| !light.is_black()).copied().collect();
         let weights = raised(powers);
         let total: f64 = weights.iter().sum();
-        let is_by_power = emitting.len() <= Self::MAX_BY_POWER && deltas.is_empty();
-        let most = if is_by_power { 1 } else { Self::MAX_PARTS / emitting.len().max(1) };
+        let all = || emitting.iter().map(|&index| triangles.get(index));
+        let is_by_power =
+            emitting.len() <= Self::MAX_BY_POWER && deltas.is_empty() && !all().any(TrianglePart::is_needle);
+        let most = if is_by_power { 1 } else { TrianglePart::most_of_each(all(), Self::MAX_PARTS) };
         let parts = |(index, &weight): (u32, &f64)| {
             let (triangle, emission) = (triangles.get(index), emission(index));
             TrianglePart::of(triangle, most)

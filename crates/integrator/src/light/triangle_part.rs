@@ -21,21 +21,41 @@ impl TrianglePart {
     /// these proportions.
     const PROPORTIONS: f64 = 5.0;
 
+    /// From this longest over the shortest side on, points that see a triangle from end to end sample it by area.
+    const NEEDLE: f64 = 10_000.0;
+
     /// The most slices. More of them leave as much variance.
     const MAX_SLICES: f64 = 16.0;
 
     /// The parts of `triangle`, at least one and no more than `most`.
     pub(super) fn of(triangle: &Triangle, most: usize) -> impl Iterator<Item = Self> {
+        let (tip, aspect) = Self::tip_and_aspect(triangle);
+        let slices = (aspect / Self::PROPORTIONS).ceil().min(Self::MAX_SLICES) as u32;
+        let slices = slices.min(most.div_ceil(2) as u32);
+        let first = if slices > 1 { Self { tip, slices, number: 0 } } else { Self::WHOLE };
+        (0..2 * first.slices - 1).map(move |number| Self { number, ..first })
+    }
+
+    /// The most parts of each of these triangles, so that all that are cut have about `parts` in all.
+    pub(super) fn most_of_each<'a>(triangles: impl Iterator<Item = &'a Triangle>, parts: usize) -> usize {
+        let is_cut = |triangle: &&Triangle| Self::tip_and_aspect(triangle).1 > Self::PROPORTIONS;
+        parts / triangles.filter(is_cut).count().max(1)
+    }
+
+    /// Whether `triangle` is so long that it cannot be sampled by solid angle as a whole, even if it is the only light.
+    pub(super) fn is_needle(triangle: &Triangle) -> bool {
+        Self::tip_and_aspect(triangle).1 > Self::NEEDLE
+    }
+
+    /// The index of the tip, and the longest side over the shortest.
+    fn tip_and_aspect(triangle: &Triangle) -> (u8, f64) {
         let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
         let opposite = [b.distance(c), c.distance(a), a.distance(b)];
         let (tip, shortest) = (0..)
             .zip(opposite)
             .fold((0, f64::INFINITY), |least, side| if side.1 < least.1 { side } else { least });
         let longest = opposite.into_iter().fold(0.0, f64::max);
-        let slices = (longest / shortest / Self::PROPORTIONS).ceil().min(Self::MAX_SLICES) as u32;
-        let slices = slices.min(most.div_ceil(2) as u32);
-        let first = if slices > 1 { Self { tip, slices, number: 0 } } else { Self::WHOLE };
-        (0..2 * first.slices - 1).map(move |number| Self { number, ..first })
+        (tip, longest / shortest)
     }
 
     /// Its number among all parts, from 0 on.

@@ -66,7 +66,7 @@ enum Address {
 
 impl LightTree {
     /// The least probability of all lights at finite or at infinite distance, where there are both.
-    const MIN_PROB: f64 = 1.0 / 1024.0;
+    const MIN_PROB: f64 = 1.0 / 65_536.0;
 
     /// A tree over `lights`, of which each has an intensity or irradiance above zero, in a scene with these bounds.
     pub(super) fn new(lights: &[TreeLight], scene: &Aabb) -> Self {
