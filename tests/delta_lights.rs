@@ -57,6 +57,29 @@ fn film(model: &Model, camera: &PinholeCamera, settings: &Settings) -> Film {
     render(&scenes::scene(model, RENDERED[0].1), camera, settings).unwrap().film
 }
 
+#[test]
+fn a_light_tells_what_it_is_and_takes_another_value() {
+    let (position, direction) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, -4.0, 3.0));
+    let unit = DVec3::new(0.0, -0.8, 0.6);
+    let brighter = 2.0 * INTENSITY;
+    for (light, at, along) in [
+        (point(position), Some(position), None),
+        (spot(position, direction), Some(position), Some(unit)),
+        (directional(direction), None, Some(unit)),
+    ] {
+        assert_eq!((light.position(), light.value()), (at, INTENSITY));
+        assert_eq!(light.direction().is_some(), along.is_some());
+        assert!(light.direction().zip(along).is_none_or(|(a, b)| (a - b).length() < 1e-15), "{light:?}");
+        let changed = light.with_value(brighter).unwrap();
+        assert_eq!(
+            (changed.position(), changed.direction(), changed.value()),
+            (at, light.direction(), brighter)
+        );
+        assert_eq!(changed.with_value(INTENSITY), Ok(light));
+        assert!(light.with_value(Rgb::splat(-1.0)).is_err());
+    }
+}
+
 /// [`ESTIMATORS`] in [`WAYS`].
 fn each_setting(side: u32, samples: u32) -> impl Iterator<Item = Settings> {
     ESTIMATORS.into_iter().flat_map(move |estimator| {

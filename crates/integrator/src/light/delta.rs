@@ -109,6 +109,44 @@ impl DeltaLight {
         Ok(Self(Kind::Directional { direction, irradiance: valid_value(irradiance)? }))
     }
 
+    /// Where the light is; `None` for a directional one.
+    pub fn position(&self) -> Option<Vec3> {
+        match self.0 {
+            Kind::Point { position, .. } | Kind::Spot { position, .. } => Some(position),
+            Kind::Directional { .. } => None,
+        }
+    }
+
+    /// The unit vector along the axis of a spot light, or along which the radiation of a directional light travels; `None`
+    /// for a point light.
+    pub fn direction(&self) -> Option<DVec3> {
+        match self.0 {
+            Kind::Point { .. } => None,
+            Kind::Spot { axis: direction, .. } | Kind::Directional { direction, .. } => Some(direction),
+        }
+    }
+
+    /// The intensity of a point or spot light, in power per steradian, or the irradiance of a directional light, in power
+    /// per area.
+    pub fn value(&self) -> Rgb {
+        let (Kind::Point { intensity: value, .. }
+        | Kind::Spot { intensity: value, .. }
+        | Kind::Directional { irradiance: value, .. }) = self.0;
+        value
+    }
+
+    /// The light with another [value](DeltaLight::value).
+    ///
+    /// # Errors
+    /// [`DeltaLightError`] for a value out of range.
+    pub fn with_value(mut self, new: Rgb) -> Result<Self, DeltaLightError> {
+        let (Kind::Point { intensity: value, .. }
+        | Kind::Spot { intensity: value, .. }
+        | Kind::Directional { irradiance: value, .. }) = &mut self.0;
+        *value = valid_value(new)?;
+        Ok(self)
+    }
+
     /// The light after `transform`. Position and axis are transformed as points and vectors are, so a
     /// mirroring transform mirrors them. Intensity, irradiance and the angles of a cone stay.
     pub(crate) fn transformed(&self, transform: &DAffine3) -> Result<Self, DeltaLightError> {
@@ -150,10 +188,7 @@ impl DeltaLight {
 
     /// Whether it emits nothing.
     pub(super) fn is_black(&self) -> bool {
-        let (Kind::Point { intensity: value, .. }
-        | Kind::Spot { intensity: value, .. }
-        | Kind::Directional { irradiance: value, .. }) = self.0;
-        value.is_black()
+        self.value().is_black()
     }
 
     /// The description of the light in a light tree.

@@ -150,6 +150,27 @@ impl Model {
         &self.delta_lights
     }
 
+    /// All delta lights, to change or remove those of a file.
+    ///
+    /// ```
+    /// # use glam::Vec3;
+    /// # use globillum_integrator::{DeltaLight, Model};
+    /// # use globillum_material::Rgb;
+    /// # let mut model = Model::default();
+    /// # model.add_delta_light(DeltaLight::point(Vec3::Y, Rgb::splat(20.0))?);
+    /// # model.add_delta_light(DeltaLight::directional(-Vec3::Y, Rgb::splat(3.0))?);
+    /// // No sun, and lamps of half the intensity.
+    /// model.delta_lights_mut().retain(|light| light.position().is_some());
+    /// for light in model.delta_lights_mut() {
+    ///     *light = light.with_value(0.5 * light.value())?;
+    /// }
+    /// # assert_eq!(model.delta_lights(), [DeltaLight::point(Vec3::Y, Rgb::splat(10.0))?]);
+    /// # Ok::<(), globillum_integrator::DeltaLightError>(())
+    /// ```
+    pub fn delta_lights_mut(&mut self) -> &mut Vec<DeltaLight> {
+        &mut self.delta_lights
+    }
+
     /// The constant radiance of the environment.
     pub fn environment(&self) -> Rgb {
         self.environment
