@@ -8,7 +8,7 @@ mod verdict;
 use crate::Estimates;
 use crate::film::student::quantile_975;
 use crate::pixel_rect::{BLOCK_SIDE, PixelRect};
-use deviates::deviates;
+use deviates::{CellVariance, deviates};
 use globillum_material::Rgb;
 use side::{Cell, Side};
 
@@ -69,7 +69,9 @@ pub struct Comparison {
     pub neighbours: f64,
     /// Test of the errors; `None` if no errors are known.
     pub chi_square: Option<ChiSquare>,
-    /// Test of the blocks: the largest absolute deviate in [`Comparison::blocks`]; `None` if no errors are known.
+    /// Test of the blocks: the largest absolute deviate of a block and component, as in [`Comparison::blocks`], but with a
+    /// variance of at least the mean of those of the blocks around. Rare samples, which find much of the light, may have
+    /// missed a block, which then states too small an error. `None` if no errors are known.
     pub largest_block: Option<f64>,
     /// The p-value that the mean of both sides would have beside black, with the same errors: what a difference as large as
     /// the picture itself would show. It is large where tiles are few, or errors not known well; 0 of black pictures.
@@ -119,16 +121,16 @@ impl Comparison {
         let Pair { width, height, .. } = *pair;
         let variances = [&pair.a, &pair.b].map(|side| pair.tile_variances(side));
         let differences = pair.differences(&variances);
-        let blocks = deviates([&pair.a.blocks, &pair.b.blocks], width.div_ceil(BLOCK_SIDE));
-        let components = blocks.iter().flat_map(|z| z.to_array()).filter(|z| !z.is_nan());
-        let largest_block = components.map(f64::abs).reduce(f64::max);
+        let of_blocks = |of| deviates([&pair.a.blocks, &pair.b.blocks], width.div_ceil(BLOCK_SIDE), of);
+        let components = of_blocks(CellVariance::AtLeastAround).into_iter().flat_map(|z| z.to_array());
+        let largest_block = components.filter(|z| !z.is_nan()).map(f64::abs).reduce(f64::max);
         let (ratio, ratio_95) = pair.ratio(Rgb::mean);
         let [r, g, b] = [0, 1, 2].map(|c| pair.ratio(|rgb| rgb.to_array()[c]).0);
         Self {
             width,
             height,
-            pixels: deviates([&pair.a.pixels, &pair.b.pixels], width),
-            blocks,
+            pixels: deviates([&pair.a.pixels, &pair.b.pixels], width, CellVariance::Own),
+            blocks: of_blocks(CellVariance::Own),
             ratio,
             ratio_95,
             component_ratios: Rgb::new(r, g, b),

@@ -90,7 +90,10 @@ impl Sink {
         let target = resolved(path);
         // The operating system's message would name the temporary file.
         let temporary = temporary::beside(&target).map_err(|error| match error.kind() {
-            kind @ ErrorKind::NotFound => io::Error::new(kind, "its folder does not exist"),
+            kind @ ErrorKind::NotFound if !folder_of(&target).is_dir() => {
+                io::Error::new(kind, "its folder does not exist")
+            }
+            ErrorKind::NotFound => io::Error::new(ErrorKind::PermissionDenied, "its folder takes no files"),
             kind => kind.into(),
         })?;
         Ok(Self::Replace { temporary, target })
