@@ -21,15 +21,16 @@ pub fn independent_pixels(width: u32, height: u32, samples: u32) -> Settings {
     settings
 }
 
-/// For each tile of 16 x 16 pixels, by column and row, the largest possible standard deviation of the sum of its pixels: the
+/// For each tile of [`PathReuse::tile_side`] pixels, by column and row, the largest possible standard deviation of the sum of its pixels: the
 /// sum of those of its blocks of 4 x 4.
 fn tile_std_devs(film: &Film, component: impl Fn(Rgb) -> f64) -> BTreeMap<(u32, u32), f64> {
     let starts = |size: u32| (0..size).step_by(4);
     let blocks = starts(film.height()).flat_map(|y| starts(film.width()).map(move |x| (x, y)));
+    let side = film.path_reuse().tile_side();
     let mut std_devs = BTreeMap::new();
     for ((x, y), variance) in blocks.zip(film.block_variances_of_mean()) {
         let pixels = f64::from((film.width() - x).min(4) * (film.height() - y).min(4));
-        *std_devs.entry((x / 16, y / 16)).or_default() += pixels * component(variance).sqrt();
+        *std_devs.entry((x / side, y / side)).or_default() += pixels * component(variance).sqrt();
     }
     std_devs
 }

@@ -132,7 +132,7 @@ fn padded_dimensions_do_not_line_up() {
     for i in 0..4 {
         let variance = sum_sq[i] / f64::from(passes);
         assert!(sum[i].abs() < 5.85 * (variance * f64::from(passes)).sqrt(), "{i}: mean of {}", sum[i]);
-        // One product has variance 1/144; an estimate from so many passes a deviation of 1.2 %.
+        // One product has a variance of 1/144. The estimate from these passes has a standard deviation of 1.2 %.
         let ratio = variance * 144.0 * (n - 1.0);
         assert!((ratio - 1.0).abs() < 5.85 * 0.012, "{i}: {ratio} times the variance expected");
     }
