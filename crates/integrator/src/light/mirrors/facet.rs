@@ -102,12 +102,15 @@ impl Facet {
             return false;
         }
         let image = mirror_image(from, self.normal, height);
-        let may_show = |&index: &u32| lights.may_be_seen_through(triangles.get(index), image);
+        let window = |index: u32| triangles.get(index).vertices.map(|v| v.as_dvec3());
+        let may_show = |&index: &u32| lights.may_be_seen_through(window(index), image);
         self.triangles.len() > Self::MAX_TESTED || self.triangles.iter().any(may_show)
     }
 }
 
-/// The mirror image of a point at this signed distance from a plane of this unit normal.
+/// The mirror image of a point in a plane of this normal. Its signed distance from the plane is `height` times the length of the
+/// normal.
+#[inline(always)]
 pub(super) fn mirror_image(point: DVec3, normal: DVec3, height: f64) -> DVec3 {
     point - 2.0 * height * normal
 }

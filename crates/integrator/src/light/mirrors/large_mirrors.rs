@@ -68,9 +68,9 @@ impl LargeMirrors {
         receiver: Receiver,
         draw: impl Fn() -> f64,
     ) -> Option<ChosenFacet<'_>> {
-        let shows = |place| self.may_show(triangles, receiver.position, place);
+        let shows = |place, _| self.may_show(triangles, receiver.position, place);
         let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, shows)?;
-        let [chosen] = self.tree.choose(&[Some(root)], [draw()], shows);
+        let [chosen] = self.tree.choose(&[Some(root)], [draw()]);
         let (index, prob) = chosen?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
@@ -83,9 +83,9 @@ impl LargeMirrors {
         receiver: Receiver,
         index: u32,
     ) -> Option<ChosenFacet<'_>> {
-        let shows = |place| self.may_show(triangles, receiver.position, place);
+        let shows = |place, _| self.may_show(triangles, receiver.position, place);
         let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, shows)?;
-        let prob = self.tree.prob(&root, index, shows)?;
+        let prob = self.tree.prob(&root, index)?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
 

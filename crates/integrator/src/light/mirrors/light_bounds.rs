@@ -1,5 +1,5 @@
 use glam::DVec3;
-use globillum_geom::{Aabb, Triangle, Triangles};
+use globillum_geom::{Aabb, Triangles};
 
 /// The box around some area lights, and the sphere around that.
 #[derive(Clone, Copy, Debug)]
@@ -28,10 +28,11 @@ impl LightBounds {
         a.min(b).max_element().max(0.0) <= a.max(b).min_element()
     }
 
-    /// Whether part of the sphere may be visible from `eye` through `window`: not if all of it is outside one
+    /// Whether part of the sphere may be visible from `eye` through the triangle `window`: not if all of it is outside one
     /// of the three planes through `eye` and a side.
-    pub(super) fn may_be_seen_through(&self, window: &Triangle, eye: DVec3) -> bool {
-        let [a, b, c] = window.vertices.map(|v| v.as_dvec3() - eye);
+    #[inline(always)]
+    pub(super) fn may_be_seen_through(&self, window: [DVec3; 3], eye: DVec3) -> bool {
+        let [a, b, c] = window.map(|v| v - eye);
         let center = self.center - eye;
         let winding = 1.0_f64.copysign(a.cross(b).dot(c));
         let is_beyond = |a: DVec3, b: DVec3| {
@@ -48,6 +49,7 @@ mod tests {
     use super::*;
     use crate::Stream;
     use glam::Vec3;
+    use globillum_geom::Triangle;
 
     /// A ray to a point of the lights may meet their box, flat or not, from anywhere; most others do not.
     #[test]

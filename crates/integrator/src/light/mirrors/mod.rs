@@ -10,7 +10,6 @@ mod small_mirrors;
 #[cfg(test)]
 mod tests;
 mod triangle_map;
-mod viewpoints;
 
 pub(crate) use facet::reflection;
 pub(crate) use large_mirrors::LargeMirrors;

@@ -2,7 +2,6 @@
 
 mod bounds;
 mod build;
-mod calibration;
 mod node;
 
 use super::light_bounds::LightBounds;
@@ -80,33 +79,37 @@ impl MirrorTree {
         (Self { nodes, depth, paths, bodies, origin, scale, simd: SimdLevel::best() }, order)
     }
 
-    /// Where choices among the facets for which `shows` holds begin; `None` if none is ever chosen.
+    /// Where choices among the facets for which `shows` holds begin; `None` if none is ever chosen. `shows` takes the place of a
+    /// facet and the share of it that may show lights as far as bounds tell, above zero.
     ///
-    /// The probability of any choice is `attempts` times the solid angle, about, that shows lights, where that is less
-    /// than 1.
+    /// The probability of any choice is `attempts` times the importance of the tree, where that is less than 1.
     #[inline(always)]
-    pub(super) fn root(&self, at: &Viewpoint, attempts: f64, shows: impl Fn(u32) -> bool) -> Option<Root> {
+    pub(super) fn root<F: Fn(u32, f32) -> bool>(
+        &self,
+        at: &Viewpoint,
+        attempts: f64,
+        shows: F,
+    ) -> Option<Root<F>> {
         self.simd.run(
             #[inline(always)]
             || {
                 let query = self.query(at);
-                let weights = self.weights(&query, 0, 1, shows)?;
+                let weights = self.weights(&query, 0, 1, &shows)?;
                 let attempt_prob = (weights.total() * attempts).min(1.0);
-                Some(Root { query, weights, attempt_prob })
+                Some(Root { query, weights, attempt_prob, shows })
             },
         )
     }
 
-    /// Chooses a facet for each of `roots`, by the number of the same index in `[0, 1)`, among those for which `shows` holds.
-    /// Returns its place and the probability of the choice, above zero; `None` if none is chosen.
+    /// Chooses a facet for each of `roots`, by the number of the same index in `[0, 1)`. Returns its place and the probability
+    /// of the choice, above zero; `None` if none is chosen.
     ///
     /// The descents take turns: they do not depend on each other, so a processor works on all of them.
     #[inline(always)]
-    pub(super) fn choose<const N: usize>(
+    pub(super) fn choose<F: Fn(u32, f32) -> bool, const N: usize>(
         &self,
-        roots: &[Option<Root>; N],
+        roots: &[Option<Root<F>>; N],
         us: [f64; N],
-        shows: impl Fn(u32) -> bool,
     ) -> [Option<(u32, f64)>; N] {
         self.simd.run(
             #[inline(always)]
@@ -121,7 +124,7 @@ impl MirrorTree {
                 for level in 2..=self.depth {
                     for (descent, root) in descents.iter_mut().zip(roots) {
                         let (Some(here), Some(root)) = (*descent, root) else { continue };
-                        let weights = self.weights(&root.query, here.at, level, &shows);
+                        let weights = self.weights(&root.query, here.at, level, &root.shows);
                         *descent = weights.map(
                             #[inline(always)]
                             |weights| self.step(here, &weights),
@@ -137,7 +140,7 @@ impl MirrorTree {
 
     /// A descent to one of the root's children; `None` if none is chosen.
     #[inline(always)]
-    fn begin(&self, root: &Root, u: f64) -> Option<Descent<u32>> {
+    fn begin<F>(&self, root: &Root<F>, u: f64) -> Option<Descent<u32>> {
         let prob = root.attempt_prob;
         let u = (u < prob).then(|| (u / prob).min(1.0_f64.next_down()))?;
         Some(self.step(Descent { at: 0, prob, u }, &root.weights))
@@ -153,15 +156,15 @@ impl MirrorTree {
     /// The probability with which [`MirrorTree::choose`] chooses the facet at `place`, to the bit; `None` if it never
     /// does.
     #[inline(always)]
-    pub(super) fn prob(&self, root: &Root, place: u32, shows: impl Fn(u32) -> bool) -> Option<f64> {
+    pub(super) fn prob<F: Fn(u32, f32) -> bool>(&self, root: &Root<F>, place: u32) -> Option<f64> {
         self.simd.run(
             #[inline(always)]
             || {
-                let Root { query, mut weights, attempt_prob: mut prob } = *root;
+                let Root { query, mut weights, attempt_prob: mut prob, ref shows } = *root;
                 let (mut index, mut path) = (0, self.paths[place as usize]);
                 for level in 1..=self.depth {
                     if level > 1 {
-                        weights = self.weights(&query, index, level, &shows)?;
+                        weights = self.weights(&query, index, level, shows)?;
                     }
                     let child = path as usize % WIDTH;
                     path >>= CHILD_BITS;
@@ -180,13 +183,13 @@ impl MirrorTree {
         query: &Query,
         index: u32,
         level: u32,
-        shows: impl Fn(u32) -> bool,
+        shows: &impl Fn(u32, f32) -> bool,
     ) -> Option<ChildWeights> {
         let node = &self.nodes[index as usize];
-        let mut importance = node.importance(query);
+        let (mut importance, shares) = node.importance(query);
         if level == self.depth {
-            for (lane, importance) in importance.iter_mut().enumerate() {
-                if *importance > 0.0 && !shows(node.first + child_of(lane) as u32) {
+            for (lane, (importance, share)) in importance.iter_mut().zip(shares).enumerate() {
+                if *importance > 0.0 && !shows(node.first + child_of(lane) as u32, share) {
                     *importance = 0.0;
                 }
             }
@@ -217,10 +220,12 @@ impl MirrorTree {
 }
 
 /// The root of a tree as it is seen from a receiver.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Root {
+#[derive(Clone, Copy)]
+pub(super) struct Root<F> {
     query: Query,
     weights: ChildWeights,
     /// The probability that any facet is chosen.
     attempt_prob: f64,
+    /// Whether the facet at a place is one of those among which is chosen.
+    shows: F,
 }

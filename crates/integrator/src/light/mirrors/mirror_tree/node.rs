@@ -1,5 +1,5 @@
 use super::bounds::Bounds;
-use crate::light::child_weights::{WIDTH, child_of, lane_of};
+use crate::light::child_weights::{WIDTH, child_of};
 use glam::{DVec3, Vec3};
 
 /// A number for each child, by lane. Single precision is enough for bounds that only guide sampling.
@@ -31,7 +31,7 @@ pub(super) struct Node {
     sides: [[Lanes; 3]; 2],
     /// The sines of the two angles; 1 for wide cones.
     sines: [Lanes; 2],
-    /// The areas, in inner nodes times what calibrates them; 0 where there is no child.
+    /// The areas; 0 where there is no child.
     area: Lanes,
     /// The bits of the bodies of each child, by lane.
     bodies: [u32; WIDTH],
@@ -71,14 +71,11 @@ impl Node {
         }
     }
 
-    /// Scales the importance of a child.
-    pub(super) fn scale(&mut self, child: usize, factor: f64) {
-        let lane = lane_of(child);
-        self.area[lane] = (f64::from(self.area[lane]) * factor) as f32;
-    }
-
-    /// The importance of each child, by lane: the solid angle that it takes up, times the share of its normals for which a
-    /// ray goes on to the lights, times the largest cosine at the receiver.
+    /// The importance of each child, by lane: the solid angle that it takes up, times the square root of the share of its
+    /// normals for which a ray goes on to the lights, times the largest cosine at the receiver. Then those shares.
+    ///
+    /// Bounds tell the share only on average. Where a child shows lights either with all of its normals or with none, the
+    /// root of the mean square of what it shows, by which the variance is least, is the square root of the share.
     ///
     /// A facet reflects light from its source to the receiver if its normal is parallel to the half vector
     /// `wi + wo`. Normals, positions and lights vary within their bounds; the difference of normal and half vector is
@@ -86,11 +83,11 @@ impl Node {
     /// receiver or a light is within the sphere of a plane child, all of it counts; of a curved one, in which every
     /// direction to the receiver occurs, as much as of any half vector.
     #[inline(always)]
-    pub(super) fn importance(&self, query: &Query) -> [f64; WIDTH] {
+    pub(super) fn importance(&self, query: &Query) -> ([f64; WIDTH], [f32; WIDTH]) {
         const MIN_LENGTH_SQ: f32 = f32::MIN_POSITIVE;
-        let mut all = [0.0; WIDTH];
+        let (mut all, mut shares) = ([0.0; WIDTH], [0.0; WIDTH]);
         // A plain loop in single precision, which the compiler vectorizes.
-        for (i, importance) in all.iter_mut().enumerate() {
+        for (i, (importance, of_normals)) in all.iter_mut().zip(&mut shares).enumerate() {
             let radius = self.radius[i];
             let to_from = difference(query.from, &self.center, i);
             let to_lights = difference(query.lights, &self.center, i);
@@ -120,9 +117,10 @@ impl Node {
             let cos_from = min(max(cos_from, 0.0), 1.0);
             // Quotients do not wait for the share.
             let solid_angle = self.area[i] * cos_from / max(from_sq, radius * radius);
-            *importance = solid_angle * cos * share;
+            *importance = solid_angle * cos * share.sqrt();
+            *of_normals = share;
         }
-        all.map(f64::from)
+        (all.map(f64::from), shares)
     }
 
     /// The share of the normals of child `i` along side `k` of its cone for which a ray goes on to the lights.
