@@ -1,7 +1,8 @@
 use super::facet::Facet;
 use super::light_bounds::LightBounds;
-use super::mirror_tree::{FacetBounds, MirrorTree, Viewpoint};
+use super::mirror_tree::{FacetBounds, LowestNode, MirrorTree, Viewpoint};
 use super::triangle_map::TriangleMap;
+use crate::light::child_weights::{WIDTH, child_of};
 use crate::light::receiver::Receiver;
 use glam::DVec3;
 use globillum_geom::{Aabb, Triangles};
@@ -68,8 +69,8 @@ impl LargeMirrors {
         receiver: Receiver,
         draw: impl Fn() -> f64,
     ) -> Option<ChosenFacet<'_>> {
-        let shows = |place, _| self.may_show(triangles, receiver.position, place);
-        let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, shows)?;
+        let importance = |node: &LowestNode<'_>| self.importance(triangles, receiver.position, node);
+        let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, importance)?;
         let [chosen] = self.tree.choose(&[Some(root)], [draw()]);
         let (index, prob) = chosen?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
@@ -83,16 +84,25 @@ impl LargeMirrors {
         receiver: Receiver,
         index: u32,
     ) -> Option<ChosenFacet<'_>> {
-        let shows = |place, _| self.may_show(triangles, receiver.position, place);
-        let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, shows)?;
+        let importance = |node: &LowestNode<'_>| self.importance(triangles, receiver.position, node);
+        let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, importance)?;
         let prob = self.tree.prob(&root, index)?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
 
-    fn may_show(&self, triangles: &Triangles, from: DVec3, place: u32) -> bool {
-        let facet = &self.facets[place as usize];
-        let is_outside = facet.body.is_some_and(|body| self.tree.is_outside(body, from));
-        facet.may_show(triangles, &self.lights, from, is_outside)
+    /// The importance of the facets of a node, by lane: 0 for those that show no light to `from`.
+    fn importance(&self, triangles: &Triangles, from: DVec3, lowest: &LowestNode<'_>) -> [f64; WIDTH] {
+        let mut importance = lowest.node.importance(lowest.query);
+        for (lane, importance) in
+            importance.iter_mut().enumerate().filter(|(_, importance)| **importance > 0.0)
+        {
+            let facet = &self.facets[lowest.node.first as usize + child_of(lane)];
+            let is_outside = facet.body.is_some_and(|body| self.tree.is_outside(body, from));
+            if !facet.may_show(triangles, &self.lights, from, is_outside) {
+                *importance = 0.0;
+            }
+        }
+        importance
     }
 
     fn viewpoint(&self, receiver: Receiver) -> Viewpoint {

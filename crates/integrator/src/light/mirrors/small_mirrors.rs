@@ -1,7 +1,8 @@
 use super::facet::{mirror_image, reflection};
-use super::light_bounds::LightBounds;
 use super::light_clusters::{Cluster, LightClusters};
-use super::mirror_tree::{FacetBounds, MirrorTree, Root, Viewpoint};
+use super::mirror_tree::{
+    FacetBounds, FacetImportance, LowestNode, MirrorTree, Root, TriangleNode, Viewpoint,
+};
 use super::triangle_map::TriangleMap;
 use crate::light::receiver::Receiver;
 use crate::light::triangle_part::TrianglePart;
@@ -13,6 +14,8 @@ use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Trian
 #[derive(Clone, Debug)]
 pub(crate) struct SmallMirrors {
     tree: MirrorTree,
+    /// The lowest nodes of the tree.
+    nodes: Vec<TriangleNode>,
     /// By their place in the tree.
     mirrors: Vec<SmallMirror>,
     /// The places of the parts of each triangle, one after the other.
@@ -69,8 +72,12 @@ impl SmallMirrors {
         (0..).zip(&order).for_each(|(place, &mirror)| places[mirror as usize] = place);
         let first_parts = (0..).zip(mirrors).filter(|(_, (mirror, _))| mirror.part.number() == 0);
         let first_places = TriangleMap::new(first_parts.map(|(first, (mirror, _))| (mirror.triangle, first)));
+        let nodes = tree.triangle_nodes(|place| {
+            let (SmallMirror { triangle, part }, bounds) = mirrors[order[place as usize] as usize];
+            (bounds, part.vertices(triangles.get(triangle)))
+        });
         let mirrors = order.iter().map(|&mirror| mirrors[mirror as usize].0).collect();
-        Self { tree, mirrors, places, first_places, clusters }
+        Self { tree, nodes, mirrors, places, first_places, clusters }
     }
 
     /// The place of the mirror with this position on the triangle `index`; `None` if the triangle has none.
@@ -90,7 +97,6 @@ impl SmallMirrors {
     #[inline(never)]
     pub(crate) fn choose<const N: usize>(
         &self,
-        triangles: &Triangles,
         receivers: [Receiver; N],
         count: u32,
         us: [f64; N],
@@ -101,11 +107,8 @@ impl SmallMirrors {
             // The choice of a cluster leaves a number for that of a mirror.
             (clusters[i], rests[i]) = self.clusters.choose(us[i]);
             let is_like_last = i > 0 && (receivers[i], clusters[i]) == (receivers[i - 1], clusters[i - 1]);
-            roots[i] = if is_like_last {
-                roots[i - 1]
-            } else {
-                self.root(triangles, receivers[i], attempts, clusters[i])
-            };
+            roots[i] =
+                if is_like_last { roots[i - 1] } else { self.root(receivers[i], attempts, clusters[i]) };
         }
         let chosen = self.tree.choose(&roots, rests);
         std::array::from_fn(|i| {
@@ -117,21 +120,16 @@ impl SmallMirrors {
     #[inline(always)]
     fn root(
         &self,
-        triangles: &Triangles,
         receiver: Receiver,
         attempts: f64,
         cluster: u32,
-    ) -> Option<Root<impl Fn(u32, f32) -> bool + Copy>> {
+    ) -> Option<Root<impl FacetImportance + Copy>> {
         let lights = self.clusters.get(cluster).bounds;
         self.tree.root(
             &Viewpoint { receiver, lights },
             attempts,
             #[inline(always)]
-            move |place, share| {
-                let SmallMirror { triangle, part } = self.mirrors[place as usize];
-                // A test would hardly exclude a mirror of which all may show lights.
-                share >= 1.0 || may_show(triangles.get(triangle), part, &lights, receiver.position)
-            },
+            |lowest: &LowestNode<'_>| self.nodes[lowest.number as usize].importance(lowest.query),
         )
     }
 
@@ -178,28 +176,13 @@ impl SmallMirrors {
         let plane = Plane::of(triangle, from);
         let (position, direction) = plane.reflection_to(light.position, from)?;
         let place = self.place_at(triangle, index, position)?;
-        let root = self.root(triangles, receiver, Self::ATTEMPTS / f64::from(count), cluster)?;
+        let root = self.root(receiver, Self::ATTEMPTS / f64::from(count), cluster)?;
         let prob = self.tree.prob(&root, place)?;
         let area = triangle.area() * self.mirrors[place as usize].part.area_share();
         let pdf = plane.pdf(area, direction)?;
         let pdf = pdf.chosen_with(self.clusters.get(cluster).prob * prob).of_samples(count);
         (pdf.0 > 0.0).then_some(pdf)
     }
-}
-
-/// Whether this part of a mirror triangle may show part of `lights` to `from`: not if all of them are on the other side, or
-/// outside the frustum of the part.
-#[inline(always)]
-fn may_show(triangle: &Triangle, part: TrianglePart, lights: &LightBounds, from: DVec3) -> bool {
-    let vertices = part.vertices(triangle);
-    let [a, b, c] = vertices;
-    // Of any length: a unit vector would take a root.
-    let normal = (b - a).cross(c - a);
-    let (length_sq, height) = (normal.length_squared(), normal.dot(from - a));
-    let lights_height = normal.dot(lights.center - a) * 1.0_f64.copysign(height);
-    let are_behind =
-        lights_height < 0.0 && lights_height * lights_height > lights.radius * lights.radius * length_sq;
-    !are_behind && lights.may_be_seen_through(vertices, mirror_image(from, normal, height / length_sq))
 }
 
 /// The plane of a triangle, as it is seen from a receiver.
@@ -238,28 +221,20 @@ impl Plane {
 #[cfg(test)]
 impl SmallMirrors {
     /// The place of the mirror chosen to show the cluster of `light`, with its probability.
-    pub(super) fn choice(
-        &self,
-        triangles: &Triangles,
-        receiver: Receiver,
-        light: u32,
-        attempts: f64,
-        u: f64,
-    ) -> Option<(u32, f64)> {
-        let root = self.root(triangles, receiver, attempts, self.clusters.of_light(light)?)?;
+    pub(super) fn choice(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<(u32, f64)> {
+        let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
         self.tree.choose(&[Some(root)], [u])[0]
     }
 
     /// The probability of this choice of the mirror at `place`.
     pub(super) fn choice_prob(
         &self,
-        triangles: &Triangles,
         receiver: Receiver,
         place: u32,
         light: u32,
         attempts: f64,
     ) -> Option<f64> {
-        let root = self.root(triangles, receiver, attempts, self.clusters.of_light(light)?)?;
+        let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
         self.tree.prob(&root, place)
     }
 
@@ -280,7 +255,7 @@ impl SmallMirrors {
         assert!(
             position.cmpge(min.as_dvec3() - margin).all() && position.cmple(max.as_dvec3() + margin).all()
         );
-        self.choice_prob(triangles, receiver, place, light, f64::INFINITY)
+        self.choice_prob(receiver, place, light, f64::INFINITY)
     }
 
     pub(super) fn len(&self) -> usize {

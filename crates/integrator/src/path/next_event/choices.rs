@@ -108,9 +108,7 @@ impl Choices<ChosenMirror> {
         self.of_paths.clear();
         let Some(mirrors) = context.small_mirrors().filter(|_| !numbers.is_empty()) else { return };
         let takes_one = |path: &Path| context.small_mirror_samples(path.is_prefix()) == 1;
-        let choose = |receivers, us| {
-            mirrors.choose(context.scene.triangles(), receivers, 1, us).map(PriorChoice::Made)
-        };
+        let choose = |receivers, us| mirrors.choose(receivers, 1, us).map(PriorChoice::Made);
         self.make(context, wave, takes_one, |i| numbers[i], choose);
     }
 }
@@ -187,11 +185,11 @@ mod tests {
             let receiver = scene.interaction(&rays[i], &hit).receiver();
             let tree = scene.lights().tree().expect("there are many lights");
             let [light] = tree.choose_each([receiver], [numbers[i].light]);
-            let [mirror] = small_mirrors.choose(scene.triangles(), [receiver], 1, [of_mirrors[i]]);
+            let [mirror] = small_mirrors.choose([receiver], 1, [of_mirrors[i]]);
             // They choose different ones of the five clusters.
             let us = [0.4, 0.0, 0.2, 0.2].map(|u| u + 0.2 * of_mirrors[i]);
-            let alone = us.map(|u| small_mirrors.choose(scene.triangles(), [receiver], 1, [u])[0]);
-            assert_eq!(small_mirrors.choose(scene.triangles(), [receiver; 4], 1, us), alone, "{i}");
+            let alone = us.map(|u| small_mirrors.choose([receiver], 1, [u])[0]);
+            assert_eq!(small_mirrors.choose([receiver; 4], 1, us), alone, "{i}");
             with_light += 1;
             with_mirror += u32::from(mirror.is_some());
             assert_eq!(lights.of_path(i), PriorChoice::Made(Some(light)), "{i}");

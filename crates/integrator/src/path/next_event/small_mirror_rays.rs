@@ -122,7 +122,7 @@ fn choose<const N: usize>(
             #[inline(always)]
             || Numbers::mirrors(&parts, size, bounce),
         );
-        let chosen = mirrors.choose(context.scene.triangles(), [vertex.at.receiver(); N], count, us);
+        let chosen = mirrors.choose([vertex.at.receiver(); N], count, us);
         if chosen.iter().all(Option::is_none) {
             continue;
         }

@@ -10,6 +10,8 @@ pub(super) struct Built {
     pub(super) nodes: Vec<Node>,
     /// The number of levels.
     pub(super) depth: u32,
+    /// The index of the first node of the lowest level.
+    pub(super) first_lowest: u32,
     /// For each item, the numbers of the children from the root to it, from the lowest bits up.
     pub(super) paths: Vec<u32>,
 }
@@ -43,10 +45,10 @@ pub(super) fn build(items: &mut [Item]) -> Built {
     while capacity < items.len() {
         (capacity, depth) = (capacity * WIDTH, depth + 1);
     }
-    let mut nodes = Vec::new();
+    let (mut nodes, mut first_lowest) = (Vec::new(), 0);
     let mut groups = vec![Group { items, path: 0 }];
     for level in 0..depth {
-        capacity /= WIDTH;
+        (capacity, first_lowest) = (capacity / WIDTH, nodes.len() as u32);
         // Items are counted from 0.
         let mut next = if level + 1 < depth { nodes.len() + groups.len() } else { 0 };
         let firsts = groups.iter().map(|group| {
@@ -61,7 +63,7 @@ pub(super) fn build(items: &mut [Item]) -> Built {
         nodes.extend(of_level);
         groups = children.into_iter().flatten().collect();
     }
-    Built { nodes, depth, paths: groups.iter().map(|group| group.path).collect() }
+    Built { nodes, depth, first_lowest, paths: groups.iter().map(|group| group.path).collect() }
 }
 
 /// Splits `items` into `count` groups of about equal size, in each of which they keep their order.

@@ -2,10 +2,12 @@
 
 mod bounds;
 mod build;
+mod lanes;
 mod node;
+mod triangle_node;
 
 use super::light_bounds::LightBounds;
-use crate::light::child_weights::{CHILD_BITS, ChildWeights, WIDTH, child_of};
+use crate::light::child_weights::{CHILD_BITS, ChildWeights, WIDTH};
 use crate::light::descent::Descent;
 use crate::light::receiver::Receiver;
 use crate::light::unit_of_length::units_per_length;
@@ -14,6 +16,8 @@ use build::Built;
 use glam::DVec3;
 use globillum_geom::{Aabb, SimdLevel, Triangles};
 use node::{Node, Query};
+use triangle_node::TriangleFacet;
+pub(super) use triangle_node::TriangleNode;
 
 /// A tree over facets, bounded by spheres and cones of normals.
 #[derive(Clone, Debug)]
@@ -22,6 +26,8 @@ pub(super) struct MirrorTree {
     nodes: Vec<Node>,
     /// The number of levels.
     depth: u32,
+    /// The index of the first node of the lowest level.
+    first_lowest: u32,
     /// For each facet, the numbers of the children from the root to it, from the lowest bits up.
     paths: Vec<u32>,
     /// The bounds of closed bodies.
@@ -45,6 +51,20 @@ pub(super) struct FacetBounds {
     pub(super) body: Option<u32>,
 }
 
+/// A node of the lowest level, and the query of its facets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LowestNode<'a> {
+    /// Its place among the lowest nodes.
+    pub(super) number: u32,
+    pub(super) node: &'a Node,
+    pub(super) query: &'a Query,
+}
+
+/// The importance of the facets of a lowest node, by lane; 0 for those that show no light.
+pub(super) trait FacetImportance: Fn(&LowestNode<'_>) -> [f64; WIDTH] {}
+
+impl<F: Fn(&LowestNode<'_>) -> [f64; WIDTH]> FacetImportance for F {}
+
 /// From where a facet is chosen, and to show what.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Viewpoint {
@@ -54,6 +74,11 @@ pub(super) struct Viewpoint {
 
 /// The bit of mirrors that are in no body.
 const OPEN: u32 = 1 << 31;
+
+/// The bit of the body at this place, or of none.
+fn bit_of(body: Option<u32>) -> u32 {
+    body.map_or(OPEN, |body| 1 << body)
+}
 
 impl MirrorTree {
     /// A tree over one or more facets, and their order in the tree.
@@ -71,32 +96,50 @@ impl MirrorTree {
             radius: 0.5 * of.bounds.extent().length() * scale,
             normal: of.normal,
             area: of.area * scale * scale,
-            body: of.body.map_or(OPEN, |body| 1 << body),
+            body: bit_of(of.body),
         };
         let mut items: Vec<_> = (0..).zip(facets).map(item).collect();
-        let Built { nodes, depth, paths } = build::build(&mut items);
+        let Built { nodes, depth, first_lowest, paths } = build::build(&mut items);
         let order = items.iter().map(|item| item.facet).collect();
-        (Self { nodes, depth, paths, bodies, origin, scale, simd: SimdLevel::best() }, order)
+        (Self { nodes, depth, first_lowest, paths, bodies, origin, scale, simd: SimdLevel::best() }, order)
     }
 
-    /// Where choices among the facets for which `shows` holds begin; `None` if none is ever chosen. `shows` takes the place of a
-    /// facet and the share of it that may show lights as far as bounds tell, above zero.
+    /// The lowest nodes of a tree over triangles, in their order. `triangle` returns the facet at a place with its vertices.
+    pub(super) fn triangle_nodes(
+        &self,
+        triangle: impl Fn(u32) -> (FacetBounds, [DVec3; 3]),
+    ) -> Vec<TriangleNode> {
+        let facet = |place: u32| {
+            let (FacetBounds { normal, body, .. }, vertices) = triangle(place);
+            let [a, b, c] = vertices.map(|vertex| (vertex - self.origin) * self.scale);
+            let is_front = (b - a).cross(c - a).dot(normal) > 0.0;
+            let vertices = if is_front { [a, b, c] } else { [a, c, b] };
+            TriangleFacet { vertices, body: bit_of(body) }
+        };
+        let lowest = &self.nodes[self.first_lowest as usize..];
+        let ends = lowest[1..].iter().map(|node| node.first).chain([self.paths.len() as u32]);
+        let facets =
+            lowest.iter().zip(ends).map(|(node, end)| (node.first..end).map(facet).collect::<Vec<_>>());
+        facets.map(|facets| TriangleNode::new(&facets)).collect()
+    }
+
+    /// Where choices begin; `None` if none is ever made.
     ///
     /// The probability of any choice is `attempts` times the importance of the tree, where that is less than 1.
     #[inline(always)]
-    pub(super) fn root<F: Fn(u32, f32) -> bool>(
+    pub(super) fn root<F: FacetImportance>(
         &self,
         at: &Viewpoint,
         attempts: f64,
-        shows: F,
+        of_facets: F,
     ) -> Option<Root<F>> {
         self.simd.run(
             #[inline(always)]
             || {
                 let query = self.query(at);
-                let weights = self.weights(&query, 0, 1, &shows)?;
+                let weights = self.weights(&query, 0, 1, &of_facets)?;
                 let attempt_prob = (weights.total() * attempts).min(1.0);
-                Some(Root { query, weights, attempt_prob, shows })
+                Some(Root { query, weights, attempt_prob, of_facets })
             },
         )
     }
@@ -106,7 +149,7 @@ impl MirrorTree {
     ///
     /// The descents take turns: they do not depend on each other, so a processor works on all of them.
     #[inline(always)]
-    pub(super) fn choose<F: Fn(u32, f32) -> bool, const N: usize>(
+    pub(super) fn choose<F: FacetImportance, const N: usize>(
         &self,
         roots: &[Option<Root<F>>; N],
         us: [f64; N],
@@ -124,7 +167,7 @@ impl MirrorTree {
                 for level in 2..=self.depth {
                     for (descent, root) in descents.iter_mut().zip(roots) {
                         let (Some(here), Some(root)) = (*descent, root) else { continue };
-                        let weights = self.weights(&root.query, here.at, level, &root.shows);
+                        let weights = self.weights(&root.query, here.at, level, &root.of_facets);
                         *descent = weights.map(
                             #[inline(always)]
                             |weights| self.step(here, &weights),
@@ -156,15 +199,15 @@ impl MirrorTree {
     /// The probability with which [`MirrorTree::choose`] chooses the facet at `place`, to the bit; `None` if it never
     /// does.
     #[inline(always)]
-    pub(super) fn prob<F: Fn(u32, f32) -> bool>(&self, root: &Root<F>, place: u32) -> Option<f64> {
+    pub(super) fn prob<F: FacetImportance>(&self, root: &Root<F>, place: u32) -> Option<f64> {
         self.simd.run(
             #[inline(always)]
             || {
-                let Root { query, mut weights, attempt_prob: mut prob, ref shows } = *root;
+                let Root { query, mut weights, attempt_prob: mut prob, ref of_facets } = *root;
                 let (mut index, mut path) = (0, self.paths[place as usize]);
                 for level in 1..=self.depth {
                     if level > 1 {
-                        weights = self.weights(&query, index, level, shows)?;
+                        weights = self.weights(&query, index, level, of_facets)?;
                     }
                     let child = path as usize % WIDTH;
                     path >>= CHILD_BITS;
@@ -183,17 +226,14 @@ impl MirrorTree {
         query: &Query,
         index: u32,
         level: u32,
-        shows: &impl Fn(u32, f32) -> bool,
+        of_facets: &impl FacetImportance,
     ) -> Option<ChildWeights> {
         let node = &self.nodes[index as usize];
-        let (mut importance, shares) = node.importance(query);
-        if level == self.depth {
-            for (lane, (importance, share)) in importance.iter_mut().zip(shares).enumerate() {
-                if *importance > 0.0 && !shows(node.first + child_of(lane) as u32, share) {
-                    *importance = 0.0;
-                }
-            }
-        }
+        let importance = if level < self.depth {
+            node.importance(query)
+        } else {
+            of_facets(&LowestNode { number: index - self.first_lowest, node, query })
+        };
         let weights = ChildWeights::of_importance(importance);
         (weights.total() > 0.0).then_some(weights)
     }
@@ -226,6 +266,5 @@ pub(super) struct Root<F> {
     weights: ChildWeights,
     /// The probability that any facet is chosen.
     attempt_prob: f64,
-    /// Whether the facet at a place is one of those among which is chosen.
-    shows: F,
+    of_facets: F,
 }

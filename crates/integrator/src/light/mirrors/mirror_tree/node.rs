@@ -1,13 +1,11 @@
 use super::bounds::Bounds;
+use super::lanes::{Lanes, abs, dot, lane, lanes, max, min, minus, vector_lanes};
 use crate::light::child_weights::{WIDTH, child_of};
 use glam::{DVec3, Vec3};
 
-/// A number for each child, by lane. Single precision is enough for bounds that only guide sampling.
-type Lanes = [f32; WIDTH];
-
 /// A receiver and the lights, in the tree's frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Query {
+pub(crate) struct Query {
     pub(super) from: Vec3,
     /// The unit normal on the side of the surface where mirrors count.
     pub(super) side: Vec3,
@@ -23,7 +21,7 @@ pub(super) struct Query {
 /// A node of the mirror tree: the bounds of its children, by component. Each vector has a cache line of its own.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(crate) struct Node {
     center: [Lanes; 3],
     radius: Lanes,
     axis: [Lanes; 3],
@@ -36,7 +34,7 @@ pub(super) struct Node {
     /// The bits of the bodies of each child, by lane.
     bodies: [u32; WIDTH],
     /// The index of the first child; the others follow.
-    pub(super) first: u32,
+    pub(crate) first: u32,
 }
 
 impl Node {
@@ -48,10 +46,8 @@ impl Node {
 
     /// A node of one to `WIDTH` children, of which the first has the index `first`.
     pub(super) fn new(children: &[Bounds], first: u32) -> Self {
-        let lanes = |value: &dyn Fn(&Bounds) -> f64| -> Lanes {
-            std::array::from_fn(|lane| children.get(child_of(lane)).map_or(0.0, |child| value(child) as f32))
-        };
-        let vectors = |value: &dyn Fn(&Bounds) -> DVec3| [0, 1, 2].map(|k| lanes(&|child| value(child)[k]));
+        let numbers = |value: &dyn Fn(&Bounds) -> f64| lanes(children, value);
+        let vectors = |value: &dyn Fn(&Bounds) -> DVec3| vector_lanes(children, value);
         let is_wide = |bounds: &Bounds| bounds.angles[0].max(bounds.angles[1]) >= Self::MIN_WIDE_ANGLE;
         let side = |bounds: &Bounds, k: usize| {
             let (sin, cos) = libm::sincos(bounds.angles[k]);
@@ -61,18 +57,18 @@ impl Node {
         let bodies = |bounds: &Bounds| if is_wide(bounds) { u32::MAX } else { bounds.bodies };
         Self {
             center: vectors(&|bounds| bounds.center),
-            radius: lanes(&|bounds| bounds.radius),
+            radius: numbers(&|bounds| bounds.radius),
             axis: vectors(&|bounds| bounds.frame[0]),
             sides: [0, 1].map(|k| vectors(&|bounds| side(bounds, k).1)),
-            sines: [0, 1].map(|k| lanes(&|bounds| side(bounds, k).0)),
-            area: lanes(&|bounds| bounds.area),
+            sines: [0, 1].map(|k| numbers(&|bounds| side(bounds, k).0)),
+            area: numbers(&|bounds| bounds.area),
             bodies: std::array::from_fn(|lane| children.get(child_of(lane)).map_or(0, bodies)),
             first,
         }
     }
 
     /// The importance of each child, by lane: the solid angle that it takes up, times the square root of the share of its
-    /// normals for which a ray goes on to the lights, times the largest cosine at the receiver. Then those shares.
+    /// normals for which a ray goes on to the lights, times the largest cosine at the receiver.
     ///
     /// Bounds tell the share only on average. Where a child shows lights either with all of its normals or with none, the
     /// root of the mean square of what it shows, by which the variance is least, is the square root of the share.
@@ -83,14 +79,14 @@ impl Node {
     /// receiver or a light is within the sphere of a plane child, all of it counts; of a curved one, in which every
     /// direction to the receiver occurs, as much as of any half vector.
     #[inline(always)]
-    pub(super) fn importance(&self, query: &Query) -> ([f64; WIDTH], [f32; WIDTH]) {
+    pub(crate) fn importance(&self, query: &Query) -> [f64; WIDTH] {
         const MIN_LENGTH_SQ: f32 = f32::MIN_POSITIVE;
-        let (mut all, mut shares) = ([0.0; WIDTH], [0.0; WIDTH]);
+        let mut all = [0.0; WIDTH];
         // A plain loop in single precision, which the compiler vectorizes.
-        for (i, (importance, of_normals)) in all.iter_mut().zip(&mut shares).enumerate() {
+        for (i, importance) in all.iter_mut().enumerate() {
             let radius = self.radius[i];
-            let to_from = difference(query.from, &self.center, i);
-            let to_lights = difference(query.lights, &self.center, i);
+            let to_from = minus(query.from.to_array(), lane(&self.center, i));
+            let to_lights = minus(query.lights.to_array(), lane(&self.center, i));
             let from_sq = max(dot(to_from, to_from), MIN_LENGTH_SQ);
             let lights_sq = max(dot(to_lights, to_lights), MIN_LENGTH_SQ);
             let (per_from, per_lights) = (1.0 / from_sq.sqrt(), 1.0 / lights_sq.sqrt());
@@ -118,9 +114,8 @@ impl Node {
             // Quotients do not wait for the share.
             let solid_angle = self.area[i] * cos_from / max(from_sq, radius * radius);
             *importance = solid_angle * cos * share.sqrt();
-            *of_normals = share;
         }
-        (all.map(f64::from), shares)
+        all.map(f64::from)
     }
 
     /// The share of the normals of child `i` along side `k` of its cone for which a ray goes on to the lights.
@@ -195,40 +190,10 @@ fn overlap(middle: f32, spread: f32, half_width: f32) -> f32 {
     min(max(common * (0.5 / spread), 0.0), 1.0)
 }
 
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn abs(a: f32) -> f32 {
-    a.abs()
-}
-
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
 /// An upper bound of `2 s / (2 - s)` for `s` up to 1, and of 2 from there on: the largest difference of the unit
 /// vectors from a point to two others, whose distance is `s` times that of the first (Dunkl and Williams 1964).
 #[inline(always)]
 fn turn(s: f32) -> f32 {
     let s = min(s, 1.0);
     s + s * s * (0.5 + 0.5 * s)
-}
-
-#[inline(always)]
-fn lane(vectors: &[Lanes; 3], i: usize) -> [f32; 3] {
-    [vectors[0][i], vectors[1][i], vectors[2][i]]
-}
-
-#[inline(always)]
-fn difference(point: Vec3, vectors: &[Lanes; 3], i: usize) -> [f32; 3] {
-    [point.x - vectors[0][i], point.y - vectors[1][i], point.z - vectors[2][i]]
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
