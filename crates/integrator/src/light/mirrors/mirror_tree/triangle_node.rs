@@ -25,7 +25,7 @@ pub(super) struct TriangleFacet {
 }
 
 impl TriangleFacet {
-    /// That of the circumradius of an equilateral triangle with the longest side.
+    /// The square of the circumradius of an equilateral triangle with the longest side.
     fn near_sq(&self) -> f64 {
         let [a, b, c] = self.vertices;
         (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()) / 3.0
@@ -74,7 +74,7 @@ impl TriangleNode {
             let (to_corner, to_lights) = (image.map(|x| -x), minus(lights, image));
             let (a, c) = (cross(to_corner, left), cross(right, to_corner));
             let b = minus(minus(normal, a), c);
-            // The intervals are in units of the inverse of the largest distance along the normal.
+            // Barycentric coordinates times the lights' largest distance from the image along the normal.
             let whole = largest_height + abs(height);
             let overlap = |inward: [f32; 3]| {
                 let (middle, reach) = (facing * dot(inward, to_lights), reach(inward));
