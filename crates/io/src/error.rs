@@ -72,9 +72,9 @@ pub enum IoError {
         message: String,
     },
     /// A coordinate is NaN or infinite, or too large for `f32`.
-    #[error("{at}: coordinate is not finite")]
+    #[error("{at}: coordinate is not finite in single precision")]
     NonFinite {
-        /// Where.
+        /// Where: the line of an OBJ file, or the vertex of a glTF file ([`Place::Vertex`](crate::Place::Vertex)).
         at: Location,
     },
     /// A number is outside the range in which a scene can be traced, or that glTF allows, or a transform is invalid.

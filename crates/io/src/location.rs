@@ -29,6 +29,12 @@ pub enum Place {
         mesh: usize,
         primitive: usize,
     },
+    /// A vertex of a primitive: an element of its `POSITION`.
+    Vertex {
+        mesh: usize,
+        primitive: usize,
+        vertex: usize,
+    },
     Material(usize),
     Accessor(usize),
     BufferView(usize),
@@ -55,6 +61,9 @@ impl fmt::Display for Location {
             Place::DefaultScene => return write!(f, "{path}: scene"),
             Place::Primitive { mesh, primitive } => {
                 return write!(f, "{path}: meshes[{mesh}].primitives[{primitive}]");
+            }
+            Place::Vertex { mesh, primitive, vertex } => {
+                return write!(f, "{path}: meshes[{mesh}].primitives[{primitive}], vertex {vertex}");
             }
             Place::Scene(index) => ("scenes", index),
             Place::Node(index) => ("nodes", index),

@@ -99,6 +99,30 @@ fn without_indices_vertices_follow_each_other() {
 }
 
 #[test]
+fn a_vertex_that_is_not_finite_is_named() {
+    for (vertex, x) in [(1, f32::NAN), (3, f32::INFINITY)] {
+        // The vertices in reverse: a corner has another number than its vertex.
+        let (json, mut binary) = square(&json!({
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": 6}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                {"bufferView": 1, "componentType": 5121, "count": 4, "type": "SCALAR"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 4}],
+            "buffers": [{"byteLength": 52}],
+        }));
+        binary[12 * vertex + 8..12 * vertex + 12].copy_from_slice(&x.to_le_bytes());
+        binary.extend([3, 2, 1, 0]);
+        let files = Files::new(&[("a.glb", &glb(&json.to_string(), &binary))]);
+        let error = files.load("a.glb").unwrap_err();
+        let message = format!(
+            "a.glb: meshes[0].primitives[0], vertex {vertex}: coordinate is not finite in single precision"
+        );
+        assert_eq!(files.shortened(&error), message);
+        let IoError::NonFinite { at } = error else { panic!("{error}") };
+        assert_eq!(at.place, Place::Vertex { mesh: 0, primitive: 0, vertex });
+    }
+}
+
+#[test]
 fn interleaved_vertices_are_read_by_their_stride() {
     let (json, _) = square(&json!({
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0}, "mode": 6}]}],

@@ -19,7 +19,9 @@ fn statements() -> Vec<Case> {
         (row, line, "Index", format!("5: index {index} is out of range ({of})"))
     };
     let parse = |row, line: &'static str, message: &str| (row, line, "Parse", message.to_owned());
-    let not_finite = |row, line: &'static str| (row, line, "NonFinite", "5: coordinate is not finite".into());
+    let not_finite = |row, line: &'static str| {
+        (row, line, "NonFinite", "5: coordinate is not finite in single precision".into())
+    };
     let lines = [
         index(1, "f 1 2 0", "0", "vertices above: 4"),
         index(2, "f 1 2 5", "5", "vertices above: 4"),

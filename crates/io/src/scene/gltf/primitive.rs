@@ -94,6 +94,16 @@ impl Primitive<'_> {
         Ok([a?, b?, c?])
     }
 
+    /// Where the vertex is.
+    fn place_of(&self, vertex: u64) -> Place {
+        match self.place {
+            Place::Primitive { mesh, primitive } => {
+                Place::Vertex { mesh, primitive, vertex: vertex as usize }
+            }
+            place => place,
+        }
+    }
+
     fn position(&self, corner: u64, loading: &Loading<'_>) -> Result<DVec3> {
         let vertex = self.indices.as_ref().map_or(corner, |(indices, _)| indices.index(corner));
         if vertex >= self.positions.count() {
@@ -104,7 +114,7 @@ impl Primitive<'_> {
         if position.is_finite() {
             Ok(position.as_dvec3())
         } else {
-            Err(IoError::NonFinite { at: loading.at(self.place) })
+            Err(IoError::NonFinite { at: loading.at(self.place_of(vertex)) })
         }
     }
 }
