@@ -12,9 +12,10 @@ use std::path::{Path, PathBuf};
 const LONG_ABOUT: &str = "\
 Tells whether two pictures of a scene, for example of two programs, differ by more than chance.
 
-Each side is one OpenEXR file, whose layer `stderr` has the error of each pixel if it was written by this program; \
-or several files, which are seeds of one picture: they are averaged, and their spread is the error. A side may be \
-any program's: radiance is read from the channels R, G and B.
+Each side is one OpenEXR file, whose layer `stderr` has the error of each pixel if this program wrote it after \
+several passes; or several files, which are seeds of one picture: they are averaged, and their spread is the error. A \
+side may be any program's: radiance is read from the channels R, G and B, else those of the layer `Combined`, else of \
+the only layer that has them. One file without the layer `stderr` has no errors.
 
 Both sides must be independent, that is have other seeds, and so must the errors of the blocks of 4 x 4 pixels \
 within a picture (of its tiles of 16 x 16 pixels if it reuses paths): a filter that spreads samples over several \
@@ -22,16 +23,18 @@ pixels (splatting) breaks this; a box filter and filter importance sampling do n
 
 Up to four tests decide: whether one side is brighter; whether neighbouring blocks differ alike; and, if errors are \
 known, whether squared differences of pixels exceed them (chi-square), and whether one block differs by many standard \
-errors. Equal pictures are called different with the stated false-alarm rate at most. Few tiles tell nothing, nor do \
-many if errors are not known and few tiles outshine the others: where even the picture beside black would not be \
-called different, `diff` says that it cannot tell, with exit code 5.";
+errors. Equal pictures are called different with the stated false-alarm rate at most. Few tiles tell nothing if errors \
+are not known, or not well, nor do many if errors are not known and few tiles outshine the others: where even the \
+picture beside black would not be called different, `diff` says that it cannot tell, with exit code 5.";
 
 const EXAMPLES: &str = "\
 Examples:
   Two seeds of this program:
       globillum diff a.exr b.exr
-  This program beside another one, where pictures differ as a PNG:
-      globillum diff a.exr theirs.exr --block-map z.png
+  This program beside another one, whose files have no errors:
+      globillum diff a.exr theirs.exr
+  Where they differ as a PNG, by the spread of four seeds of the other one:
+      globillum diff a.exr --with b1.exr b2.exr b3.exr b4.exr --block-map z.png
   Four seeds of each of two programs:
       globillum diff a1.exr a2.exr a3.exr a4.exr --with b1.exr b2.exr b3.exr b4.exr";
 
@@ -51,8 +54,8 @@ pub(crate) struct Options {
     false_alarm: f64,
     /// Show how many standard errors pixels differ by: red where the first side is brighter, blue where darker
     ///
-    /// White is no difference, full colour 5 standard errors or more, grey where errors are unknown. Of the three
-    /// components, the one that differs most is shown.
+    /// White is no difference, full colour 5 standard errors or more, grey where errors are unknown: everywhere if a
+    /// side is one file without errors. Of the three components, the one that differs most is shown.
     #[arg(long, value_name = "FILE.png", help_heading = "Output")]
     map: Option<PathBuf>,
     /// The same for blocks of 4 x 4 pixels, in which small differences of many pixels show

@@ -7,7 +7,8 @@ use std::process::Output;
 const SMALL: [&str; 6] = ["--width", "32", "--height", "32", "--spp", "32"];
 
 fn render(folder: &Path, out: &str, flags: &[&str]) {
-    CORNELL.succeed(folder, &[&SMALL[..], &["--out", out, "--pass-spp", "4"], flags].concat());
+    let pass: &[&str] = if flags.contains(&"--pass-spp") { &[] } else { &["--pass-spp", "4"] };
+    CORNELL.succeed(folder, &[&SMALL[..], &["--out", out], pass, flags].concat());
 }
 
 fn diff(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
@@ -44,6 +45,45 @@ fn seeds_are_equal_and_another_scene_is_different() {
         let map = image::open(folder.join(name)).expect("a picture").into_rgb8();
         assert_eq!(map.dimensions(), (32, 32), "{name}");
         assert!(map.pixels().any(|pixel| pixel.0[0] == 255 && pixel.0[1] < 200), "{name}: is red somewhere");
+    }
+}
+
+/// Files of another program are stood for by those of a single pass, which have no errors either.
+#[test]
+fn examples_that_write_a_map_show_something_in_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let said = GLOBILLUM.succeed(folder, &["diff", "--help"]);
+    let (_, examples) = said.split_once("\nExamples:\n").expect("there are examples");
+    let mut maps = 0;
+    for line in examples.lines().filter_map(|line| line.trim().strip_prefix("globillum diff ")) {
+        let arguments: Vec<&str> = line.split_whitespace().collect();
+        let Some(map) = arguments.iter().find(|name| name.ends_with(".png")) else { continue };
+        for (seed, name) in arguments.iter().filter(|name| name.ends_with(".exr")).enumerate() {
+            let pass = if *name == "a.exr" { "4" } else { "32" };
+            render(folder, name, &["--pass-spp", pass, "--seed", &seed.to_string()]);
+        }
+        let (code, _, error) = diff(folder, &arguments);
+        assert!(matches!(code, Some(0 | 5)), "{line}: {error}");
+        let picture = image::open(folder.join(map)).expect("a picture").into_rgb8();
+        let first = picture.get_pixel(0, 0);
+        assert!(picture.pixels().any(|pixel| pixel != first), "{line}: {map} is {first:?} everywhere");
+        maps += 1;
+    }
+    assert!(maps > 0, "{examples}");
+}
+
+/// A file of another program may be such, and then a map shows nothing.
+#[test]
+fn maps_are_grey_beside_a_file_without_errors() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    render(folder, "a.exr", &[]);
+    render(folder, "b.exr", &["--pass-spp", "32", "--seed", "1"]);
+    diff(folder, &["a.exr", "b.exr", "--map", "z.png", "--block-map", "blocks.png"]);
+    for name in ["z.png", "blocks.png"] {
+        let map = image::open(folder.join(name)).expect("a picture").into_rgb8();
+        assert!(map.pixels().all(|pixel| pixel.0 == [124; 3]), "{name}");
     }
 }
 
