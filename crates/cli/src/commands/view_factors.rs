@@ -62,7 +62,8 @@ pub(crate) struct Options {
     rays: Option<u64>,
     /// Stop when the relative standard error of the factors is at most E, such as 0.01 for 1 %
     ///
-    /// The error is the root mean squared standard error of the factors of at least --at-least, over their mean.
+    /// The error is the root mean squared standard error of the factors of at least --at-least, over their mean. If
+    /// --rays ends the run before, it is done all the same, with exit code 0: what ended it is in the table.
     #[arg(long, value_name = "E", value_parser = parse::positive, help_heading = "When to stop")]
     #[arg(allow_negative_numbers = true)]
     error: Option<f64>,

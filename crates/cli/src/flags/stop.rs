@@ -9,7 +9,8 @@ pub(crate) struct StopFlags {
     /// Stop when the picture's relative RMSE is at most E, such as 0.01 for 1 %
     ///
     /// The error is the root mean squared error of the pixels over the picture's mean. What has to fall to E
-    /// is the upper end of its 95 % confidence interval.
+    /// is the upper end of its 95 % confidence interval. If --spp or --seconds ends the render before, it is done all the
+    /// same, with exit code 0: what ended it is in the table, and as `ended_by` in --stats.
     #[arg(long, value_name = "E", value_parser = parse::positive, allow_negative_numbers = true)]
     error: Option<f64>,
     /// Two stages: plan the samples for --error from this number of passes, which are then dropped

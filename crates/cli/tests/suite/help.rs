@@ -57,6 +57,18 @@ fn flags_are_grouped_and_in_the_terms_of_the_field() {
     }
 }
 
+/// `an_error_can_be_asked_for` and its like of view factors test that it is so.
+#[test]
+fn help_says_that_a_missed_error_is_no_failure() {
+    for command in ["render", "cornell", "irradiance", "view-factors"] {
+        let said = help(&[command, "--help"]);
+        let error = said.split("\n      --").find(|entry| entry.starts_with("error <E>"));
+        let words: Vec<&str> = error.expect("there is such a flag").split_whitespace().collect();
+        let error = words.join(" ");
+        assert!(error.contains("before, it is done all the same, with exit code 0"), "{command}: {error}");
+    }
+}
+
 /// An example that names a flag or a value that is not there would be refused.
 #[test]
 fn examples_can_be_parsed() {
