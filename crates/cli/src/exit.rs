@@ -15,8 +15,8 @@ Exit codes:
   3   incomplete: a part is missing or damaged
   4   different: `diff` found a difference
   5   undecided: `diff` cannot tell
-  75  temporary error (EX_TEMPFAIL): the disk is full, a server does not answer, no more threads are
-  allowed; `task` after a signal
+  75  temporary error (EX_TEMPFAIL): the disk is full, a server does not answer, no more threads or
+  memory are allowed; `task` after a signal
   141 the reader of standard output closed it before all data was written
   129, 130, 143  ended by SIGHUP (the terminal closed), SIGINT (Ctrl-C) or SIGTERM, except `task`";
 
@@ -71,13 +71,18 @@ fn is_temporary(error: &anyhow::Error) -> bool {
     if let Some(failures) = error.downcast_ref::<Failures>() {
         return failures.errors().iter().all(is_temporary);
     }
-    causes(error).any(is_temporary_kind) || lacks_threads(error)
+    causes(error).any(is_temporary_kind) || lacks_threads(error) || lacks_memory(error)
 }
 
 /// Whether threads could not be started.
 fn lacks_threads(error: &anyhow::Error) -> bool {
     let of_render = matches!(error.downcast_ref(), Some(RenderError::Threads(_)));
     of_render || matches!(error.downcast_ref(), Some(FactorError::Threads(_)))
+}
+
+/// Whether the memory of a picture is refused, which other machines may have.
+fn lacks_memory(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(RenderError::Memory { .. }))
 }
 
 /// Whether an error of the operating system is temporary.

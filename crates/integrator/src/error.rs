@@ -108,6 +108,15 @@ pub enum RenderError {
     /// The picture to resume cannot be continued.
     #[error("the picture to resume {0}")]
     Checkpoint(CheckpointError),
+    /// The system refuses the memory that a picture takes. One that is promised more memory than there is may still end the
+    /// process.
+    #[error("{} x {} pixels take at least {bytes} bytes of memory, which the system refuses", size[0], size[1])]
+    Memory {
+        /// Width and height of what was to be rendered.
+        size: [u32; 2],
+        /// The bytes that its first pass holds at least.
+        bytes: u64,
+    },
     /// The worker threads could not be started.
     #[error("worker threads: {0}")]
     Threads(String),

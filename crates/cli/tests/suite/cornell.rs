@@ -103,3 +103,20 @@ fn a_small_picture_and_its_figures_are_written() {
     assert!(stats["limit_ends"].as_u64().is_some_and(|n| n > 0));
     assert!(stats["accelerator_bytes"].as_u64().is_some_and(|n| n > 36 * 36));
 }
+
+/// The largest picture takes 13 GB at least, of which the limit leaves 8.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_beyond_the_memory_allowed_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let limited = "ulimit -v 8000000 && exec \"$0\" cornell --width 16384 --height 8192 --spp 1 --threads 1";
+    let output = std::process::Command::new("sh")
+        .args(["-c", limited, CORNELL.path])
+        .current_dir(folder.path())
+        .output()
+        .expect("there is a shell");
+    let said = String::from_utf8_lossy(&output.stderr);
+    let refused = "16384 x 8192 pixels take at least 12884901888 bytes of memory, which the system refuses";
+    assert_eq!(said, format!("error: {refused}\n"));
+    assert_eq!(output.status.code(), Some(75));
+}

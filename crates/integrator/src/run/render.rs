@@ -5,6 +5,7 @@ use super::pass::PassRenderer;
 use super::pass_loop::PassLoop;
 use super::stop::Stop;
 use crate::caught::caught;
+use crate::film::Moments;
 use crate::path::{prepare, train_guide};
 use crate::pixel_rect::PixelRect;
 use crate::worker_threads::run_in_threads;
@@ -12,6 +13,7 @@ use crate::{CheckpointError, Ending, Film, Picture, RenderError, Scene, Sensor, 
 use globillum_geom::Accel;
 use std::cmp::Ordering;
 use std::fmt;
+use std::hint::black_box;
 use std::ops::{ControlFlow, Range};
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -159,6 +161,7 @@ impl<'a> Render<'a> {
     /// [`RenderError::Param`] for settings and stop conditions out of range, [`RenderError::Range`] for passes, crop or rows,
     /// [`RenderError::SensorSize`] for settings of another size than the sensor's,
     /// [`RenderError::Checkpoint`] for a picture to resume that does not belong to this render,
+    /// [`RenderError::Memory`] if the system refuses the memory of the picture,
     /// [`RenderError::Threads`] if no threads can be started, [`RenderError::NonFinite`] for a sample
     /// that is NaN or infinite. Panics are caught: [`RenderError::Preparation`] and
     /// [`RenderError::Worker`] for one in an accelerator, the sensor,
@@ -178,6 +181,7 @@ impl<'a> Render<'a> {
         let picture = self.start(crop, self.checked_rows(crop.height)?, &settings)?;
         let rows = picture.film.rows();
         let window = PixelRect { y: crop.y + rows.start, height: rows.end - rows.start, ..crop };
+        check_memory([window.width, window.height])?;
         let work = || {
             let cancelled = || monitor.cancelled();
             let guide = train_guide(self.scene, self.sensor, &settings, cancelled)?;
@@ -278,4 +282,31 @@ fn check_range(name: &'static str, asked: &Range<u32>, end: u32, step: u32) -> R
         return Ok(());
     }
     Err(RenderError::Range { name, asked: asked.clone(), end, step })
+}
+
+/// Refuses a picture of this size if the system refuses what its first pass holds: the moments of each pixel, in tiles and in
+/// the film.
+fn check_memory(size: [u32; 2]) -> Result<(), RenderError> {
+    let pixels = size.map(u64::from).into_iter().product::<u64>();
+    let mut held: Vec<[Moments; 2]> = Vec::new();
+    let reserved = held.try_reserve_exact(usize::try_from(pixels).unwrap_or(usize::MAX));
+    // Compilers may leave out an allocation that nothing looks at.
+    black_box(&mut held);
+    let bytes = pixels.saturating_mul(size_of::<[Moments; 2]>() as u64);
+    reserved.map_err(|_| RenderError::Memory { size, bytes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// They have more bytes than a machine has addresses.
+    #[test]
+    fn a_picture_that_no_memory_holds_is_refused() {
+        let size = [u32::MAX; 2];
+        assert_eq!(check_memory(size), Err(RenderError::Memory { size, bytes: u64::MAX }));
+        let size = [1 << 30, 1 << 27];
+        assert_eq!(check_memory(size), Err(RenderError::Memory { size, bytes: 96 << 57 }));
+        assert_eq!(check_memory([1 << 10; 2]), Ok(()));
+    }
 }
