@@ -186,7 +186,7 @@ impl LightsFromChild {
 #[inline(always)]
 fn overlap(middle: f32, spread: f32, half_width: f32) -> f32 {
     let (middle, spread) = (abs(middle), max(spread, f32::MIN_POSITIVE));
-    let common = min(middle + spread, half_width) - max(middle - spread, -half_width);
+    let common = min(2.0 * min(spread, half_width), spread + half_width - middle);
     min(max(common * (0.5 / spread), 0.0), 1.0)
 }
 
