@@ -97,6 +97,20 @@ impl ChildWeights {
         let rest = 1.0 - (self.ends[lane] - at) / self.of_lanes[lane];
         (child, rest.clamp(0.0, 1.0_f64.next_down()))
     }
+
+    /// The children that the numbers `(u + k) / N` choose, for `k` from 0 to `N - 1`, and the number in `[0, 1)` that is left:
+    /// it is uniform for those children. Each of them alone has the probabilities of [`ChildWeights::choose`].
+    #[inline(always)]
+    pub(super) fn choose_systematically<const N: usize>(&self, u: f64) -> ([usize; N], f64) {
+        let (mut children, mut below, mut above) = ([0; N], f64::INFINITY, f64::INFINITY);
+        for (k, chosen) in children.iter_mut().enumerate() {
+            let (child, rest) = self.choose(((u + k as f64) / N as f64).min(1.0_f64.next_down()));
+            let weight = self.of_lanes[lane_of(child)];
+            (below, above) = (below.min(rest * weight), above.min((1.0 - rest) * weight));
+            *chosen = child;
+        }
+        (children, (below / (below + above)).min(1.0_f64.next_down()))
+    }
 }
 
 /// Adds the sum of the first half of each block of children to all sums in the second half. A half has this many columns; a
@@ -142,6 +156,48 @@ mod tests {
             for u in us.chain([0.0, 1.0_f64.next_down()]).filter(|u| (0.0..1.0).contains(u)) {
                 let (child, left) = weights.choose(u);
                 assert!(weights.prob(child) > 0.0 && (0.0..1.0).contains(&left), "{i}: {u}, {child}, {left}");
+            }
+        }
+    }
+
+    /// Of evenly spaced numbers, those that choose the same children leave evenly spaced numbers; a child is among the children
+    /// as often as `N` single choices take it.
+    #[test]
+    fn systematic_choices_have_the_probabilities_of_single_ones() {
+        const N: usize = 4;
+        let count = 4096;
+        for i in 0..100 {
+            let weights = ChildWeights::of_importance(importances(i).0);
+            if weights.total() == 0.0 {
+                continue;
+            }
+            let mut times = [0_u32; WIDTH];
+            let mut rests = std::collections::HashMap::<_, Vec<f64>>::new();
+            for k in 0..count {
+                let (children, rest) =
+                    weights.choose_systematically::<N>((f64::from(k) + 0.5) / f64::from(count));
+                children.iter().for_each(|&child| times[child] += 1);
+                rests.entry(children).or_default().push(rest);
+            }
+            for (child, times) in times.into_iter().enumerate() {
+                let expected = (N * count as usize) as f64 * weights.prob(child);
+                assert!(
+                    (f64::from(times) - expected).abs() <= 1.0 + 1e-9,
+                    "{i}, {child}: {times}, {expected}"
+                );
+            }
+            for (children, rests) in rests {
+                let share = 1.0 / rests.len() as f64;
+                for (k, rest) in rests.iter().enumerate() {
+                    let expected = (k as f64 + 0.5) * share;
+                    assert!((rest - expected).abs() <= share, "{i}, {children:?}: {rest}, {expected}");
+                }
+            }
+            for u in [0.0, 1.0_f64.next_down()] {
+                let (children, rest) = weights.choose_systematically::<N>(u);
+                assert!(
+                    children.iter().all(|&child| weights.prob(child) > 0.0) && (0.0..1.0).contains(&rest)
+                );
             }
         }
     }

@@ -1,6 +1,6 @@
 use super::facet::Facet;
 use super::light_bounds::LightBounds;
-use super::mirror_tree::{FacetBounds, LowestNode, MirrorTree, Viewpoint};
+use super::mirror_tree::{Choice, FacetBounds, LowestNode, MirrorTree, Viewpoint};
 use super::triangle_map::TriangleMap;
 use crate::light::child_weights::{WIDTH, child_of};
 use crate::light::receiver::Receiver;
@@ -71,8 +71,8 @@ impl LargeMirrors {
     ) -> Option<ChosenFacet<'_>> {
         let importance = |node: &LowestNode<'_>| self.importance(triangles, receiver.position, node);
         let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, importance)?;
-        let [chosen] = self.tree.choose(&[Some(root)], [draw()]);
-        let (index, prob) = chosen?;
+        let [choice] = self.tree.choose::<_, 1, 1>(&[Some(root)], [draw()]);
+        let Choice { place: index, prob, .. } = choice?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
 

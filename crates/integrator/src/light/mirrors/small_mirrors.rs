@@ -1,7 +1,7 @@
 use super::facet::{mirror_image, reflection};
 use super::light_clusters::{Cluster, LightClusters};
 use super::mirror_tree::{
-    FacetBounds, FacetImportance, LowestNode, MirrorTree, Root, TriangleNode, Viewpoint,
+    Choice, FacetBounds, FacetImportance, LowestNode, MirrorTree, Root, TriangleNode, Viewpoint,
 };
 use super::triangle_map::TriangleMap;
 use crate::light::receiver::Receiver;
@@ -36,9 +36,8 @@ pub(super) struct SmallMirror {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ChosenMirror {
     cluster: u32,
-    place: u32,
-    /// The probability of the choice, for lights of the cluster.
-    prob: f64,
+    /// For lights of the cluster.
+    choice: Choice,
 }
 
 /// A point on a mirror triangle.
@@ -48,8 +47,11 @@ pub(crate) struct MirrorPoint {
     pub(crate) point: SurfacePoint,
     /// Unit direction from the receiver.
     pub(crate) direction: DVec3,
-    /// The density per steradian of all directions sampled at the vertex, for a light of the cluster.
+    /// The density per steradian of all directions sampled at the vertex, for a light of the cluster, if mirrors were chosen
+    /// of one candidate each.
     pub(crate) pdf: PdfSolidAngle,
+    /// What is found counts this many times `1 / pdf`: in the mean, once.
+    pub(crate) weight: f64,
     /// The cluster whose lights count.
     pub(crate) cluster: u32,
 }
@@ -58,6 +60,9 @@ impl SmallMirrors {
     /// The expected number of samples of a vertex per unit of the tree's importance: about a solid angle, in steradians, of
     /// mirrors that may show lights. The settings limit the number of samples.
     const ATTEMPTS: f64 = 480.0;
+
+    /// The number of lowest nodes of the tree of which one is chosen by its facets.
+    const CANDIDATES: usize = 4;
 
     /// Builds the tree of one or more mirrors with their bounds. The parts of a triangle follow each other.
     pub(super) fn new(
@@ -110,10 +115,8 @@ impl SmallMirrors {
             roots[i] =
                 if is_like_last { roots[i - 1] } else { self.root(receivers[i], attempts, clusters[i]) };
         }
-        let chosen = self.tree.choose(&roots, rests);
-        std::array::from_fn(|i| {
-            chosen[i].map(|(place, prob)| ChosenMirror { cluster: clusters[i], place, prob })
-        })
+        let choices = self.tree.choose::<_, N, { Self::CANDIDATES }>(&roots, rests);
+        std::array::from_fn(|i| choices[i].map(|choice| ChosenMirror { cluster: clusters[i], choice }))
     }
 
     /// The root of the tree, as the receiver sees it for a sample of this cluster.
@@ -141,7 +144,7 @@ impl SmallMirrors {
         triangles: &Triangles,
         receiver: Receiver,
         count: u32,
-        ChosenMirror { cluster, place, prob }: ChosenMirror,
+        ChosenMirror { cluster, choice: Choice { place, prob, weight } }: ChosenMirror,
         point: [f64; 2],
     ) -> Option<MirrorPoint> {
         let Cluster { bounds, prob: cluster_prob } = self.clusters.get(cluster);
@@ -156,7 +159,7 @@ impl SmallMirrors {
         let whole = triangles.get(triangle);
         let pdf = Plane::of(whole, from).pdf(whole.area() * part.area_share(), direction)?;
         let pdf = pdf.chosen_with(cluster_prob * prob).of_samples(count);
-        (pdf.0 > 0.0).then_some(MirrorPoint { triangle, point, direction, pdf, cluster })
+        (pdf.0 > 0.0).then_some(MirrorPoint { triangle, point, direction, pdf, weight, cluster })
     }
 
     /// The density per steradian of all `count` directions that [`SmallMirrors::sample`] samples, at the one that leads
@@ -221,9 +224,9 @@ impl Plane {
 #[cfg(test)]
 impl SmallMirrors {
     /// The place of the mirror chosen to show the cluster of `light`, with its probability.
-    pub(super) fn choice(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<(u32, f64)> {
+    pub(super) fn choice(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<Choice> {
         let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
-        self.tree.choose(&[Some(root)], [u])[0]
+        self.tree.choose::<_, 1, { Self::CANDIDATES }>(&[Some(root)], [u])[0]
     }
 
     /// The probability of this choice of the mirror at `place`.

@@ -61,10 +61,11 @@ impl SmallMirrorRays {
         let mut add = |chosen: ChosenMirror, point: [f64; 2]| {
             let (triangles, receiver) = (context.scene.triangles(), vertex.at.receiver());
             let Some(sample) = mirrors.sample(triangles, receiver, count, chosen, point) else { return };
-            let MirrorPoint { triangle, point, direction, pdf, cluster } = sample;
+            let MirrorPoint { triangle, point, direction, pdf, weight, cluster } = sample;
             let seen = LightSample::Area(AreaLightSample { point, direction, radiance: Rgb::WHITE, pdf });
             let Some(radiance) = context.light_contribution(path, vertex, &seen) else { return };
             self.rays.push(vertex.at.point.spawn_ray(direction));
+            let radiance = weight * radiance;
             self.samples.push(Sample { target: path.target, radiance, triangle, cluster });
         };
         match (vertex.small_mirror, count) {

@@ -2,17 +2,18 @@
 
 mod bounds;
 mod build;
+mod choice;
 mod lanes;
 mod node;
 mod triangle_node;
 
 use super::light_bounds::LightBounds;
 use crate::light::child_weights::{CHILD_BITS, ChildWeights, WIDTH};
-use crate::light::descent::Descent;
 use crate::light::receiver::Receiver;
 use crate::light::unit_of_length::units_per_length;
 use bounds::Item;
 use build::Built;
+pub(super) use choice::Choice;
 use glam::DVec3;
 use globillum_geom::{Aabb, SimdLevel, Triangles};
 use node::{Node, Query};
@@ -137,91 +138,44 @@ impl MirrorTree {
             #[inline(always)]
             || {
                 let query = self.query(at);
-                let weights = self.weights(&query, 0, 1, &of_facets)?;
+                let weights = self.weights_of_children(&query, 0, 1, &of_facets)?;
                 let attempt_prob = (weights.total() * attempts).min(1.0);
                 Some(Root { query, weights, attempt_prob, of_facets })
             },
         )
     }
 
-    /// Chooses a facet for each of `roots`, by the number of the same index in `[0, 1)`. Returns its place and the probability
-    /// of the choice, above zero; `None` if none is chosen.
-    ///
-    /// The descents take turns: they do not depend on each other, so a processor works on all of them.
-    #[inline(always)]
-    pub(super) fn choose<F: FacetImportance, const N: usize>(
-        &self,
-        roots: &[Option<Root<F>>; N],
-        us: [f64; N],
-    ) -> [Option<(u32, f64)>; N] {
-        self.simd.run(
-            #[inline(always)]
-            || {
-                let mut descents = [None; N];
-                for (descent, (root, u)) in descents.iter_mut().zip(roots.iter().zip(us)) {
-                    *descent = root.as_ref().and_then(
-                        #[inline(always)]
-                        |root| self.begin(root, u),
-                    );
-                }
-                for level in 2..=self.depth {
-                    for (descent, root) in descents.iter_mut().zip(roots) {
-                        let (Some(here), Some(root)) = (*descent, root) else { continue };
-                        let weights = self.weights(&root.query, here.at, level, &root.of_facets);
-                        *descent = weights.map(
-                            #[inline(always)]
-                            |weights| self.step(here, &weights),
-                        );
-                    }
-                }
-                // A probability may be too small for a number.
-                let end = |Descent { at: place, prob, .. }| (prob > 0.0).then_some((place, prob));
-                descents.map(|descent: Option<Descent<u32>>| descent.and_then(end))
-            },
-        )
-    }
-
-    /// A descent to one of the root's children; `None` if none is chosen.
-    #[inline(always)]
-    fn begin<F>(&self, root: &Root<F>, u: f64) -> Option<Descent<u32>> {
-        let prob = root.attempt_prob;
-        let u = (u < prob).then(|| (u / prob).min(1.0_f64.next_down()))?;
-        Some(self.step(Descent { at: 0, prob, u }, &root.weights))
-    }
-
-    /// To a child of the node of `descent`, which have these weights.
-    #[inline(always)]
-    fn step(&self, descent: Descent<u32>, weights: &ChildWeights) -> Descent<u32> {
-        let first = self.nodes[descent.at as usize].first;
-        descent.step(weights, |child| first + child as u32)
-    }
-
-    /// The probability with which [`MirrorTree::choose`] chooses the facet at `place`, to the bit; `None` if it never
-    /// does.
+    /// The [`Choice::prob`] of the facet at `place`, to the bit; `None` if [`MirrorTree::choose`] never chooses it.
     #[inline(always)]
     pub(super) fn prob<F: FacetImportance>(&self, root: &Root<F>, place: u32) -> Option<f64> {
         self.simd.run(
             #[inline(always)]
             || {
-                let Root { query, mut weights, attempt_prob: mut prob, ref of_facets } = *root;
-                let (mut index, mut path) = (0, self.paths[place as usize]);
+                let (mut index, mut path, mut prob) = (0, self.paths[place as usize], root.attempt_prob);
                 for level in 1..=self.depth {
-                    if level > 1 {
-                        weights = self.weights(&query, index, level, of_facets)?;
-                    }
+                    let weights = self.weights(root, index, level)?;
                     let child = path as usize % WIDTH;
                     path >>= CHILD_BITS;
                     prob *= weights.prob(child);
-                    index = self.nodes[index as usize].first + child as u32;
+                    index = self.child(index, child);
                 }
                 (prob > 0.0).then_some(prob)
             },
         )
     }
 
+    /// The weights of the children of a node of this level, as a root sees them; `None` if none has any.
+    #[inline(always)]
+    fn weights<F: FacetImportance>(&self, root: &Root<F>, index: u32, level: u32) -> Option<ChildWeights> {
+        if level == 1 {
+            return Some(root.weights);
+        }
+        self.weights_of_children(&root.query, index, level, &root.of_facets)
+    }
+
     /// The weights of the children of a node of this level; `None` if none has any.
     #[inline(always)]
-    fn weights(
+    fn weights_of_children(
         &self,
         query: &Query,
         index: u32,
@@ -236,6 +190,12 @@ impl MirrorTree {
         };
         let weights = ChildWeights::of_importance(importance);
         (weights.total() > 0.0).then_some(weights)
+    }
+
+    /// The index of this child of a node, or the place of this facet of a lowest node.
+    #[inline(always)]
+    fn child(&self, node: u32, child: usize) -> u32 {
+        self.nodes[node as usize].first + child as u32
     }
 
     /// Whether `from` is outside of this body.

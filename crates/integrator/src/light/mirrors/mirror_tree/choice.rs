@@ -1,0 +1,128 @@
+use super::{FacetImportance, LowestNode, MirrorTree, Root};
+use crate::light::child_weights::{ChildWeights, WIDTH, lane_of};
+use crate::light::descent::Descent;
+
+/// A facet that was chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Choice {
+    /// Its place in the tree.
+    pub(crate) place: u32,
+    /// The probability of the choice if there were one candidate, above zero.
+    pub(crate) prob: f64,
+    /// What the facet shows counts this many times `1 / prob`: in the mean, once.
+    pub(crate) weight: f64,
+}
+
+impl MirrorTree {
+    /// Chooses a facet for each of `roots`, by the number of the same index in `[0, 1)`; `None` if none is chosen.
+    ///
+    /// Bounds tell little of how much the facets of a lowest node show, which is often nothing. So `CANDIDATES` nodes are
+    /// chosen by their bounds, and one of those by what its facets show (resampled importance sampling; Talbot, Cline and
+    /// Egbert 2005).
+    ///
+    /// The descents take turns: they do not depend on each other, so a processor works on all of them.
+    #[inline(always)]
+    pub(crate) fn choose<F: FacetImportance, const N: usize, const CANDIDATES: usize>(
+        &self,
+        roots: &[Option<Root<F>>; N],
+        us: [f64; N],
+    ) -> [Option<Choice>; N] {
+        self.simd.run(
+            #[inline(always)]
+            || {
+                let mut descents = [None; N];
+                for (descent, (root, u)) in descents.iter_mut().zip(roots.iter().zip(us)) {
+                    *descent = root.as_ref().and_then(
+                        #[inline(always)]
+                        |root| root.begin(u),
+                    );
+                }
+                for level in 1..self.depth.saturating_sub(1) {
+                    for (descent, root) in descents.iter_mut().zip(roots) {
+                        let (Some(here), Some(root)) = (*descent, root) else { continue };
+                        *descent = self.step(here, root, level);
+                    }
+                }
+                let mut choices = [None; N];
+                for (choice, (descent, root)) in choices.iter_mut().zip(descents.iter().zip(roots)) {
+                    let (Some(here), Some(root)) = (*descent, root) else { continue };
+                    *choice = self.end::<F, CANDIDATES>(here, root);
+                }
+                // A probability may be too small for a number.
+                choices.map(|choice| choice.filter(|choice| choice.prob > 0.0))
+            },
+        )
+    }
+
+    /// To a child of an inner node of this level; `None` if none has a weight.
+    #[inline(always)]
+    fn step<F: FacetImportance>(
+        &self,
+        here: Descent<u32>,
+        root: &Root<F>,
+        level: u32,
+    ) -> Option<Descent<u32>> {
+        let weights = self.weights(root, here.at, level)?;
+        Some(here.step(&weights, |child| self.child(here.at, child)))
+    }
+
+    /// The choice of a facet at the end of a descent to the level above the lowest, or to the root.
+    #[inline(always)]
+    fn end<F: FacetImportance, const CANDIDATES: usize>(
+        &self,
+        here: Descent<u32>,
+        root: &Root<F>,
+    ) -> Option<Choice> {
+        if self.depth == 1 {
+            let Descent { at: place, prob, .. } =
+                here.step(&root.weights, |facet| self.child(here.at, facet));
+            return Some(Choice { place, prob, weight: 1.0 });
+        }
+        let weights = self.weights(root, here.at, self.depth - 1)?;
+        self.resample::<F, CANDIDATES>(here, &weights, root)
+    }
+
+    /// The choice of a facet below a node whose children are the lowest, with these weights.
+    #[inline(always)]
+    fn resample<F: FacetImportance, const CANDIDATES: usize>(
+        &self,
+        here: Descent<u32>,
+        weights: &ChildWeights,
+        root: &Root<F>,
+    ) -> Option<Choice> {
+        let (children, u) = weights.choose_systematically::<CANDIDATES>(here.u);
+        let mut facets = [ChildWeights::of_importance([0.0; WIDTH]); CANDIDATES];
+        // What the facets of a candidate show, over the probability of the candidate.
+        let mut ratios = [0.0; WIDTH];
+        for (k, &child) in children.iter().enumerate() {
+            if k > 0 && child == children[k - 1] {
+                (facets[k], ratios[lane_of(k)]) = (facets[k - 1], ratios[lane_of(k - 1)]);
+                continue;
+            }
+            let index = self.child(here.at, child);
+            let node = &self.nodes[index as usize];
+            let lowest = LowestNode { number: index - self.first_lowest, node, query: &root.query };
+            facets[k] = ChildWeights::of_importance((root.of_facets)(&lowest));
+            ratios[lane_of(k)] = facets[k].total() / weights.prob(child);
+        }
+        let candidates = ChildWeights::of_importance(ratios);
+        if candidates.total() <= 0.0 {
+            return None;
+        }
+        let (k, u) = candidates.choose(u);
+        let (child, of_facets) = (children[k], &facets[k]);
+        let node = self.child(here.at, child);
+        let to_node = Descent { at: node, prob: here.prob * weights.prob(child), u };
+        let Descent { at: place, prob, .. } = to_node.step(of_facets, |facet| self.child(node, facet));
+        Some(Choice { place, prob, weight: 1.0 / (CANDIDATES as f64 * candidates.prob(k)) })
+    }
+}
+
+impl<F> Root<F> {
+    /// A descent at the root; `None` if none is made.
+    #[inline(always)]
+    fn begin(&self, u: f64) -> Option<Descent<u32>> {
+        let prob = self.attempt_prob;
+        (u < prob).then(|| Descent { at: 0, prob, u: (u / prob).min(1.0_f64.next_down()) })
+    }
+}
