@@ -57,7 +57,8 @@ impl SurfacePoint {
     /// (docs/numerics.md).
     #[inline(always)]
     pub(crate) fn on(
-        (triangle, index): (&Triangle, u32),
+        triangle: &Triangle,
+        index: u32,
         normal: DVec3,
         [u, v]: [f64; 2],
         scene_extent: f64,

@@ -81,7 +81,7 @@ impl Triangles {
     /// If `index` is not below [`Triangles::len`].
     #[inline(always)]
     pub fn surface_point_with_normal(&self, index: u32, normal: DVec3, u: f64, v: f64) -> SurfacePoint {
-        SurfacePoint::on((self.get(index), index), normal, [u, v], self.extent)
+        SurfacePoint::on(self.get(index), index, normal, [u, v], self.extent)
     }
 
     /// The point that stands for `position`, which was not computed from a triangle, as a receiver of what comes from

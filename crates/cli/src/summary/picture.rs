@@ -99,6 +99,6 @@ impl Display for PictureSummary<'_> {
             f,
             "render        {seconds:.2} s: {samples:.2} million samples and {rays:.2} million rays a second"
         )?;
-        run.write_end(f, ("image mean", self.image_mean), &self.flags.stop())
+        run.write_end(f, "image mean", self.image_mean, &self.flags.stop())
     }
 }

@@ -45,6 +45,6 @@ impl Display for PointsSummary<'_> {
         writeln!(f, "rays          {bounce:.2} million bounce, {shadow:.2} shadow")?;
         let (seconds, rays) = (run.render_seconds, run.rays_per_second / 1e6);
         writeln!(f, "measured in   {seconds:.2} s: {rays:.2} million rays a second")?;
-        run.write_end(f, ("mean", self.irradiance_mean), &self.flags.stop())
+        run.write_end(f, "mean", self.irradiance_mean, &self.flags.stop())
     }
 }

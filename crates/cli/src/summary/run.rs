@@ -80,7 +80,8 @@ impl<'a> RunFigures<'a> {
     pub(super) fn write_end(
         &self,
         f: &mut fmt::Formatter<'_>,
-        (what, [r, g, b]): (&str, [f64; 3]),
+        what: &str,
+        [r, g, b]: [f64; 3],
         stop: &Stop,
     ) -> fmt::Result {
         if self.limit_ends > 0 {

@@ -124,15 +124,15 @@ impl Comparison {
         let of_blocks = |of| deviates([&pair.a.blocks, &pair.b.blocks], width.div_ceil(BLOCK_SIDE), of);
         let components = of_blocks(CellVariance::AtLeastAround).into_iter().flat_map(|z| z.to_array());
         let largest_block = components.filter(|z| !z.is_nan()).map(f64::abs).reduce(f64::max);
-        let (ratio, ratio_95) = pair.ratio(Rgb::mean);
-        let [r, g, b] = [0, 1, 2].map(|c| pair.ratio(|rgb| rgb.to_array()[c]).0);
+        let ratio = pair.ratio(Rgb::mean);
+        let [r, g, b] = [0, 1, 2].map(|c| pair.ratio(|rgb| rgb.to_array()[c]).value);
         Self {
             width,
             height,
             pixels: deviates([&pair.a.pixels, &pair.b.pixels], width, CellVariance::Own),
             blocks: of_blocks(CellVariance::Own),
-            ratio,
-            ratio_95,
+            ratio: ratio.value,
+            ratio_95: ratio.interval_95,
             component_ratios: Rgb::new(r, g, b),
             mean: normal::of_sum(differences.iter().copied()),
             neighbours: pair.neighbours(&differences),
@@ -170,6 +170,13 @@ impl Comparison {
 /// The most by which a tile's squared difference counts as above its variance, over the variance around: few tiles that
 /// differ much do not hide that others do. What is cut off makes the test rather too small.
 const MAX_EXCESS: f64 = 4.0;
+
+/// A ratio of sums over both sides.
+struct Ratio {
+    value: f64,
+    /// Its 95 % confidence interval.
+    interval_95: [f64; 2],
+}
 
 /// Both sides.
 struct Pair {
@@ -237,8 +244,8 @@ impl Pair {
         self.sums(Rgb::mean).zip(variances).map(|([a, b], variance)| (a - b) / scale(variance)).collect()
     }
 
-    /// The ratio of the sums of what `of` takes of a pixel, and its 95 % confidence interval.
-    fn ratio(&self, of: impl Fn(Rgb) -> f64) -> (f64, [f64; 2]) {
+    /// The ratio of the sums of what `of` takes of a pixel.
+    fn ratio(&self, of: impl Fn(Rgb) -> f64) -> Ratio {
         let sums: Vec<[f64; 2]> = self.sums(of).collect();
         let (a, b) = sums.iter().fold((0.0, 0.0), |(a, b), sums| (a + sums[0], b + sums[1]));
         let ratio = a / b;
@@ -247,7 +254,7 @@ impl Pair {
         // Cochran 1977, 6.4.
         let std_err = if others > 0.0 { (squares * tiles / others).sqrt() / b } else { f64::INFINITY };
         let margin = quantile_975(others as u64) * std_err;
-        (ratio, [ratio - margin, ratio + margin])
+        Ratio { value: ratio, interval_95: [ratio - margin, ratio + margin] }
     }
 
     /// [`Comparison::neighbours`], given the differences of tiles.

@@ -35,9 +35,9 @@ impl Directions {
     /// with its [ratio](Directions::ratio).
     #[inline(always)]
     pub(crate) fn warp(&self, u: [f64; 2]) -> ([f64; 2], f64) {
-        let (ring, x, of_ring) = invert(&self.rings, u[0]);
-        let (_, y, of_sector) = invert(&self.sectors[ring], u[1]);
-        ([x, y], of_ring * of_sector)
+        let ring = invert(&self.rings, u[0]);
+        let sector = invert(&self.sectors[ring.index], u[1]);
+        ([ring.point, sector.point], ring.density * sector.density)
     }
 
     /// The density in direction `w` of the upper hemisphere, local frame, over that of cosine sampling.
@@ -83,9 +83,17 @@ fn interval(starts: &[u16], index: usize) -> (u32, u32) {
     (start, end - start)
 }
 
-/// The entry that `u` in `[0, 1)` falls into, the point in `[0, 1)` whose distribution the entries are, and its density.
+/// A sample of the distribution in `[0, 1)` that entries of equal length divide.
+struct Inverse {
+    /// The entry that it is in.
+    index: usize,
+    point: f64,
+    density: f64,
+}
+
+/// The sample to which `u` in `[0, 1)` leads.
 #[inline(always)]
-fn invert<const N: usize>(starts: &[u16; N], u: f64) -> (usize, f64, f64) {
+fn invert<const N: usize>(starts: &[u16; N], u: f64) -> Inverse {
     let scaled = u * f64::from(ONE);
     let whole = scaled as u16;
     let index = starts.iter().map(|&start| usize::from(start <= whole)).sum::<usize>() - 1;
@@ -94,7 +102,7 @@ fn invert<const N: usize>(starts: &[u16; N], u: f64) -> (usize, f64, f64) {
     let point = (index as f64 + within) / N as f64;
     // The last one below 1, if rounding gives 1.
     let point = point.min(1.0 - f64::EPSILON / 2.0);
-    (index, point, f64::from(length) * (N as f64 / f64::from(ONE)))
+    Inverse { index, point, density: f64::from(length) * (N as f64 / f64::from(ONE)) }
 }
 
 #[cfg(test)]

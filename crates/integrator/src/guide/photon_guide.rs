@@ -80,7 +80,7 @@ impl PhotonGuide {
 
     /// Samples a unit direction for a receiver by numbers in `[0, 1)`: one that chooses a ball, and two for the direction.
     /// `None` if there is no ball, and if the receiver is at its center.
-    pub(crate) fn sample(&self, receiver: Receiver, (choice, u): (f64, [f64; 2])) -> Option<DVec3> {
+    pub(crate) fn sample(&self, receiver: Receiver, choice: f64, u: [f64; 2]) -> Option<DVec3> {
         let balls = self.balls(receiver);
         let ball = balls.get((choice * balls.len() as f64) as usize)?;
         Some(ball.cone(receiver.position)?.sample(u))
@@ -166,7 +166,7 @@ mod tests {
         let mut counts = [[0.0; BINS]; BINS];
         for i in 0..samples {
             let stream = Stream::new(3, 4, i);
-            let direction = guide.sample(receiver, (stream.uniform(0), stream.uniform_pair(1))).unwrap();
+            let direction = guide.sample(receiver, stream.uniform(0), stream.uniform_pair(1)).unwrap();
             assert!((direction.length() - 1.0).abs() < 1e-12);
             let [a, b] =
                 [0.5 + 0.5 * direction.z, 0.5 + direction.y.atan2(direction.x) / std::f64::consts::TAU];
@@ -210,7 +210,7 @@ mod tests {
         let guide = PhotonGuide::new(&(0..128).map(photon).collect::<Vec<_>>()).unwrap();
         for (x, u) in [(0.005, 0.1), (10.005, 0.9)] {
             let receiver = receiver(x, 3.0);
-            let direction = guide.sample(receiver, (u, [0.5, 0.5])).unwrap();
+            let direction = guide.sample(receiver, u, [0.5, 0.5]).unwrap();
             assert!(direction.z > 0.99, "{direction}");
             assert!(guide.pdf(receiver, direction).0 > 1.0);
             assert_eq!(guide.pdf(receiver, -direction).0, 0.0);
@@ -223,19 +223,18 @@ mod tests {
         assert!(PhotonGuide::new(&photons(CELL_PHOTONS as u32 - 1)).is_none());
         let guide = PhotonGuide::new(&[photons(1)[0]; 2000]).unwrap();
         let exit = photons(1)[0].exit.as_dvec3();
-        let direction = guide.sample(receiver(0.5, 0.5), (0.9, [0.99, 0.3])).unwrap();
+        let direction = guide.sample(receiver(0.5, 0.5), 0.9, [0.99, 0.3]).unwrap();
         let sine = direction.cross((exit - receiver(0.5, 0.5).position).normalize()).length();
         assert!(sine < 1.01 * MIN_TANGENT, "{sine}");
         assert!(guide.pdf(receiver(0.5, 0.5), direction).0.is_finite());
         let there = Receiver { position: exit, side: Vec3::Z };
-        assert_eq!(guide.sample(there, (0.5, [0.5, 0.5])), None);
+        assert_eq!(guide.sample(there, 0.5, [0.5, 0.5]), None);
         assert_eq!(guide.pdf(there, DVec3::Z).0, 0.0);
     }
 
     /// The unit of length does not matter.
     #[test]
     fn scenes_of_any_size_have_the_same_directions() {
-        let numbers = (0.4, [0.3, 0.8]);
         let of_scale = |scale: f32| {
             let scaled = |photon: Photon| {
                 let mut vertex = photon.vertex;
@@ -245,7 +244,7 @@ mod tests {
             let guide = PhotonGuide::new(&photons(600).into_iter().map(scaled).collect::<Vec<_>>()).unwrap();
             let at = receiver(0.3, 0.6);
             let at = Receiver { position: at.position * f64::from(scale), ..at };
-            let direction = guide.sample(at, numbers).unwrap();
+            let direction = guide.sample(at, 0.4, [0.3, 0.8]).unwrap();
             (direction, guide.pdf(at, direction).0)
         };
         let (direction, pdf) = of_scale(1.0);

@@ -29,7 +29,8 @@ pub(crate) struct AreaLight {
 impl AreaLight {
     /// A part of triangle `index`, which is chosen by `weight`, where `total` is that of all lights.
     pub(super) fn new(
-        (index, triangle): (u32, &Triangle),
+        index: u32,
+        triangle: &Triangle,
         part: TrianglePart,
         emission: Emission,
         weight: f64,

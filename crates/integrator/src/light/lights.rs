@@ -75,7 +75,7 @@ impl Lights {
         let parts = |(index, &weight): (u32, &f64)| {
             let (triangle, emission) = (triangles.get(index), emission(index));
             TrianglePart::of(triangle, most)
-                .map(move |part| AreaLight::new((index, triangle), part, emission, weight, total))
+                .map(move |part| AreaLight::new(index, triangle, part, emission, weight, total))
         };
         let areas: Vec<_> = emitting.into_iter().zip(&weights).flat_map(parts).collect();
         let distribution = match (areas.len(), deltas.len()) {

@@ -41,6 +41,7 @@ pub(crate) fn errors<I: Intersector>(seed: u64, count: u32) -> [Errors; 2] {
     [t, point].map(Errors::from_iter)
 }
 
+/// The errors of `t` and of the hit point of one case; `None` if there is no hit.
 fn errors_of<I: Intersector>(case: &Aimed) -> Option<(f64, f64)> {
     let ray = &case.ray;
     let t = I::prepare(ray)?.intersect(&case.triangle)?.t;

@@ -57,7 +57,7 @@ impl Truth {
 
     /// The mean over all compared pixels and all components.
     pub(crate) fn mean(&self) -> f64 {
-        mean(self.of_counted(self.means.iter().map(|mean| mean.mean()))).0
+        mean(self.of_counted(self.means.iter().map(|mean| mean.mean())))
     }
 
     /// Root of the mean squared standard error, divided by [`Truth::mean`]; 0 for a closed form.
@@ -87,7 +87,7 @@ fn blocks_of_pixels(width: u32, height: u32, side: u32) -> impl Iterator<Item = 
 /// a single block.
 fn mean_of_blocks(numbers: impl Iterator<Item = (u32, f64)>) -> (f64, f64) {
     let numbers: Vec<(u32, f64)> = numbers.collect();
-    let (mean, _) = mean(numbers.iter().map(|(_, x)| *x));
+    let mean = mean(numbers.iter().map(|(_, x)| *x));
     let mut deviations = BTreeMap::new();
     let mut count = 0.0;
     for (block, x) in numbers {
@@ -100,16 +100,9 @@ fn mean_of_blocks(numbers: impl Iterator<Item = (u32, f64)>) -> (f64, f64) {
     (mean, std_err)
 }
 
-/// The mean of some numbers and its standard error, by their sample variance.
-fn mean(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (mut count, mut mean, mut squares) = (0.0, 0.0, 0.0);
-    for x in numbers {
-        count += 1.0;
-        let deviation = x - mean;
-        mean += deviation / count;
-        squares += deviation * (x - mean);
-    }
-    (mean, (squares / (count * (count - 1.0))).sqrt())
+/// The mean of some numbers, updated with each (Welford 1962).
+fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
+    (1..).zip(numbers).fold(0.0, |mean, (count, x)| mean + (x - mean) / f64::from(count))
 }
 
 /// A film's errors over the compared pixels, relative to their true mean.
@@ -162,7 +155,7 @@ impl Errors {
         let component = |c: usize| in_blocks(differences().map(|e| e.to_array()[c]).collect());
         let block_squares = (0..3).flat_map(component).map(|(sum, count)| square(sum / count));
         let block_own = in_blocks(own().collect()).map(|(sum, count)| sum / square(count));
-        let block_mse = mean(block_squares).0 - mean(block_own).0;
+        let block_mse = mean(block_squares) - mean(block_own);
         let (sum, largest) = squares().fold((0.0, 0.0_f64), |(sum, max), e| (sum + e, max.max(e)));
         let over = |x: f64, y: f64| if x == 0.0 { 0.0 } else { x / y };
         Self {
@@ -216,7 +209,7 @@ impl Slope {
         if points.len() < 3 {
             return None;
         }
-        let middle = mean(points.iter().map(|p| p.0)).0;
+        let middle = mean(points.iter().map(|p| p.0));
         let width: f64 = points.iter().map(|p| (p.0 - middle).powi(2)).sum();
         let weight = |x: f64| (x - middle) / width;
         let value = points.iter().map(|p| weight(p.0) * p.1).sum();

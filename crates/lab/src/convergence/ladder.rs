@@ -37,7 +37,8 @@ impl Ladder {
     /// Renders all levels. Sobol' points are stratified over all samples of a level.
     pub(crate) fn measure(
         subject: &Subject,
-        (accel, scene): (AccelKind, &Scene<Box<dyn Accel>>),
+        accel: AccelKind,
+        scene: &Scene<Box<dyn Accel>>,
         combination: Combination,
         reference: &Reference,
         plan: &Plan,

@@ -30,7 +30,8 @@ impl Race {
     /// Renders with a time limit, in passes of the default length.
     pub(crate) fn run(
         subject: &Subject,
-        (accel, scene): (AccelKind, &Scene<Box<dyn Accel>>),
+        accel: AccelKind,
+        scene: &Scene<Box<dyn Accel>>,
         combination: Combination,
         reference: &Reference,
         plan: &Plan,

@@ -47,13 +47,13 @@ impl Study {
             let (estimator, sampler) = (combination.estimator_name(), combination.sampler_name());
             bar.set_message(format!("{}: {estimator}, {sampler}", subject.name));
             for (accel, scene) in &scenes {
-                ladders.push(Ladder::measure(subject, (*accel, scene), combination, &reference, plan)?);
+                ladders.push(Ladder::measure(subject, *accel, scene, combination, &reference, plan)?);
                 bar.inc(1);
-                races.push(Race::run(subject, (*accel, scene), combination, &reference, plan)?);
+                races.push(Race::run(subject, *accel, scene, combination, &reference, plan)?);
                 bar.inc(1);
             }
         }
-        ladders.push(Ladder::measure(subject, (*first, scene), Combination::TRUNCATED, &reference, plan)?);
+        ladders.push(Ladder::measure(subject, *first, scene, Combination::TRUNCATED, &reference, plan)?);
         bar.inc(1);
 
         let truth = |combination| reference.truth(combination);

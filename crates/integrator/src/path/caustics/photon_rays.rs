@@ -90,8 +90,8 @@ impl PhotonRays {
             if choice >= RAY_PROB || !may_reach(context, *bounce, MIN_MIRRORS) {
                 continue;
             }
-            let u = (choice / RAY_PROB, numbers.uniform_pair(1));
-            let Some(direction) = photons.sample(end.receiver(), u) else { continue };
+            let (choice, u) = (choice / RAY_PROB, numbers.uniform_pair(1));
+            let Some(direction) = photons.sample(end.receiver(), choice, u) else { continue };
             if end.normal.dot(direction) > 0.0 {
                 self.rays.push(end.point.spawn_ray(direction));
                 self.of_samples.push(sample);

@@ -101,9 +101,9 @@ impl SharedCaustics {
                 continue;
             };
             let shared = shared_radiance(context, own, &mirror, of_sample);
-            self.connect(context, prefixes, (sample, own, &mirror), samples.of_square(sample));
+            self.connect(context, prefixes, sample, own, &mirror, samples.of_square(sample));
             self.connections[0].1 = shared;
-            self.trace_connections(context, (prefixes, own.bounce), &mirror.point, counters);
+            self.trace_connections(context, prefixes, own.bounce, &mirror.point, counters);
             let lit = self.connections.iter().filter(|(_, radiance)| !radiance.is_black());
             let lit = lit.map(|(connection, radiance)| (connection, *radiance));
             Connection::divide(lit, prefixes, radiance);
@@ -116,7 +116,9 @@ impl SharedCaustics {
         &mut self,
         context: &RenderContext<'_>,
         prefixes: &Prefixes,
-        (sample, own, mirror): (u32, &Prefix, &ReuseVertex),
+        sample: u32,
+        own: &Prefix,
+        mirror: &ReuseVertex,
         samples: impl Iterator<Item = u32>,
     ) {
         self.connections.clear();
@@ -140,7 +142,8 @@ impl SharedCaustics {
     fn trace_connections(
         &mut self,
         context: &RenderContext<'_>,
-        (prefixes, bounce): (&Prefixes, u32),
+        prefixes: &Prefixes,
+        bounce: u32,
         mirror: &SurfacePoint,
         counters: &mut Counters,
     ) {

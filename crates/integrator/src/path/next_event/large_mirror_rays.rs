@@ -48,7 +48,10 @@ impl LargeMirrorRays {
         vertex: &PathVertex<'_>,
     ) {
         let Some(mirrors) = context.large_mirrors() else { return };
-        let Some((facet, light, seen)) = seen_in(mirrors, context, path, vertex) else { return };
+        let Some(LightInMirror { facet, light, seen }) = light_in_mirror(mirrors, context, path, vertex)
+        else {
+            return;
+        };
         let Some(radiance) = context.light_contribution(path, vertex, &LightSample::Area(seen)) else {
             return;
         };
@@ -80,13 +83,23 @@ impl LargeMirrorRays {
     }
 }
 
-/// A sampled point on a light, and how a facet of this index shows it.
-fn seen_in(
+/// A sampled point on a light, as a mirror shows it to a vertex.
+struct LightInMirror {
+    /// The index of the facet that shows it.
+    facet: u32,
+    /// Where it is.
+    light: SurfacePoint,
+    /// The sample, in the direction in which the vertex sees it.
+    seen: AreaLightSample,
+}
+
+/// Samples a point on a light by way of a mirror; `None` if that cannot show it.
+fn light_in_mirror(
     mirrors: &LargeMirrors,
     context: &RenderContext<'_>,
     path: &Path,
     vertex: &PathVertex<'_>,
-) -> Option<(u32, SurfacePoint, AreaLightSample)> {
+) -> Option<LightInMirror> {
     let PathVertex { at, bounce, .. } = vertex;
     let (triangles, receiver) = (context.scene.triangles(), vertex.at.receiver());
     let sample_prob = context.large_mirror_prob(vertex.is_first);
@@ -110,5 +123,9 @@ fn seen_in(
     let direction = facet.reflect(light.direction);
     let pdf = light.pdf.chosen_with(chosen.prob * sample_prob);
     let is_hit = facet.may_be_hit_by(triangles, &at.point.spawn_ray(direction));
-    is_hit.then_some((chosen.index, light.point, AreaLightSample { direction, pdf, ..light }))
+    is_hit.then_some(LightInMirror {
+        facet: chosen.index,
+        light: light.point,
+        seen: AreaLightSample { direction, pdf, ..light },
+    })
 }

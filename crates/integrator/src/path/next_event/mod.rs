@@ -33,8 +33,7 @@ impl RenderContext<'_> {
                 PriorChoice::Made(chosen) => chosen.map(|chosen| self.lights().chosen(chosen)),
                 PriorChoice::Open => sampler.choose([numbers.light])[0],
             };
-            if let Some((ray, radiance)) =
-                self.light_sample(path, vertex, &sampler, (light, numbers.point), 1)
+            if let Some((ray, radiance)) = self.light_sample(path, vertex, &sampler, light, numbers.point, 1)
             {
                 add(ray, radiance);
             }
@@ -44,8 +43,7 @@ impl RenderContext<'_> {
             let drawn: [_; LIGHTS_AT_ONCE] = path.numbers.lights(*bounce, first, count);
             let lights = sampler.choose(drawn.map(|(u_light, _)| u_light));
             for (light, (_, point)) in lights.into_iter().zip(drawn).take((count - first) as usize) {
-                if let Some((ray, radiance)) =
-                    self.light_sample(path, vertex, &sampler, (light, point), count)
+                if let Some((ray, radiance)) = self.light_sample(path, vertex, &sampler, light, point, count)
                 {
                     add(ray, radiance);
                 }
@@ -61,7 +59,8 @@ impl RenderContext<'_> {
         path: &Path,
         vertex: &PathVertex<'_>,
         sampler: &LightSampler<'_>,
-        (light, point): (Option<Light<'_>>, [f64; 2]),
+        light: Option<Light<'_>>,
+        point: [f64; 2],
         count: u32,
     ) -> Option<(Ray, Rgb)> {
         let light = sampler.sample_chosen(&light?, point)?.of_samples(count);

@@ -73,10 +73,10 @@ impl SmallMirrorRays {
                 let point = || path.numbers.light_in_mirror(MirrorSize::Small, vertex.bounce).1;
                 chosen.into_iter().for_each(|chosen| add(chosen, point()));
             }
-            (PriorChoice::Open, 1) => choose::<1>(context, mirrors, (path, vertex), count, add),
-            (PriorChoice::Open, 2) => choose::<2>(context, mirrors, (path, vertex), count, add),
+            (PriorChoice::Open, 1) => choose::<1>(context, mirrors, path, vertex, count, add),
+            (PriorChoice::Open, 2) => choose::<2>(context, mirrors, path, vertex, count, add),
             // A power of two.
-            (PriorChoice::Open, _) => choose::<4>(context, mirrors, (path, vertex), count, add),
+            (PriorChoice::Open, _) => choose::<4>(context, mirrors, path, vertex, count, add),
         }
     }
 
@@ -112,7 +112,8 @@ impl SmallMirrorRays {
 fn choose<const N: usize>(
     context: &RenderContext<'_>,
     mirrors: &SmallMirrors,
-    (path, vertex): (&Path, &PathVertex<'_>),
+    path: &Path,
+    vertex: &PathVertex<'_>,
     count: u32,
     mut add: impl FnMut(ChosenMirror, [f64; 2]),
 ) {

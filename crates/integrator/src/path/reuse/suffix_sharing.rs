@@ -48,7 +48,8 @@ impl SuffixSharing {
     pub(in crate::path) fn share(
         &mut self,
         context: &RenderContext<'_>,
-        (samples, control_variates): (&TileSamples, &[Rgb]),
+        samples: &TileSamples,
+        control_variates: &[Rgb],
         prefixes: &Prefixes,
         radiance: &mut RadianceSums,
         counters: &mut Counters,
@@ -67,8 +68,8 @@ impl SuffixSharing {
             },
         );
         // Those of caustics, to the prefixes of their squares.
-        for &caustic @ (sample, _) in &radiance.suffix_caustics {
-            self.connect(context, prefixes, caustic, samples.of_square(sample));
+        for &(sample, found) in &radiance.suffix_caustics {
+            self.connect(context, prefixes, sample, found, samples.of_square(sample));
         }
         checked_accel::occluded(context.scene.accel(), &self.rays, &mut self.occluded);
         counters.shadow_rays += self.rays.len() as u64;
@@ -92,7 +93,7 @@ impl SuffixSharing {
             for sample in group.iter().copied().flatten() {
                 let difference = suffixes[sample as usize] - control_variate(sample);
                 if !difference.is_black() {
-                    self.connect(context, prefixes, (sample, difference), group.iter().copied().flatten());
+                    self.connect(context, prefixes, sample, difference, group.iter().copied().flatten());
                 }
             }
         }
@@ -104,7 +105,8 @@ impl SuffixSharing {
         &mut self,
         context: &RenderContext<'_>,
         prefixes: &Prefixes,
-        (sample, radiance): (u32, Rgb),
+        sample: u32,
+        radiance: Rgb,
         samples: impl Iterator<Item = u32>,
     ) {
         let Self { shared, connections, rays, .. } = self;
@@ -185,8 +187,8 @@ mod tests {
                 radiance.after_prefixes.fill(Rgb::BLACK);
                 radiance.samples.fill(Rgb::BLACK);
                 radiance.suffix_caustics = vec![(sample, found)];
-                let of_tile = (&samples, &[Rgb::BLACK][..]);
-                suffix_sharing.share(&context, of_tile, &prefixes, &mut radiance, &mut Counters::default());
+                let counters = &mut Counters::default();
+                suffix_sharing.share(&context, &samples, &[Rgb::BLACK], &prefixes, &mut radiance, counters);
                 let lit = |number| {
                     let of_number = radiance.samples.iter().skip(number).step_by(4);
                     of_number.filter(|radiance| !radiance.is_black()).count()

@@ -88,8 +88,8 @@ impl Wavefront {
             }
         }
         let Self { samples, prefixes, radiance, .. } = self;
-        let of_tile = (&*samples, &*probes.control_variates);
-        self.suffix_sharing.share(context, of_tile, prefixes, radiance, &mut counters);
+        let control_variates = &probes.control_variates;
+        self.suffix_sharing.share(context, samples, control_variates, prefixes, radiance, &mut counters);
         self.photon_rays.trace(context, samples, prefixes, &mut radiance.samples, &mut counters);
         self.caustics.share(context, samples, prefixes, &mut radiance.samples, &mut counters);
         for path in &self.from_points {

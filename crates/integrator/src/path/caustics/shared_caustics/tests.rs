@@ -150,7 +150,7 @@ fn numbers_found_again(context: &RenderContext<'_>) -> [u32; 2] {
         let (density, ray) = own.end.connection_to(&mirror).unwrap();
         caustics.connections = vec![(Connection::new(sample, density, 1.0), Rgb::BLACK); 2];
         caustics.rays = vec![ray];
-        caustics.trace_connections(context, (&prefixes, own.bounce), &mirror.point, &mut counters);
+        caustics.trace_connections(context, &prefixes, own.bounce, &mirror.point, &mut counters);
         let of_sample: Vec<PathCaustic> =
             caustics.found.iter().copied().filter(|found| found.sample == sample).collect();
         let shared = shared_radiance(context, own, &mirror, &of_sample).g;
