@@ -37,6 +37,7 @@ mod first_hits;
 mod guide;
 mod hash;
 mod light;
+mod param;
 mod path;
 mod pixel_rect;
 mod run;

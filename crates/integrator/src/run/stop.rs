@@ -1,3 +1,4 @@
+use crate::param::Param;
 use crate::{Film, RenderError};
 
 /// Conditions that end a render before all samples are taken.
@@ -93,22 +94,15 @@ impl Stop {
     /// # Errors
     /// [`RenderError::Param`] for the first one outside.
     pub fn validate(&self) -> Result<(), RenderError> {
-        let positive = |value: f64| (value > 0.0 && value.is_finite(), value, "(0, inf)");
-        let share = |value: f64| (value > 0.0 && value <= 1.0, value, "(0, 1]");
-        let passes = |value: u32| (value >= 2, value.into(), "[2, inf)");
-        let checks = [
-            ("seconds", self.seconds.map(positive)),
-            ("relative_rmse", self.relative_rmse.map(positive)),
-            ("pixel error", self.pixels.map(|goal| positive(goal.error))),
-            ("share of pixels", self.pixels.map(|goal| share(goal.share))),
-            ("pilot passes", self.pilot.map(passes)),
+        let share = |share| Param::new(share > 0.0 && share <= 1.0, "share of pixels", share, "(0, 1]");
+        let params = [
+            self.seconds.map(|seconds| Param::positive("seconds", seconds)),
+            self.relative_rmse.map(|error| Param::positive("relative_rmse", error)),
+            self.pixels.map(|goal| Param::positive("pixel error", goal.error)),
+            self.pixels.map(|goal| share(goal.share)),
+            self.pilot.map(|passes| Param::new(passes >= 2, "pilot passes", passes, "[2, inf)")),
         ];
-        for (name, check) in checks {
-            if let Some((false, value, range)) = check {
-                return Err(RenderError::Param { name, value, range });
-            }
-        }
-        Ok(())
+        Param::check(params.into_iter().flatten())
     }
 
     /// The number of passes that the goals need, estimated from those of a film that is then dropped, as

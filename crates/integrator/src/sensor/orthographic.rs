@@ -1,6 +1,7 @@
 use super::orientation::Orientation;
 use super::sample::{ElementSample, PathStart, Sensor};
 use crate::RenderError;
+use crate::param::Param;
 use glam::{DVec2, DVec3};
 use globillum_geom::Ray;
 use std::hash::Hasher;
@@ -34,9 +35,7 @@ impl OrthographicCamera {
     /// [`RenderError::Camera`] if `eye` and `target` coincide, `up` is parallel to the view, or a
     /// coordinate is not finite; [`RenderError::Param`] unless `height` is positive and finite.
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, height: f64) -> Result<Self, RenderError> {
-        if !(height > 0.0 && height.is_finite()) {
-            return Err(RenderError::Param { name: "height", value: height, range: "(0, inf)" });
-        }
+        Param::check([Param::positive("height", height)])?;
         let Orientation { eye, forward, right, up } = Orientation::look_at(eye, target, up)?;
         let half = 0.5 * height;
         Ok(Self { view: Orientation { eye, forward, right: right * half, up: up * half } })

@@ -1,6 +1,7 @@
 use super::orientation::Orientation;
 use super::sample::{ElementSample, PathStart, Sensor};
 use crate::RenderError;
+use crate::param::Param;
 use glam::{DVec2, DVec3};
 use globillum_geom::Ray;
 use std::hash::Hasher;
@@ -30,9 +31,8 @@ impl PinholeCamera {
     /// [`RenderError::Camera`] if `eye` and `target` coincide, `up` is parallel to the view, or a
     /// coordinate is not finite; [`RenderError::Param`] unless `0 < fov_y < pi`.
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, fov_y: f64) -> Result<Self, RenderError> {
-        if !(fov_y > 0.0 && fov_y < std::f64::consts::PI) {
-            return Err(RenderError::Param { name: "fov_y", value: fov_y, range: "(0, pi) radians" });
-        }
+        let is_angle = fov_y > 0.0 && fov_y < std::f64::consts::PI;
+        Param::check([Param::new(is_angle, "fov_y", fov_y, "(0, pi) radians")])?;
         let Orientation { eye, forward, right, up } = Orientation::look_at(eye, target, up)?;
         // libm gives the same bits on every platform.
         let half_height = libm::tan(0.5 * fov_y);

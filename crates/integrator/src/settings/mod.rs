@@ -6,6 +6,7 @@ mod pixel_filter;
 pub use estimator::Estimator;
 pub use pixel_filter::PixelFilter;
 
+use crate::param::Param;
 use crate::pixel_rect::SQUARE_SIDE;
 use crate::{LightSampling, RenderError, Sampler, Sensor};
 use std::ops::Range;
@@ -298,46 +299,36 @@ impl Settings {
         Ok(if sensor.has_neighbours() { *self } else { alone })
     }
 
+    /// A number of samples or rays that are stratified together in a pass.
+    pub(crate) fn pass_param(name: &'static str, count: u32) -> Param {
+        let is_valid = count.is_power_of_two() && count <= Sampler::MAX_PASS;
+        Param::new(is_valid, name, count, "the powers of two in [1, 2^16]")
+    }
+
+    /// A number of worker threads.
+    pub(crate) fn threads_param(threads: usize) -> Param {
+        Param::new(threads <= Self::MAX_THREADS, "threads", threads as f64, "[0, 1024]")
+    }
+
     /// Checks every setting against its range; [`render`](crate::render) does so too.
     ///
     /// # Errors
     /// [`RenderError::Param`] for the first one outside.
     pub fn validate(&self) -> Result<(), RenderError> {
-        let pixels = self.pixel_count();
-        let checks = [
-            (self.width >= 1, "width", f64::from(self.width), "[1, inf)"),
-            (self.height >= 1, "height", f64::from(self.height), "[1, inf)"),
-            (pixels <= Self::MAX_PIXELS, "width x height", pixels as f64, "[1, 2^27]"),
-            (self.samples >= 1, "samples", f64::from(self.samples), "[1, inf)"),
-            (
-                self.pass_samples.is_power_of_two() && self.pass_samples <= Sampler::MAX_PASS,
-                "pass_samples",
-                f64::from(self.pass_samples),
-                "the powers of two in [1, 2^16]",
-            ),
-            (
-                self.light_samples.is_power_of_two() && self.light_samples <= Self::MAX_LIGHT_SAMPLES,
-                "light_samples",
-                f64::from(self.light_samples),
-                "the powers of two in [1, 16]",
-            ),
-            (self.threads <= Self::MAX_THREADS, "threads", self.threads as f64, "[0, 1024]"),
-            (
-                self.certain_bounces() <= Self::MAX_BOUNCES,
-                "bounces",
-                f64::from(self.certain_bounces()),
-                "[0, 2^20]",
-            ),
-            (
-                (Roulette::MIN_THRESHOLD..=1.0).contains(&self.roulette.threshold),
-                "threshold of roulette",
-                self.roulette.threshold,
-                "[2^-20, 1]",
-            ),
-        ];
-        match checks.into_iter().find(|(valid, ..)| !valid) {
-            Some((_, name, value, range)) => Err(RenderError::Param { name, value, range }),
-            None => Ok(()),
-        }
+        let (pixels, threshold) = (self.pixel_count(), self.roulette.threshold);
+        let is_count = self.light_samples.is_power_of_two() && self.light_samples <= Self::MAX_LIGHT_SAMPLES;
+        let bounces = self.certain_bounces();
+        let is_threshold = (Roulette::MIN_THRESHOLD..=1.0).contains(&threshold);
+        Param::check([
+            Param::new(self.width >= 1, "width", self.width, "[1, inf)"),
+            Param::new(self.height >= 1, "height", self.height, "[1, inf)"),
+            Param::new(pixels <= Self::MAX_PIXELS, "width x height", pixels as f64, "[1, 2^27]"),
+            Param::new(self.samples >= 1, "samples", self.samples, "[1, inf)"),
+            Self::pass_param("pass_samples", self.pass_samples),
+            Param::new(is_count, "light_samples", self.light_samples, "the powers of two in [1, 16]"),
+            Self::threads_param(self.threads),
+            Param::new(bounces <= Self::MAX_BOUNCES, "bounces", bounces, "[0, 2^20]"),
+            Param::new(is_threshold, "threshold of roulette", threshold, "[2^-20, 1]"),
+        ])
     }
 }

@@ -1,4 +1,5 @@
 use super::FactorError;
+use crate::param::Param;
 use crate::{Sampler, Settings};
 use globillum_material::Sides;
 
@@ -78,17 +79,17 @@ impl FactorSettings {
     /// [`FactorError::Param`] for the first one outside.
     pub fn validate(&self) -> Result<(), FactorError> {
         let Self { passes, pass_rays, error, least_factor, threads, .. } = *self;
-        let is_pass = pass_rays.is_power_of_two() && pass_rays <= Sampler::MAX_PASS;
-        let is_goal = error.is_none_or(|error| error > 0.0 && error.is_finite());
-        let checks = [
-            ((2..=Self::MAX_PASSES).contains(&passes), "passes", f64::from(passes), "[2, 2^20]"),
-            (is_pass, "pass_rays", f64::from(pass_rays), "the powers of two in [1, 2^16]"),
-            (is_goal, "error", error.unwrap_or_default(), "(0, inf)"),
-            ((0.0..=1.0).contains(&least_factor), "least_factor", least_factor, "[0, 1]"),
-            (threads <= Settings::MAX_THREADS, "threads", threads as f64, "[0, 1024]"),
+        let are_passes = (2..=Self::MAX_PASSES).contains(&passes);
+        let is_factor = (0.0..=1.0).contains(&least_factor);
+        let params = [
+            Some(Param::new(are_passes, "passes", passes, "[2, 2^20]")),
+            Some(Settings::pass_param("pass_rays", pass_rays)),
+            error.map(|error| Param::positive("error", error)),
+            Some(Param::new(is_factor, "least_factor", least_factor, "[0, 1]")),
+            Some(Settings::threads_param(threads)),
         ];
-        match checks.into_iter().find(|(valid, ..)| !valid) {
-            Some((_, name, value, range)) => Err(FactorError::Param { name, value, range }),
+        match Param::first_outside(params.into_iter().flatten()) {
+            Some(Param { name, value, range, .. }) => Err(FactorError::Param { name, value, range }),
             None => Ok(()),
         }
     }
