@@ -83,3 +83,36 @@ kinds! {
         Trained,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use globillum::integrator::{Estimates, Settings};
+    use globillum::io::PictureData;
+
+    /// Asserts that the files of pictures call each choice as the command line does.
+    fn check<Kind: ValueEnum + Copy>(setting: &str, set: impl Fn(&mut Settings, Kind)) {
+        for &kind in Kind::value_variants() {
+            let mut settings = Settings::new(1, 1, 1);
+            set(&mut settings, kind);
+            let mut data = PictureData::new(Estimates::unknown(1, 1));
+            data.set_settings(&settings);
+            let value = kind.to_possible_value().expect("no choice is hidden");
+            let (written, expected) =
+                (&data.attributes["settings"], format!("{setting}={}", value.get_name()));
+            assert!(written.split(' ').any(|pair| pair == expected), "{expected} is not in {written}");
+        }
+    }
+
+    #[test]
+    fn files_have_the_names_of_the_command_line() {
+        check("sampler", |settings, kind: SamplerKind| settings.sampler = kind.into());
+        check("filter", |settings, kind: FilterKind| settings.filter = kind.into());
+        check("estimator", |settings, kind: EstimatorKind| settings.estimator = kind.into());
+        check("light_sampling", |settings, kind: LightSamplingKind| settings.light_sampling = kind.into());
+        check("mirror_sampling", |settings, kind: MirrorSamplingKind| settings.mirror_sampling = kind.into());
+        check("supersampling", |settings, kind: SupersamplingKind| settings.supersampling = kind.into());
+        check("path_reuse", |settings, kind: PathReuseKind| settings.path_reuse = kind.into());
+        check("guiding", |settings, kind: GuidingKind| settings.guiding = kind.into());
+    }
+}

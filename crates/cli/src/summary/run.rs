@@ -22,7 +22,7 @@ pub(super) struct RunFigures<'a> {
     version: &'static str,
     arguments: Vec<String>,
     scene: &'a str,
-    simd: String,
+    simd: &'static str,
     triangles: usize,
     degenerate_triangles: usize,
     lights: usize,
@@ -46,7 +46,7 @@ impl<'a> RunFigures<'a> {
             version: env!("CARGO_PKG_VERSION"),
             arguments: std::env::args_os().skip(1).map(|word| word.to_string_lossy().into()).collect(),
             scene: name,
-            simd: format!("{:?}", SimdLevel::best()).to_lowercase(),
+            simd: simd_name(SimdLevel::best()),
             triangles: scene.triangles().len(),
             degenerate_triangles: scene.triangles().degenerate_count(),
             lights: scene.lights().triangles().count(),
@@ -98,6 +98,16 @@ impl<'a> RunFigures<'a> {
         let is_missed =
             self.ended_by == ALL_SAMPLES && stop.relative_rmse.is_some_and(|goal| !self.error.reaches(goal));
         if is_missed { "; the error asked for was not reached" } else { "" }
+    }
+}
+
+/// The name of an instruction set in the figures.
+fn simd_name(level: SimdLevel) -> &'static str {
+    match level {
+        SimdLevel::Portable => "portable",
+        SimdLevel::Avx2 => "avx2",
+        SimdLevel::Avx512 => "avx512",
+        _ => "unnamed",
     }
 }
 

@@ -1,8 +1,8 @@
+use super::setting_names;
 use globillum_integrator::{
     CheckpointHeader, Estimates, Film, FirstHits, PathReuse, Picture, PinholeCamera, Settings,
 };
 use std::collections::BTreeMap;
-use std::fmt::Debug;
 use std::ops::Range;
 
 /// A picture with its error and where it comes from: what an OpenEXR file holds.
@@ -98,7 +98,7 @@ impl PictureData {
     }
 
     fn set_path_reuse(&mut self, path_reuse: PathReuse) {
-        self.set("path_reuse", kebab(path_reuse));
+        self.set("path_reuse", setting_names::path_reuse(path_reuse));
     }
 
     /// The key in hexadecimal.
@@ -141,16 +141,16 @@ impl PictureData {
 fn settings_text(settings: &Settings) -> String {
     let Settings { pass_samples, max_bounces, roulette, .. } = settings;
     let kinds = [
-        ("sampler", kebab(settings.sampler)),
-        ("filter", kebab(settings.filter)),
-        ("estimator", kebab(settings.estimator)),
-        ("light_sampling", kebab(settings.light_sampling)),
+        ("sampler", setting_names::sampler(settings.sampler).to_owned()),
+        ("filter", setting_names::filter(settings.filter).to_owned()),
+        ("estimator", setting_names::estimator(settings.estimator).to_owned()),
+        ("light_sampling", setting_names::light_sampling(settings.light_sampling).to_owned()),
         ("light_samples", settings.light_samples.to_string()),
-        ("mirror_sampling", kebab(settings.mirror_sampling)),
-        ("supersampling", kebab(settings.supersampling)),
-        ("path_reuse", kebab(settings.path_reuse)),
-        ("guiding", kebab(settings.guiding)),
-        ("max_bounces", max_bounces.map_or_else(|| "none".into(), |max| max.to_string())),
+        ("mirror_sampling", setting_names::mirror_sampling(settings.mirror_sampling).to_owned()),
+        ("supersampling", setting_names::supersampling(settings.supersampling).to_owned()),
+        ("path_reuse", setting_names::path_reuse(settings.path_reuse).to_owned()),
+        ("guiding", setting_names::guiding(settings.guiding).to_owned()),
+        ("max_bounces", max_bounces.map_or_else(|| "none".to_owned(), |max| max.to_string())),
         ("pass_samples", pass_samples.to_string()),
         ("roulette_start", roulette.start.to_string()),
         ("roulette_threshold", roulette.threshold.to_string()),
@@ -158,23 +158,10 @@ fn settings_text(settings: &Settings) -> String {
     kinds.map(|(name, value)| format!("{name}={value}")).join(" ")
 }
 
-/// The name of a variant as the command line has it, such as `solid-angle`.
-fn kebab(variant: impl Debug) -> String {
-    let mut name = String::new();
-    for c in format!("{variant:?}").chars() {
-        if c.is_uppercase() && !name.is_empty() {
-            name.push('-');
-        }
-        name.extend(c.to_lowercase());
-    }
-    name
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::DVec3;
-    use globillum_integrator::LightSampling;
 
     #[test]
     fn the_camera_is_a_matrix_for_row_vectors() {
@@ -187,10 +174,5 @@ mod tests {
         let seen = |column: usize| (0..4).map(|row| point[row] * matrix[4 * row + column]).sum::<f32>();
         assert_eq!([0, 1, 2, 3].map(seen), [1.0, 2.0, 3.0, 1.0]);
         assert!((fov - 1.0_f32.to_degrees()).abs() < 1e-5);
-    }
-
-    #[test]
-    fn variants_are_named_as_on_the_command_line() {
-        assert_eq!(kebab(LightSampling::SolidAngle), "solid-angle");
     }
 }

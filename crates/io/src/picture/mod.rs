@@ -3,6 +3,7 @@
 mod data;
 mod file;
 mod openexr;
+mod setting_names;
 
 pub use data::PictureData;
 pub use file::{PictureFile, PictureFormat};

@@ -3,6 +3,7 @@
 
 use crate::IoError;
 use crate::picture::data::PictureData;
+use crate::picture::setting_names;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, read::read};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, Text};
@@ -229,7 +230,10 @@ fn decode(bytes: &[u8]) -> Result<PictureData, Error> {
         }
     }
     let attributes_by_name = texts(&attributes);
-    if attributes_by_name.get("path_reuse").is_some_and(|kind| kind == "tiles") {
+    if attributes_by_name
+        .get("path_reuse")
+        .is_some_and(|kind| kind == setting_names::path_reuse(PathReuse::Tiles))
+    {
         estimates.path_reuse = PathReuse::Tiles;
     }
     let window = IntegerBounds::new(attributes.layer_position, size);

@@ -69,8 +69,17 @@ impl Combination {
 
     /// A name for files: `mis-sobol-reuse`.
     pub(crate) fn file_name(self) -> String {
-        let estimator = format!("{:?}", self.estimator).to_lowercase();
-        let sampler = format!("{:?}", self.sampler).to_lowercase();
+        let estimator = match self.estimator {
+            Estimator::Bsdf => "bsdf",
+            Estimator::Light => "light",
+            Estimator::Mis => "mis",
+            _ => "unknown",
+        };
+        let sampler = match self.sampler {
+            Sampler::Independent => "independent",
+            Sampler::Sobol => "sobol",
+            _ => "unknown",
+        };
         let reuse = if self.path_reuse == PathReuse::Off { "" } else { "-reuse" };
         let limit = self.max_bounces.map_or(String::new(), |limit| format!("-{limit}-bounces"));
         format!("{estimator}-{sampler}{reuse}{limit}")
