@@ -43,7 +43,7 @@ impl PixelRect {
     }
 
     /// The square of [`SQUARE_SIDE`] x [`SQUARE_SIDE`] pixels that holds pixel (`x`, `y`), within a picture of this size.
-    pub(crate) fn square_around(x: u32, y: u32, [width, height]: [u32; 2]) -> PixelRect {
+    pub(crate) fn square_around((x, y): (u32, u32), [width, height]: [u32; 2]) -> PixelRect {
         let start = |x: u32| x - x % SQUARE_SIDE;
         let length = |x: u32, end: u32| SQUARE_SIDE.min(end - start(x));
         PixelRect { x: start(x), y: start(y), width: length(x, width), height: length(y, height) }
@@ -94,7 +94,7 @@ impl PixelRect {
     }
 
     /// The rectangle and the pixels around it, in a picture of this size.
-    pub(crate) fn grown(&self, width: u32, height: u32) -> PixelRect {
+    pub(crate) fn grown(&self, [width, height]: [u32; 2]) -> PixelRect {
         let (x, y) = (self.x.saturating_sub(1), self.y.saturating_sub(1));
         let end = |start: u32, length: u32, size: u32| size.min(start + length + 1);
         PixelRect {
@@ -106,12 +106,8 @@ impl PixelRect {
     }
 
     /// Pixel (`x`, `y`) and those around it, in a picture of this size, row by row.
-    pub(crate) fn pixels_near(
-        (x, y): (u32, u32),
-        width: u32,
-        height: u32,
-    ) -> impl Iterator<Item = (u32, u32)> {
-        PixelRect { x, y, width: 1, height: 1 }.grown(width, height).pixels()
+    pub(crate) fn pixels_near((x, y): (u32, u32), size: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
+        PixelRect { x, y, width: 1, height: 1 }.grown(size).pixels()
     }
 
     /// Pixel `index` of [`pixels`](PixelRect::pixels).

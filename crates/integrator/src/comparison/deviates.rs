@@ -19,7 +19,7 @@ pub(super) enum CellVariance {
 pub(super) fn deviates([a, b]: [&[Cell]; 2], width: u32, of: CellVariance) -> Vec<Rgb> {
     let cells = PixelRect::whole([width, (a.len() / width as usize) as u32]);
     let of_cell = |at: (u32, u32)| {
-        let near = PixelRect::pixels_near(at, cells.width, cells.height).filter(|&other| other != at);
+        let near = PixelRect::pixels_near(at, [cells.width, cells.height]).filter(|&other| other != at);
         let (mut around, mut count) = ([Rgb::BLACK; 2], 0.0);
         for place in near.map(|(x, y)| cells.index(x, y)) {
             around = [around[0] + a[place].variance, around[1] + b[place].variance];

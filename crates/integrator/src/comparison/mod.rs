@@ -300,11 +300,11 @@ impl Pair {
     /// than nothing.
     fn around(&self, values: &[f64]) -> Vec<f64> {
         let columns = self.columns();
-        let (width, height) = (columns as u32, (values.len() / columns) as u32);
-        let tiles = PixelRect::whole([width, height]);
+        let size = [columns, values.len() / columns].map(|count| count as u32);
+        let tiles = PixelRect::whole(size);
         let floor = floor(values);
         let around = |tile: (u32, u32)| {
-            let around = PixelRect::pixels_near(tile, width, height).filter(|&other| other != tile);
+            let around = PixelRect::pixels_near(tile, size).filter(|&other| other != tile);
             let around: Vec<f64> = around.map(|(x, y)| values[tiles.index(x, y)]).collect();
             mean_of(&around) + floor
         };

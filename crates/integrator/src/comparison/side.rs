@@ -93,7 +93,7 @@ fn dependence(picture: &Estimates, pixels: &[Cell]) -> Vec<f64> {
     let whole = PixelRect::whole([picture.width, picture.height]);
     let all = whole.blocks_in(&whole);
     let of_block = |(block, place)| {
-        let around = PixelRect::pixels_near(place, all.width, all.height).map(|(x, y)| all.index(x, y));
+        let around = PixelRect::pixels_near(place, [all.width, all.height]).map(|(x, y)| all.index(x, y));
         let (mut joint, mut alone) = (0.0, 0.0);
         around.for_each(|at| (joint, alone) = (joint + told(at), alone + independent[at]));
         let ratio = joint / alone;

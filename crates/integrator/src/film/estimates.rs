@@ -193,7 +193,7 @@ impl Estimates {
         let picture = mean(variances.iter().copied());
         let whole = PixelRect::whole([self.width, self.height]);
         let margin = |(at, pixel): (usize, (u32, u32))| {
-            let around = PixelRect::pixels_near(pixel, self.width, self.height);
+            let around = PixelRect::pixels_near(pixel, [self.width, self.height]);
             let around = around.map(|(x, y)| variances[whole.index(x, y)]);
             margin::margin_95(self.observations[at].into(), variances[at], around, || picture)
         };

@@ -275,7 +275,7 @@ impl Film {
 
     /// [`Film::margin_95`], by the mean variance of the `picture`.
     fn margin_of(&self, x: u32, y: u32, picture: impl FnOnce() -> Rgb) -> Rgb {
-        let around = PixelRect::pixels_near((x, y), self.width, self.height());
+        let around = PixelRect::pixels_near((x, y), [self.width, self.height()]);
         let around = around.map(|(x, y)| self.variance_of_mean(x, y));
         margin::margin_95(self.observations(), self.variance_of_mean(x, y), around, picture)
     }

@@ -103,7 +103,7 @@ pub fn replay_samples(
     let work = || {
         let never = || false;
         let guide = train_guide(scene, sensor, settings, never)?.continue_value().flatten();
-        let tile = PixelRect::square_around(x, y, [settings.width, settings.height]);
+        let tile = PixelRect::square_around((x, y), [settings.width, settings.height]);
         let replays = || {
             let context = prepare(scene, sensor, settings, guide.as_ref(), never).continue_value()?;
             let probes = TileProbes::of(&context, tile);

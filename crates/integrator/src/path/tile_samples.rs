@@ -26,8 +26,8 @@ impl TileSamples {
     pub(super) fn of_square(&self, sample: u32) -> impl Iterator<Item = u32> + Clone + use<> {
         let (tile, count) = (self.tile, self.in_pixel.len() as u32);
         let (pixel, index) = (sample / count, sample % count);
-        let (x, y) = (pixel % tile.width, pixel / tile.width);
-        let square = PixelRect::square_around(x, y, [tile.width, tile.height]);
+        let place = (pixel % tile.width, pixel / tile.width);
+        let square = PixelRect::square_around(place, [tile.width, tile.height]);
         square.pixels().map(move |(x, y)| (y * tile.width + x) * count + index)
     }
 

@@ -3,11 +3,11 @@
 //! Which pixels these are depends on probes at fixed places, never on samples, so the mean is that of one camera ray
 //! per sample.
 
+use crate::PathStart;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, max_reflections};
 use crate::path::render_context::RenderContext;
 use crate::pixel_rect::PixelRect;
 use crate::scene::unit;
-use crate::{PathStart, Settings};
 use glam::DVec3;
 use globillum_material::Rgb;
 
@@ -68,13 +68,13 @@ impl LightEdges {
         if !context.supersamples_lights() {
             return Self::default();
         }
-        let Settings { width, height, .. } = *context.settings;
-        let around = tile.grown(width, height);
+        let size = [context.settings.width, context.settings.height];
+        let around = tile.grown(size);
         let seen = seen_by(context, around);
         let mut edges = Self::default();
         for (i, (x, y)) in (0..).zip(tile.pixels()) {
             let own = seen[around.index(x, y)];
-            let mut near = PixelRect::pixels_near((x, y), width, height);
+            let mut near = PixelRect::pixels_near((x, y), size);
             let differs = |(x, y)| seen[around.index(x, y)].emission != own.emission;
             if own.emission.is_none() || near.any(differs) {
                 let pixels =
@@ -188,7 +188,7 @@ impl Probes {
 mod tests {
     use super::*;
     use crate::path::test_rooms::built;
-    use crate::{ElementSample, Model, OrthographicCamera, PinholeCamera, Scene, Sensor};
+    use crate::{ElementSample, Model, OrthographicCamera, PinholeCamera, Scene, Sensor, Settings};
     use globillum_geom::conformance::shapes::{icosphere, quad};
     use globillum_geom::{KdTree, Ray, Triangle};
     use globillum_material::Material;
