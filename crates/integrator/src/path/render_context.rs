@@ -67,8 +67,8 @@ impl<'a> RenderContext<'a> {
 }
 
 impl RenderContext<'_> {
-    /// Whether pixels reuse the paths of other pixels of their tile: not if that does not pay, paths have no second bounce or
-    /// roulette begins at the first.
+    /// Whether pixels reuse the paths of other pixels of their square: not if that does not pay, paths have no second bounce
+    /// or roulette begins at the first.
     pub(super) fn reuses_paths(&self) -> bool {
         let Settings { max_bounces, roulette, path_reuse, .. } = *self.settings;
         self.reuse_pays

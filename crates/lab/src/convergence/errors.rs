@@ -5,7 +5,7 @@ use globillum::material::Rgb;
 use std::collections::BTreeMap;
 
 /// Pixels along each side of the blocks whose means are compared too.
-const SQUARE: u32 = 4;
+const BLOCK_SIDE: u32 = 4;
 
 /// The true or reference picture.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub(crate) struct Truth {
     variances: Vec<Rgb>,
     /// The pixels that are compared.
     counted: Vec<bool>,
-    /// Pixels along each side of the blocks within which errors depend on each other; 1 if all are independent.
+    /// Pixels along each side of the tiles within which errors depend on each other; 1 if all are independent.
     tile_side: u32,
 }
 
@@ -78,25 +78,25 @@ impl Truth {
     }
 }
 
-/// The block that each pixel of a picture belongs to, row by row.
-fn blocks_of_pixels(width: u32, height: u32, side: u32) -> impl Iterator<Item = u32> {
+/// The tile or block, of this side, that each pixel of a picture belongs to, row by row.
+fn tiles_of_pixels(width: u32, height: u32, side: u32) -> impl Iterator<Item = u32> {
     (0..height).flat_map(move |y| (0..width).map(move |x| y / side * width.div_ceil(side) + x / side))
 }
 
-/// The mean of some numbers, each with its block, and its standard error, if blocks are independent of each other; NaN for
-/// a single block.
-fn mean_of_blocks(numbers: impl Iterator<Item = (u32, f64)>) -> (f64, f64) {
+/// The mean of some numbers, each with its tile, and its standard error, if tiles are independent of each other; NaN for
+/// a single tile.
+fn mean_of_tiles(numbers: impl Iterator<Item = (u32, f64)>) -> (f64, f64) {
     let numbers: Vec<(u32, f64)> = numbers.collect();
     let mean = mean(numbers.iter().map(|(_, x)| *x));
     let mut deviations = BTreeMap::new();
     let mut count = 0.0;
-    for (block, x) in numbers {
-        *deviations.entry(block).or_insert(0.0) += x - mean;
+    for (tile, x) in numbers {
+        *deviations.entry(tile).or_insert(0.0) += x - mean;
         count += 1.0;
     }
     let squares: f64 = deviations.values().map(|deviation: &f64| deviation * deviation).sum();
-    let blocks = deviations.len() as f64;
-    let std_err = if blocks > 1.0 { (squares * blocks / (blocks - 1.0)).sqrt() / count } else { f64::NAN };
+    let tiles = deviations.len() as f64;
+    let std_err = if tiles > 1.0 { (squares * tiles / (tiles - 1.0)).sqrt() / count } else { f64::NAN };
     (mean, std_err)
 }
 
@@ -113,7 +113,7 @@ pub(crate) struct Errors {
     pub(crate) mse: f64,
     /// The same over the means of blocks of 4 x 4 pixels, of those that are compared.
     pub(crate) block_mse: f64,
-    /// Standard error of `mse`, by the sample variance over the pixels, or over blocks of dependent ones.
+    /// Standard error of `mse`, by the sample variance over the pixels, or over tiles of dependent ones.
     pub(crate) mse_std_err: f64,
     /// Mean error over its standard error, by the sample variance as well. It contains the errors of the film and of the
     /// truth. It is normally distributed for an unbiased film of many pixels.
@@ -140,11 +140,11 @@ impl Errors {
         let squares = || differences().map(|e| e.map(square).mean());
         let own = || truth.of_counted(truth.variances.iter()).map(|v| v.mean() / square(scale));
         let side = film.path_reuse().tile_side().max(truth.tile_side);
-        let blocks = || truth.of_counted(blocks_of_pixels(film.width(), film.height(), side));
-        let (mse, mse_std_err) = mean_of_blocks(blocks().zip(squares().zip(own()).map(|(e, own)| e - own)));
-        let (error, std_err) = mean_of_blocks(blocks().zip(differences().map(|e| e.mean())));
+        let tiles = || truth.of_counted(tiles_of_pixels(film.width(), film.height(), side));
+        let (mse, mse_std_err) = mean_of_tiles(tiles().zip(squares().zip(own()).map(|(e, own)| e - own)));
+        let (error, std_err) = mean_of_tiles(tiles().zip(differences().map(|e| e.mean())));
         let in_blocks = |values: Vec<f64>| {
-            let blocks = truth.of_counted(blocks_of_pixels(film.width(), film.height(), SQUARE));
+            let blocks = truth.of_counted(tiles_of_pixels(film.width(), film.height(), BLOCK_SIDE));
             let mut sums = BTreeMap::new();
             for (block, value) in blocks.zip(values) {
                 let (sum, count) = sums.entry(block).or_insert((0.0, 0.0));

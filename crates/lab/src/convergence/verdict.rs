@@ -21,7 +21,7 @@ pub(crate) enum Verdict {
     /// The error of the reference is too large for a slope.
     ReferenceTooNoisy,
     /// All pixels depend on each other.
-    OneBlock,
+    OneTile,
 }
 
 impl Verdict {
@@ -31,7 +31,7 @@ impl Verdict {
     /// The verdict by `errors`, those of the level with most samples, and `slope`, that over all levels.
     pub(crate) fn of(sampler: Sampler, slope: Option<Slope>, errors: &Errors) -> Self {
         if errors.z.is_nan() {
-            return Self::OneBlock;
+            return Self::OneTile;
         }
         if errors.z.abs() > Z_LIMIT {
             return Self::BiasedMean;
@@ -60,7 +60,7 @@ impl fmt::Display for Verdict {
             Self::TooSteep => "**not independent**",
             Self::HeavyTail => "none: heavy tail",
             Self::ReferenceTooNoisy => "none: reference too noisy",
-            Self::OneBlock => "none: a single tile",
+            Self::OneTile => "none: a single tile",
         })
     }
 }

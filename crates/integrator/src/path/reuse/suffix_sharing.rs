@@ -1,4 +1,4 @@
-//! Path reuse between pixels of a tile (Bekaert, Sbert and Halton 2002).
+//! Path reuse between pixels of a square (Bekaert, Sbert and Halton 2002).
 //!
 //! A path's *prefix* ends at its first diffuse vertex `x`; its *suffix* begins at the next vertex `y`. If `y`
 //! is diffuse, the radiance of the suffix leaves `y` equally in all directions, so each prefix of a group
