@@ -1,5 +1,5 @@
 //! The probability with which vertices after the first diffuse one sample lights in large mirrors. It follows from what
-//! such samples and those without a mirror contribute to the paths of probes.
+//! such samples and those without a mirror contribute to probes.
 
 use super::path_starts::{capped_bounces, distances, patches, path_context, path_settings};
 use crate::Settings;
@@ -65,7 +65,7 @@ pub(super) fn of(context: &RenderContext<'_>) -> f64 {
     if prob.is_nan() { 1.0 } else { prob.clamp(MIN_PROB, 1.0) }
 }
 
-/// The settings of the probes' paths.
+/// The settings of the probes.
 fn probe_settings(settings: &Settings) -> Settings {
     let samples = (u64::from(PATHS) / settings.pixel_count()).max(1).next_power_of_two() as u32;
     Settings { max_bounces: capped_bounces(settings), ..path_settings(settings, samples, SEED) }

@@ -1,4 +1,4 @@
-//! Which lights are visible: paths at fixed places of the picture sample lights, and those that they rarely see are chosen
+//! Which lights are visible: probes sample lights, and those that they rarely see are chosen
 //! less often. Otherwise a strong light behind a wall takes the samples of all others.
 
 use super::path_starts::probe_starts;

@@ -1,11 +1,12 @@
-//! What precedes the first sample:
+//! What precedes the first sample of a render. *Preliminary paths* are all that are traced for it:
 //!
-//! - [paths that train a guide](training);
-//! - paths at fixed places of the picture, which find [which lights are visible](light_visibility), [how often to sample
-//!   lights in mirrors](large_mirror_prob), [whether path reuse pays](path_reuse), and [whether caustics are
+//! - [training paths](training), from which a guide learns;
+//! - probes, paths at fixed places of the picture, which find [which lights are visible](light_visibility), [how often to
+//!   sample lights in mirrors](large_mirror_prob), [whether path reuse pays](path_reuse), and [whether caustics are
 //!   rare](rare_caustics);
-//! - [photons](caustic_photons) from the lights;
-//! - where the sensor may see small lights ([`LightPoints`]).
+//! - paths from the lights, which leave [photons](caustic_photons).
+//!
+//! Without paths it is found where the sensor may see small lights ([`LightPoints`]).
 //!
 //! All of this follows from the scene, the sensor and the settings, so it is the same for all parts of a picture.
 

@@ -1,4 +1,4 @@
-//! Whether path reuse pays, by the part of the variance of pixels that suffixes bring to paths at fixed places.
+//! Whether path reuse pays, by the part of the variance of pixels that suffixes bring to probes.
 
 use super::path_starts::{capped_bounces, distances, patches, path_context, path_settings};
 use crate::Settings;

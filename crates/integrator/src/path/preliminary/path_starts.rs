@@ -3,10 +3,10 @@ use crate::pixel_rect::PixelRect;
 use crate::{PathReuse, PathStart, Settings, Supersampling};
 use std::ops::Range;
 
-/// Pixels along the side of a patch, in which paths that precede a picture begin.
+/// Pixels along the side of a patch, in which preliminary paths begin.
 pub(super) const PATCH_SIDE: u32 = 8;
 
-/// The most bounces of paths that precede a picture, whatever the settings say of roulette.
+/// The most bounces of preliminary paths, whatever the settings say of roulette.
 const MAX_BOUNCES: u32 = 16;
 
 /// The limit on the bounces of such paths.
@@ -14,7 +14,7 @@ pub(super) fn capped_bounces(settings: &Settings) -> Option<u32> {
     Some(settings.max_bounces.unwrap_or(MAX_BOUNCES).min(MAX_BOUNCES))
 }
 
-/// The settings of paths that precede the first sample of a picture: this many of each pixel, by this seed. Pixels share
+/// The settings of preliminary paths: this many of each pixel, by this seed. Pixels share
 /// nothing, each vertex takes one light sample, and lights are not supersampled.
 pub(super) fn path_settings(settings: &Settings, samples: u32, seed: u64) -> Settings {
     Settings {

@@ -19,7 +19,7 @@ const PROBES_PER_SIDE: u32 = 64;
 /// as far as the probes tell.
 const MAX_FOUND: usize = (PROBES_PER_SIDE * PROBES_PER_SIDE) as usize / 128;
 
-/// Whether pixels share caustics: these are rare if some paths at fixed places find few.
+/// Whether pixels share caustics: these are rare if probes find few.
 pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
     let may_share = context.reuses_paths() && context.scene.has_mirrors();
     may_share && caustics_found(context) <= MAX_FOUND
