@@ -9,9 +9,8 @@ use globillum::integrator::{
 };
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::{ACCELERATORS, RENDERED};
-use globillum_testkit::pixels::{PIXEL_LIMIT, largest_difference, largest_z};
+use globillum_testkit::pixels::{assert_same_means, largest_difference};
 use globillum_testkit::shapes::{cuboid, inside_out, quad};
-use globillum_testkit::stats::Z_LIMIT;
 use globillum_testkit::{cornell, scenes};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -83,16 +82,7 @@ fn assert_same_mean(
     let scene = scene(model);
     let [without, with] =
         [Guiding::Off, Guiding::Trained].map(|guiding| film(&scene, sensor, &settings(guiding, &change)));
-    let z = largest_z(&without, &with);
-    let [before, after] = [&without, &with].map(|film| film.error().relative_rmse);
-    let mean = with.image_mean().mean() / without.image_mean().mean() - 1.0;
-    // Errors of the sixteen pixels of a group may be fully correlated, which multiplies the error of the mean by up to 4.
-    let group = f64::from(with.path_reuse().dependent_pixels().isqrt());
-    let count = (f64::from(without.width()) * f64::from(without.height())).sqrt();
-    let margin = Z_LIMIT * group.sqrt() * before.hypot(after) / count;
-    println!("{what}: z {z:.2}, error {before:.4} becomes {after:.4}, mean {:+.4} %", 100.0 * mean);
-    assert!(z < PIXEL_LIMIT, "{what}: {z}");
-    assert!(mean.abs() < margin && margin < max_margin, "{what}: {mean}, margin {margin}");
+    assert_same_means(what, &without, &with, max_margin);
     // With equal random numbers, only a guide makes a difference.
     let [off, on] = [Guiding::Off, Guiding::Trained].map(|guiding| {
         let settings = settings(guiding, |s| {

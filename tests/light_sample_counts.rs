@@ -10,7 +10,7 @@ use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::polygon::form_factor;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{icosphere, quad};
-use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
+use globillum_testkit::stats::{Estimate, independent_pixels};
 
 use Estimator::{Light, Mis};
 
@@ -128,9 +128,7 @@ fn the_number_of_samples_changes_no_mean() {
             };
             let (one, several) = (estimate(0, 1), estimate(1, 4));
             let what = format!("{what}, {sampler:?}, {path_reuse:?}, {max_bounces:?}, {estimator:?}");
-            let margin = Z_LIMIT * one.std_err.hypot(several.std_err);
-            assert!(margin < 0.015 * one.mean, "{what} is too wide: {one:?}, {several:?}");
-            assert!((one.mean - several.mean).abs() < margin, "{what}: {one:?}, {several:?}");
+            one.assert_agrees(&several, 0.015, &what);
         }
     }
 }

@@ -10,8 +10,8 @@ use globillum_testkit::accelerators::{ACCELERATORS, Builder};
 use globillum_testkit::polygon::form_factor;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{icosphere, inside_out, quad};
-use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels};
-use std::f64::consts::TAU;
+use globillum_testkit::stats::{Estimate, PRECISION, independent_pixels};
+use std::f64::consts::{SQRT_2, TAU};
 
 use Estimator::{Bsdf, Light, Mis};
 use MirrorSampling::{Images, Off};
@@ -187,10 +187,7 @@ fn assert_agrees_with_scattering(model: &Model, samples: u32) {
         let mut settings = settings(estimator, Images, samples);
         settings.seed = 1;
         let found = estimate(model, turn, &settings);
-        let margin = Z_LIMIT * found.std_err.hypot(scattered.std_err);
-        let what = format!("{estimator:?}: {found:?}, {scattered:?}");
-        assert!(margin < 2.0_f64.sqrt() * PRECISION * scattered.mean, "too wide: {what}");
-        assert!((found.mean - scattered.mean).abs() < margin, "{what}");
+        scattered.assert_agrees(&found, SQRT_2 * PRECISION, &format!("{estimator:?}"));
     }
 }
 
@@ -308,9 +305,7 @@ fn mirror_sampling_changes_no_mean() {
         let off = estimate(0, Bsdf, Off, 256);
         for (seed, estimator) in [(1, Light), (2, Mis)] {
             let on = estimate(seed, estimator, Images, 128);
-            let margin = Z_LIMIT * on.std_err.hypot(off.std_err);
-            assert!(margin < 0.1 * off.mean, "{what}, {estimator:?} is too wide: {on:?}, {off:?}");
-            assert!((on.mean - off.mean).abs() < margin, "{what}, {estimator:?}: {on:?}, {off:?}");
+            off.assert_agrees(&on, 0.1, &format!("{what}, {estimator:?}"));
         }
     }
 }

@@ -4,7 +4,8 @@ use glam::DVec3;
 use globillum::integrator::{Estimator, Model, PinholeCamera, Settings, render};
 use globillum_testkit::accelerators::ACCELERATORS;
 use globillum_testkit::scenes::{self, stare};
-use globillum_testkit::stats::{Estimate, PRECISION, Z_LIMIT, independent_pixels};
+use globillum_testkit::stats::{Estimate, PRECISION, independent_pixels};
+use std::f64::consts::SQRT_2;
 
 const ESTIMATORS: [Estimator; 3] = [Estimator::Bsdf, Estimator::Light, Estimator::Mis];
 
@@ -38,11 +39,8 @@ fn assert_agreement(
     }
     for (i, (name, a)) in found.iter().enumerate() {
         for (other_name, b) in &found[..i] {
-            let margin = Z_LIMIT * a.std_err.hypot(b.std_err);
-            let pair = format!("{what}, {name} and {other_name}: {a:?}, {b:?}");
             // The bound for two means of the required precision.
-            assert!(margin <= 2.0_f64.sqrt() * PRECISION * a.mean, "too wide: {pair}");
-            assert!((a.mean - b.mean).abs() <= margin + 1e-12 * a.mean, "{pair}");
+            a.assert_agrees(b, SQRT_2 * PRECISION, &format!("{what}, {name} and {other_name}"));
         }
     }
 }

@@ -8,10 +8,10 @@ use globillum::integrator::{
 use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::cornell;
-use globillum_testkit::pixels::{PIXEL_LIMIT, largest_difference, largest_z};
+use globillum_testkit::pixels::{PIXEL_LIMIT, assert_same_means, largest_difference, largest_z};
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::{cuboid, icosphere, inside_out, quad};
-use globillum_testkit::stats::{Estimate, Z_LIMIT};
+use globillum_testkit::stats::Estimate;
 
 use Estimator::{Bsdf, Light, Mis};
 
@@ -55,14 +55,7 @@ fn assert_same_mean_as(
     change: impl Fn(&mut Settings),
 ) {
     let with = picture(model, camera, PathReuse::Tiles, &change);
-    let z = largest_z(without, &with);
-    let [before, after] = [without, &with].map(|film| film.error().relative_rmse);
-    let mean = with.image_mean().mean() / without.image_mean().mean() - 1.0;
-    println!("{what}: z {z:.2}, error {before:.4} becomes {after:.4}, mean {:+.4} %", 100.0 * mean);
-    assert!(z < PIXEL_LIMIT, "{what}: {z}");
-    // Errors of the sixteen pixels of a group may be fully correlated, which multiplies the error of the mean by up to 4.
-    let margin = Z_LIMIT * before.hypot(4.0 * after) / f64::from(SIDE);
-    assert!(mean.abs() < margin && margin < 0.02, "{what}: {mean}, margin {margin}");
+    assert_same_means(what, without, &with, 0.02);
     // With equal random numbers, only path reuse makes a difference.
     let [alone, reused] = [PathReuse::Off, PathReuse::Tiles].map(|path_reuse| {
         picture(model, camera, path_reuse, |s| {

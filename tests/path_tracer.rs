@@ -12,7 +12,7 @@ use globillum::material::{Emission, Material, Rgb, Sides};
 use globillum_testkit::accelerators::RENDERED;
 use globillum_testkit::scenes::{self, stare};
 use globillum_testkit::shapes::quad;
-use globillum_testkit::stats::{Estimate, Z_LIMIT, independent_pixels};
+use globillum_testkit::stats::{Estimate, independent_pixels};
 
 /// A square light over a floor, half of it hidden by a sheet. A second light is far away, emits on both sides
 /// and reflects. A third emits away from the floor. The fourth is a point light. A mirror reflects them to the floor.
@@ -68,10 +68,7 @@ fn the_example_agrees_with_the_library() {
         let components: [fn(Rgb) -> f64; 3] = [|c| c.r, |c| c.g, |c| c.b];
         for (own, component) in own.iter().zip(components) {
             let other = Estimate::of_film(&film, component);
-            let margin = Z_LIMIT * own.std_err.hypot(other.std_err);
-            let difference = (own.mean - other.mean).abs();
-            assert!(difference < margin, "{estimator:?}: {own:?}, {other:?}");
-            assert!(margin < precision * other.mean, "{estimator:?}: {own:?}, {other:?}");
+            other.assert_agrees(own, precision, &format!("{estimator:?}"));
         }
     }
 }

@@ -284,9 +284,7 @@ fn supersampling_changes_no_mean() {
             Estimate::of_film(&film(&scene, camera, &settings), |c| c.g)
         };
         let (on, off) = (estimate(Supersampling::Lights, 1, 192), estimate(Supersampling::Off, 2, 1024));
-        let margin = Z_LIMIT * on.std_err.hypot(off.std_err);
-        assert!(margin < 0.04 * off.mean, "{what} is too wide: {on:?}, {off:?}");
-        assert!((on.mean - off.mean).abs() < margin, "{what}: {on:?}, {off:?}");
+        off.assert_agrees(&on, 0.04, what);
     }
 }
 

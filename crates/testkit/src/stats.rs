@@ -73,6 +73,18 @@ impl Estimate {
         (self.mean - truth) / self.std_err
     }
 
+    /// Asserts that this and an independent `other` are of the same mean, within [`Z_LIMIT`] and a margin of at most
+    /// `precision` of the mean.
+    ///
+    /// # Panics
+    /// If they are not, naming `what`.
+    pub fn assert_agrees(&self, other: &Self, precision: f64, what: &str) {
+        let margin = Z_LIMIT * self.std_err.hypot(other.std_err);
+        assert!(margin <= precision * self.mean, "{what} is too wide: {self:?}, {other:?}");
+        let apart = (self.mean - other.mean).abs();
+        assert!(apart <= margin + 1e-12 * self.mean, "{what}: {self:?}, {other:?}");
+    }
+
     /// Asserts that the mean is `truth`, within [`Z_LIMIT`] and with [`PRECISION`].
     ///
     /// # Panics
