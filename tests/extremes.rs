@@ -50,10 +50,16 @@ fn assert_is_square_light(film: &Film, radiance: f64, what: &str) {
     let [low, high] = error.interval_95;
     assert!(0.0 < low && low < error.relative_rmse && error.relative_rmse < high, "{what}: {error:?}");
     assert!(high < 0.5, "{what}: {error:?}");
-    // All pixels show the same point, so their scatter is an independent estimate of the error.
-    let squares: f64 = film.means().map(|mean| (mean.g / (TRUTH * radiance) - 1.0).powi(2)).sum();
-    let scatter = (squares / f64::from(film.width() * film.height())).sqrt();
-    assert!((scatter / error.relative_rmse - 1.0).abs() < 0.2, "{what}: {scatter}, not {error:?}");
+    // All pixels show the same point, so their scatter is an independent estimate of the error. Both logarithms are about
+    // normal: that of the scatter has a standard deviation by the kurtosis of the pixels, the other one by its interval.
+    let squares = film.means().map(|mean| (mean.g / (TRUTH * radiance) - 1.0).powi(2));
+    let count = f64::from(film.width() * film.height());
+    let [variance, fourth] = squares
+        .fold([0.0; 2], |[sum, fourth], square| [sum + square / count, fourth + square * square / count]);
+    let of_scatter = ((fourth / (variance * variance) - 1.0) / count).sqrt() / 2.0;
+    let of_error = (high / error.relative_rmse).ln() / 1.96;
+    let apart = (variance.sqrt() / error.relative_rmse).ln() / of_scatter.hypot(of_error);
+    assert!(apart.abs() < Z_LIMIT, "{what}: {apart} standard deviations, {variance}, {error:?}");
 }
 
 /// All estimators render correctly what `Emission` accepts; it refuses the rest.
