@@ -113,6 +113,12 @@ impl ChildWeights {
     }
 }
 
+/// The sum of the importances of all children, by lane.
+#[inline(always)]
+pub(super) fn sum(importance: [f64; WIDTH]) -> f64 {
+    ChildWeights::of_importance(importance).total()
+}
+
 /// Adds the sum of the first half of each block of children to all sums in the second half. A half has this many columns; a
 /// column has the children of lanes `k` and `HALF + k`.
 #[inline(always)]

@@ -1,7 +1,8 @@
 use super::facet::{mirror_image, reflection};
 use super::light_clusters::{Cluster, LightClusters};
 use super::mirror_tree::{
-    Choice, FacetBounds, FacetImportance, LowestNode, MirrorTree, Root, TriangleNode, Viewpoint,
+    CellView, Choice, FacetBounds, FacetImportance, KnownImportances, LowestNode, MirrorOctree, MirrorTree,
+    Root, TriangleNode, Viewpoint,
 };
 use super::triangle_map::TriangleMap;
 use crate::light::receiver::Receiver;
@@ -16,6 +17,8 @@ pub(crate) struct SmallMirrors {
     tree: MirrorTree,
     /// The lowest nodes of the tree.
     nodes: Vec<TriangleNode>,
+    /// One for each cluster of lights; none if all choices are descents in the tree.
+    octrees: Vec<MirrorOctree>,
     /// By their place in the tree.
     mirrors: Vec<SmallMirror>,
     /// The places of the parts of each triangle, one after the other.
@@ -82,7 +85,10 @@ impl SmallMirrors {
             (bounds, part.vertices(triangles.get(triangle)))
         });
         let mirrors = order.iter().map(|&mirror| mirrors[mirror as usize].0).collect();
-        Self { tree, nodes, mirrors, places, first_places, clusters }
+        let octree = |cluster| MirrorOctree::new(&tree, triangles, clusters.get(cluster).bounds, &nodes);
+        let octrees = if MirrorOctree::pays(nodes.len(), clusters.len()) { clusters.len() } else { 0 };
+        let octrees = (0..octrees as u32).map(octree).collect();
+        Self { tree, nodes, octrees, mirrors, places, first_places, clusters }
     }
 
     /// The place of the mirror with this position on the triangle `index`; `None` if the triangle has none.
@@ -107,16 +113,57 @@ impl SmallMirrors {
         us: [f64; N],
     ) -> [Option<ChosenMirror>; N] {
         let attempts = Self::ATTEMPTS / f64::from(count);
-        let (mut clusters, mut roots, mut rests) = ([0; N], [const { None }; N], us);
+        let (mut clusters, mut rests) = ([0; N], us);
         for i in 0..N {
             // The choice of a cluster leaves a number for that of a mirror.
             (clusters[i], rests[i]) = self.clusters.choose(us[i]);
-            let is_like_last = i > 0 && (receivers[i], clusters[i]) == (receivers[i - 1], clusters[i - 1]);
-            roots[i] =
-                if is_like_last { roots[i - 1] } else { self.root(receivers[i], attempts, clusters[i]) };
         }
-        let choices = self.tree.choose::<_, N, { Self::CANDIDATES }>(&roots, rests);
+        let choices = self.choose_in_clusters(receivers, attempts, clusters, rests);
         std::array::from_fn(|i| choices[i].map(|choice| ChosenMirror { cluster: clusters[i], choice }))
+    }
+
+    /// Chooses for each receiver a mirror that may show this cluster of lights.
+    #[inline(always)]
+    fn choose_in_clusters<const N: usize>(
+        &self,
+        receivers: [Receiver; N],
+        attempts: f64,
+        clusters: [u32; N],
+        us: [f64; N],
+    ) -> [Option<Choice>; N] {
+        let (mut views, mut choices, mut roots) = ([CellView::Empty; N], [None; N], [const { None }; N]);
+        let mut known = KnownImportances::none();
+        for i in 0..N {
+            let is_like_last = i > 0 && (receivers[i], clusters[i]) == (receivers[i - 1], clusters[i - 1]);
+            if is_like_last {
+                views[i] = views[i - 1];
+            } else {
+                views[i] = self.view(receivers[i], clusters[i]);
+                known.forget();
+            }
+            match views[i] {
+                CellView::Empty => {}
+                CellView::Listed(view) => {
+                    choices[i] = self.tree.choose_listed(&self.nodes, view, &mut known, attempts, us[i]);
+                }
+                CellView::Unlisted if is_like_last => roots[i] = roots[i - 1],
+                CellView::Unlisted => roots[i] = self.root(receivers[i], attempts, clusters[i]),
+            }
+        }
+        if roots.iter().any(Option::is_some) {
+            let by_descents = self.tree.choose::<_, N, { Self::CANDIDATES }>(&roots, us);
+            for (choice, by_descent) in choices.iter_mut().zip(by_descents) {
+                *choice = choice.or(by_descent);
+            }
+        }
+        choices
+    }
+
+    /// What the cell of the receiver tells of the mirrors, for a sample of this cluster.
+    #[inline(always)]
+    fn view(&self, receiver: Receiver, cluster: u32) -> CellView<'_> {
+        let octree = self.octrees.get(cluster as usize);
+        octree.map_or(CellView::Unlisted, |octree| octree.view(&self.tree, &self.nodes, receiver))
     }
 
     /// The root of the tree, as the receiver sees it for a sample of this cluster.
@@ -134,6 +181,16 @@ impl SmallMirrors {
             #[inline(always)]
             |lowest: &LowestNode<'_>| self.nodes[lowest.number as usize].importance(lowest.query),
         )
+    }
+
+    /// The probability of choosing the mirror at `place` for a sample of this cluster; `None` if it is never chosen.
+    #[inline(always)]
+    fn prob(&self, receiver: Receiver, attempts: f64, cluster: u32, place: u32) -> Option<f64> {
+        match self.view(receiver, cluster) {
+            CellView::Empty => None,
+            CellView::Listed(view) => self.tree.prob_of_listed(&self.nodes, view, attempts, place),
+            CellView::Unlisted => self.tree.prob(&self.root(receiver, attempts, cluster)?, place),
+        }
     }
 
     /// A point on a mirror chosen for one of `count` samples of the receiver, by `point` in `[0, 1)^2`. `None` if it shows no
@@ -179,8 +236,7 @@ impl SmallMirrors {
         let plane = Plane::of(triangle, from);
         let (position, direction) = plane.reflection_to(light.position, from)?;
         let place = self.place_at(triangle, index, position)?;
-        let root = self.root(receiver, Self::ATTEMPTS / f64::from(count), cluster)?;
-        let prob = self.tree.prob(&root, place)?;
+        let prob = self.prob(receiver, Self::ATTEMPTS / f64::from(count), cluster, place)?;
         let area = triangle.area() * self.mirrors[place as usize].part.area_share();
         let pdf = plane.pdf(area, direction)?;
         let pdf = pdf.chosen_with(self.clusters.get(cluster).prob * prob).of_samples(count);
@@ -223,10 +279,21 @@ impl Plane {
 
 #[cfg(test)]
 impl SmallMirrors {
+    /// The same mirrors, chosen by descents in the tree.
+    pub(super) fn without_cells(self) -> Self {
+        assert!(!self.octrees.is_empty());
+        Self { octrees: Vec::new(), ..self }
+    }
+
+    /// For each node of 16 mirrors of which one has an importance to the receiver, whether it is in the list of its cell.
+    pub(super) fn listed_nodes(&self, receiver: Receiver, light: u32) -> Vec<bool> {
+        let octree = &self.octrees[self.clusters.of_light(light).expect("it emits") as usize];
+        octree.nodes_with_importance(&self.tree, &self.nodes, receiver)
+    }
+
     /// The place of the mirror chosen to show the cluster of `light`, with its probability.
     pub(super) fn choice(&self, receiver: Receiver, light: u32, attempts: f64, u: f64) -> Option<Choice> {
-        let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
-        self.tree.choose::<_, 1, { Self::CANDIDATES }>(&[Some(root)], [u])[0]
+        self.choose_in_clusters([receiver], attempts, [self.clusters.of_light(light)?], [u])[0]
     }
 
     /// The probability of this choice of the mirror at `place`.
@@ -237,8 +304,7 @@ impl SmallMirrors {
         light: u32,
         attempts: f64,
     ) -> Option<f64> {
-        let root = self.root(receiver, attempts, self.clusters.of_light(light)?)?;
-        self.tree.prob(&root, place)
+        self.prob(receiver, attempts, self.clusters.of_light(light)?, place)
     }
 
     /// The probability of the choice of the mirror on the triangle `index` that reflects the receiver to the position `to` of

@@ -50,6 +50,12 @@ fn shapes() -> [(&'static str, Vec<Triangle>); 4] {
     ]
 }
 
+/// Small mirrors, chosen from cells and by descents in the mirror tree.
+fn chosen_both_ways(mirrors: &Mirrors) -> [SmallMirrors; 2] {
+    let small = mirrors.small.clone().expect("there are small mirrors");
+    [small.clone(), small.without_cells()]
+}
+
 /// `n` numbers in `[0, 1)`.
 fn evenly_spaced(n: u32) -> impl Iterator<Item = f64> {
     (0..n).map(move |k| (f64::from(k) + 0.5) / f64::from(n))
@@ -118,6 +124,7 @@ fn every_mirror_that_shows_a_light_is_sampled() {
         let mountain = [Triangle { vertices: [Vec3::X, Vec3::Y, Vec3::Z].map(|v| 1e7 * v) }];
         for (size, unit, mountains) in stages {
             let (triangles, mirrors) = scene_beside(&mountain[..mountains], &shape, size, unit);
+            let small = mirrors.small.is_some().then(|| chosen_both_ways(&mirrors));
             let mut shown = 0;
             for i in 0..400 {
                 let (from, light, to) = ends(&triangles, Stream::new(1, 0, i));
@@ -128,16 +135,43 @@ fn every_mirror_that_shows_a_light_is_sampled() {
                         .large
                         .as_ref()
                         .and_then(|large| large.chosen(&triangles, upward(from), large.facet_of(index)?));
-                    let by_small = mirrors.small.as_ref().and_then(|small| {
-                        small.prob_to_reflect(&triangles, upward(from), index, (light, to))
-                    });
+                    let is_chosen = |small: &SmallMirrors| {
+                        small.prob_to_reflect(&triangles, upward(from), index, (light, to)).is_some()
+                    };
                     assert!(
-                        by_large.is_some() || by_small.is_some(),
+                        by_large.is_some() || small.as_ref().is_some_and(|both| both.iter().all(is_chosen)),
                         "{what}, {size}, {unit}, {mountains}, {i}: {index}"
                     );
                 }
             }
             assert!(shown > 8, "{what}: {shown}");
+        }
+    }
+}
+
+/// The list of a cell has all mirrors of which its points see any show a light: on floor and walls, between the mirrors, inside
+/// of bodies and beside them.
+#[test]
+fn cells_list_all_mirrors_that_show_lights() {
+    for (what, shape) in shapes().into_iter().filter(|(what, _)| *what != "a block") {
+        // Open ones reflect on both sides.
+        for mirrors in [&shape[..], &shape[..shape.len() - 1]] {
+            for size in [0.5, 1.0] {
+                let small = scene(mirrors, size, 1.0).1.small.unwrap();
+                let mut listed = 0;
+                for i in 0..2000 {
+                    let numbers = Stream::new(6, 0, i);
+                    let vector =
+                        |k: u32| DVec3::from([0, 1, 2].map(|axis| 2.0 * numbers.uniform(k + axis) - 1.0));
+                    let around = [DVec3::new(2.0, 1.0, 2.0), DVec3::ONE][i as usize % 2];
+                    let receiver =
+                        Receiver { position: around * vector(0), side: vector(3).normalize().as_vec3() };
+                    let nodes = small.listed_nodes(receiver, i % 4);
+                    assert!(nodes.iter().all(|&is_listed| is_listed), "{what}, {size}, {i}: {receiver:?}");
+                    listed += nodes.len();
+                }
+                assert!(listed > 100, "{what}, {size}: {listed}");
+            }
         }
     }
 }
@@ -174,32 +208,34 @@ fn small_facets_count_once() {
     let n = 1 << 18;
     for (what, shape) in shapes().into_iter().filter(|(what, _)| *what != "a block") {
         let (triangles, mirrors) = scene(&shape, 0.5, 1.0);
-        let small = mirrors.small.unwrap();
-        assert_eq!(small.len() > shape.len(), what == "a column", "{what}: {}", small.len());
-        let (mut seen, mut reweighted) = (0, 0);
-        for i in 0..6 {
-            let (from, light, _) = ends(&triangles, Stream::new(2, 0, i));
-            let attempts = [30.0, f64::INFINITY][i as usize % 2];
-            let mut facets = std::collections::HashMap::new();
-            for u in evenly_spaced(n) {
-                let Some(Choice { place, prob, weight }) = small.choice(upward(from), light, attempts, u)
-                else {
-                    continue;
-                };
-                let (mean, largest, of_facet) = facets.entry(place).or_insert((0.0, 0.0_f64, prob));
-                assert_eq!(*of_facet, prob, "{what}");
-                (*mean, *largest) = (*mean + weight / prob / f64::from(n), largest.max(weight / prob));
-                reweighted += i32::from((weight - 1.0).abs() > 0.1);
+        let number = mirrors.small.as_ref().map_or(0, SmallMirrors::len);
+        assert_eq!(number > shape.len(), what == "a column", "{what}: {number}");
+        for small in chosen_both_ways(&mirrors) {
+            let (mut seen, mut reweighted) = (0, 0);
+            for i in 0..6 {
+                let (from, light, _) = ends(&triangles, Stream::new(2, 0, i));
+                let attempts = [30.0, f64::INFINITY][i as usize % 2];
+                let mut facets = std::collections::HashMap::new();
+                for u in evenly_spaced(n) {
+                    let Some(Choice { place, prob, weight }) = small.choice(upward(from), light, attempts, u)
+                    else {
+                        continue;
+                    };
+                    let (mean, largest, of_facet) = facets.entry(place).or_insert((0.0, 0.0_f64, prob));
+                    assert_eq!(*of_facet, prob, "{what}");
+                    (*mean, *largest) = (*mean + weight / prob / f64::from(n), largest.max(weight / prob));
+                    reweighted += i32::from((weight - 1.0).abs() > 0.1);
+                }
+                for (place, (mean, largest, prob)) in facets {
+                    let again = small.choice_prob(upward(from), place, light, attempts);
+                    assert_eq!(again, Some(prob), "{what}");
+                    let margin = MAX_NUMBERS * largest / f64::from(n);
+                    seen += i32::from(margin < 0.05);
+                    assert!((mean - 1.0).abs() <= margin, "{what}, {i}, {place}: {mean}, {margin}");
+                }
             }
-            for (place, (mean, largest, prob)) in facets {
-                let again = small.choice_prob(upward(from), place, light, attempts);
-                assert_eq!(again, Some(prob), "{what}");
-                let margin = MAX_NUMBERS * largest / f64::from(n);
-                seen += i32::from(margin < 0.05);
-                assert!((mean - 1.0).abs() <= margin, "{what}, {i}, {place}: {mean}, {margin}");
-            }
+            assert!(seen > 8 && reweighted > 1000, "{what}: {seen}, {reweighted}");
         }
-        assert!(seen > 8 && reweighted > 1000, "{what}: {seen}, {reweighted}");
     }
 }
 
@@ -207,19 +243,20 @@ fn small_facets_count_once() {
 #[test]
 fn close_nodes_do_not_crowd_out_mirrors_that_show_a_light() {
     let (triangles, mirrors) = scene(&torus(40, 20).triangles(), 0.5, 1.0);
-    let small = mirrors.small.unwrap();
-    let (mut shown, mut least) = (0, 1.0_f64);
-    for i in 0..200 {
-        let numbers = Stream::new(3, 0, i);
-        let [x, z] = numbers.uniform_pair(0).map(|u| 2.0 * u - 1.0);
-        // Between the middle of the ring and the floor.
-        let (from, (_, light, to)) = (DVec3::new(x, -0.3, z), ends(&triangles, numbers));
-        for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
-            let prob = small.prob_to_reflect(&triangles, upward(from), index, (light, to));
-            (shown, least) = (shown + 1, least.min(prob.unwrap_or(0.0)));
+    for small in chosen_both_ways(&mirrors) {
+        let (mut shown, mut least) = (0, 1.0_f64);
+        for i in 0..200 {
+            let numbers = Stream::new(3, 0, i);
+            let [x, z] = numbers.uniform_pair(0).map(|u| 2.0 * u - 1.0);
+            // Between the middle of the ring and the floor.
+            let (from, (_, light, to)) = (DVec3::new(x, -0.3, z), ends(&triangles, numbers));
+            for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
+                let prob = small.prob_to_reflect(&triangles, upward(from), index, (light, to));
+                (shown, least) = (shown + 1, least.min(prob.unwrap_or(0.0)));
+            }
         }
+        assert!(shown > 8 && least > 1e-4, "{shown}, {least}");
     }
-    assert!(shown > 8 && least > 1e-4, "{shown}, {least}");
 }
 
 /// The variance grows with the mean of `1 / p`, for the probabilities `p` of mirrors that show a point of a light: 38 here, 51
@@ -228,17 +265,18 @@ fn close_nodes_do_not_crowd_out_mirrors_that_show_a_light() {
 #[test]
 fn mirrors_that_show_a_light_are_chosen_often() {
     let (triangles, mirrors) = scene(&shapes()[2].1, 0.2, 1.0);
-    let small = mirrors.small.unwrap();
-    let mut costs = Vec::new();
-    for i in 0..8000 {
-        let (from, light, to) = ends(&triangles, Stream::new(5, 0, i));
-        for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
-            let prob = small.prob_to_reflect(&triangles, upward(from), index, (light, to));
-            costs.push(prob.map_or(f64::INFINITY, f64::recip));
+    for (small, limit) in chosen_both_ways(&mirrors).into_iter().zip([30.0, 40.0]) {
+        let mut costs = Vec::new();
+        for i in 0..8000 {
+            let (from, light, to) = ends(&triangles, Stream::new(5, 0, i));
+            for index in (6..triangles.len() as u32).filter(|&i| reflects(&triangles, i, from, to)) {
+                let prob = small.prob_to_reflect(&triangles, upward(from), index, (light, to));
+                costs.push(prob.map_or(f64::INFINITY, f64::recip));
+            }
         }
+        let mean = costs.iter().sum::<f64>() / costs.len() as f64;
+        assert!(costs.len() > 100 && mean > 1.0 && mean < limit, "{mean}, {}", costs.len());
     }
-    let mean = costs.iter().sum::<f64>() / costs.len() as f64;
-    assert!(costs.len() > 100 && mean > 1.0 && mean < 40.0, "{mean}, {}", costs.len());
 }
 
 #[test]

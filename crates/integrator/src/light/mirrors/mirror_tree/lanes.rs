@@ -33,6 +33,11 @@ pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 #[inline(always)]
+pub(super) fn length(a: [f32; 3]) -> f32 {
+    dot(a, a).sqrt()
+}
+
+#[inline(always)]
 pub(super) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

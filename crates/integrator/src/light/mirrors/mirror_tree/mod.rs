@@ -5,6 +5,7 @@ mod build;
 mod choice;
 mod lanes;
 mod node;
+mod octree;
 mod triangle_node;
 
 use super::light_bounds::LightBounds;
@@ -17,6 +18,7 @@ pub(super) use choice::Choice;
 use glam::DVec3;
 use globillum_geom::{Aabb, SimdLevel, Triangles};
 use node::{Node, Query};
+pub(super) use octree::{CellView, KnownImportances, MirrorOctree};
 use triangle_node::TriangleFacet;
 pub(super) use triangle_node::TriangleNode;
 
@@ -196,6 +198,31 @@ impl MirrorTree {
     #[inline(always)]
     fn child(&self, node: u32, child: usize) -> u32 {
         self.nodes[node as usize].first + child as u32
+    }
+
+    /// The number of the lowest node that has the facet at `place`, and that of its child.
+    #[inline(always)]
+    fn lowest_node_of(&self, place: u32) -> (u32, usize) {
+        let (mut index, mut path) = (0, self.paths[place as usize]);
+        for _ in 1..self.depth {
+            index = self.child(index, path as usize % WIDTH);
+            path >>= CHILD_BITS;
+        }
+        (index - self.first_lowest, path as usize)
+    }
+
+    /// The place of this facet of a lowest node.
+    #[inline(always)]
+    fn place(&self, lowest_node: u32, child: usize) -> u32 {
+        self.child(self.first_lowest + lowest_node, child)
+    }
+
+    /// The bits of the bodies that a point within `radius` of `position` may be within.
+    fn bodies_within(&self, position: DVec3, radius: f64) -> u32 {
+        let is_near = |Aabb { min, max }: &Aabb| {
+            (position + radius).cmpge(min.as_dvec3()).all() && (position - radius).cmple(max.as_dvec3()).all()
+        };
+        (0..).zip(&self.bodies).fold(0, |all, (body, bounds)| all | u32::from(is_near(bounds)) << body)
     }
 
     /// Whether `from` is outside of this body.

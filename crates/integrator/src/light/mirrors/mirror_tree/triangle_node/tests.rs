@@ -149,6 +149,49 @@ fn every_facet_that_shows_lights_has_an_importance() {
     }
 }
 
+/// A facet that has an importance anywhere in a ball of receivers has one for the ball, which is not much larger for a tiny
+/// ball. A ball may cross the plane of the facet, of which both sides or one reflect.
+#[test]
+fn a_ball_of_receivers_is_shown_what_its_points_are() {
+    let (mut shown, mut hidden, mut ratios) = (0, 0, Vec::new());
+    for i in 0..20_000 {
+        let numbers = Stream::new(26, 0, i);
+        let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| 2.0 * numbers.uniform(k + axis) - 1.0));
+        let power = |k: u32, from: f64, to: f64| 10.0_f64.powf(from + (to - from) * numbers.uniform(k));
+        let size = power(0, -3.0, 0.0);
+        let at = 0.5 * vector(1);
+        let vertices = [4, 7, 10].map(|k| at + size * vector(k));
+        let distance = power(13, -1.0, 1.0);
+        let radius = distance * power(14, -4.0, 0.0);
+        let from = at + distance * vector(15).normalize();
+        let half_extents = power(18, -2.0, 0.0) * vector(19).abs();
+        let body = [1, 2][i as usize % 2];
+        let facet = TriangleNode::new(&[TriangleFacet { vertices, body }]);
+        // Lights that the middle sees in the facet, or near those.
+        let side = (at - from).normalize();
+        let whole = Shown { vertices, from, side, lights: at, half_extents: DVec3::ZERO, body };
+        let far = power(25, -1.0, 1.0);
+        let lights = whole.by_way_of(at, far, half_extents, 4.0 * vector(22)).lights;
+        let at_point = |receiver: DVec3| query(receiver, side, (lights, half_extents), 1);
+        let of_ball = facet.largest_importance(&at_point(from), radius as f32);
+        let mut largest = 0.0_f64;
+        for k in 0..16 {
+            let inside = vector(26 + 3 * k);
+            let receiver = from + radius * inside / inside.length().max(1.0);
+            let importance = facet.importance(&at_point(receiver))[0];
+            assert!(importance == 0.0 || of_ball > 0.0, "{i}: {importance}");
+            largest = largest.max(importance);
+        }
+        (shown, hidden) = (shown + i32::from(largest > 0.0), hidden + i32::from(of_ball == 0.0));
+        if largest > 0.0 && radius < 1e-3 * distance && distance > 3.0 * size {
+            ratios.push(of_ball / largest);
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let median = ratios[ratios.len() / 2];
+    assert!(shown > 2000 && hidden > 2000 && median < 2.0, "{shown}, {hidden}, {median}");
+}
+
 /// The plane through the image of a point of a floor and the side with which a mirror stands on it is the floor's. Lights on
 /// the ceiling all have the same distance from that, so their box has no width there, yet shows in the mirror.
 #[test]

@@ -1,0 +1,189 @@
+//! An octree over the scene, whose cells list the lowest nodes of a mirror tree that may show a light to a point of theirs.
+//!
+//! A descent in the mirror tree goes by bounds of nodes, which tell little: most descents end where no facet shows a light. A
+//! cell is tested against the facets themselves, once for all points that receive light in it.
+
+mod cell;
+mod cube;
+
+use super::{Choice, LightBounds, MirrorTree, Query, TriangleNode, Viewpoint};
+use crate::light::receiver::Receiver;
+pub(crate) use cell::KnownImportances;
+use cell::{Cell, ChosenChild};
+use cube::Cube;
+use glam::Vec3;
+use globillum_geom::Triangles;
+
+/// The lowest nodes of a mirror tree that may show a light of one cluster, by place of the receiver.
+///
+/// Cells are made when a receiver first asks for them. What they hold does not depend on who asks, or when.
+#[derive(Clone, Debug)]
+pub(crate) struct MirrorOctree {
+    lights: LightBounds,
+    cube: Cube,
+    root: Cell,
+}
+
+/// What the cell of a receiver tells of the mirrors.
+#[derive(Clone, Copy)]
+pub(crate) enum CellView<'a> {
+    /// They show no light, or the receiver is outside of the octree.
+    Empty,
+    /// Those that may show a light are listed.
+    Listed(ListedMirrors<'a>),
+    /// Too many to be listed.
+    Unlisted,
+}
+
+/// The list of a cell and a receiver in it.
+#[derive(Clone, Copy)]
+pub(crate) struct ListedMirrors<'a> {
+    cell: &'a Cell,
+    query: Query,
+}
+
+impl MirrorOctree {
+    /// The most lowest nodes of a tree for which octrees pay: their cells test them all.
+    const MAX_NODES: usize = 1024;
+
+    /// The most pairs of a lowest node and a cluster of lights, which limit the memory of all octrees.
+    const MAX_PAIRS: usize = 4096;
+
+    /// Whether octrees for this many clusters of lights pay, by the number of lowest nodes.
+    pub(crate) fn pays(nodes: usize, clusters: usize) -> bool {
+        nodes <= Self::MAX_NODES && nodes * clusters <= Self::MAX_PAIRS
+    }
+
+    /// An octree over all points of the scene, for these lights and all lowest `nodes` of the tree.
+    pub(crate) fn new(
+        tree: &MirrorTree,
+        triangles: &Triangles,
+        lights: LightBounds,
+        nodes: &[TriangleNode],
+    ) -> Self {
+        let scene = triangles.bounds();
+        let center = ((scene.center() - tree.origin) * tree.scale).as_vec3();
+        let cube = Cube::around(center, (scene.extent().max_element() * tree.scale) as f32);
+        let all: Vec<u32> = (0..nodes.len() as u32).collect();
+        let root = tree.cell(&all, nodes, lights, &cube);
+        Self { lights, cube, root }
+    }
+
+    /// What the cell of `receiver` tells of the mirrors.
+    #[inline(always)]
+    pub(crate) fn view(&self, tree: &MirrorTree, nodes: &[TriangleNode], receiver: Receiver) -> CellView<'_> {
+        let query = tree.query(&Viewpoint { receiver, lights: self.lights });
+        let (mut cell, mut cube) = (&self.root, self.cube);
+        if !cube.contains(query.from) {
+            return CellView::Empty;
+        }
+        while let Some(children) = cell.children() {
+            let octant;
+            (octant, cube) = cube.octant(query.from);
+            cell = children[octant].get_or_init(|| tree.cell(cell.nodes(), nodes, self.lights, &cube));
+        }
+        match cell.nodes().len() {
+            0 => CellView::Empty,
+            1..=Cell::MAX_LISTED => CellView::Listed(ListedMirrors { cell, query }),
+            _ => CellView::Unlisted,
+        }
+    }
+}
+
+impl ListedMirrors<'_> {
+    /// What a place in a cell sees, over what its bounds allow.
+    const SHARE_SEEN: f64 = 0.25;
+
+    /// The probability that any facet is chosen.
+    #[inline(always)]
+    fn attempt_prob(&self, attempts: f64) -> f64 {
+        (Self::SHARE_SEEN * self.cell.total() * attempts).min(1.0)
+    }
+}
+
+impl MirrorTree {
+    /// Chooses one of the listed facets by `u` in `[0, 1)`; `None` if none is chosen. The probability of any choice is
+    /// `attempts` times about what the receiver sees of the list, where that is less than 1. `known` are importances to this
+    /// receiver for these lights.
+    #[inline(always)]
+    pub(crate) fn choose_listed(
+        &self,
+        nodes: &[TriangleNode],
+        listed: ListedMirrors<'_>,
+        known: &mut KnownImportances,
+        attempts: f64,
+        u: f64,
+    ) -> Option<Choice> {
+        let attempt_prob = listed.attempt_prob(attempts);
+        if u >= attempt_prob {
+            return None;
+        }
+        let u = (u / attempt_prob).min(1.0_f64.next_down());
+        let ChosenChild { node, child, prob, weight } = self.simd.run(
+            #[inline(always)]
+            || listed.cell.choose(nodes, &listed.query, known, u),
+        )?;
+        let prob = attempt_prob * prob;
+        (prob > 0.0).then_some(Choice { place: self.place(node, child), prob, weight })
+    }
+
+    /// The [`Choice::prob`] of the facet at `place`, to the bit; `None` if [`MirrorTree::choose_listed`] never chooses it.
+    #[inline(always)]
+    pub(crate) fn prob_of_listed(
+        &self,
+        nodes: &[TriangleNode],
+        listed: ListedMirrors<'_>,
+        attempts: f64,
+        place: u32,
+    ) -> Option<f64> {
+        let (node, child) = self.lowest_node_of(place);
+        let of_cell = self.simd.run(
+            #[inline(always)]
+            || listed.cell.prob(nodes, &listed.query, node, child),
+        )?;
+        let prob = listed.attempt_prob(attempts) * of_cell;
+        (prob > 0.0).then_some(prob)
+    }
+
+    /// The cell of a cube, with those of the lowest nodes `among` that may show these lights there.
+    #[cold]
+    #[inline(never)]
+    fn cell(&self, among: &[u32], all: &[TriangleNode], lights: LightBounds, cube: &Cube) -> Cell {
+        let query = self.query_of_cube(cube, lights);
+        self.simd.run(
+            #[inline(always)]
+            || Cell::among(among, all, &query, cube),
+        )
+    }
+
+    /// What the receivers in a cube ask; the direction of their side is not told.
+    fn query_of_cube(&self, cube: &Cube, lights: LightBounds) -> Query {
+        let position = self.origin + cube.center().as_dvec3() / self.scale;
+        let query = self.query(&Viewpoint { receiver: Receiver { position, side: Vec3::ZERO }, lights });
+        let around = self.bodies_within(position, f64::from(cube.radius()) / self.scale);
+        Query { around: query.around | around, ..query }
+    }
+}
+
+#[cfg(test)]
+impl MirrorOctree {
+    /// The lowest nodes with an importance to `receiver`, which is in the octree, and for each whether it may be chosen.
+    pub(crate) fn nodes_with_importance(
+        &self,
+        tree: &MirrorTree,
+        nodes: &[TriangleNode],
+        receiver: Receiver,
+    ) -> Vec<bool> {
+        let query = tree.query(&Viewpoint { receiver, lights: self.lights });
+        assert!(self.cube.contains(query.from));
+        let view = self.view(tree, nodes, receiver);
+        let is_listed = |node: u32| match view {
+            CellView::Empty => false,
+            CellView::Listed(listed) => listed.cell.nodes().contains(&node),
+            CellView::Unlisted => true,
+        };
+        let with_importance =
+            (0..).zip(nodes).filter(|(_, node)| node.importance(&query).iter().any(|&x| x > 0.0));
+        with_importance.map(|(node, _)| is_listed(node)).collect()
+    }
+}
