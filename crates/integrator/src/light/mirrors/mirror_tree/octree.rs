@@ -27,11 +27,11 @@ pub(crate) struct MirrorOctree {
 /// What the cell of a receiver tells of the mirrors.
 #[derive(Clone, Copy)]
 pub(crate) enum CellView<'a> {
-    /// They show no light, or the receiver is outside of the octree.
+    /// They show no light.
     Empty,
     /// Those that may show a light are listed.
     Listed(ListedMirrors<'a>),
-    /// Too many to be listed.
+    /// Those that may show a light are not listed: they are too many, or the receiver is outside of the octree.
     Unlisted,
 }
 
@@ -75,7 +75,7 @@ impl MirrorOctree {
         let query = tree.query(&Viewpoint { receiver, lights: self.lights });
         let (mut cell, mut cube) = (&self.root, self.cube);
         if !cube.contains(query.from) {
-            return CellView::Empty;
+            return CellView::Unlisted;
         }
         while let Some(children) = cell.children() {
             let octant;
