@@ -1,3 +1,5 @@
+use super::systematic::{self, Chosen};
+
 /// The number of children of a node.
 pub(super) const WIDTH: usize = 16;
 
@@ -98,18 +100,18 @@ impl ChildWeights {
         (child, rest.clamp(0.0, 1.0_f64.next_down()))
     }
 
-    /// The children that the numbers `(u + k) / N` choose, for `k` from 0 to `N - 1`, and the number in `[0, 1)` that is left:
-    /// it is uniform for those children. Each of them alone has the probabilities of [`ChildWeights::choose`].
+    /// The children that [`systematic::choose_systematically`] chooses by `u`, and the number that is left.
     #[inline(always)]
     pub(super) fn choose_systematically<const N: usize>(&self, u: f64) -> ([usize; N], f64) {
-        let (mut children, mut below, mut above) = ([0; N], f64::INFINITY, f64::INFINITY);
-        for (k, chosen) in children.iter_mut().enumerate() {
-            let (child, rest) = self.choose(((u + k as f64) / N as f64).min(1.0_f64.next_down()));
-            let weight = self.of_lanes[lane_of(child)];
-            (below, above) = (below.min(rest * weight), above.min((1.0 - rest) * weight));
-            *chosen = child;
-        }
-        (children, (below / (below + above)).min(1.0_f64.next_down()))
+        systematic::choose_systematically(
+            u,
+            #[inline(always)]
+            |u| {
+                let (index, rest) = self.choose(u);
+                let weight = self.of_lanes[lane_of(index)];
+                Chosen { index, from_start: rest * weight, to_end: (1.0 - rest) * weight }
+            },
+        )
     }
 }
 

@@ -9,6 +9,7 @@ mod lights;
 mod mirrors;
 mod receiver;
 mod sampling;
+mod systematic;
 mod tree;
 mod triangle_part;
 mod unit_of_length;

@@ -144,7 +144,13 @@ impl SmallMirrors {
             match views[i] {
                 CellView::Empty => {}
                 CellView::Listed(view) => {
-                    choices[i] = self.tree.choose_listed(&self.nodes, view, &mut known, attempts, us[i]);
+                    choices[i] = self.tree.choose_listed::<{ Self::CANDIDATES }>(
+                        &self.nodes,
+                        view,
+                        &mut known,
+                        attempts,
+                        us[i],
+                    );
                 }
                 CellView::Unlisted if is_like_last => roots[i] = roots[i - 1],
                 CellView::Unlisted => roots[i] = self.root(receivers[i], attempts, clusters[i]),

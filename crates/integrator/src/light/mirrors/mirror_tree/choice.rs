@@ -1,5 +1,6 @@
+use super::resampling::{Resampled, resample};
 use super::{FacetImportance, LowestNode, MirrorTree, Root};
-use crate::light::child_weights::{ChildWeights, WIDTH, lane_of};
+use crate::light::child_weights::ChildWeights;
 use crate::light::descent::Descent;
 
 /// A facet that was chosen.
@@ -16,11 +17,8 @@ pub(crate) struct Choice {
 impl MirrorTree {
     /// Chooses a facet for each of `roots`, by the number of the same index in `[0, 1)`; `None` if none is chosen.
     ///
-    /// Bounds tell little of how much the facets of a lowest node show, which is often nothing. So `CANDIDATES` nodes are
-    /// chosen by their bounds, and one of those by what its facets show (resampled importance sampling; Talbot, Cline and
-    /// Egbert 2005).
-    ///
-    /// The descents take turns: they do not depend on each other, so a processor works on all of them.
+    /// A descent leads to `CANDIDATES` lowest nodes of one parent, of which one is chosen by its facets ([`resample`]). The
+    /// descents take turns: they do not depend on each other, so a processor works on all of them.
     #[inline(always)]
     pub(crate) fn choose<F: FacetImportance, const N: usize, const CANDIDATES: usize>(
         &self,
@@ -79,42 +77,32 @@ impl MirrorTree {
             return Some(Choice { place, prob, weight: 1.0 });
         }
         let weights = self.weights(root, here.at, self.depth - 1)?;
-        self.resample::<F, CANDIDATES>(here, &weights, root)
+        self.choose_facet::<F, CANDIDATES>(here, &weights, root)
     }
 
     /// The choice of a facet below a node whose children are the lowest, with these weights.
     #[inline(always)]
-    fn resample<F: FacetImportance, const CANDIDATES: usize>(
+    fn choose_facet<F: FacetImportance, const CANDIDATES: usize>(
         &self,
         here: Descent<u32>,
         weights: &ChildWeights,
         root: &Root<F>,
     ) -> Option<Choice> {
-        let (children, u) = weights.choose_systematically::<CANDIDATES>(here.u);
-        let mut facets = [ChildWeights::of_importance([0.0; WIDTH]); CANDIDATES];
-        // What the facets of a candidate show, over the probability of the candidate.
-        let mut ratios = [0.0; WIDTH];
-        for (k, &child) in children.iter().enumerate() {
-            if k > 0 && child == children[k - 1] {
-                (facets[k], ratios[lane_of(k)]) = (facets[k - 1], ratios[lane_of(k - 1)]);
-                continue;
-            }
-            let index = self.child(here.at, child);
-            let node = &self.nodes[index as usize];
-            let lowest = LowestNode { number: index - self.first_lowest, node, query: &root.query };
-            facets[k] = ChildWeights::of_importance((root.of_facets)(&lowest));
-            ratios[lane_of(k)] = facets[k].total() / weights.prob(child);
-        }
-        let candidates = ChildWeights::of_importance(ratios);
-        if candidates.total() <= 0.0 {
-            return None;
-        }
-        let (k, u) = candidates.choose(u);
-        let (child, of_facets) = (children[k], &facets[k]);
-        let node = self.child(here.at, child);
-        let to_node = Descent { at: node, prob: here.prob * weights.prob(child), u };
-        let Descent { at: place, prob, .. } = to_node.step(of_facets, |facet| self.child(node, facet));
-        Some(Choice { place, prob, weight: 1.0 / (CANDIDATES as f64 * candidates.prob(k)) })
+        let (candidates, u) = weights.choose_systematically::<CANDIDATES>(here.u);
+        let Resampled { node, child, child_prob, weight } = resample(
+            candidates,
+            #[inline(always)]
+            |child| weights.prob(child),
+            #[inline(always)]
+            |child| {
+                let index = self.child(here.at, child);
+                let (number, node) = (index - self.first_lowest, &self.nodes[index as usize]);
+                (root.of_facets)(&LowestNode { number, node, query: &root.query })
+            },
+            u,
+        )?;
+        let place = self.child(self.child(here.at, node), child);
+        Some(Choice { place, prob: here.prob * weights.prob(node) * child_prob, weight })
     }
 }
 

@@ -6,6 +6,7 @@ mod choice;
 mod lanes;
 mod node;
 mod octree;
+mod resampling;
 mod triangle_node;
 
 use super::light_bounds::LightBounds;

@@ -6,6 +6,7 @@
 mod cell;
 mod cube;
 
+use super::resampling::{Resampled, resample};
 use super::{Choice, LightBounds, MirrorTree, Query, TriangleNode, Viewpoint};
 use crate::light::receiver::Receiver;
 pub(crate) use cell::KnownImportances;
@@ -106,7 +107,7 @@ impl MirrorTree {
     /// `attempts` times about what the receiver sees of the list, where that is less than 1. `known` are importances to this
     /// receiver for these lights.
     #[inline(always)]
-    pub(crate) fn choose_listed(
+    pub(crate) fn choose_listed<const CANDIDATES: usize>(
         &self,
         nodes: &[TriangleNode],
         listed: ListedMirrors<'_>,
@@ -121,7 +122,7 @@ impl MirrorTree {
         let u = (u / attempt_prob).min(1.0_f64.next_down());
         let ChosenChild { node, child, prob, weight } = self.simd.run(
             #[inline(always)]
-            || listed.cell.choose(nodes, &listed.query, known, u),
+            || listed.cell.choose::<CANDIDATES>(nodes, &listed.query, known, u),
         )?;
         let prob = attempt_prob * prob;
         (prob > 0.0).then_some(Choice { place: self.place(node, child), prob, weight })

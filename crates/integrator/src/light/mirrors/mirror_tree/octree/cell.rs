@@ -1,6 +1,7 @@
 use super::cube::Cube;
-use super::{Query, TriangleNode};
-use crate::light::child_weights::{ChildWeights, WIDTH, lane_of, sum};
+use super::{Query, Resampled, TriangleNode, resample};
+use crate::light::child_weights::{ChildWeights, WIDTH};
+use crate::light::systematic::{Chosen, choose_systematically};
 use std::sync::OnceLock;
 
 /// A facet that was chosen, as child of a lowest node; with the numbers of a [`Choice`](super::Choice).
@@ -73,9 +74,6 @@ impl Cell {
     /// The share of all weights that is divided evenly, since near nodes have large bounds.
     const UNIFORM_SHARE: f64 = 0.125;
 
-    /// The number of lowest nodes of which one is chosen by its facets.
-    const CANDIDATES: usize = 4;
-
     /// Those of the nodes `among` that may show a light to `cube`, from the middle of which `query` is.
     #[inline(always)]
     pub(super) fn among(among: &[u32], all: &[TriangleNode], query: &Query, cube: &Cube) -> Self {
@@ -126,42 +124,32 @@ impl Cell {
     /// Chooses a facet by `u` in `[0, 1)`; `None` if the facets of all candidates show no light. `known` are importances to the
     /// receiver of `query` in this cell.
     ///
-    /// `CANDIDATES` nodes are chosen by their weights, and one of those by what its facets show (resampled importance
-    /// sampling; Talbot, Cline and Egbert 2005).
+    /// `CANDIDATES` nodes are chosen by their weights, and one of those by its facets ([`resample`]).
     #[inline(always)]
-    pub(super) fn choose(
+    pub(super) fn choose<const CANDIDATES: usize>(
         &self,
         all: &[TriangleNode],
         query: &Query,
         known: &mut KnownImportances,
         u: f64,
     ) -> Option<ChosenChild> {
-        let (candidates, u) = self.choose_systematically(u);
-        let mut importance = [[0.0; WIDTH]; Self::CANDIDATES];
-        // What the facets of a candidate show, over the probability of the candidate.
-        let mut ratios = [0.0; WIDTH];
-        for (k, &candidate) in candidates.iter().enumerate() {
-            if k > 0 && candidate == candidates[k - 1] {
-                (importance[k], ratios[lane_of(k)]) = (importance[k - 1], ratios[lane_of(k - 1)]);
-                continue;
-            }
-            importance[k] = known.get_or_find(
-                candidate,
-                #[inline(always)]
-                || all[self.nodes[candidate] as usize].importance(query),
-            );
-            ratios[lane_of(k)] = sum(importance[k]) / self.prob_of(candidate);
-        }
-        let ratios = ChildWeights::of_importance(ratios);
-        if ratios.total() <= 0.0 {
-            return None;
-        }
-        let (k, u) = ratios.choose(u);
-        let of_facets = ChildWeights::of_importance(importance[k]);
-        let (child, _) = of_facets.choose(u);
-        let prob = self.prob_of(candidates[k]) * of_facets.prob(child);
-        let weight = 1.0 / (Self::CANDIDATES as f64 * ratios.prob(k));
-        Some(ChosenChild { node: self.nodes[candidates[k]], child, prob, weight })
+        let (candidates, u) = self.choose_systematically::<CANDIDATES>(u);
+        let Resampled { node: place, child, child_prob, weight } = resample(
+            candidates,
+            #[inline(always)]
+            |place| self.prob_of(place),
+            #[inline(always)]
+            |place| {
+                known.get_or_find(
+                    place,
+                    #[inline(always)]
+                    || all[self.nodes[place] as usize].importance(query),
+                )
+            },
+            u,
+        )?;
+        let prob = self.prob_of(place) * child_prob;
+        Some(ChosenChild { node: self.nodes[place], child, prob, weight })
     }
 
     /// The probability of a facet if there were one candidate, to the bit that of [`Cell::choose`]; `None` if it is never
@@ -184,18 +172,18 @@ impl Cell {
         if place == 0 { 0.0 } else { self.ends[place - 1] }
     }
 
-    /// The places of the nodes that the numbers `(u + k) / CANDIDATES` choose by weight, for `k` from 0, and the number in
-    /// `[0, 1)` that is left: it is uniform for those nodes.
+    /// The places of the nodes that [`choose_systematically`] chooses by `u`, and the number that is left.
     #[inline(always)]
-    fn choose_systematically(&self, u: f64) -> ([usize; Self::CANDIDATES], f64) {
-        let (mut places, mut below, mut above) = ([0; Self::CANDIDATES], f64::INFINITY, f64::INFINITY);
-        for (k, place) in places.iter_mut().enumerate() {
-            let at = ((u + k as f64) / Self::CANDIDATES as f64).min(1.0_f64.next_down()) * self.total();
-            // Rounding may reach the end of the last.
-            *place = self.ends.partition_point(|&end| end <= at).min(self.nodes.len() - 1);
-            below = below.min(at - self.end_before(*place));
-            above = above.min(self.ends[*place] - at);
-        }
-        (places, (below / (below + above)).clamp(0.0, 1.0_f64.next_down()))
+    fn choose_systematically<const N: usize>(&self, u: f64) -> ([usize; N], f64) {
+        choose_systematically(
+            u,
+            #[inline(always)]
+            |u| {
+                let at = u * self.total();
+                // Rounding may reach the end of the last.
+                let index = self.ends.partition_point(|&end| end <= at).min(self.nodes.len() - 1);
+                Chosen { index, from_start: at - self.end_before(index), to_end: self.ends[index] - at }
+            },
+        )
     }
 }
