@@ -1,12 +1,12 @@
 use super::facets::{connected, neighbours};
 use super::light_bounds::LightBounds;
 use super::triangle_map::TriangleMap;
-use crate::light::alias_table::AliasTable;
+use crate::light::alias_table::{AliasTable, raised};
 use crate::light::lights::Lights;
 use glam::DVec3;
 use globillum_geom::Triangles;
 
-/// Area lights in a few groups, each of which is chosen by its power.
+/// Area lights in a few groups, each of which is chosen by its power, [raised] for a dim one.
 #[derive(Clone, Debug)]
 pub(super) struct LightClusters {
     clusters: Vec<Cluster>,
@@ -40,15 +40,15 @@ impl LightClusters {
             halve(&mut centered, Self::MAX_CLUSTERS, &mut groups);
         }
         let power = |group: &Vec<u32>| group.iter().map(|&i| powers[i as usize]).sum::<f64>();
-        let group_powers: Vec<_> = groups.iter().map(power).collect();
-        let total: f64 = group_powers.iter().sum();
+        let weights = raised(groups.iter().map(power).collect());
+        let total: f64 = weights.iter().sum();
         let cluster =
-            |(group, power): (&Vec<u32>, &f64)| Cluster { bounds: bounds(group), prob: power / total };
-        let clusters = groups.iter().zip(&group_powers).map(cluster).collect();
+            |(group, weight): (&Vec<u32>, &f64)| Cluster { bounds: bounds(group), prob: weight / total };
+        let clusters = groups.iter().zip(&weights).map(cluster).collect();
         let members =
             (0..).zip(&groups).flat_map(|(cluster, group)| group.iter().map(move |&i| (i, cluster)));
         let cluster_of = TriangleMap::new(members.map(|(i, cluster)| (emitting[i as usize], cluster)));
-        Self { clusters, by_power: AliasTable::new(&group_powers), cluster_of }
+        Self { clusters, by_power: AliasTable::new(&weights), cluster_of }
     }
 
     /// The cluster of the light triangle `index`.
@@ -84,4 +84,31 @@ fn halve(groups: &mut [(DVec3, Vec<u32>)], count: usize, joined: &mut Vec<Vec<u3
     let (before, after) = groups.split_at_mut(groups.len() / 2);
     halve(before, count / 2, joined);
     halve(after, count / 2, joined);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use globillum_geom::Triangle;
+    use globillum_material::{Emission, Rgb, Sides};
+
+    /// Of a lamp and a sun of 1e30 times its power, which are clusters of their own.
+    #[test]
+    fn a_dim_cluster_is_chosen_with_the_probability_that_it_states() {
+        let triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Z);
+        let far = Triangle { vertices: triangle.vertices.map(|v| v + 100.0) };
+        let triangles = Triangles::new(vec![triangle, far]).unwrap();
+        let emission = |index| {
+            let radiance = if index == 0 { 1e-15 } else { 1e15 };
+            Emission::new(Rgb::splat(radiance), Sides::Front).unwrap()
+        };
+        let clusters = LightClusters::of(&triangles, &Lights::of(&triangles, emission, &[]));
+        let lamp = clusters.of_light(0).unwrap();
+        let numbers = (0..10_000).map(|i| (f64::from(i) + 0.5) / 10_000.0);
+        let share = numbers.filter(|&u| clusters.choose(u).0 == lamp).count() as f64 / 10_000.0;
+        let prob = clusters.get(lamp).prob;
+        assert_eq!(clusters.len(), 2);
+        assert!(prob > 0.007 && (share - prob).abs() < 2e-4, "{share}, {prob}");
+    }
 }
