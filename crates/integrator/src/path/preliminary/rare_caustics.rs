@@ -4,7 +4,7 @@ use super::path_starts::probe_starts;
 use crate::checked_accel;
 use crate::path::caustics::MIN_WEIGHT;
 use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
-use crate::path::first_vertex::{first_diffuse_vertex, scattered_ray};
+use crate::path::first_vertex::{diffuse_vertex, first_diffuse_vertex, scattered_ray};
 use crate::path::mis::MisContext;
 use crate::path::render_context::RenderContext;
 use crate::sampler::ReservedStream;
@@ -66,7 +66,11 @@ fn scattered_rays(
     paths: impl Iterator<Item = PathStart>,
 ) -> Vec<(Ray, MisContext)> {
     let scatter = |(i, path)| {
-        let at = first_diffuse_vertex(context, path)?;
+        let at = match before {
+            0 => first_diffuse_vertex(context, path)?,
+            // A suffix begins after one mirror at most.
+            _ => diffuse_vertex(context, path, |mirrors| mirrors <= 1)?,
+        };
         let u = Stream::reserved(ReservedStream::CausticProbes, i).uniform_pair(2 * before);
         let (ray, density) = scattered_ray(&at, u)?;
         Some((ray, MisContext::scattered(density, at.receiver(), before == 0)))
