@@ -60,9 +60,8 @@ pub struct Vertex {
 
 /// Traces sample `sample` of pixel (`x`, `y`) again, with the same sample of each pixel that reuses its path.
 ///
-/// What a render does before its first sample is done again: with [`Guiding::Trained`](crate::Guiding) the guide is trained,
-/// if lights are chosen in a light tree or there are mirrors, some thousand paths are traced, and photons where caustics are
-/// shared.
+/// What a render does before its first sample is done again: it traces some thousand paths that decide how the picture is
+/// sampled, and photons where caustics are shared, and it trains the guide with [`Guiding::Trained`](crate::Guiding).
 ///
 /// # Errors
 /// [`RenderError::Param`] for settings out of range, and for a pixel or a sample that the picture does not have.

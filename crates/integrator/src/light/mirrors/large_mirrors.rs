@@ -1,6 +1,6 @@
 use super::facet::Facet;
 use super::light_bounds::LightBounds;
-use super::mirror_tree::{Choice, FacetBounds, LowestNode, MirrorTree, Viewpoint};
+use super::mirror_tree::{Choice, Leaf, MirrorBounds, MirrorTree, Viewpoint};
 use super::triangle_map::TriangleMap;
 use crate::light::child_weights::{WIDTH, child_of};
 use crate::light::receiver::Receiver;
@@ -40,7 +40,7 @@ impl LargeMirrors {
         bodies: Vec<Aabb>,
         lights: LightBounds,
     ) -> Self {
-        let bounds = |facet: &Facet| FacetBounds {
+        let bounds = |facet: &Facet| MirrorBounds {
             bounds: Aabb::around(facet.triangles.iter().flat_map(|&index| triangles.get(index).vertices)),
             normal: facet.normal,
             area: facet.area(triangles),
@@ -69,7 +69,7 @@ impl LargeMirrors {
         receiver: Receiver,
         draw: impl Fn() -> f64,
     ) -> Option<ChosenFacet<'_>> {
-        let importance = |node: &LowestNode<'_>| self.importance(triangles, receiver.position, node);
+        let importance = |leaf: &Leaf<'_>| self.importance(triangles, receiver.position, leaf);
         let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, importance)?;
         let [choice] = self.tree.choose::<_, 1, 1>(&[Some(root)], [draw()]);
         let Choice { place: index, prob, .. } = choice?;
@@ -84,19 +84,19 @@ impl LargeMirrors {
         receiver: Receiver,
         index: u32,
     ) -> Option<ChosenFacet<'_>> {
-        let importance = |node: &LowestNode<'_>| self.importance(triangles, receiver.position, node);
+        let importance = |leaf: &Leaf<'_>| self.importance(triangles, receiver.position, leaf);
         let root = self.tree.root(&self.viewpoint(receiver), f64::INFINITY, importance)?;
         let prob = self.tree.prob(&root, index)?;
         Some(ChosenFacet { facet: &self.facets[index as usize], index, prob })
     }
 
-    /// The importance of the facets of a node, by lane: 0 for those that show no light to `from`.
-    fn importance(&self, triangles: &Triangles, from: DVec3, lowest: &LowestNode<'_>) -> [f64; WIDTH] {
-        let mut importance = lowest.node.importance(lowest.query);
+    /// The importance of the facets of a leaf, by lane: 0 for those that show no light to `from`.
+    fn importance(&self, triangles: &Triangles, from: DVec3, leaf: &Leaf<'_>) -> [f64; WIDTH] {
+        let mut importance = leaf.node.importance(leaf.query);
         for (lane, importance) in
             importance.iter_mut().enumerate().filter(|(_, importance)| **importance > 0.0)
         {
-            let facet = &self.facets[lowest.node.first as usize + child_of(lane)];
+            let facet = &self.facets[leaf.node.first as usize + child_of(lane)];
             let is_outside = facet.body.is_some_and(|body| self.tree.is_outside(body, from));
             if !facet.may_show(triangles, &self.lights, from, is_outside) {
                 *importance = 0.0;

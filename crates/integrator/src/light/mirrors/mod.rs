@@ -22,7 +22,7 @@ use facets::Facets;
 use globillum_geom::{Aabb, Triangles};
 use light_bounds::LightBounds;
 use light_clusters::LightClusters;
-use mirror_tree::FacetBounds;
+use mirror_tree::MirrorBounds;
 use small_mirrors::SmallMirror;
 
 /// The mirrors of a scene, by way of which area lights are sampled. Delta lights are not: BSDF sampling finds them in a
@@ -68,7 +68,7 @@ impl Mirrors {
             let is_tiny = triangle.bounds().extent().max_element() < least_length;
             TrianglePart::of(triangle, if is_tiny { 1 } else { most }).map(move |part| {
                 let (bounds, area) = (part.bounds(triangle), part.area_share() * triangle.area());
-                (SmallMirror { triangle: index, part }, FacetBounds { bounds, normal, area, body })
+                (SmallMirror { triangle: index, part }, MirrorBounds { bounds, normal, area, body })
             })
         };
         let small: Vec<_> = small

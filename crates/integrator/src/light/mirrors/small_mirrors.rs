@@ -1,8 +1,8 @@
 use super::facet::{mirror_image, reflection};
 use super::light_clusters::{Cluster, LightClusters};
 use super::mirror_tree::{
-    CellView, Choice, FacetBounds, FacetImportance, KnownImportances, LowestNode, MirrorOctree, MirrorTree,
-    Root, TriangleNode, Viewpoint,
+    CellView, Choice, KnownImportances, Leaf, MirrorBounds, MirrorImportance, MirrorOctree, MirrorTree, Root,
+    TriangleLeaf, Viewpoint,
 };
 use super::triangle_map::TriangleMap;
 use crate::light::receiver::Receiver;
@@ -15,8 +15,8 @@ use globillum_geom::{Aabb, PdfArea, PdfSolidAngle, SurfacePoint, Triangle, Trian
 #[derive(Clone, Debug)]
 pub(crate) struct SmallMirrors {
     tree: MirrorTree,
-    /// The lowest nodes of the tree.
-    nodes: Vec<TriangleNode>,
+    /// The leaves of the tree.
+    leaves: Vec<TriangleLeaf>,
     /// One for each cluster of lights; none if all choices are descents in the tree.
     octrees: Vec<MirrorOctree>,
     /// By their place in the tree.
@@ -64,13 +64,13 @@ impl SmallMirrors {
     /// mirrors that may show lights. The settings limit the number of samples.
     const ATTEMPTS: f64 = 480.0;
 
-    /// The number of lowest nodes of the tree of which one is chosen by its facets.
+    /// The number of leaves of the tree of which one is chosen by its mirrors.
     const CANDIDATES: usize = 4;
 
     /// Builds the tree of one or more mirrors with their bounds. The parts of a triangle follow each other.
     pub(super) fn new(
         triangles: &Triangles,
-        mirrors: &[(SmallMirror, FacetBounds)],
+        mirrors: &[(SmallMirror, MirrorBounds)],
         bodies: Vec<Aabb>,
         clusters: LightClusters,
     ) -> Self {
@@ -80,15 +80,15 @@ impl SmallMirrors {
         (0..).zip(&order).for_each(|(place, &mirror)| places[mirror as usize] = place);
         let first_parts = (0..).zip(mirrors).filter(|(_, (mirror, _))| mirror.part.number() == 0);
         let first_places = TriangleMap::new(first_parts.map(|(first, (mirror, _))| (mirror.triangle, first)));
-        let nodes = tree.triangle_nodes(|place| {
+        let leaves = tree.triangle_leaves(|place| {
             let (SmallMirror { triangle, part }, bounds) = mirrors[order[place as usize] as usize];
             (bounds, part.vertices(triangles.get(triangle)))
         });
         let mirrors = order.iter().map(|&mirror| mirrors[mirror as usize].0).collect();
-        let octree = |cluster| MirrorOctree::new(&tree, triangles, clusters.get(cluster).bounds, &nodes);
-        let octrees = if MirrorOctree::pays(nodes.len(), clusters.len()) { clusters.len() } else { 0 };
+        let octree = |cluster| MirrorOctree::new(&tree, triangles, clusters.get(cluster).bounds, &leaves);
+        let octrees = if MirrorOctree::pays(leaves.len(), clusters.len()) { clusters.len() } else { 0 };
         let octrees = (0..octrees as u32).map(octree).collect();
-        Self { tree, nodes, octrees, mirrors, places, first_places, clusters }
+        Self { tree, leaves, octrees, mirrors, places, first_places, clusters }
     }
 
     /// The place of the mirror with this position on the triangle `index`; `None` if the triangle has none.
@@ -145,7 +145,7 @@ impl SmallMirrors {
                 CellView::Empty => {}
                 CellView::Listed(view) => {
                     choices[i] = self.tree.choose_listed::<{ Self::CANDIDATES }>(
-                        &self.nodes,
+                        &self.leaves,
                         view,
                         &mut known,
                         attempts,
@@ -169,7 +169,7 @@ impl SmallMirrors {
     #[inline(always)]
     fn view(&self, receiver: Receiver, cluster: u32) -> CellView<'_> {
         let octree = self.octrees.get(cluster as usize);
-        octree.map_or(CellView::Unlisted, |octree| octree.view(&self.tree, &self.nodes, receiver))
+        octree.map_or(CellView::Unlisted, |octree| octree.view(&self.tree, &self.leaves, receiver))
     }
 
     /// The root of the tree, as the receiver sees it for a sample of this cluster.
@@ -179,13 +179,13 @@ impl SmallMirrors {
         receiver: Receiver,
         attempts: f64,
         cluster: u32,
-    ) -> Option<Root<impl FacetImportance + Copy>> {
+    ) -> Option<Root<impl MirrorImportance + Copy>> {
         let lights = self.clusters.get(cluster).bounds;
         self.tree.root(
             &Viewpoint { receiver, lights },
             attempts,
             #[inline(always)]
-            |lowest: &LowestNode<'_>| self.nodes[lowest.number as usize].importance(lowest.query),
+            |leaf: &Leaf<'_>| self.leaves[leaf.number as usize].importance(leaf.query),
         )
     }
 
@@ -194,7 +194,7 @@ impl SmallMirrors {
     fn prob(&self, receiver: Receiver, attempts: f64, cluster: u32, place: u32) -> Option<f64> {
         match self.view(receiver, cluster) {
             CellView::Empty => None,
-            CellView::Listed(view) => self.tree.prob_of_listed(&self.nodes, view, attempts, place),
+            CellView::Listed(view) => self.tree.prob_of_listed(&self.leaves, view, attempts, place),
             CellView::Unlisted => self.tree.prob(&self.root(receiver, attempts, cluster)?, place),
         }
     }
@@ -268,12 +268,12 @@ impl Plane {
     fn reflection_to(&self, to: DVec3, from: DVec3) -> Option<(DVec3, DVec3)> {
         let image = mirror_image(from, self.normal, self.height);
         let direction = (to - image).try_normalize()?;
-        Some((image + self.distance_along(direction).abs() * direction, direction))
+        Some((image + self.distance_along(direction) * direction, direction))
     }
 
-    /// The distance from the receiver to the plane along the unit `direction`, with the sign of the height.
+    /// The distance from the receiver to the plane along the unit `direction`.
     fn distance_along(&self, direction: DVec3) -> f64 {
-        self.height / self.normal.dot(direction).abs()
+        (self.height / self.normal.dot(direction)).abs()
     }
 
     /// The density per steradian of the unit `direction` toward a point that is uniform on this area of the plane.
@@ -291,10 +291,10 @@ impl SmallMirrors {
         Self { octrees: Vec::new(), ..self }
     }
 
-    /// For each node of 16 mirrors of which one has an importance to the receiver, whether it is in the list of its cell.
-    pub(super) fn listed_nodes(&self, receiver: Receiver, light: u32) -> Vec<bool> {
+    /// For each leaf of which one has an importance to the receiver, whether it is in the list of its cell.
+    pub(super) fn listed_leaves(&self, receiver: Receiver, light: u32) -> Vec<bool> {
         let octree = &self.octrees[self.clusters.of_light(light).expect("it emits") as usize];
-        octree.nodes_with_importance(&self.tree, &self.nodes, receiver)
+        octree.leaves_with_importance(&self.tree, &self.leaves, receiver)
     }
 
     /// The place of the mirror chosen to show the cluster of `light`, with its probability.

@@ -166,9 +166,9 @@ fn cells_list_all_mirrors_that_show_lights() {
                     let around = [DVec3::new(2.0, 1.0, 2.0), DVec3::ONE][i as usize % 2];
                     let receiver =
                         Receiver { position: around * vector(0), side: vector(3).normalize().as_vec3() };
-                    let nodes = small.listed_nodes(receiver, i % 4);
-                    assert!(nodes.iter().all(|&is_listed| is_listed), "{what}, {size}, {i}: {receiver:?}");
-                    listed += nodes.len();
+                    let leaves = small.listed_leaves(receiver, i % 4);
+                    assert!(leaves.iter().all(|&is_listed| is_listed), "{what}, {size}, {i}: {receiver:?}");
+                    listed += leaves.len();
                 }
                 assert!(listed > 100, "{what}, {size}: {listed}");
             }
@@ -257,9 +257,9 @@ fn small_facets_count_once() {
     }
 }
 
-/// Nodes around a receiver do not take all probability from the others.
+/// Leaves around a receiver do not take all probability from the others.
 #[test]
-fn close_nodes_do_not_crowd_out_mirrors_that_show_a_light() {
+fn close_leaves_do_not_crowd_out_mirrors_that_show_a_light() {
     let (triangles, mirrors) = scene(&torus(40, 20).triangles(), 0.5, 1.0);
     for small in chosen_both_ways(&mirrors) {
         let (mut shown, mut least) = (0, 1.0_f64);

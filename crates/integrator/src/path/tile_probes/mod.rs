@@ -35,7 +35,7 @@ impl TileProbes {
         }
     }
 
-    /// A tile of which nothing is probed: lights are not supersampled, and paths are not reused.
+    /// A tile of which nothing is probed: it has no edges of lights and no control variates.
     pub(super) fn none(tile: PixelRect) -> Self {
         Self { tile, edges: LightEdges::default(), control_variates: Vec::new() }
     }

@@ -1,11 +1,11 @@
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// What the tree knows of a facet, in its frame.
+/// What the tree knows of a mirror, in its frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
-    /// The place of the facet in the list that the tree is built of.
-    pub(super) facet: u32,
+    /// The place of the mirror in the list that the tree is built of.
+    pub(super) mirror: u32,
     /// The center in a frame in which all coordinates of the scene are within `[-1, 1]`.
     pub(super) center_in_frame: DVec3,
     pub(super) center: DVec3,
@@ -16,7 +16,7 @@ pub(super) struct Item {
     pub(super) body: u32,
 }
 
-/// Bounds of some facets: a sphere, and a cone of rectangular cross section around their normals.
+/// Bounds of some mirrors: a sphere, and a cone of rectangular cross section around their normals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     pub(super) center: DVec3,
@@ -33,7 +33,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Of one or more facets.
+    /// Of one or more mirrors.
     pub(super) fn around(items: &[Item]) -> Self {
         let min = items.iter().map(|item| item.center - item.radius).fold(DVec3::INFINITY, DVec3::min);
         let max = items.iter().map(|item| item.center + item.radius).fold(DVec3::NEG_INFINITY, DVec3::max);

@@ -10,8 +10,8 @@ pub(super) struct Built {
     pub(super) nodes: Vec<Node>,
     /// The number of levels.
     pub(super) depth: u32,
-    /// The index of the first node of the lowest level.
-    pub(super) first_lowest: u32,
+    /// The index of the first leaf.
+    pub(super) first_leaf: u32,
     /// For each item, the numbers of the children from the root to it, from the lowest bits up.
     pub(super) paths: Vec<u32>,
 }
@@ -38,17 +38,17 @@ impl<'a> Group<'a> {
     }
 }
 
-/// Builds a tree over `items`, all of which have the same depth. Brings them into the order of the lowest nodes'
+/// Builds a tree over `items`, all of which have the same depth. Brings them into the order of the leaves'
 /// children.
 pub(super) fn build(items: &mut [Item]) -> Built {
     let (mut capacity, mut depth) = (WIDTH, 1);
     while capacity < items.len() {
         (capacity, depth) = (capacity * WIDTH, depth + 1);
     }
-    let (mut nodes, mut first_lowest) = (Vec::new(), 0);
+    let (mut nodes, mut first_leaf) = (Vec::new(), 0);
     let mut groups = vec![Group { items, path: 0 }];
     for level in 0..depth {
-        (capacity, first_lowest) = (capacity / WIDTH, nodes.len() as u32);
+        (capacity, first_leaf) = (capacity / WIDTH, nodes.len() as u32);
         // Items are counted from 0.
         let mut next = if level + 1 < depth { nodes.len() + groups.len() } else { 0 };
         let firsts = groups.iter().map(|group| {
@@ -63,7 +63,7 @@ pub(super) fn build(items: &mut [Item]) -> Built {
         nodes.extend(of_level);
         groups = children.into_iter().flatten().collect();
     }
-    Built { nodes, depth, first_lowest, paths: groups.iter().map(|group| group.path).collect() }
+    Built { nodes, depth, first_leaf, paths: groups.iter().map(|group| group.path).collect() }
 }
 
 /// Splits `items` into `count` groups of about equal size, in each of which they keep their order.
@@ -95,9 +95,9 @@ fn divide(items: &mut [Item], middle: usize) {
     let axis = extents[kind].max_position();
     let key = |item: &Item| keys_of(item)[kind][axis];
     let compare = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-    let mut keys: Vec<_> = items.iter().map(|item| (key(item), item.facet)).collect();
+    let mut keys: Vec<_> = items.iter().map(|item| (key(item), item.mirror)).collect();
     let (_, &mut first_after, _) = keys.select_nth_unstable_by(middle, compare);
-    items.sort_by_key(|item| compare(&(key(item), item.facet), &first_after).is_ge());
+    items.sort_by_key(|item| compare(&(key(item), item.mirror), &first_after).is_ge());
 }
 
 #[cfg(test)]
@@ -108,11 +108,11 @@ mod tests {
     /// The groups of a split are about as large as each other, and within each items are in the order that they had.
     #[test]
     fn a_split_keeps_the_order_within_its_groups() {
-        let item = |facet: u32| {
-            let numbers = Stream::new(21, 0, facet);
+        let item = |mirror: u32| {
+            let numbers = Stream::new(21, 0, mirror);
             let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| numbers.uniform(k + axis) - 0.5));
             let (center, normal) = (vector(0), vector(3).normalize());
-            Item { facet, center_in_frame: center, center, radius: 0.1, normal, area: 1.0, body: 1 }
+            Item { mirror, center_in_frame: center, center, radius: 0.1, normal, area: 1.0, body: 1 }
         };
         for count in [2, 3, 16] {
             let mut items: Vec<_> = (0..1000).map(item).collect();
@@ -120,7 +120,7 @@ mod tests {
             assert_eq!(groups.len(), count);
             for group in groups {
                 assert!(group.len().abs_diff(1000 / count) <= 1, "{count}: {}", group.len());
-                assert!(group.is_sorted_by_key(|item| item.facet), "{count}");
+                assert!(group.is_sorted_by_key(|item| item.mirror), "{count}");
             }
         }
     }

@@ -1,26 +1,26 @@
 use super::resampling::{Resampled, resample};
-use super::{FacetImportance, LowestNode, MirrorTree, Root};
+use super::{Leaf, MirrorImportance, MirrorTree, Root};
 use crate::light::child_weights::ChildWeights;
 use crate::light::descent::Descent;
 
-/// A facet that was chosen.
+/// A mirror that was chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
     /// Its place in the tree.
     pub(crate) place: u32,
     /// The probability of the choice if there were one candidate, above zero.
     pub(crate) prob: f64,
-    /// What the facet shows counts this many times `1 / prob`: in the mean, once.
+    /// What the mirror shows counts this many times `1 / prob`: in the mean, once.
     pub(crate) weight: f64,
 }
 
 impl MirrorTree {
-    /// Chooses a facet for each of `roots`, by the number of the same index in `[0, 1)`; `None` if none is chosen.
+    /// Chooses a mirror for each of `roots`, by the number of the same index in `[0, 1)`; `None` if none is chosen.
     ///
-    /// A descent leads to `CANDIDATES` lowest nodes of one parent, of which one is chosen by its facets ([`resample`]). The
+    /// A descent leads to `CANDIDATES` leaves of one parent, of which one is chosen by its mirrors ([`resample`]). The
     /// descents take turns: they do not depend on each other, so a processor works on all of them.
     #[inline(always)]
-    pub(crate) fn choose<F: FacetImportance, const N: usize, const CANDIDATES: usize>(
+    pub(crate) fn choose<F: MirrorImportance, const N: usize, const CANDIDATES: usize>(
         &self,
         roots: &[Option<Root<F>>; N],
         us: [f64; N],
@@ -54,7 +54,7 @@ impl MirrorTree {
 
     /// To a child of an inner node of this level; `None` if none has a weight.
     #[inline(always)]
-    fn step<F: FacetImportance>(
+    fn step<F: MirrorImportance>(
         &self,
         here: Descent<u32>,
         root: &Root<F>,
@@ -64,45 +64,45 @@ impl MirrorTree {
         Some(here.step(&weights, |child| self.child(here.at, child)))
     }
 
-    /// The choice of a facet at the end of a descent to the level above the lowest, or to the root.
+    /// The choice of a mirror at the end of a descent to the level above the leaves, or to the root if that is a leaf.
     #[inline(always)]
-    fn end<F: FacetImportance, const CANDIDATES: usize>(
+    fn end<F: MirrorImportance, const CANDIDATES: usize>(
         &self,
         here: Descent<u32>,
         root: &Root<F>,
     ) -> Option<Choice> {
         if self.depth == 1 {
             let Descent { at: place, prob, .. } =
-                here.step(&root.weights, |facet| self.child(here.at, facet));
+                here.step(&root.weights, |mirror| self.child(here.at, mirror));
             return Some(Choice { place, prob, weight: 1.0 });
         }
         let weights = self.weights(root, here.at, self.depth - 1)?;
-        self.choose_facet::<F, CANDIDATES>(here, &weights, root)
+        self.choose_mirror::<F, CANDIDATES>(here, &weights, root)
     }
 
-    /// The choice of a facet below a node whose children are the lowest, with these weights.
+    /// The choice of a mirror below a node whose children are leaves of these weights.
     #[inline(always)]
-    fn choose_facet<F: FacetImportance, const CANDIDATES: usize>(
+    fn choose_mirror<F: MirrorImportance, const CANDIDATES: usize>(
         &self,
         here: Descent<u32>,
         weights: &ChildWeights,
         root: &Root<F>,
     ) -> Option<Choice> {
         let (candidates, u) = weights.choose_systematically::<CANDIDATES>(here.u);
-        let Resampled { node, child, child_prob, weight } = resample(
+        let Resampled { candidate, child, child_prob, weight } = resample(
             candidates,
             #[inline(always)]
             |child| weights.prob(child),
             #[inline(always)]
             |child| {
                 let index = self.child(here.at, child);
-                let (number, node) = (index - self.first_lowest, &self.nodes[index as usize]);
-                (root.of_facets)(&LowestNode { number, node, query: &root.query })
+                let (number, node) = (index - self.first_leaf, &self.nodes[index as usize]);
+                (root.of_mirrors)(&Leaf { number, node, query: &root.query })
             },
             u,
         )?;
-        let place = self.child(self.child(here.at, node), child);
-        Some(Choice { place, prob: here.prob * weights.prob(node) * child_prob, weight })
+        let place = self.child(self.child(here.at, candidate), child);
+        Some(Choice { place, prob: here.prob * weights.prob(candidate) * child_prob, weight })
     }
 }
 

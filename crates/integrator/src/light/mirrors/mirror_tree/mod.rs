@@ -1,4 +1,4 @@
-//! The mirror tree: a hierarchy of bounds of facets, in which one is chosen by what it may show to a point.
+//! The mirror tree: a hierarchy of bounds of mirrors, in which one is chosen by what it may show to a point.
 
 mod bounds;
 mod build;
@@ -7,7 +7,7 @@ mod lanes;
 mod node;
 mod octree;
 mod resampling;
-mod triangle_node;
+mod triangle_leaf;
 
 use super::light_bounds::LightBounds;
 use crate::light::child_weights::{CHILD_BITS, ChildWeights, WIDTH};
@@ -20,24 +20,24 @@ use glam::DVec3;
 use globillum_geom::{Aabb, SimdLevel, Triangles};
 use node::{Node, Query};
 pub(super) use octree::{CellView, KnownImportances, MirrorOctree};
-use triangle_node::TriangleFacet;
-pub(super) use triangle_node::TriangleNode;
+pub(super) use triangle_leaf::TriangleLeaf;
+use triangle_leaf::TriangleMirror;
 
-/// A tree over facets, bounded by spheres and cones of normals.
+/// A tree over mirrors, bounded by spheres and cones of normals.
 #[derive(Clone, Debug)]
 pub(super) struct MirrorTree {
     /// Level by level, the root first.
     nodes: Vec<Node>,
     /// The number of levels.
     depth: u32,
-    /// The index of the first node of the lowest level.
-    first_lowest: u32,
-    /// For each facet, the numbers of the children from the root to it, from the lowest bits up.
+    /// The index of the first leaf. All leaves are nodes of the last level.
+    first_leaf: u32,
+    /// For each mirror, the numbers of the children from the root to it, from the lowest bits up.
     paths: Vec<u32>,
     /// The bounds of closed bodies.
     bodies: Vec<Aabb>,
-    /// Coordinates in the tree are distances from `origin` times `scale`, a power of two; those of the facets are within
-    /// `[-1, 1]`. Single precision rounds them by up to `2^-24`, so of facets smaller than that, one that shows a light may
+    /// Coordinates in the tree are distances from `origin` times `scale`, a power of two; those of the mirrors are within
+    /// `[-1, 1]`. Single precision rounds them by up to `2^-24`, so of mirrors smaller than that, one that shows a light may
     /// have a probability of zero.
     origin: DVec3,
     scale: f64,
@@ -45,31 +45,31 @@ pub(super) struct MirrorTree {
     simd: SimdLevel,
 }
 
-/// What the tree is told of a facet.
+/// What the tree is told of a mirror.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FacetBounds {
+pub(super) struct MirrorBounds {
     pub(super) bounds: Aabb,
     pub(super) normal: DVec3,
     pub(super) area: f64,
-    /// The place of the closed body; `None` if the facet is not part of one.
+    /// The place of the closed body; `None` if the mirror is not part of one.
     pub(super) body: Option<u32>,
 }
 
-/// A node of the lowest level, and the query of its facets.
+/// A leaf, and the query of its mirrors.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LowestNode<'a> {
-    /// Its place among the lowest nodes.
+pub(super) struct Leaf<'a> {
+    /// Its place among the leaves.
     pub(super) number: u32,
     pub(super) node: &'a Node,
     pub(super) query: &'a Query,
 }
 
-/// The importance of the facets of a lowest node, by lane; 0 for those that show no light.
-pub(super) trait FacetImportance: Fn(&LowestNode<'_>) -> [f64; WIDTH] {}
+/// The importance of the mirrors of a leaf, by lane; 0 for those that show no light.
+pub(super) trait MirrorImportance: Fn(&Leaf<'_>) -> [f64; WIDTH] {}
 
-impl<F: Fn(&LowestNode<'_>) -> [f64; WIDTH]> FacetImportance for F {}
+impl<F: Fn(&Leaf<'_>) -> [f64; WIDTH]> MirrorImportance for F {}
 
-/// From where a facet is chosen, and to show what.
+/// From where a mirror is chosen, and to show what.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Viewpoint {
     pub(super) receiver: Receiver,
@@ -85,16 +85,20 @@ fn bit_of(body: Option<u32>) -> u32 {
 }
 
 impl MirrorTree {
-    /// A tree over one or more facets, and their order in the tree.
-    pub(super) fn new(triangles: &Triangles, facets: &[FacetBounds], bodies: Vec<Aabb>) -> (Self, Vec<u32>) {
+    /// A tree over one or more mirrors, and their order in the tree.
+    pub(super) fn new(
+        triangles: &Triangles,
+        mirrors: &[MirrorBounds],
+        bodies: Vec<Aabb>,
+    ) -> (Self, Vec<u32>) {
         let scene = triangles.bounds();
-        let of_facets = facets.iter().fold(Aabb::EMPTY, |all, facet| all.union(&facet.bounds));
-        let [(origin, scale), (middle, scale_of_scene)] = [of_facets, scene].map(|bounds| {
+        let of_mirrors = mirrors.iter().fold(Aabb::EMPTY, |all, mirror| all.union(&mirror.bounds));
+        let [(origin, scale), (middle, scale_of_scene)] = [of_mirrors, scene].map(|bounds| {
             let (size, center) = (0.5 * bounds.extent().max_element(), bounds.center());
             (center, units_per_length(size, center, &scene))
         });
-        let item = |(facet, of): (u32, &FacetBounds)| Item {
-            facet,
+        let item = |(mirror, of): (u32, &MirrorBounds)| Item {
+            mirror,
             center_in_frame: (of.bounds.center() - middle) * scale_of_scene,
             center: (of.bounds.center() - origin) * scale,
             radius: 0.5 * of.bounds.extent().length() * scale,
@@ -102,55 +106,55 @@ impl MirrorTree {
             area: of.area * scale * scale,
             body: bit_of(of.body),
         };
-        let mut items: Vec<_> = (0..).zip(facets).map(item).collect();
-        let Built { nodes, depth, first_lowest, paths } = build::build(&mut items);
-        let order = items.iter().map(|item| item.facet).collect();
-        (Self { nodes, depth, first_lowest, paths, bodies, origin, scale, simd: SimdLevel::best() }, order)
+        let mut items: Vec<_> = (0..).zip(mirrors).map(item).collect();
+        let Built { nodes, depth, first_leaf, paths } = build::build(&mut items);
+        let order = items.iter().map(|item| item.mirror).collect();
+        (Self { nodes, depth, first_leaf, paths, bodies, origin, scale, simd: SimdLevel::best() }, order)
     }
 
-    /// The lowest nodes of a tree over triangles, in their order. `triangle` returns the facet at a place with its vertices.
-    pub(super) fn triangle_nodes(
+    /// The leaves of a tree over triangles, in their order. `triangle` returns the mirror at a place with its vertices.
+    pub(super) fn triangle_leaves(
         &self,
-        triangle: impl Fn(u32) -> (FacetBounds, [DVec3; 3]),
-    ) -> Vec<TriangleNode> {
-        let facet = |place: u32| {
-            let (FacetBounds { normal, body, .. }, vertices) = triangle(place);
+        triangle: impl Fn(u32) -> (MirrorBounds, [DVec3; 3]),
+    ) -> Vec<TriangleLeaf> {
+        let mirror = |place: u32| {
+            let (MirrorBounds { normal, body, .. }, vertices) = triangle(place);
             let [a, b, c] = vertices.map(|vertex| (vertex - self.origin) * self.scale);
             let is_front = (b - a).cross(c - a).dot(normal) > 0.0;
             let vertices = if is_front { [a, b, c] } else { [a, c, b] };
-            TriangleFacet { vertices, body: bit_of(body) }
+            TriangleMirror { vertices, body: bit_of(body) }
         };
-        let lowest = &self.nodes[self.first_lowest as usize..];
-        let ends = lowest[1..].iter().map(|node| node.first).chain([self.paths.len() as u32]);
-        let facets =
-            lowest.iter().zip(ends).map(|(node, end)| (node.first..end).map(facet).collect::<Vec<_>>());
-        facets.map(|facets| TriangleNode::new(&facets)).collect()
+        let leaves = &self.nodes[self.first_leaf as usize..];
+        let ends = leaves[1..].iter().map(|node| node.first).chain([self.paths.len() as u32]);
+        let mirrors =
+            leaves.iter().zip(ends).map(|(node, end)| (node.first..end).map(mirror).collect::<Vec<_>>());
+        mirrors.map(|mirrors| TriangleLeaf::new(&mirrors)).collect()
     }
 
     /// Where choices begin; `None` if none is ever made.
     ///
     /// The probability of any choice is `attempts` times the importance of the tree, where that is less than 1.
     #[inline(always)]
-    pub(super) fn root<F: FacetImportance>(
+    pub(super) fn root<F: MirrorImportance>(
         &self,
         at: &Viewpoint,
         attempts: f64,
-        of_facets: F,
+        of_mirrors: F,
     ) -> Option<Root<F>> {
         self.simd.run(
             #[inline(always)]
             || {
                 let query = self.query(at);
-                let weights = self.weights_of_children(&query, 0, 1, &of_facets)?;
+                let weights = self.weights_of_children(&query, 0, 1, &of_mirrors)?;
                 let attempt_prob = (weights.total() * attempts).min(1.0);
-                Some(Root { query, weights, attempt_prob, of_facets })
+                Some(Root { query, weights, attempt_prob, of_mirrors })
             },
         )
     }
 
-    /// The [`Choice::prob`] of the facet at `place`, to the bit; `None` if [`MirrorTree::choose`] never chooses it.
+    /// The [`Choice::prob`] of the mirror at `place`, to the bit; `None` if [`MirrorTree::choose`] never chooses it.
     #[inline(always)]
-    pub(super) fn prob<F: FacetImportance>(&self, root: &Root<F>, place: u32) -> Option<f64> {
+    pub(super) fn prob<F: MirrorImportance>(&self, root: &Root<F>, place: u32) -> Option<f64> {
         self.simd.run(
             #[inline(always)]
             || {
@@ -169,11 +173,11 @@ impl MirrorTree {
 
     /// The weights of the children of a node of this level, as a root sees them; `None` if none has any.
     #[inline(always)]
-    fn weights<F: FacetImportance>(&self, root: &Root<F>, index: u32, level: u32) -> Option<ChildWeights> {
+    fn weights<F: MirrorImportance>(&self, root: &Root<F>, index: u32, level: u32) -> Option<ChildWeights> {
         if level == 1 {
             return Some(root.weights);
         }
-        self.weights_of_children(&root.query, index, level, &root.of_facets)
+        self.weights_of_children(&root.query, index, level, &root.of_mirrors)
     }
 
     /// The weights of the children of a node of this level; `None` if none has any.
@@ -183,39 +187,39 @@ impl MirrorTree {
         query: &Query,
         index: u32,
         level: u32,
-        of_facets: &impl FacetImportance,
+        of_mirrors: &impl MirrorImportance,
     ) -> Option<ChildWeights> {
         let node = &self.nodes[index as usize];
         let importance = if level < self.depth {
             node.importance(query)
         } else {
-            of_facets(&LowestNode { number: index - self.first_lowest, node, query })
+            of_mirrors(&Leaf { number: index - self.first_leaf, node, query })
         };
         let weights = ChildWeights::of_importance(importance);
         (weights.total() > 0.0).then_some(weights)
     }
 
-    /// The index of this child of a node, or the place of this facet of a lowest node.
+    /// The index of this child of a node, or the place of this mirror of a leaf.
     #[inline(always)]
     fn child(&self, node: u32, child: usize) -> u32 {
         self.nodes[node as usize].first + child as u32
     }
 
-    /// The number of the lowest node that has the facet at `place`, and that of its child.
+    /// The number of the leaf that has the mirror at `place`, and that of its child.
     #[inline(always)]
-    fn lowest_node_of(&self, place: u32) -> (u32, usize) {
+    fn leaf_of(&self, place: u32) -> (u32, usize) {
         let (mut index, mut path) = (0, self.paths[place as usize]);
         for _ in 1..self.depth {
             index = self.child(index, path as usize % WIDTH);
             path >>= CHILD_BITS;
         }
-        (index - self.first_lowest, path as usize)
+        (index - self.first_leaf, path as usize)
     }
 
-    /// The place of this facet of a lowest node.
+    /// The place of this mirror of a leaf.
     #[inline(always)]
-    fn place(&self, lowest_node: u32, child: usize) -> u32 {
-        self.child(self.first_lowest + lowest_node, child)
+    fn place(&self, leaf: u32, child: usize) -> u32 {
+        self.child(self.first_leaf + leaf, child)
     }
 
     /// The bits of the bodies that a point within `radius` of `position` may be within.
@@ -252,7 +256,7 @@ impl MirrorTree {
 pub(super) struct Root<F> {
     query: Query,
     weights: ChildWeights,
-    /// The probability that any facet is chosen.
+    /// The probability that any mirror is chosen.
     attempt_prob: f64,
-    of_facets: F,
+    of_mirrors: F,
 }

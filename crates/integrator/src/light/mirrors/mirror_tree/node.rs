@@ -73,7 +73,7 @@ impl Node {
     /// Bounds tell the share only on average. Where a child shows lights either with all of its normals or with none, the
     /// root of the mean square of what it shows, by which the variance is least, is the square root of the share.
     ///
-    /// A facet reflects light from its source to the receiver if its normal is parallel to the half vector
+    /// A mirror reflects light from its source to the receiver if its normal is parallel to the half vector
     /// `wi + wo`. Normals, positions and lights vary within their bounds; the difference of normal and half vector is
     /// taken as uniform in the interval that follows from this, for each side of the cone by itself. Where the
     /// receiver or a light is within the sphere of a plane child, all of it counts; of a curved one, in which every

@@ -3,10 +3,10 @@ use super::node::Query;
 use crate::light::child_weights::{WIDTH, child_of, sum};
 use glam::DVec3;
 
-/// A lowest node whose facets are triangles: their vertices, by component. Each vector has cache lines of its own.
+/// A leaf whose mirrors are triangles: their vertices, by component. Each vector has cache lines of its own.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct TriangleNode {
+pub(crate) struct TriangleLeaf {
     corner: [Lanes; 3],
     /// From the corner to the other two vertices, counterclockwise as seen from the front.
     edges: [[Lanes; 3]; 2],
@@ -14,19 +14,19 @@ pub(crate) struct TriangleNode {
     normal: [Lanes; 3],
     /// The square of the distance within which a receiver is near.
     near_sq: Lanes,
-    /// The bit of each facet's body.
+    /// The bit of each mirror's body.
     bodies: [u32; WIDTH],
 }
 
-/// A facet that is a triangle.
+/// A mirror that is a triangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TriangleFacet {
+pub(super) struct TriangleMirror {
     /// In the tree's frame, counterclockwise as seen from the front.
     pub(super) vertices: [DVec3; 3],
     pub(super) body: u32,
 }
 
-impl TriangleFacet {
+impl TriangleMirror {
     /// The square of the circumradius of an equilateral triangle with the longest side.
     fn near_sq(&self) -> f64 {
         let [a, b, c] = self.vertices;
@@ -34,29 +34,29 @@ impl TriangleFacet {
     }
 }
 
-impl TriangleNode {
-    /// A node of one to `WIDTH` facets.
-    pub(super) fn new(facets: &[TriangleFacet]) -> Self {
-        let vectors = |value: &dyn Fn(&[DVec3; 3]) -> DVec3| vector_lanes(facets, &|of| value(&of.vertices));
+impl TriangleLeaf {
+    /// A leaf of one to `WIDTH` mirrors.
+    pub(super) fn new(mirrors: &[TriangleMirror]) -> Self {
+        let vectors = |value: &dyn Fn(&[DVec3; 3]) -> DVec3| vector_lanes(mirrors, &|of| value(&of.vertices));
         Self {
             corner: vectors(&|[a, _, _]| *a),
             edges: [vectors(&|[a, b, _]| b - a), vectors(&|[a, _, c]| c - a)],
             normal: vectors(&|[a, b, c]| (b - a).cross(c - a)),
-            near_sq: lanes(facets, &TriangleFacet::near_sq),
-            bodies: std::array::from_fn(|lane| facets.get(child_of(lane)).map_or(0, |facet| facet.body)),
+            near_sq: lanes(mirrors, &TriangleMirror::near_sq),
+            bodies: std::array::from_fn(|lane| mirrors.get(child_of(lane)).map_or(0, |mirror| mirror.body)),
         }
     }
 
-    /// The importance of each facet, by lane, like that of [`Node`](super::node::Node): the solid angle that it takes up, times
+    /// The importance of each mirror, by lane, like that of [`Node`](super::node::Node): the solid angle that it takes up, times
     /// the square root of the share of it that shows lights, times the largest cosine at the receiver. It is 0 where
-    /// the lights are behind the facet or, as seen from the receiver's image, all beyond one of its sides.
+    /// the lights are behind the mirror or, as seen from the receiver's image, all beyond one of its sides.
     #[inline(always)]
     pub(crate) fn importance(&self, query: &Query) -> [f64; WIDTH] {
         self.importance_to(query, Receivers::Point)
     }
 
-    /// About the largest sum of the facets' importances to any receiver within `radius` of that of `query`, on surfaces that
-    /// face them. Above zero if any facet has an importance there.
+    /// About the largest sum of the mirrors' importances to any receiver within `radius` of that of `query`, on surfaces that
+    /// face them. Above zero if any mirror has an importance there.
     #[inline(always)]
     pub(crate) fn largest_importance(&self, query: &Query, radius: f32) -> f64 {
         let front = sum(self.importance_to(query, Receivers::InFront(radius)));
@@ -66,7 +66,7 @@ impl TriangleNode {
         front + sum(self.importance_to(query, Receivers::Behind(radius)))
     }
 
-    /// Whether a receiver within `radius` of that of `query` is behind a facet whose back reflects.
+    /// Whether a receiver within `radius` of that of `query` is behind a mirror whose back reflects.
     #[inline(always)]
     fn may_be_behind(&self, query: &Query, radius: f32) -> bool {
         let mut is_behind = 0;
@@ -80,10 +80,10 @@ impl TriangleNode {
         is_behind != 0
     }
 
-    /// The importance of each facet to `receivers`, by lane.
+    /// The importance of each mirror to `receivers`, by lane.
     ///
-    /// From the image of the receiver in the facet's plane, the lights' box is projected onto the plane. There, each barycentric
-    /// coordinate of the facet has an interval of the box. The share is taken as that of the parallelogram where the two
+    /// From the image of the receiver in the mirror's plane, the lights' box is projected onto the plane. There, each barycentric
+    /// coordinate of the mirror has an interval of the box. The share is taken as that of the parallelogram where the two
     /// coordinates that the box limits most are in their intervals. As the receiver moves by a distance, so does its image, and
     /// the volume of a side's two ends, the image and a point of the box, by which coordinates are computed, changes by at most
     /// the distance times the area that side and point span.
@@ -148,12 +148,12 @@ impl TriangleNode {
     }
 }
 
-/// Where the receivers of facets are.
+/// Where the receivers of mirrors are.
 #[derive(Clone, Copy)]
 enum Receivers {
     /// At the point of the query, on its surface.
     Point,
-    /// Within this distance from there and on the front of a facet, on surfaces that face it.
+    /// Within this distance from there and on the front of a mirror, on surfaces that face it.
     InFront(f32),
     /// The same, on the back.
     Behind(f32),

@@ -20,28 +20,28 @@ fn query(from: DVec3, side: DVec3, (center, half_extents): (DVec3, DVec3), aroun
     }
 }
 
-/// A facet of which a point reflects a ray to the lights has an importance. The mean share in it is 4.6 times that of
-/// points that do, since boxes and intervals cover more than the lights' projection; it would be 6.2 times if any facet
+/// A mirror of which a point reflects a ray to the lights has an importance. The mean share in it is 4.6 times that of
+/// points that do, since boxes and intervals cover more than the lights' projection; it would be 6.2 times if any mirror
 /// with an importance counted as a whole.
 #[test]
 fn importance_follows_the_share_that_shows_lights() {
-    let (mut shares, mut shown, mut facets_shown) = (0.0, 0.0, 0);
+    let (mut shares, mut shown, mut mirrors_shown) = (0.0, 0.0, 0);
     for i in 0..2000 {
         let numbers = Stream::new(22, 0, i);
         let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| 2.0 * numbers.uniform(k + axis) - 1.0));
         let (from, lights, half_extents) = (3.0 * vector(0), 3.0 * vector(3), 0.4 * vector(6).abs());
         let size = 10.0_f64.powf(-2.0 * numbers.uniform(9));
-        let facet = |k: u32| {
+        let mirror = |k: u32| {
             let center = 0.5 * vector(12 * k);
             let vertices = [3, 6, 9].map(|j| center + size * vector(12 * k + j));
-            TriangleFacet { vertices, body: 1 }
+            TriangleMirror { vertices, body: 1 }
         };
-        let facets: Vec<_> = (1..=WIDTH as u32).map(facet).collect();
+        let mirrors: Vec<_> = (1..=WIDTH as u32).map(mirror).collect();
         let side = -from.normalize();
         let query = query(from, side, (lights, half_extents), u32::MAX);
-        let importance = TriangleNode::new(&facets).importance(&query);
+        let importance = TriangleLeaf::new(&mirrors).importance(&query);
         for (lane, importance) in importance.into_iter().enumerate() {
-            let [a, b, c] = facets[child_of(lane)].vertices;
+            let [a, b, c] = mirrors[child_of(lane)].vertices;
             let normal = (b - a).cross(c - a);
             let shows = |k: u32| {
                 let (u, v) = Triangle::sample_uniform(Stream::new(23, i.into(), k).uniform_pair(0));
@@ -53,21 +53,21 @@ fn importance_follows_the_share_that_shows_lights() {
             let to_center = (a + b + c) / 3.0 - from;
             let highest = [a, b, c].map(|v| (v - from).dot(side)).into_iter().fold(0.0, f64::max);
             let whole = 0.5 * normal.dot(to_center).abs() * highest / to_center.length_squared().powi(2);
-            let is_near = to_center.length_squared() < facets[child_of(lane)].near_sq();
+            let is_near = to_center.length_squared() < mirrors[child_of(lane)].near_sq();
             assert!(share == 0.0 || importance > 0.0 || highest == 0.0, "{i}, {lane}: {share}");
             if highest > 0.0 && !is_near {
                 (shares, shown) = (shares + (importance / whole).powi(2), shown + share);
-                facets_shown += i32::from(share > 0.0);
+                mirrors_shown += i32::from(share > 0.0);
             }
         }
     }
     assert!(
-        facets_shown > 300 && shares > shown && shares < 5.0 * shown,
-        "{facets_shown}, {shares}, {shown}"
+        mirrors_shown > 300 && shares > shown && shares < 5.0 * shown,
+        "{mirrors_shown}, {shares}, {shown}"
     );
 }
 
-/// What a test asks of one facet.
+/// What a test asks of one mirror.
 #[derive(Clone, Copy, Debug)]
 struct Shown {
     vertices: [DVec3; 3],
@@ -82,10 +82,10 @@ impl Shown {
     fn importance(&self) -> f64 {
         let Self { vertices, from, side, lights, half_extents, body } = *self;
         let query = query(from, side, (lights, half_extents), 1);
-        TriangleNode::new(&[TriangleFacet { vertices, body }]).importance(&query)[0]
+        TriangleLeaf::new(&[TriangleMirror { vertices, body }]).importance(&query)[0]
     }
 
-    /// With a box that has a point of the ray from `from` at the point `at` of the facet well inside, this far from there.
+    /// With a box that has a point of the ray from `from` at the point `at` of the mirror well inside, this far from there.
     fn by_way_of(self, at: DVec3, distance: f64, half_extents: DVec3, place: DVec3) -> Self {
         let [a, b, c] = self.vertices;
         let (normal, wi) = ((b - a).cross(c - a).normalize(), at - self.from);
@@ -95,10 +95,10 @@ impl Shown {
     }
 }
 
-/// Facets down to 1e-4 of the tree, needles of up to 1e4 times their width, receivers near and far and at angles down to a
-/// milliradian, and boxes that are flat, large, small, or cross the facet's plane.
+/// Mirrors down to 1e-4 of the tree, needles of up to 1e4 times their width, receivers near and far and at angles down to a
+/// milliradian, and boxes that are flat, large, small, or cross the mirror's plane.
 #[test]
-fn every_facet_that_shows_lights_has_an_importance() {
+fn every_mirror_that_shows_lights_has_an_importance() {
     for i in 0..400_000 {
         let numbers = Stream::new(24, 0, i);
         let vector = |k: u32| DVec3::from_array([0, 1, 2].map(|axis| 2.0 * numbers.uniform(k + axis) - 1.0));
@@ -149,8 +149,8 @@ fn every_facet_that_shows_lights_has_an_importance() {
     }
 }
 
-/// A facet that has an importance anywhere in a ball of receivers has one for the ball, which is not much larger for a tiny
-/// ball. A ball may cross the plane of the facet, of which both sides or one reflect.
+/// A mirror that has an importance anywhere in a ball of receivers has one for the ball, which is not much larger for a tiny
+/// ball. A ball may cross the plane of the mirror, of which both sides or one reflect.
 #[test]
 fn a_ball_of_receivers_is_shown_what_its_points_are() {
     let (mut shown, mut hidden, mut ratios) = (0, 0, Vec::new());
@@ -166,19 +166,19 @@ fn a_ball_of_receivers_is_shown_what_its_points_are() {
         let from = at + distance * vector(15).normalize();
         let half_extents = power(18, -2.0, 0.0) * vector(19).abs();
         let body = [1, 2][i as usize % 2];
-        let facet = TriangleNode::new(&[TriangleFacet { vertices, body }]);
-        // Lights that the middle sees in the facet, or near those.
+        let leaf = TriangleLeaf::new(&[TriangleMirror { vertices, body }]);
+        // Lights that the middle sees in the mirror, or near those.
         let side = (at - from).normalize();
         let whole = Shown { vertices, from, side, lights: at, half_extents: DVec3::ZERO, body };
         let far = power(25, -1.0, 1.0);
         let lights = whole.by_way_of(at, far, half_extents, 4.0 * vector(22)).lights;
         let at_point = |receiver: DVec3| query(receiver, side, (lights, half_extents), 1);
-        let of_ball = facet.largest_importance(&at_point(from), radius as f32);
+        let of_ball = leaf.largest_importance(&at_point(from), radius as f32);
         let mut largest = 0.0_f64;
         for k in 0..16 {
             let inside = vector(26 + 3 * k);
             let receiver = from + radius * inside / inside.length().max(1.0);
-            let importance = facet.importance(&at_point(receiver))[0];
+            let importance = leaf.importance(&at_point(receiver))[0];
             assert!(importance == 0.0 || of_ball > 0.0, "{i}: {importance}");
             largest = largest.max(importance);
         }
