@@ -139,7 +139,7 @@ mod tests {
         let record = |i: usize| GuideRecord {
             vertex: guide_vertex(Receiver {
                 position: DVec3::new((i % 2) as f64, (i / 2 % 100) as f64 / 200.0, 0.0),
-                side: Vec3::Z,
+                normal: Vec3::Z,
             }),
             bin: (i / 2 % BINS) as u8,
             radiance: if i / 2 % BINS == light(i) { 5.0 } else { 0.0 },
@@ -158,7 +158,7 @@ mod tests {
     /// Light that reaches the first vertices by way of the second ones only.
     #[test]
     fn light_is_passed_on_from_vertex_to_vertex() {
-        let at = |x: f64| guide_vertex(Receiver { position: DVec3::new(x, 0.0, 0.0), side: Vec3::Z });
+        let at = |x: f64| guide_vertex(Receiver { position: DVec3::new(x, 0.0, 0.0), normal: Vec3::Z });
         let records: Vec<GuideRecord> = (0..1000)
             .flat_map(|i| {
                 let toward_second = i % 2 == 0;

@@ -144,7 +144,7 @@ mod tests {
             let [x, y] = stream.uniform_pair(0);
             let exit = DVec3::new(stream.uniform(2) - 0.5, stream.uniform(3), 0.3 + stream.uniform(4));
             Photon {
-                vertex: guide_vertex(Receiver { position: DVec3::new(x, y, 0.0), side: Vec3::Z }),
+                vertex: guide_vertex(Receiver { position: DVec3::new(x, y, 0.0), normal: Vec3::Z }),
                 exit: exit.as_vec3(),
             }
         };
@@ -152,7 +152,7 @@ mod tests {
     }
 
     fn receiver(x: f64, y: f64) -> Receiver {
-        Receiver { position: DVec3::new(x, y, 0.0), side: Vec3::Z }
+        Receiver { position: DVec3::new(x, y, 0.0), normal: Vec3::Z }
     }
 
     /// Directions fill bins of equal solid angle as often as the density says. Chi-square exceeds the limit with a
@@ -204,7 +204,7 @@ mod tests {
         let photon = |i: u32| {
             let x = f64::from(i % 2) * 10.0 + f64::from(i) * 1e-4;
             let vertex =
-                guide_vertex(Receiver { position: DVec3::new(x, f64::from(i % 7), 0.0), side: Vec3::Z });
+                guide_vertex(Receiver { position: DVec3::new(x, f64::from(i % 7), 0.0), normal: Vec3::Z });
             Photon { vertex, exit: Vec3::new(x as f32, 3.0, 20.0) }
         };
         let guide = PhotonGuide::new(&(0..128).map(photon).collect::<Vec<_>>()).unwrap();
@@ -227,7 +227,7 @@ mod tests {
         let sine = direction.cross((exit - receiver(0.5, 0.5).position).normalize()).length();
         assert!(sine < 1.01 * MIN_TANGENT, "{sine}");
         assert!(guide.pdf(receiver(0.5, 0.5), direction).0.is_finite());
-        let there = Receiver { position: exit, side: Vec3::Z };
+        let there = Receiver { position: exit, normal: Vec3::Z };
         assert_eq!(guide.sample(there, 0.5, [0.5, 0.5]), None);
         assert_eq!(guide.pdf(there, DVec3::Z).0, 0.0);
     }

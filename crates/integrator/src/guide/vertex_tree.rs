@@ -8,10 +8,10 @@ pub(crate) type GuideVertex = [f32; AXES];
 
 /// The coordinates of a vertex at which the side of the path is that of the receiver.
 #[inline(always)]
-pub(crate) fn guide_vertex(Receiver { position, side }: Receiver) -> GuideVertex {
+pub(crate) fn guide_vertex(Receiver { position, normal }: Receiver) -> GuideVertex {
     let [x, y, z] = position.as_vec3().to_array();
     // Where a normal's z changes sign, its local frame jumps. Vertices are divided there first.
-    [x, y, z, side.x, side.y, side.z + FRAMES_APART.copysign(side.z)]
+    [x, y, z, normal.x, normal.y, normal.z + FRAMES_APART.copysign(normal.z)]
 }
 
 /// Half the distance between vertices whose local frames differ by a jump.
@@ -104,9 +104,9 @@ mod tests {
     fn vertices() -> Vec<GuideVertex> {
         let stream = Stream::new(1, 2, 3);
         let on = |i: u32| match (stream.uniform_pair(2 * i), i % 3) {
-            ([x, y], 0) => guide_vertex(Receiver { position: DVec3::new(x, y, 0.0), side: Vec3::Z }),
-            ([x, y], 1) => guide_vertex(Receiver { position: DVec3::new(x, y, 1.0), side: -Vec3::Z }),
-            ([x, y], _) => guide_vertex(Receiver { position: DVec3::new(0.0, x, y), side: Vec3::X }),
+            ([x, y], 0) => guide_vertex(Receiver { position: DVec3::new(x, y, 0.0), normal: Vec3::Z }),
+            ([x, y], 1) => guide_vertex(Receiver { position: DVec3::new(x, y, 1.0), normal: -Vec3::Z }),
+            ([x, y], _) => guide_vertex(Receiver { position: DVec3::new(0.0, x, y), normal: Vec3::X }),
         };
         (0..12_000).map(on).collect()
     }

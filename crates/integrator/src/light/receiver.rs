@@ -6,7 +6,7 @@ use globillum_geom::Triangle;
 pub(crate) struct Receiver {
     pub(crate) position: DVec3,
     /// The unit normal on the side of the surface where light counts.
-    pub(crate) side: Vec3,
+    pub(crate) normal: Vec3,
 }
 
 impl Receiver {
@@ -14,14 +14,14 @@ impl Receiver {
     #[inline(always)]
     pub(super) fn has_behind(&self, triangle: &Triangle) -> bool {
         let to_vertices = triangle.vertices.map(|vertex| vertex.as_dvec3() - self.position);
-        let side = self.side.as_dvec3();
-        let [a, b, c] = to_vertices.map(|to_vertex| side.dot(to_vertex));
+        let normal = self.normal.as_dvec3();
+        let [a, b, c] = to_vertices.map(|to_vertex| normal.dot(to_vertex));
         let [d, e, f] = to_vertices.map(DVec3::abs);
         a.max(b).max(c) < -MARGIN * d.max(e).max(f).max_element()
     }
 }
 
-/// Part of the largest distance of a vertex along an axis. It exceeds two errors. The side is rounded to single precision,
+/// Part of the largest distance of a vertex along an axis. It exceeds two errors. The normal is rounded to single precision,
 /// twice in the image of a receiver in a mirror. A point sampled on the triangle is off by some `2^-52` of its coordinates:
 /// along an axis the vertices have all the same coordinate, and the point has it too, or one is at least `2^-26` of the
 /// largest coordinate away.
@@ -45,7 +45,7 @@ mod tests {
             // Single precision has steps of a sixteenth at 1e6.
             let offset = [0.0, 1e4, 3e4, 1e6][i as usize % 4] * vector(1);
             let position = offset + vector(2);
-            let receiver = Receiver { position, side: normal.as_vec3() };
+            let receiver = Receiver { position, normal: normal.as_vec3() };
             let flatness = if i % 3 == 0 { 1e-7 } else { 1.0 };
             let size = if i % 5 == 0 { 0.1 } else { 1.0 };
             let vertex = |at: u32| {

@@ -30,7 +30,7 @@ impl MisContext {
     /// That of a ray from the camera. `supersampled` tells whether the rays of supersampling find the lights that it shows.
     #[inline(always)]
     pub(super) fn of_camera(supersampled: bool) -> Self {
-        let receiver = Receiver { position: DVec3::ZERO, side: Vec3::ZERO };
+        let receiver = Receiver { position: DVec3::ZERO, normal: Vec3::ZERO };
         Self { supersampled, ..Self::scattered(Density::Delta, receiver, false) }
     }
 

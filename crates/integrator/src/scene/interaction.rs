@@ -27,7 +27,7 @@ impl Interaction<'_> {
     /// What receives light on that side of the surface from which the ray came.
     #[inline(always)]
     pub(crate) fn receiver(&self) -> Receiver {
-        Receiver { position: self.point.position, side: self.facing_normal().as_vec3() }
+        Receiver { position: self.point.position, normal: self.facing_normal().as_vec3() }
     }
 
     /// The unit normal on the side of the surface from which the ray came.

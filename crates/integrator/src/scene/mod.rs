@@ -71,7 +71,7 @@ impl<A: ?Sized> Scene<A> {
     /// ([`Interaction::facing_normal`]). In a light tree, lights in front of it are chosen more often. One behind it has a
     /// probability above zero all the same, but may give no sample.
     pub fn light_sampler(&self, sampling: LightSampling, from: DVec3, normal: DVec3) -> LightSampler<'_> {
-        let receiver = Receiver { position: from, side: normal.as_vec3() };
+        let receiver = Receiver { position: from, normal: normal.as_vec3() };
         LightSampler { lights: &self.lights, triangles: &self.triangles, sampling, receiver }
     }
 

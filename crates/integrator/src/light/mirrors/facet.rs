@@ -62,9 +62,9 @@ impl Facet {
     }
 
     /// The mirror image of `receiver`.
-    pub(crate) fn image_of(&self, Receiver { position, side }: Receiver) -> Receiver {
+    pub(crate) fn image_of(&self, Receiver { position, normal }: Receiver) -> Receiver {
         let position = mirror_image(position, self.normal, self.height(position));
-        Receiver { position, side: self.reflect(side.as_dvec3()).as_vec3() }
+        Receiver { position, normal: self.reflect(normal.as_dvec3()).as_vec3() }
     }
 
     /// The reflection of the unit vector `direction`.

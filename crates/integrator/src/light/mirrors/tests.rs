@@ -63,7 +63,7 @@ fn evenly_spaced(n: u32) -> impl Iterator<Item = f64> {
 
 /// On a surface that faces up.
 fn upward(position: DVec3) -> Receiver {
-    Receiver { position, side: Vec3::Y }
+    Receiver { position, normal: Vec3::Y }
 }
 
 /// A point of the floor, and one of a light.
@@ -165,7 +165,7 @@ fn cells_list_all_mirrors_that_show_lights() {
                         |k: u32| DVec3::from([0, 1, 2].map(|axis| 2.0 * numbers.uniform(k + axis) - 1.0));
                     let around = [DVec3::new(2.0, 1.0, 2.0), DVec3::ONE][i as usize % 2];
                     let receiver =
-                        Receiver { position: around * vector(0), side: vector(3).normalize().as_vec3() };
+                        Receiver { position: around * vector(0), normal: vector(3).normalize().as_vec3() };
                     let leaves = small.listed_leaves(receiver, i % 4);
                     assert!(leaves.iter().all(|&is_listed| is_listed), "{what}, {size}, {i}: {receiver:?}");
                     listed += leaves.len();
@@ -183,7 +183,7 @@ fn mirrors_show_lights_outside_of_the_scene() {
     let [by_cells, by_descents] = chosen_both_ways(&mirrors);
     let from = DVec3::new(0.5, 0.2, 30.0);
     assert!(triangles.bounds().max.as_dvec3().cmplt(from).any());
-    let receiver = Receiver { position: from, side: Vec3::NEG_Z };
+    let receiver = Receiver { position: from, normal: Vec3::NEG_Z };
     let choices = evenly_spaced(1000).map(|u| (by_cells.choice(receiver, 0, f64::INFINITY, u), u));
     let mut chosen = 0;
     for (choice, u) in choices {
@@ -303,7 +303,7 @@ fn a_point_in_a_mirrors_plane_has_no_image_in_it() {
     let large = mirrors.large.unwrap();
     let at = |y: f64| {
         let from = DVec3::new(0.2, y, 0.2);
-        let receiver = Receiver { position: from, side: -Vec3::Y * y.signum() as f32 };
+        let receiver = Receiver { position: from, normal: -Vec3::Y * y.signum() as f32 };
         let chosen = large.choose(&triangles, receiver, || 0.5)?;
         Some(chosen.facet.image_of(receiver).position.y)
     };

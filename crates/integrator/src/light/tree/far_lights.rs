@@ -54,8 +54,8 @@ impl FarLights {
 
     /// The irradiance from all, about, on the side of a surface to which `side` points.
     #[inline(always)]
-    pub(super) fn irradiance_on(&self, side: Vec3) -> f64 {
-        self.irradiance * f64::from(0.5 * twice_positive_part(side.dot(self.direction), self.variance))
+    pub(super) fn irradiance_on(&self, normal: Vec3) -> f64 {
+        self.irradiance * f64::from(0.5 * twice_positive_part(normal.dot(self.direction), self.variance))
     }
 
     /// The index of the light that `u` in `[0, 1)` chooses.
@@ -92,11 +92,11 @@ mod tests {
                 (k, FarLight { irradiance: 1.0 + f64::from(k), direction })
             };
             let lights: Vec<_> = (0..4).map(light).collect();
-            let side = unit(numbers, 30).as_vec3();
+            let normal = unit(numbers, 30).as_vec3();
             let brings = |(_, light): &(u32, FarLight)| {
-                light.irradiance * side.as_dvec3().dot(light.direction).max(0.0)
+                light.irradiance * normal.as_dvec3().dot(light.direction).max(0.0)
             };
-            let assumed = |lights: &[_]| FarLights::new(lights).unwrap().irradiance_on(side);
+            let assumed = |lights: &[_]| FarLights::new(lights).unwrap().irradiance_on(normal);
             assert!((assumed(&lights[..1]) - brings(&lights[0])).abs() < 1e-6, "{i}");
             let (together, bound) = (lights.iter().map(brings).sum::<f64>(), assumed(&lights));
             assert!(bound >= together - 1e-5 && bound <= 10.0, "{i}: {bound}, {together}");

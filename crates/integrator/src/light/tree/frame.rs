@@ -32,8 +32,8 @@ impl TreeFrame {
 
     /// A receiver in the world.
     #[inline(always)]
-    pub(super) fn receiver(&self, Receiver { position, side }: Receiver) -> Receiver {
-        Receiver { position: self.position(position), side }
+    pub(super) fn receiver(&self, Receiver { position, normal }: Receiver) -> Receiver {
+        Receiver { position: self.position(position), normal }
     }
 
     /// A position in the world.

@@ -132,7 +132,7 @@ impl LightTree {
     fn begin<const N: usize>(&self, receiver: Receiver, us: [f64; N]) -> [Descent<Child>; N] {
         let Some(root) = self.nodes.first() else { return us.map(|u| self.choose_far(u, 1.0)) };
         let weights = root.weights(&receiver);
-        let far_prob = self.far_prob(weights.total(), receiver.side);
+        let far_prob = self.far_prob(weights.total(), receiver.normal);
         us.map(
             #[inline(always)]
             |u| match u < far_prob {
@@ -184,7 +184,7 @@ impl LightTree {
     fn prob_in_frame(&self, receiver: Receiver, index: usize) -> f64 {
         let Some(mut node) = self.nodes.first() else { return self.far_share(index, 1.0) };
         let mut weights = node.weights(&receiver);
-        let far_prob = self.far_prob(weights.total(), receiver.side);
+        let far_prob = self.far_prob(weights.total(), receiver.normal);
         let Address::Path(mut path) = self.addresses[index] else { return self.far_share(index, far_prob) };
         let mut prob = 1.0 - far_prob;
         loop {
@@ -199,9 +199,9 @@ impl LightTree {
 
     /// The probability of the lights that are infinitely far away, beside the weight of all others.
     #[inline(always)]
-    fn far_prob(&self, near: f64, side: Vec3) -> f64 {
+    fn far_prob(&self, near: f64, normal: Vec3) -> f64 {
         let Some(far) = &self.far else { return 0.0 };
-        let far = far.irradiance_on(side);
+        let far = far.irradiance_on(normal);
         let share = far / (far + near);
         share.clamp(Self::MIN_PROB, 1.0 - Self::MIN_PROB)
     }

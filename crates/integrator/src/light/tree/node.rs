@@ -103,8 +103,8 @@ impl Node {
     /// The importance of each child, by lane: the irradiance from it, about, if it is visible. The mean of a product of
     /// both cosines and the inverse squared distance is taken for a product of means.
     #[inline(always)]
-    pub(super) fn importance(&self, &Receiver { position, side }: &Receiver) -> [f64; WIDTH] {
-        let side_sq = side * side;
+    pub(super) fn importance(&self, &Receiver { position, normal }: &Receiver) -> [f64; WIDTH] {
+        let normal_sq = normal * normal;
         let mut importances = [0.0; WIDTH];
         // A plain loop, which the compiler vectorizes.
         for (i, importance) in importances.iter_mut().enumerate() {
@@ -114,8 +114,9 @@ impl Node {
             let [vx, vy, vz] = [self.variance[0][i], self.variance[1][i], self.variance[2][i]];
             let distance_sq = x * x + y * y + z * z;
             // The cosines, times twice the distance.
-            let height = -(x * side.x + y * side.y + z * side.z);
-            let received = twice_positive_part(height, vx * side_sq.x + vy * side_sq.y + vz * side_sq.z);
+            let height = -(x * normal.x + y * normal.y + z * normal.z);
+            let received =
+                twice_positive_part(height, vx * normal_sq.x + vy * normal_sq.y + vz * normal_sq.z);
             let along = x * self.normal[0][i] + y * self.normal[1][i] + z * self.normal[2][i];
             let variance = self.normal_variance[i] * distance_sq + self.variance_along_normal[i];
             let emitted = twice_positive_part(along, variance)

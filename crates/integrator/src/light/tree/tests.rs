@@ -31,8 +31,8 @@ fn lights(n: u32, unit: f64) -> Vec<TreeLight> {
 
 /// At the lights, between them, and far away, on surfaces of all directions.
 fn receivers() -> impl Iterator<Item = Receiver> {
-    let side = |i| vector(Stream::new(12, 0, i), 0).normalize().as_vec3();
-    (0..).zip(positions()).map(move |(i, position)| Receiver { position, side: side(i) })
+    let normal = |i| vector(Stream::new(12, 0, i), 0).normalize().as_vec3();
+    (0..).zip(positions()).map(move |(i, position)| Receiver { position, normal: normal(i) })
 }
 
 fn positions() -> impl Iterator<Item = DVec3> {
@@ -135,7 +135,7 @@ fn the_largest_number_chooses_the_last_light() {
     for i in 0..200 {
         let numbers = Stream::new(11, 0, i);
         let receiver =
-            Receiver { position: vector(numbers, 0), side: vector(numbers, 3).as_vec3().normalize() };
+            Receiver { position: vector(numbers, 0), normal: vector(numbers, 3).as_vec3().normalize() };
         let [last, before] = tree.choose(receiver, [1.0_f64.next_down(), 1.0 - 2.0_f64.powi(-50)]);
         assert_eq!(last, before, "{i}");
     }
@@ -193,7 +193,7 @@ fn spot_lights_in_one_place_are_told_apart_at_any_scale() {
         let tree = LightTree::new(&spots, &Aabb { min: -half, max: half });
         let prob = |index: usize, distance: f64| {
             let position = at + distance * unit * axes[index];
-            tree.prob(Receiver { position, side: -axes[index].as_vec3() }, index)
+            tree.prob(Receiver { position, normal: -axes[index].as_vec3() }, index)
         };
         let probs = [0, 1, 2, 3, 4, 5, 6, 7].map(|index| [1e-3, 1.5, 1e30].map(|to| prob(index, to)));
         assert!(probs.as_flattened().iter().all(|&prob| prob > 0.9), "{unit}: {probs:?}");
@@ -211,7 +211,7 @@ fn a_lamp_is_told_from_a_distant_sun() {
         let sun = LightMoments::of_triangle(corners, -to_sun.normalize(), false, 1.5e11_f64.powi(2));
         let tree = LightTree::new(&[TreeLight::Near(lamp), TreeLight::Near(sun)], &Aabb::EMPTY);
         let below = lamp.center - distance * to_sun.normalize();
-        let receiver = Receiver { position: below, side: to_sun.normalize().as_vec3() };
+        let receiver = Receiver { position: below, normal: to_sun.normalize().as_vec3() };
         let prob = tree.prob(receiver, 0);
         assert!((prob - 0.5).abs() < 0.01, "{distance}: {prob}");
     }
@@ -229,7 +229,7 @@ fn near_lights_in_front_that_face_the_receiver_are_preferred() {
     let past = TreeLight::Near(LightMoments::of_spot(DVec3::X, DVec3::new(-0.8, 0.6, 0.0), 0.81, 1.0));
     let lights = [light(1.0, toward), light(10.0, toward), light(0.5, away), light(-0.5, away), past];
     let tree = LightTree::new(&lights, &Aabb::EMPTY);
-    let receiver = Receiver { position: DVec3::ZERO, side: Vec3::X };
+    let receiver = Receiver { position: DVec3::ZERO, normal: Vec3::X };
     let [near, distant, averted, behind, past] = [0, 1, 2, 3, 4].map(|index| tree.prob(receiver, index));
     assert!((0.985..0.995).contains(&near) && (0.009..0.011).contains(&distant), "{near} {distant}");
     let is_least = |prob: &f64| (3.0e-6..3.4e-6).contains(prob);
@@ -242,7 +242,7 @@ fn irradiance(lights: &[LightMoments], receiver: &Receiver) -> f64 {
     let from_one = |light: &LightMoments| {
         let line = receiver.position - light.center;
         let distance = line.length();
-        let cos_in = -receiver.side.as_dvec3().dot(line) / distance;
+        let cos_in = -receiver.normal.as_dvec3().dot(line) / distance;
         let cos = light.normal.dot(line) / distance;
         let cos = match light.normal_variance {
             0.0 if light.both_sides => cos.abs(),
@@ -273,8 +273,8 @@ fn ratios(size: usize) -> Vec<f64> {
         let node = Node::new(&[(Child::Light(0), union)], &TreeFrame::around(iter::empty(), &Aabb::EMPTY));
         for i in 0..50 {
             let numbers = Stream::new(9, k, i);
-            let (position, side) = (2.0 * vector(numbers, 0), vector(numbers, 3).normalize());
-            let receiver = Receiver { position, side: side.as_vec3() };
+            let (position, normal) = (2.0 * vector(numbers, 0), vector(numbers, 3).normalize());
+            let receiver = Receiver { position, normal: normal.as_vec3() };
             let brought = irradiance(&group, &receiver);
             let extent_sq = union.variance.element_sum();
             if position.distance_squared(union.center) > 4.0 * extent_sq && brought > 1e-3 {
@@ -311,7 +311,7 @@ fn narrow_spot_lights_shine_within_their_beams() {
         let spot = LightMoments::of_spot(position, axis, libm::cos(2e-4), 1.0);
         let node = Node::new(&[(Child::Light(0), spot)], &TreeFrame::around(iter::empty(), &Aabb::EMPTY));
         let along = axis + 1.4e-4 * axis.any_orthonormal_vector();
-        let receiver = Receiver { position: position + 3.0 * along, side: -axis.as_vec3() };
+        let receiver = Receiver { position: position + 3.0 * along, normal: -axis.as_vec3() };
         let importance = node.importance(&receiver)[0];
         assert!((importance * 9.0 - 1.0).abs() < 1e-3, "{i}: {importance}");
     }
@@ -339,7 +339,7 @@ fn relative_variance(lights: &[LightMoments]) -> f64 {
     let at_point = |i: u32| {
         let (mut position, axis) = (vector(Stream::new(15, 0, i), 0), i as usize % 3);
         position[axis] = 1.0;
-        let receiver = Receiver { position, side: -Vec3::AXES[axis] };
+        let receiver = Receiver { position, normal: -Vec3::AXES[axis] };
         let (mut sum, mut mean_square) = (0.0, 0.0);
         for (index, light) in lights.iter().enumerate() {
             let brought = irradiance(std::slice::from_ref(light), &receiver);

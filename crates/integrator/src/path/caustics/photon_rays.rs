@@ -150,7 +150,7 @@ mod tests {
         let (scene, settings) = (shaft(0.5), settings());
         let camera = PinholeCamera::look_at(DVec3::new(0.0, 2.0, 0.5), DVec3::ZERO, DVec3::Y, 0.02).unwrap();
         for mirrors in [1.0, 2.0, 8.0, 9.0] {
-            let vertex = guide_vertex(Receiver { position: DVec3::ZERO, side: Vec3::Y });
+            let vertex = guide_vertex(Receiver { position: DVec3::ZERO, normal: Vec3::Y });
             let photon = Photon { vertex, exit: Vec3::new(0.5, 2.0 / mirrors, 0.0) };
             let photons = PhotonGuide::new(&[photon; 64]).unwrap();
             let setup = Setup { scene: &scene, sensor: &camera, photons, trained: None };

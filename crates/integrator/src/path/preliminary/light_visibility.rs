@@ -114,7 +114,7 @@ mod tests {
 
     /// The probability of the lamp on the right for a point of the floor on the left.
     fn prob_of_right(scene: &Scene<KdTree>, lights: &Lights) -> f64 {
-        let receiver = Receiver { position: DVec3::new(-0.8, 0.0, 0.2), side: Vec3::Y };
+        let receiver = Receiver { position: DVec3::new(-0.8, 0.0, 0.2), normal: Vec3::Y };
         let prob = |triangle| {
             let point = scene.triangles().surface_point(triangle, 0.3, 0.3);
             lights.light_at(&point, scene.triangles(), receiver).expect("it emits").1.prob

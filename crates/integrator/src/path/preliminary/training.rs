@@ -139,7 +139,7 @@ impl Wavefront {
             }
             records.push(GuideRecord {
                 vertex: guide_vertex(path.mis.receiver),
-                bin: bin_of(Frame::around(path.mis.receiver.side.as_dvec3()).to_local(ray.direction)) as u8,
+                bin: bin_of(Frame::around(path.mis.receiver.normal.as_dvec3()).to_local(ray.direction)) as u8,
                 radiance: 0.0,
                 next: None,
             });

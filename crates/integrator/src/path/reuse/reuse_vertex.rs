@@ -37,7 +37,7 @@ impl ReuseVertex {
 
     /// What receives light.
     pub(in crate::path) fn receiver(&self) -> Receiver {
-        Receiver { position: self.point.position, side: self.normal.as_vec3() }
+        Receiver { position: self.point.position, normal: self.normal.as_vec3() }
     }
 
     /// How many times as dense as cosine sampling the guide makes `direction`.

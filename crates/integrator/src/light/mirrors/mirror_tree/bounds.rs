@@ -40,8 +40,8 @@ impl Bounds {
         let center = 0.5 * (min + max);
         let radius = |item: &Item| item.center.distance(center) + item.radius;
         let frame = frame(items);
-        let angles = [frame[1], frame[2]].map(|side| {
-            let tan = |item: &Item| item.normal.dot(side).abs() / item.normal.dot(frame[0]);
+        let angles = [frame[1], frame[2]].map(|cross_axis| {
+            let tan = |item: &Item| item.normal.dot(cross_axis).abs() / item.normal.dot(frame[0]);
             // Beyond a right angle, tangents are negative.
             let is_wide = items.iter().any(|item| item.normal.dot(frame[0]) <= 0.0);
             if is_wide { PI } else { libm::atan(items.iter().map(tan).fold(0.0, f64::max)) }

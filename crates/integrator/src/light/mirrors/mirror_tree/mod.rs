@@ -242,7 +242,7 @@ impl MirrorTree {
         let within = |body: u32| u32::from(!self.is_outside(body, at.receiver.position)) << body;
         Query {
             from: to_frame(at.receiver.position),
-            side: at.receiver.side,
+            normal: at.receiver.normal,
             lights: to_frame(at.lights.center),
             lights_half_extents: (at.lights.half_extents * self.scale).as_vec3(),
             lights_radius: (at.lights.radius * self.scale) as f32,

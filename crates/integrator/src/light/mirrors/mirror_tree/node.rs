@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 pub(crate) struct Query {
     pub(super) from: Vec3,
     /// The unit normal on the side of the surface where mirrors count.
-    pub(super) side: Vec3,
+    pub(super) normal: Vec3,
     /// The center of the box around the lights, the distances of its faces from there, and the radius of the sphere
     /// around it.
     pub(super) lights: Vec3,
@@ -26,7 +26,7 @@ pub(crate) struct Node {
     radius: Lanes,
     axis: [Lanes; 3],
     /// The two directions orthogonal to the axis, times the cosine of the angle; zero for wide cones.
-    sides: [[Lanes; 3]; 2],
+    cross_axes: [[Lanes; 3]; 2],
     /// The sines of the two angles; 1 for wide cones.
     sines: [Lanes; 2],
     /// The areas; 0 where there is no child.
@@ -49,7 +49,7 @@ impl Node {
         let numbers = |value: &dyn Fn(&Bounds) -> f64| lanes(children, value);
         let vectors = |value: &dyn Fn(&Bounds) -> DVec3| vector_lanes(children, value);
         let is_wide = |bounds: &Bounds| bounds.angles[0].max(bounds.angles[1]) >= Self::MIN_WIDE_ANGLE;
-        let side = |bounds: &Bounds, k: usize| {
+        let cross_axis = |bounds: &Bounds, k: usize| {
             let (sin, cos) = libm::sincos(bounds.angles[k]);
             if is_wide(bounds) { (1.0, DVec3::ZERO) } else { (sin, cos * bounds.frame[1 + k]) }
         };
@@ -59,8 +59,8 @@ impl Node {
             center: vectors(&|bounds| bounds.center),
             radius: numbers(&|bounds| bounds.radius),
             axis: vectors(&|bounds| bounds.frame[0]),
-            sides: [0, 1].map(|k| vectors(&|bounds| side(bounds, k).1)),
-            sines: [0, 1].map(|k| numbers(&|bounds| side(bounds, k).0)),
+            cross_axes: [0, 1].map(|k| vectors(&|bounds| cross_axis(bounds, k).1)),
+            sines: [0, 1].map(|k| numbers(&|bounds| cross_axis(bounds, k).0)),
             area: numbers(&|bounds| bounds.area),
             bodies: std::array::from_fn(|lane| children.get(child_of(lane)).map_or(0, bodies)),
             first,
@@ -109,7 +109,7 @@ impl Node {
             let is_flat = max(self.sines[0][i], self.sines[1][i]) < Self::MAX_PLANE_SINE;
             let share = if is_near && is_flat { 1.0 } else { facing * a * b };
             let cos = if is_near { 1.0 } else { 0.5 * dot(half, half).sqrt() };
-            let cos_from = from_size - dot(query.side.to_array(), to_from) * per_from;
+            let cos_from = from_size - dot(query.normal.to_array(), to_from) * per_from;
             let cos_from = min(max(cos_from, 0.0), 1.0);
             // Quotients do not wait for the share.
             let solid_angle = self.area[i] * cos_from / max(from_sq, radius * radius);
@@ -118,7 +118,7 @@ impl Node {
         all.map(f64::from)
     }
 
-    /// The share of the normals of child `i` along side `k` of its cone for which a ray goes on to the lights.
+    /// The share of the normals of child `i` along cross axis `k` of its cone for which a ray goes on to the lights.
     #[inline(always)]
     fn share(
         &self,
@@ -129,9 +129,9 @@ impl Node {
         turn: f32,
         lights: &LightsFromChild,
     ) -> f32 {
-        let (side, sin) = (lane(&self.sides[k], i), self.sines[k][i]);
-        let half_width = if sin < 1.0 { lights.turn_along(side) } else { lights.largest_turn };
-        overlap(dot(half, side), sin * along + turn, half_width)
+        let (cross_axis, sin) = (lane(&self.cross_axes[k], i), self.sines[k][i]);
+        let half_width = if sin < 1.0 { lights.turn_along(cross_axis) } else { lights.largest_turn };
+        overlap(dot(half, cross_axis), sin * along + turn, half_width)
     }
 }
 
@@ -164,17 +164,17 @@ impl LightsFromChild {
         Self { middle, half_extents, size, nearest, largest_turn: turn(size) }
     }
 
-    /// An upper bound of the component along `side`, a vector of length up to 1, of the difference between `middle` and
+    /// An upper bound of the component along `cross_axis`, a vector of length up to 1, of the difference between `middle` and
     /// the direction to any point of the lights.
     ///
     /// In units of the distance of the center, a point is `middle + d`, where `d` has the component `d_m` along `middle`
     /// and the rest `d_r`. Its distance is at least `1 + d_m`, and exceeds that by at most `d_r^2 / (2 (1 + d_m))`. So
-    /// the component is at most `(|side . d_r| + |side . middle| d_r^2 / (2 (1 + d_m))) / (1 + d_m)`.
+    /// the component along `c` is at most `(|c . d_r| + |c . middle| d_r^2 / (2 (1 + d_m))) / (1 + d_m)`.
     #[inline(always)]
-    fn turn_along(&self, side: [f32; 3]) -> f32 {
-        let along = dot(side, self.middle);
+    fn turn_along(&self, cross_axis: [f32; 3]) -> f32 {
+        let along = dot(cross_axis, self.middle);
         let middle = self.middle;
-        let across = [0, 1, 2].map(|k| abs(side[k] - along * middle[k]));
+        let across = [0, 1, 2].map(|k| abs(cross_axis[k] - along * middle[k]));
         let per_nearest = 1.0 / max(self.nearest, Self::TOO_NEAR);
         let excess = 0.5 * abs(along) * self.size * self.size * per_nearest;
         let bound = (dot(self.half_extents, across) + excess) * per_nearest;

@@ -163,10 +163,10 @@ impl MirrorTree {
         )
     }
 
-    /// What the receivers in a cube ask; the direction of their side is not told.
+    /// What the receivers in a cube ask; their normals are not told.
     fn query_of_cube(&self, cube: &Cube, lights: LightBounds) -> Query {
         let position = self.origin + cube.center().as_dvec3() / self.scale;
-        let query = self.query(&Viewpoint { receiver: Receiver { position, side: Vec3::ZERO }, lights });
+        let query = self.query(&Viewpoint { receiver: Receiver { position, normal: Vec3::ZERO }, lights });
         let around = self.bodies_within(position, f64::from(cube.radius()) / self.scale);
         Query { around: query.around | around, ..query }
     }

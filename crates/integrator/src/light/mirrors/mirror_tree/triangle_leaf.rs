@@ -89,7 +89,7 @@ impl TriangleLeaf {
     /// the distance times the area that side and point span.
     #[inline(always)]
     fn importance_to(&self, query: &Query, receivers: Receivers) -> [f64; WIDTH] {
-        let (side, half_extents) = (query.side.to_array(), query.lights_half_extents.to_array());
+        let (receiver_normal, half_extents) = (query.normal.to_array(), query.lights_half_extents.to_array());
         let mut all = [0.0; WIDTH];
         // A plain loop in single precision, which the compiler vectorizes.
         for (i, importance) in all.iter_mut().enumerate() {
@@ -137,7 +137,10 @@ impl TriangleLeaf {
             let to_center = [0, 1, 2].map(|k| (left[k] + right[k]) * (1.0 / 3.0) - from[k]);
             let per_distance_sq = 1.0 / max(dot(to_center, to_center), self.near_sq[i]);
             let highest = match receivers {
-                Receivers::Point => max(max(dot(side, left), dot(side, right)), 0.0) - dot(side, from),
+                Receivers::Point => {
+                    max(max(dot(receiver_normal, left), dot(receiver_normal, right)), 0.0)
+                        - dot(receiver_normal, from)
+                }
                 _ => 1.0 / per_distance_sq.sqrt(),
             };
             let height = abs(height) + height_change;

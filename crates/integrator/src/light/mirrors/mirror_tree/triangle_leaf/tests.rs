@@ -9,10 +9,10 @@ fn hits_box(origin: DVec3, direction: DVec3, center: DVec3, half_extents: DVec3)
 }
 
 /// What a receiver at `from` asks of lights in this box, given by its center and half extents.
-fn query(from: DVec3, side: DVec3, (center, half_extents): (DVec3, DVec3), around: u32) -> Query {
+fn query(from: DVec3, receiver_normal: DVec3, (center, half_extents): (DVec3, DVec3), around: u32) -> Query {
     Query {
         from: from.as_vec3(),
-        side: side.as_vec3(),
+        normal: receiver_normal.as_vec3(),
         lights: center.as_vec3(),
         lights_half_extents: half_extents.as_vec3(),
         lights_radius: half_extents.length() as f32,
@@ -37,8 +37,8 @@ fn importance_follows_the_share_that_shows_lights() {
             TriangleMirror { vertices, body: 1 }
         };
         let mirrors: Vec<_> = (1..=WIDTH as u32).map(mirror).collect();
-        let side = -from.normalize();
-        let query = query(from, side, (lights, half_extents), u32::MAX);
+        let receiver_normal = -from.normalize();
+        let query = query(from, receiver_normal, (lights, half_extents), u32::MAX);
         let importance = TriangleLeaf::new(&mirrors).importance(&query);
         for (lane, importance) in importance.into_iter().enumerate() {
             let [a, b, c] = mirrors[child_of(lane)].vertices;
@@ -51,7 +51,7 @@ fn importance_follows_the_share_that_shows_lights() {
             };
             let share = f64::from((0..256).map(|k| u32::from(shows(k))).sum::<u32>()) / 256.0;
             let to_center = (a + b + c) / 3.0 - from;
-            let highest = [a, b, c].map(|v| (v - from).dot(side)).into_iter().fold(0.0, f64::max);
+            let highest = [a, b, c].map(|v| (v - from).dot(receiver_normal)).into_iter().fold(0.0, f64::max);
             let whole = 0.5 * normal.dot(to_center).abs() * highest / to_center.length_squared().powi(2);
             let is_near = to_center.length_squared() < mirrors[child_of(lane)].near_sq();
             assert!(share == 0.0 || importance > 0.0 || highest == 0.0, "{i}, {lane}: {share}");
@@ -72,7 +72,7 @@ fn importance_follows_the_share_that_shows_lights() {
 struct Shown {
     vertices: [DVec3; 3],
     from: DVec3,
-    side: DVec3,
+    receiver_normal: DVec3,
     lights: DVec3,
     half_extents: DVec3,
     body: u32,
@@ -80,8 +80,8 @@ struct Shown {
 
 impl Shown {
     fn importance(&self) -> f64 {
-        let Self { vertices, from, side, lights, half_extents, body } = *self;
-        let query = query(from, side, (lights, half_extents), 1);
+        let Self { vertices, from, receiver_normal, lights, half_extents, body } = *self;
+        let query = query(from, receiver_normal, (lights, half_extents), 1);
         TriangleLeaf::new(&[TriangleMirror { vertices, body }]).importance(&query)[0]
     }
 
@@ -128,13 +128,13 @@ fn every_mirror_that_shows_lights_has_an_importance() {
         let (is_closed, is_crossed) = (i % 2 == 0, i % 4 == 1);
         let front = if is_closed || i % 3 == 0 { 1.0 } else { -1.0 };
         let from = at + distance * (front * sin * normal + (1.0 - sin * sin).sqrt() * along);
-        let side = vector(25).normalize();
-        let side = side * 1.0_f64.copysign(side.dot(at - from));
-        if side.dot(at - from) < 0.05 * distance {
+        let receiver_normal = vector(25).normalize();
+        let receiver_normal = receiver_normal * 1.0_f64.copysign(receiver_normal.dot(at - from));
+        if receiver_normal.dot(at - from) < 0.05 * distance {
             continue;
         }
         let body = if is_closed { 2 } else { 1 };
-        let shown = Shown { vertices, from, side, lights: at, half_extents: DVec3::ZERO, body };
+        let shown = Shown { vertices, from, receiver_normal, lights: at, half_extents: DVec3::ZERO, body };
         let to_lights = power(28, -2.0, 2.0);
         let mut half_extents = to_lights * power(29, -3.0, 0.0) * (0.1 + vector(30).abs());
         if is_crossed {
@@ -168,11 +168,11 @@ fn a_ball_of_receivers_is_shown_what_its_points_are() {
         let body = [1, 2][i as usize % 2];
         let leaf = TriangleLeaf::new(&[TriangleMirror { vertices, body }]);
         // Lights that the middle sees in the mirror, or near those.
-        let side = (at - from).normalize();
-        let whole = Shown { vertices, from, side, lights: at, half_extents: DVec3::ZERO, body };
+        let receiver_normal = (at - from).normalize();
+        let whole = Shown { vertices, from, receiver_normal, lights: at, half_extents: DVec3::ZERO, body };
         let far = power(25, -1.0, 1.0);
         let lights = whole.by_way_of(at, far, half_extents, 4.0 * vector(22)).lights;
-        let at_point = |receiver: DVec3| query(receiver, side, (lights, half_extents), 1);
+        let at_point = |receiver: DVec3| query(receiver, receiver_normal, (lights, half_extents), 1);
         let of_ball = leaf.largest_importance(&at_point(from), radius as f32);
         let mut largest = 0.0_f64;
         for k in 0..16 {
@@ -212,7 +212,14 @@ fn mirrors_that_stand_on_the_floor_show_the_ceiling() {
         let back = DVec3::new(-sin, 0.0, cos) * uniform(5, 0.2, 1.0);
         let height = [0.0, 1e-7, 1e-3][i as usize % 3];
         let from = foot + uniform(6, -1.0, 1.5) * across + back + height * DVec3::Y;
-        let whole = Shown { vertices, from, side: DVec3::Y, lights: at, half_extents: DVec3::ZERO, body: 1 };
+        let whole = Shown {
+            vertices,
+            from,
+            receiver_normal: DVec3::Y,
+            lights: at,
+            half_extents: DVec3::ZERO,
+            body: 1,
+        };
         let half_extents = uniform(7, 0.2, 0.5) * DVec3::new(1.0, 0.0, 1.0);
         let shown = whole.by_way_of(at, uniform(8, 0.5, 2.0), half_extents, DVec3::ZERO);
         let all = whole.by_way_of(at, 1.0, DVec3::splat(100.0), DVec3::ZERO);
