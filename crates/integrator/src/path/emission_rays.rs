@@ -8,9 +8,6 @@ use glam::DVec3;
 use globillum_geom::{Accel, Hit, Ray, SurfacePoint};
 use globillum_material::{Bsdf, Material, Rgb};
 
-/// The most mirrors by way of which a ray finds a light.
-pub(super) const MAX_REFLECTIONS: u32 = 8;
-
 /// Rays that find emission only.
 #[derive(Debug, Default)]
 pub(super) struct EmissionRays {
@@ -28,15 +25,9 @@ pub(super) struct FoundEmission<'a> {
     /// The radiance times the throughput.
     pub(super) radiance: Rgb,
     /// How many mirrors the ray has followed.
-    pub(super) reflections: u32,
+    pub(super) mirrors: u32,
     /// Where it was found.
     pub(super) at: &'a Interaction<'a>,
-}
-
-/// The most mirrors by way of which a ray from the sensor finds a light: [`MAX_REFLECTIONS`], or fewer if the settings
-/// limit bounces.
-pub(super) fn max_reflections(context: &RenderContext<'_>) -> u32 {
-    context.settings.max_bounces.unwrap_or(u32::MAX).min(MAX_REFLECTIONS)
 }
 
 /// The ray that leaves a mirror after one in `direction`, of any length, has met it.
@@ -66,19 +57,19 @@ impl EmissionRays {
         }
     }
 
-    /// Traces all rays, by way of up to `max_reflections` mirrors. Calls `add` with each emission that a ray finds, and
+    /// Traces all rays, by way of up to `max_mirrors` mirrors. Calls `add` with each emission that a ray finds, and
     /// `reflect` with the tag of each ray that a mirror reflects and its new direction. Returns how many rays were traced;
     /// none are left.
     pub(super) fn trace(
         &mut self,
         context: &RenderContext<'_>,
-        max_reflections: u32,
+        max_mirrors: u32,
         mut add: impl FnMut(FoundEmission<'_>),
         mut reflect: impl FnMut(u32, DVec3),
     ) -> u64 {
         let scene = context.scene;
         let mut traced = 0;
-        for reflections in 0..=max_reflections {
+        for mirrors in 0..=max_mirrors {
             if self.rays.is_empty() {
                 break;
             }
@@ -86,8 +77,8 @@ impl EmissionRays {
             checked_accel::intersect(scene.accel(), &self.rays, &mut self.hits);
             let mut kept = 0;
             for i in 0..self.rays.len() {
-                let next = self.follow(scene, i, reflections, &mut add);
-                let Some((ray, throughput)) = next.filter(|_| reflections < max_reflections) else {
+                let next = self.follow(scene, i, mirrors, &mut add);
+                let Some((ray, throughput)) = next.filter(|_| mirrors < max_mirrors) else {
                     continue;
                 };
                 let tag = self.states[i].0;
@@ -101,13 +92,13 @@ impl EmissionRays {
         traced
     }
 
-    /// Calls `add` with the emission that ray `i` has hit after this number of reflections. Returns the ray that a mirror
+    /// Calls `add` with the emission that ray `i` has hit after this number of mirrors. Returns the ray that a mirror
     /// reflects there, and the throughput along it.
     fn follow(
         &self,
         scene: &Scene<dyn Accel + '_>,
         i: usize,
-        reflections: u32,
+        mirrors: u32,
         add: &mut impl FnMut(FoundEmission<'_>),
     ) -> Option<(Ray, Rgb)> {
         let (ray, (tag, throughput), hit) = (&self.rays[i], self.states[i], self.hits[i].as_ref()?);
@@ -116,7 +107,7 @@ impl EmissionRays {
             return None;
         }
         let at = scene.interaction(ray, hit);
-        let mut found = |radiance| add(FoundEmission { tag, radiance, reflections, at: &at });
+        let mut found = |radiance| add(FoundEmission { tag, radiance, mirrors, at: &at });
         if !at.point.position.is_finite() {
             // As for the path of a sample: no ray can leave it.
             found(Rgb::splat(f64::NAN));

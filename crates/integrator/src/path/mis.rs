@@ -1,7 +1,8 @@
 //! The weights of emission in multiple importance sampling (Veach and Guibas 1995): a path that hits a light by scattering
 //! shares it with the light samples that could have found the same point.
 
-use super::emission_rays::{FoundEmission, MAX_REFLECTIONS};
+use super::emission_rays::FoundEmission;
+use super::mirrors_left::MAX_MIRRORS;
 use super::render_context::RenderContext;
 use crate::Interaction;
 use crate::light::{LargeMirrors, Mirrors, Receiver, SmallMirrors};
@@ -58,7 +59,7 @@ impl MisContext {
     /// Whether the rays of supersampling find the emission that the ray has hit at this bounce.
     #[inline(always)]
     pub(super) fn is_supersampled(&self, bounce: u32) -> bool {
-        self.supersampled && bounce <= MAX_REFLECTIONS
+        self.supersampled && bounce <= MAX_MIRRORS
     }
 
     /// The weight of the emission that the ray has hit.
@@ -84,7 +85,7 @@ impl MisContext {
         found: &FoundEmission<'_>,
     ) -> f64 {
         // By way of a second mirror, no light is sampled.
-        if found.reflections > 0 { 1.0 } else { self.after_mirror(context, mirror).weight(context, found.at) }
+        if found.mirrors > 0 { 1.0 } else { self.after_mirror(context, mirror).weight(context, found.at) }
     }
 
     /// The density of all light samples by way of the triangle `mirror` that hit a light at `at`; `None` if this mirror is

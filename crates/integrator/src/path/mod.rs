@@ -12,9 +12,10 @@
 
 mod caustics;
 mod counters;
+mod diffuse_vertex;
 mod emission_rays;
-mod first_vertex;
 mod light_points;
+mod mirrors_left;
 mod mis;
 mod next_event;
 mod path_state;

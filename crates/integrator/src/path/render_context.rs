@@ -1,4 +1,5 @@
 use super::light_points::LightPoints;
+use super::mirrors_left::mirrors_left;
 use super::path_vertex::PathVertex;
 use crate::guide::{Guide, PhotonGuide};
 use crate::light::{LargeMirrors, LightSampler, Lights, Mirrors, Receiver, SmallMirrors};
@@ -143,7 +144,7 @@ impl RenderContext<'_> {
 
     /// Whether vertices of this bounce sample lights by way of mirrors, which takes two bounces: there, and at the mirror.
     pub(super) fn may_sample_mirrors(&self, bounce: u32) -> bool {
-        self.settings.max_bounces.is_none_or(|max| bounce + 1 < max)
+        mirrors_left(self.settings, bounce + 1) > 0
     }
 
     /// The probability with which a diffuse vertex samples lights in large mirrors, by whether it is the first one of the

@@ -1,5 +1,5 @@
 use super::counters::Counters;
-use super::first_vertex::irradiance_vertex;
+use super::diffuse_vertex::irradiance_vertex;
 use super::path_state::Path;
 use super::preliminary::{prepare, train_guide};
 use super::radiance_sums::{Contribution, Target};

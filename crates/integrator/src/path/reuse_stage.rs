@@ -1,6 +1,6 @@
 //! How a path is divided into the prefix and the suffix of path reuse.
 
-use super::emission_rays::MAX_REFLECTIONS;
+use super::mirrors_left::MAX_MIRRORS;
 
 /// How far a path has been divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl ReuseStage {
             (Self::PrefixEnded | Self::Reflected(1), Met::Diffuse) => {
                 (Self::Settled, Some(ReuseEvent::SuffixBegins))
             }
-            (Self::Reflected(mirrors), Met::Mirror) if u32::from(mirrors) < MAX_REFLECTIONS => {
+            (Self::Reflected(mirrors), Met::Mirror) if u32::from(mirrors) < MAX_MIRRORS => {
                 (Self::Reflected(mirrors + 1), None)
             }
             (Self::Reflected(_), _) => (Self::Settled, None),
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn mirrors_are_shared_up_to_the_limit() {
         let mut stage = ReuseStage::PrefixEnded;
-        for mirror in 1..=MAX_REFLECTIONS {
+        for mirror in 1..=MAX_MIRRORS {
             stage.meet(Met::Mirror);
             assert_eq!(stage, ReuseStage::Reflected(mirror as u8));
         }

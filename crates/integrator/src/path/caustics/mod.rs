@@ -5,5 +5,5 @@
 mod photon_rays;
 mod shared_caustics;
 
-pub(super) use photon_rays::{MIN_MIRRORS, PhotonRays, max_mirrors};
+pub(super) use photon_rays::{MIN_MIRRORS, PhotonRays};
 pub(super) use shared_caustics::{MIN_WEIGHT, SharedCaustics};

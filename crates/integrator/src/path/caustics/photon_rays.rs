@@ -7,7 +7,8 @@
 use crate::checked_accel;
 use crate::guide::PhotonGuide;
 use crate::path::counters::Counters;
-use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
+use crate::path::emission_rays::{EmissionRays, FoundEmission, reflected_ray};
+use crate::path::mirrors_left::mirrors_left;
 use crate::path::render_context::RenderContext;
 use crate::path::reuse::{Prefix, Prefixes, ReuseVertex};
 use crate::path::tile_samples::TileSamples;
@@ -36,12 +37,6 @@ pub(in crate::path) struct PhotonRays {
     emission_rays: EmissionRays,
 }
 
-/// The most mirrors by way of which they find light, whatever the bounce at which the prefix ends.
-pub(in crate::path) fn max_mirrors(context: &RenderContext<'_>) -> u32 {
-    // One bounce more, at the first diffuse vertex.
-    context.settings.max_bounces.map_or(MAX_REFLECTIONS, |max| MAX_REFLECTIONS.min(max.saturating_sub(1)))
-}
-
 /// The weight of a caustic by way of two mirrors or more that the BSDF finds in `direction` from the end of a prefix.
 pub(super) fn bsdf_weight(context: &RenderContext<'_>, end: &ReuseVertex, direction: DVec3) -> f64 {
     let Some(photons) = &context.photons else { return 1.0 };
@@ -60,11 +55,6 @@ fn densities(
     let cos = end.normal.dot(direction).max(f64::MIN_POSITIVE);
     let by_photons = PI * photons.pdf(end.receiver(), direction).0 / cos;
     [BSDF_FACTOR * end.guide_ratio(context.guide, direction), RAY_PROB * by_photons]
-}
-
-/// Whether a prefix that ends at `bounce` may find light by way of this number of mirrors, within the limit on bounces.
-fn may_reach(context: &RenderContext<'_>, bounce: u32, mirrors: u32) -> bool {
-    context.settings.max_bounces.is_none_or(|max| bounce + 1 + mirrors <= max)
 }
 
 impl PhotonRays {
@@ -87,7 +77,7 @@ impl PhotonRays {
             let numbers =
                 Stream::new(settings.seed, settings.pixel_index(x, y), index).part(Sampler::MAX_PARTS);
             let choice = numbers.uniform(0);
-            if choice >= RAY_PROB || !may_reach(context, *bounce, MIN_MIRRORS) {
+            if choice >= RAY_PROB || mirrors_left(context.settings, bounce + 1) < MIN_MIRRORS {
                 continue;
             }
             let (choice, u) = (choice / RAY_PROB, numbers.uniform_pair(1));
@@ -123,14 +113,15 @@ impl PhotonRays {
         }
         let add = |found: FoundEmission<'_>| {
             let (ray, sample) = (&rays[found.tag as usize], of_samples[found.tag as usize]);
-            let (mirrors, Some(prefix)) = (found.reflections + 1, prefixes.of(sample)) else { return };
-            let is_looked_for = mirrors >= MIN_MIRRORS && may_reach(context, prefix.bounce, mirrors);
+            let (mirrors, Some(prefix)) = (found.mirrors + 1, prefixes.of(sample)) else { return };
+            let is_looked_for =
+                (MIN_MIRRORS..=mirrors_left(context.settings, prefix.bounce + 1)).contains(&mirrors);
             if is_looked_for || !found.radiance.is_finite() {
                 let [bsdf, by_photons] = densities(context, photons, &prefix.end, ray.direction);
                 radiance[sample as usize] += prefix.throughput * found.radiance / (bsdf + by_photons);
             }
         };
-        let traced = emission_rays.trace(context, max_mirrors(context) - 1, add, |_, _| {});
+        let traced = emission_rays.trace(context, mirrors_left(context.settings, 1) - 1, add, |_, _| {});
         counters.shadow_rays += rays.len() as u64 + traced;
     }
 }

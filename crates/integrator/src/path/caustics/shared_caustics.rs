@@ -11,7 +11,8 @@ use super::photon_rays::bsdf_weight;
 use crate::Interaction;
 use crate::checked_accel;
 use crate::path::counters::Counters;
-use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
+use crate::path::emission_rays::{EmissionRays, FoundEmission, reflected_ray};
+use crate::path::mirrors_left::mirrors_left;
 use crate::path::mis::MisContext;
 use crate::path::path_state::Path;
 use crate::path::render_context::RenderContext;
@@ -156,7 +157,7 @@ impl SharedCaustics {
             emission_rays.push(reflected_ray(mirror, ray.direction), i, reflectance.rgb());
         }
         // Two bounces: at the prefix's end, and at this mirror.
-        let left = context.settings.max_bounces.map_or(u32::MAX, |max| max - bounce - 2);
+        let left = mirrors_left(context.settings, bounce + 1) - 1;
         let show = |found: FoundEmission<'_>| {
             let (connection, radiance) = &mut connections[found.tag as usize];
             let Some(Prefix { end, .. }) = prefixes.of(connection.sample) else { return };
@@ -166,12 +167,11 @@ impl SharedCaustics {
             let mis = MisContext::scattered(Density::SolidAngle(pdf), end.receiver(), true);
             let weight = mis.weight_by_mirror(context, mirror.triangle, &found);
             if weight >= MIN_WEIGHT {
-                let bsdf_weight =
-                    if found.reflections > 0 { bsdf_weight(context, end, direction) } else { 1.0 };
+                let bsdf_weight = if found.mirrors > 0 { bsdf_weight(context, end, direction) } else { 1.0 };
                 *radiance += found.radiance * (weight * bsdf_weight);
             }
         };
-        let traced = emission_rays.trace(context, left.min(MAX_REFLECTIONS - 1), show, |_, _| {});
+        let traced = emission_rays.trace(context, left, show, |_, _| {});
         counters.shadow_rays += rays.len() as u64 + traced;
     }
 }

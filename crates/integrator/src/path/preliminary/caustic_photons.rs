@@ -4,8 +4,9 @@ use crate::Stream;
 use crate::checked_accel;
 use crate::guide::{Photon, PhotonGuide, guide_vertex};
 use crate::light::AliasTable;
-use crate::path::caustics::{MIN_MIRRORS, max_mirrors};
+use crate::path::caustics::MIN_MIRRORS;
 use crate::path::emission_rays::reflected_ray;
+use crate::path::mirrors_left::mirrors_left;
 use crate::path::render_context::RenderContext;
 use crate::sampler::ReservedStream;
 use glam::Vec3;
@@ -29,7 +30,7 @@ const PATHS_AT_ONCE: u32 = 1 << 12;
 struct PhotonPath {
     numbers: Stream,
     ray: Ray,
-    reflections: u32,
+    mirrors: u32,
     /// Where the ray left the last mirror; zero before the first one.
     exit: Vec3,
 }
@@ -47,7 +48,7 @@ pub(in crate::path) fn photon_guide(
     context: &RenderContext<'_>,
     cancelled: impl Fn() -> bool + Sync,
 ) -> ControlFlow<(), Option<PhotonGuide>> {
-    let allows_several = max_mirrors(context) >= MIN_MIRRORS;
+    let allows_several = mirrors_left(context.settings, 1) >= MIN_MIRRORS;
     let is_used = context.shares_caustics && context.mirrors.is_some() && allows_several;
     if !is_used {
         return ControlFlow::Continue(None);
@@ -111,7 +112,7 @@ impl Emitters<'_> {
         let [front, back] = [1.0, -1.0].map(|cos| emission.toward(cos).luminance());
         let side = if numbers.uniform(3) * (front + back) < front { point.normal } else { -point.normal };
         let direction = Frame::around(side).to_world(CosineHemisphere::sample(numbers.uniform_pair(4)));
-        Some(PhotonPath { numbers, ray: point.spawn_ray(direction), reflections: 0, exit: Vec3::ZERO })
+        Some(PhotonPath { numbers, ray: point.spawn_ray(direction), mirrors: 0, exit: Vec3::ZERO })
     }
 }
 
@@ -119,20 +120,20 @@ impl PhotonPath {
     /// The path as a mirror reflects it. `None` if it ends; on a diffuse surface, it leaves a photon.
     fn advance(&self, context: &RenderContext<'_>, hit: &Hit, photons: &mut Vec<Photon>) -> Option<Self> {
         let at = context.scene.interaction(&self.ray, hit);
-        let Self { reflections, exit, .. } = *self;
+        let Self { mirrors, exit, .. } = *self;
         match at.material.bsdf {
             _ if !at.point.position.is_finite() => None,
             Bsdf::Mirror(reflectance) => {
                 // Russian roulette: what goes on has the same power.
-                let survives = self.numbers.uniform(6 + reflections) < reflectance.rgb().max_component();
-                (survives && reflections < max_mirrors(context)).then(|| Self {
+                let survives = self.numbers.uniform(6 + mirrors) < reflectance.rgb().max_component();
+                (survives && mirrors < mirrors_left(context.settings, 1)).then(|| Self {
                     ray: reflected_ray(&at.point, self.ray.direction),
-                    reflections: reflections + 1,
+                    mirrors: mirrors + 1,
                     exit: at.point.position.as_vec3(),
                     ..*self
                 })
             }
-            Bsdf::Lambert(albedo) if reflections >= MIN_MIRRORS && !albedo.rgb().is_black() => {
+            Bsdf::Lambert(albedo) if mirrors >= MIN_MIRRORS && !albedo.rgb().is_black() => {
                 let vertex = guide_vertex(at.receiver());
                 photons.push(Photon { vertex, exit });
                 None

@@ -3,7 +3,7 @@
 
 use super::path_starts::probe_starts;
 use crate::light::{ChosenLight, LightTree, Lights, VisibilityCount};
-use crate::path::first_vertex::{diffuse_vertex, scattered_ray};
+use crate::path::diffuse_vertex::{diffuse_vertex, scattered_ray};
 use crate::path::render_context::RenderContext;
 use crate::sampler::ReservedStream;
 use crate::{Interaction, PathStart, Stream};

@@ -3,8 +3,9 @@
 use super::path_starts::probe_starts;
 use crate::checked_accel;
 use crate::path::caustics::MIN_WEIGHT;
-use crate::path::emission_rays::{EmissionRays, FoundEmission, MAX_REFLECTIONS, reflected_ray};
-use crate::path::first_vertex::{diffuse_vertex, first_diffuse_vertex, scattered_ray};
+use crate::path::diffuse_vertex::{diffuse_vertex, first_diffuse_vertex, scattered_ray};
+use crate::path::emission_rays::{EmissionRays, FoundEmission, reflected_ray};
+use crate::path::mirrors_left::MAX_MIRRORS;
 use crate::path::mis::MisContext;
 use crate::path::render_context::RenderContext;
 use crate::sampler::ReservedStream;
@@ -26,7 +27,7 @@ pub(super) fn are_shared(context: &RenderContext<'_>) -> bool {
 }
 
 /// How many caustics that would be shared [`PROBES_PER_SIDE`] x [`PROBES_PER_SIDE`] paths find from their first two diffuse
-/// vertices, each by way of up to [`MAX_REFLECTIONS`] mirrors whatever the limit on bounces. They follow from the scene,
+/// vertices, each by way of up to [`MAX_MIRRORS`] mirrors whatever the limit on bounces. They follow from the scene,
 /// the sensor and the settings, never from samples.
 fn caustics_found(context: &RenderContext<'_>) -> usize {
     let first = scattered_rays(context, 0, starts(context));
@@ -54,7 +55,7 @@ fn found_from(context: &RenderContext<'_>, scattered: &[(Ray, MisContext)]) -> u
         let weight = scattered[i].1.weight_by_mirror(context, mirror, &found);
         count += usize::from(weight >= MIN_WEIGHT);
     };
-    reflected.trace(context, MAX_REFLECTIONS - 1, add, |_, _| {});
+    reflected.trace(context, MAX_MIRRORS - 1, add, |_, _| {});
     count
 }
 

@@ -4,7 +4,8 @@
 //! per sample.
 
 use crate::PathStart;
-use crate::path::emission_rays::{EmissionRays, FoundEmission, max_reflections};
+use crate::path::emission_rays::{EmissionRays, FoundEmission};
+use crate::path::mirrors_left::mirrors_left;
 use crate::path::render_context::RenderContext;
 use crate::pixel_rect::PixelRect;
 use crate::scene::unit;
@@ -157,7 +158,7 @@ impl Probes {
                 *last = direction;
             }
         };
-        rays.trace(context, max_reflections(context), add, reflect);
+        rays.trace(context, mirrors_left(context.settings, 0), add, reflect);
     }
 
     /// What the probes of pixel `i` have found, if all have found the same.

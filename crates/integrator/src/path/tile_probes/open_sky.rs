@@ -1,7 +1,8 @@
 //! Probes that find whether what a square of pixels sees lies in the open.
 
-use crate::path::emission_rays::{MAX_REFLECTIONS, reflected_ray};
-use crate::path::first_vertex::{first_diffuse_vertex, scattered_ray};
+use crate::path::diffuse_vertex::{first_diffuse_vertex, scattered_ray};
+use crate::path::emission_rays::reflected_ray;
+use crate::path::mirrors_left::MAX_MIRRORS;
 use crate::path::render_context::RenderContext;
 use crate::pixel_rect::PixelRect;
 use crate::sampler::ReservedStream;
@@ -32,12 +33,12 @@ pub(super) fn is_open(context: &RenderContext<'_>, square: PixelRect) -> bool {
     2 * out > all
 }
 
-/// The diffuse surface that a ray finds, directly or by way of up to [`MAX_REFLECTIONS`] mirrors, or the mirror after these.
+/// The diffuse surface that a ray finds, directly or by way of up to [`MAX_MIRRORS`] mirrors, or the mirror after these.
 fn surface_along<'a>(context: &RenderContext<'a>, mut ray: Ray) -> Option<Interaction<'a>> {
-    for reflections in 0.. {
+    for mirrors in 0.. {
         let hit = context.scene.accel().intersect(&ray)?;
         let at = context.scene.interaction(&ray, &hit);
-        if at.material.bsdf.is_diffuse() || reflections == MAX_REFLECTIONS || !at.point.position.is_finite() {
+        if at.material.bsdf.is_diffuse() || mirrors == MAX_MIRRORS || !at.point.position.is_finite() {
             return Some(at);
         }
         ray = reflected_ray(&at.point, -at.wo);

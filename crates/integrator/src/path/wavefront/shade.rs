@@ -7,7 +7,7 @@ use crate::checked_accel;
 use crate::guide::{GuideVertex, guide_vertex};
 use crate::path::caustics::MIN_WEIGHT;
 use crate::path::counters::Counters;
-use crate::path::first_vertex::irradiance_vertex;
+use crate::path::diffuse_vertex::irradiance_vertex;
 use crate::path::mis::MisContext;
 use crate::path::path_state::Path;
 use crate::path::path_vertex::PathVertex;

@@ -1,4 +1,5 @@
-use crate::path::emission_rays::{EmissionRays, FoundEmission, max_reflections};
+use crate::path::emission_rays::{EmissionRays, FoundEmission};
+use crate::path::mirrors_left::mirrors_left;
 use crate::path::render_context::RenderContext;
 use crate::path::tile_probes::LightEdges;
 use crate::path::tile_samples::TileSamples;
@@ -53,7 +54,7 @@ impl SupersamplingRays {
             camera_rays += self.rays.len() as u64;
             let mut found = std::mem::take(&mut self.found);
             let add = |emission: FoundEmission<'_>| found[emission.tag as usize].1 += emission.radiance;
-            self.rays.trace(context, max_reflections(context), add, |_, _| {});
+            self.rays.trace(context, mirrors_left(context.settings, 0), add, |_, _| {});
             found[before..].iter_mut().for_each(|(_, sum)| *sum /= N as f64);
             self.found = found;
         }

@@ -1,6 +1,7 @@
-//! The first diffuse vertex of a path.
+//! Diffuse vertices of paths, directly and by way of mirrors.
 
-use super::emission_rays::{MAX_REFLECTIONS, reflected_ray};
+use super::emission_rays::reflected_ray;
+use super::mirrors_left::MAX_MIRRORS;
 use super::render_context::RenderContext;
 use crate::{Interaction, PathStart};
 use globillum_geom::{Frame, Ray, SurfacePoint};
@@ -23,7 +24,7 @@ pub(super) fn first_diffuse_vertex<'a>(
     diffuse_vertex(context, start, |bounce| context.may_reuse_prefix(bounce))
 }
 
-/// The first diffuse vertex of the path that begins at `start`, if no more than [`MAX_REFLECTIONS`] mirrors precede it and
+/// The first diffuse vertex of the path that begins at `start`, if no more than [`MAX_MIRRORS`] mirrors precede it and
 /// `may_end` holds for its bounce and those of the mirrors. A path that measures irradiance has it where it begins. `None`
 /// too if the start is not valid.
 pub(super) fn diffuse_vertex<'a>(
@@ -39,7 +40,7 @@ pub(super) fn diffuse_vertex<'a>(
         }
         PathStart::Nowhere => return None,
     };
-    for bounce in 0..=MAX_REFLECTIONS {
+    for bounce in 0..=MAX_MIRRORS {
         let hit = context.scene.accel().intersect(&ray).filter(|_| may_end(bounce))?;
         let at = context.scene.interaction(&ray, &hit);
         match at.material.bsdf {
