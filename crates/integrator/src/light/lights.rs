@@ -78,9 +78,9 @@ impl Lights {
                 .map(move |part| AreaLight::new(index, triangle, part, emission, weight, total))
         };
         let areas: Vec<_> = emitting.into_iter().zip(&weights).flat_map(parts).collect();
-        let distribution = match (areas.len(), deltas.len()) {
-            (0..=Self::MAX_BY_POWER, 0) => LightDistribution::Power(AliasTable::new(&weights)),
-            (0, 1) => LightDistribution::Power(AliasTable::new(&[1.0])),
+        let distribution = match deltas.len() {
+            _ if is_by_power => LightDistribution::Power(AliasTable::new(&weights)),
+            1 if areas.is_empty() => LightDistribution::Power(AliasTable::new(&[1.0])),
             _ => {
                 let near =
                     areas.iter().map(|light| TreeLight::Near(light.moments(triangles.get(light.triangle))));

@@ -97,7 +97,7 @@ impl Choices<ChosenLight> {
 }
 
 impl Choices<ChosenMirror> {
-    /// Chooses small mirrors. `numbers` are those of each path; none if there are no mirrors to choose.
+    /// Chooses small mirrors. `numbers` are those of each path; empty unless most take one sample.
     #[inline(always)]
     pub(in crate::path) fn choose_small_mirrors(
         &mut self,

@@ -44,7 +44,7 @@ pub(crate) struct Wavefront {
     /// The random numbers of each path's next bounce.
     bounce_numbers: Vec<BounceNumbers>,
     light_choices: Choices<ChosenLight>,
-    /// The random numbers by which paths choose small mirrors; none unless most do so.
+    /// The random numbers by which paths choose small mirrors; empty unless most take one sample of them.
     small_mirror_numbers: Vec<f64>,
     small_mirror_choices: Choices<ChosenMirror>,
     /// The random numbers of each path for a light in a large mirror; empty unless most paths take such a sample.
