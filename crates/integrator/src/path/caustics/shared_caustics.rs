@@ -16,7 +16,7 @@ use crate::path::mirrors_left::mirrors_left;
 use crate::path::mis::MisContext;
 use crate::path::path_state::Path;
 use crate::path::render_context::RenderContext;
-use crate::path::reuse::{Connection, Prefix, Prefixes, ReuseVertex};
+use crate::path::reuse::{Connection, Prefix, Prefixes, ReuseVertex, Suffix};
 use crate::path::reuse_stage::ReuseStage;
 use crate::path::tile_samples::TileSamples;
 use globillum_geom::{PdfSolidAngle, Ray, SurfacePoint};
@@ -102,40 +102,20 @@ impl SharedCaustics {
                 continue;
             };
             let shared = shared_radiance(context, own, &mirror, of_sample);
-            self.connect(context, prefixes, sample, own, &mirror, samples.of_square(sample));
-            self.connections[0].1 = shared;
+            let Self { connections, rays, .. } = self;
+            connections.clear();
+            rays.clear();
+            let suffix = Suffix::Surface { start: mirror, mirror: None };
+            let add = |connection, _| connections.push((connection, Rgb::BLACK));
+            let others = samples.of_square(sample);
+            Connection::connect(context, prefixes, sample, Some(&suffix), others, rays, add);
+            connections[0].1 = shared;
             self.trace_connections(context, prefixes, own.bounce, &mirror.point, counters);
             let lit = self.connections.iter().filter(|(_, radiance)| !radiance.is_black());
             let lit = lit.map(|(connection, radiance)| (connection, *radiance));
             Connection::divide(lit, prefixes, radiance);
         }
         self.found = found;
-    }
-
-    /// Connects the prefix that has found a caustic and those of `samples` to its mirror.
-    fn connect(
-        &mut self,
-        context: &RenderContext<'_>,
-        prefixes: &Prefixes,
-        sample: u32,
-        own: &Prefix,
-        mirror: &ReuseVertex,
-        samples: impl Iterator<Item = u32>,
-    ) {
-        self.connections.clear();
-        self.rays.clear();
-        let found = own.end.connection_to(mirror);
-        let density = found.map_or(1.0, |(density, _)| density);
-        self.connections.push((Connection::new(sample, density, own.guide_ratio), Rgb::BLACK));
-        if found.is_none() {
-            return;
-        }
-        for (sample, prefix) in prefixes.others_like(sample, samples) {
-            let Some((density, ray)) = prefix.end.connection_to(mirror) else { continue };
-            let guide_ratio = prefix.end.guide_ratio(context.guide, ray.direction);
-            self.rays.push(ray);
-            self.connections.push((Connection::new(sample, density, guide_ratio), Rgb::BLACK));
-        }
     }
 
     /// Finds the light that arrives along each connection but the first by way of `mirror`, the first one after the end of

@@ -9,5 +9,5 @@ mod suffix_sharing;
 pub(super) use connection::Connection;
 pub(super) use pixel_groups::Groups;
 pub(super) use prefixes::{Prefix, Prefixes};
-pub(super) use reuse_vertex::ReuseVertex;
+pub(super) use reuse_vertex::{ReuseVertex, Suffix};
 pub(super) use suffix_sharing::SuffixSharing;

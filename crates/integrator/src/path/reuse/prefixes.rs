@@ -76,7 +76,7 @@ impl Prefixes {
     /// The prefixes of `samples`, except that of sample `own`, that may share what the path of `own` has found: those that
     /// end at the same bounce as its prefix.
     #[inline(always)]
-    pub(in crate::path) fn others_like(
+    pub(super) fn others_like(
         &self,
         own: u32,
         samples: impl Iterator<Item = u32>,

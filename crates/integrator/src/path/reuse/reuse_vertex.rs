@@ -53,13 +53,6 @@ impl ReuseVertex {
         (point.position - self.point.position).normalize()
     }
 
-    /// [`density_at`](Self::density_at) the vertex `other`, found directly, and the segment between both.
-    #[inline(always)]
-    pub(in crate::path) fn connection_to(&self, other: &Self) -> Option<(f64, Ray)> {
-        let (density, _) = self.density_at(&Suffix::Surface { start: *other, mirror: None })?;
-        Some((density, self.point.segment_to(&other.point)?))
-    }
-
     /// The density, times pi, with which cosine sampling from here finds a suffix, and the direction in which it does, of
     /// any length: per area at its start, or per solid angle if it is the environment. `None` if the start is not in front
     /// of this vertex or this vertex not in front of the start, as seen in the mirror if there is one; if one of them is

@@ -114,19 +114,8 @@ impl SuffixSharing {
         let before = connections.len();
         // A radiance that is not finite stays with its own sample, so that an error names that one.
         let suffix = own.suffix.as_ref().filter(|_| radiance.is_finite());
-        let found = suffix.and_then(|suffix| own.end.density_at(suffix));
-        let density = found.map_or(1.0, |(density, _)| density);
-        connections.push((Connection::new(sample, density, own.guide_ratio), 0));
-        if let Some(suffix) = suffix.filter(|_| found.is_some()) {
-            for (other_sample, other) in prefixes.others_like(sample, samples) {
-                let Some((density, direction)) = other.end.density_at(suffix) else { continue };
-                let added = other.end.push_rays(context.scene.triangles(), suffix, direction, rays);
-                if added > 0 {
-                    let guide_ratio = other.end.guide_ratio(context.guide, direction);
-                    connections.push((Connection::new(other_sample, density, guide_ratio), added));
-                }
-            }
-        }
+        let add = |connection, rays| connections.push((connection, rays));
+        Connection::connect(context, prefixes, sample, suffix, samples, rays, add);
         shared.push(SharedRadiance { radiance, connections: connections.len() - before });
     }
 

@@ -147,9 +147,8 @@ fn numbers_found_again(context: &RenderContext<'_>) -> [u32; 2] {
     for sample in 0..4 * TILE.pixel_count() as u32 {
         let met = prefixes.of(sample).and_then(|own| Some((own, own.mirror?)));
         let Some((own, mirror)) = met else { continue };
-        let (density, ray) = own.end.connection_to(&mirror).unwrap();
-        caustics.connections = vec![(Connection::new(sample, density, 1.0), Rgb::BLACK); 2];
-        caustics.rays = vec![ray];
+        caustics.connections = vec![(Connection::new(sample, 1.0, 1.0), Rgb::BLACK); 2];
+        caustics.rays = vec![own.end.point.segment_to(&mirror.point).unwrap()];
         caustics.trace_connections(context, &prefixes, own.bounce, &mirror.point, &mut counters);
         let of_sample: Vec<PathCaustic> =
             caustics.found.iter().copied().filter(|found| found.sample == sample).collect();
