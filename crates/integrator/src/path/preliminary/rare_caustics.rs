@@ -122,7 +122,8 @@ mod tests {
         }
     }
 
-    /// A ceiling that sees no light, above a floor that sees much by way of mirrors.
+    /// A ceiling that sees no light, above a floor that sees much by way of mirrors. The start of roulette has no part in
+    /// where suffixes begin.
     #[test]
     fn second_diffuse_vertices_count_too() {
         let p = |x, z| DVec3::new(x, 3.9, z);
@@ -136,7 +137,12 @@ mod tests {
         let context = RenderContext::new(&scene, &camera, &settings);
         let first = scattered_rays(&context, 0, starts(&context));
         assert_eq!(found_from(&context, &first), 0);
-        assert!(caustics_found(&context) > 10 * MAX_FOUND);
+        let found = |start| {
+            let settings = Settings { roulette: Roulette { start, threshold: 0.2 }, ..settings };
+            caustics_found(&RenderContext::new(&scene, &camera, &settings))
+        };
+        assert!(found(1) > 10 * MAX_FOUND);
+        assert_eq!([2, 3, 8].map(found), [found(1); 3]);
     }
 
     #[test]
