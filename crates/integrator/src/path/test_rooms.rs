@@ -139,12 +139,7 @@ pub(super) fn advanced(context: &RenderContext<'_>) -> Wavefront {
     let (mut wavefront, mut counters) = (Wavefront::default(), Counters::default());
     let probes = TileProbes { edges: LightEdges::default(), ..TileProbes::of(context, TILE) };
     wavefront.start(context, &probes, 0..4);
-    for bounce in 0.. {
-        wavefront.advance(context, bounce, &mut counters);
-        if wavefront.paths.is_empty() {
-            break;
-        }
-    }
+    wavefront.advance_to_end(context, &mut counters, || false);
     wavefront
 }
 

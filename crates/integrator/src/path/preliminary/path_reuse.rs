@@ -57,12 +57,7 @@ impl Wavefront {
         samples: Range<u32>,
     ) -> Vec<f64> {
         self.start(context, &TileProbes::none(patch), samples);
-        for bounce in 0.. {
-            self.advance(context, bounce, &mut Counters::default());
-            if self.paths.is_empty() {
-                break;
-            }
-        }
+        self.advance_to_end(context, &mut Counters::default(), || false);
         let of_pixel = |pixel: u32| {
             let samples = self.samples.of_pixel(pixel);
             let before = samples.clone().map(|sample| self.radiance.samples[sample as usize].luminance());

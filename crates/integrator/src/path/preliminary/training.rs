@@ -1,6 +1,6 @@
 //! The training of a guide: paths by which it learns, before the picture is rendered.
 
-use super::path_starts::{PATCH_SIDE, patches, path_settings};
+use super::path_starts::{distances, patches, path_settings};
 use crate::caught::caught;
 use crate::guide::{Guide, GuideRecord, bin_of, guide_vertex};
 use crate::path::counters::Counters;
@@ -10,7 +10,6 @@ use crate::path::wavefront::Wavefront;
 use crate::pixel_rect::PixelRect;
 use crate::{Guiding, RenderError, Scene, Sensor, Settings};
 use globillum_geom::{Accel, Frame};
-use globillum_material::Rgb;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 
@@ -19,7 +18,7 @@ const MIN_SAMPLES: u32 = 4;
 /// The least number of paths, about, if there are pixels enough.
 const MIN_PATHS: u64 = 1 << 16;
 /// The most, about. A larger picture has gaps between its patches.
-const MAX_PATHS: u64 = 1 << 18;
+const MAX_PATHS: u32 = 1 << 18;
 
 /// The guide for a picture of the whole sensor, whatever the crop; `None` if settings ask for none. Breaks if
 /// `cancelled` before the end.
@@ -38,7 +37,7 @@ pub(crate) fn train_guide(
     let settings = training_settings(settings);
     let context = RenderContext::new(scene, sensor, &settings);
     let traced: Result<Vec<Option<Vec<GuideRecord>>>, RenderError> =
-        patches(&settings, [distance(&settings); 2], MIN_SAMPLES)
+        patches(&settings, distances(&settings, MAX_PATHS / settings.samples), MIN_SAMPLES)
             .into_par_iter()
             .map_init(Wavefront::default, |wavefront, (patch, samples)| {
                 let records = caught(|| wavefront.records(&context, patch, samples, &cancelled));
@@ -58,12 +57,6 @@ fn training_settings(settings: &Settings) -> Settings {
     path_settings(settings, samples, !settings.seed)
 }
 
-/// The distance of patches, so that there are about [`MAX_PATHS`] paths or fewer.
-fn distance(settings: &Settings) -> u32 {
-    let paths = settings.pixel_count() * u64::from(settings.samples);
-    PATCH_SIDE * (1..).find(|&step: &u64| step * step * MAX_PATHS >= paths).unwrap_or(1) as u32
-}
-
 /// All records; the indices in them count from the first part.
 fn joined(parts: Vec<Vec<GuideRecord>>) -> Vec<GuideRecord> {
     let mut all: Vec<GuideRecord> = Vec::new();
@@ -81,7 +74,7 @@ fn joined(parts: Vec<Vec<GuideRecord>>) -> Vec<GuideRecord> {
 #[derive(Clone, Copy, Debug)]
 struct LastRecord {
     index: u32,
-    /// The sum of the components of the path's throughput after it.
+    /// The mean of the components of the path's throughput after it.
     throughput: f64,
 }
 
@@ -106,7 +99,7 @@ impl Wavefront {
             self.advance(context, bounce, &mut Counters::default());
             for (last, &found) in last.iter().zip(&self.radiance.samples) {
                 let Some(last) = last else { continue };
-                let found = component_sum(found) / last.throughput;
+                let found = found.mean() / last.throughput;
                 // The path of a picture tells of a radiance that is not finite.
                 if found.is_finite() {
                     records[last.index as usize].radiance += found;
@@ -133,7 +126,7 @@ impl Wavefront {
             if path.mis.is_specular() {
                 continue;
             }
-            let this = LastRecord { index: records.len() as u32, throughput: component_sum(path.throughput) };
+            let this = LastRecord { index: records.len() as u32, throughput: path.throughput.mean() };
             if let Some(LastRecord { index, throughput }) = before[sample] {
                 records[index as usize].next = Some((this.index, this.throughput / throughput));
             }
@@ -147,8 +140,4 @@ impl Wavefront {
         }
         last
     }
-}
-
-fn component_sum(rgb: Rgb) -> f64 {
-    3.0 * rgb.mean()
 }

@@ -78,15 +78,7 @@ impl Wavefront {
     ) -> Option<Counters> {
         self.start(context, probes, samples);
         let mut counters = Counters { camera_rays: self.rays.len() as u64, ..Counters::default() };
-        for bounce in 0.. {
-            if cancelled() {
-                return None;
-            }
-            self.advance(context, bounce, &mut counters);
-            if self.paths.is_empty() {
-                break;
-            }
-        }
+        self.advance_to_end(context, &mut counters, cancelled)?;
         let Self { samples, prefixes, radiance, .. } = self;
         let control_variates = &probes.control_variates;
         self.suffix_sharing.share(context, samples, control_variates, prefixes, radiance, &mut counters);
@@ -117,6 +109,25 @@ impl Wavefront {
     pub(super) fn lights_seen_by(&self, sample: u32) -> Rgb {
         let found = self.supersampling_rays.found.iter().find(|&&(of, _)| of == sample);
         found.map_or(Rgb::BLACK, |&(_, emitted)| emitted)
+    }
+
+    /// Advances all paths until they have ended; `None` if `cancelled` before.
+    pub(super) fn advance_to_end(
+        &mut self,
+        context: &RenderContext<'_>,
+        counters: &mut Counters,
+        cancelled: impl Fn() -> bool,
+    ) -> Option<()> {
+        for bounce in 0.. {
+            if cancelled() {
+                return None;
+            }
+            self.advance(context, bounce, counters);
+            if self.paths.is_empty() {
+                break;
+            }
+        }
+        Some(())
     }
 
     /// Advances all paths by one bounce.
