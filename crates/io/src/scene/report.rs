@@ -83,8 +83,8 @@ pub enum WarningKind {
     /// Curves and surfaces of free form: Bézier, B-spline and others.
     #[error("free-form curves and surfaces are skipped: {count}")]
     FreeFormIgnored { count: usize },
-    /// Statements that OBJ or MTL does not define, or that name another OBJ file: they are ignored. The first has this
-    /// keyword.
+    /// Statements that OBJ or MTL does not define, that name another OBJ file, or that precede the first material of a
+    /// library: they are ignored. The first has this keyword.
     #[error("unknown statements are ignored, first `{keyword}`: {count}")]
     UnknownStatements { keyword: String, count: usize },
     /// Bytes of a .glb file after the length that its header states.

@@ -5,7 +5,6 @@ use crate::Location;
 use crate::error::Result;
 use crate::scene::losses::{Losses, MEAN_OF_TEXTURE};
 use globillum_material::{Bsdf, Emission, Material, MaterialError, Reflectance, Rgb, Sides};
-use std::str::FromStr;
 
 /// One material of a library, as tobj reads it.
 pub(super) struct Description<'a> {
@@ -20,6 +19,8 @@ pub(super) struct Description<'a> {
 struct Notes {
     losses: Losses,
     lines: StatementLines,
+    /// Whether textures say how metallic and rough it is. Numbers beside them are upper bounds.
+    has_metal_texture: bool,
 }
 
 /// The lines of the last `Kd`, `Ks` and `Ke` of a material, 0 for none.
@@ -75,9 +76,11 @@ pub(super) fn read<'a>(
     let mut begun: Vec<(Statement<'a>, Notes)> = Vec::new();
     let next = |statement: &Statement<'a>, line: &mut String| {
         if statement.keyword != "newmtl" {
-            return begun
-                .last_mut()
-                .map_or(Ok(()), |(_, notes)| pass_property(statement, notes, unknown, line));
+            let Some((_, notes)) = begun.last_mut() else {
+                unknown.add(statement);
+                return Ok(());
+            };
+            return pass_property(statement, notes, unknown, line);
         }
         begin(statement)?;
         begun.push((*statement, Notes::default()));
@@ -97,19 +100,20 @@ fn pass_property<'a>(
     unknown: &mut UnknownStatements<'a>,
     line: &mut String,
 ) -> Result<()> {
-    let Notes { losses, lines } = notes;
+    let Notes { losses, lines, has_metal_texture } = notes;
     match statement.keyword {
         "Kd" | "Ks" | "Ke" if statement.words().next() == Some("spectral") => losses.spectral = true,
         "Kd" => lines.diffuse = colour(statement, line)?,
         "Ks" => lines.specular = colour(statement, line)?,
         "Ke" => lines.emissive = colour(statement, line)?,
-        "illum" => number::<u8>(statement, line)?,
-        "Pm" | "Pr" => number::<f32>(statement, line)?,
+        "illum" => illumination_model(statement, line)?,
+        "Pm" | "Pr" => factor(statement, line)?,
         "d" | "Tr" => losses.transparent |= is_transparent(statement),
         "bump" | "decal" | "disp" | "norm" | "refl" => losses.textured = true,
         "map_Ke" => losses.emission = true,
         map if map.starts_with("map_") => {
             losses.textured = true;
+            *has_metal_texture |= matches!(map, "map_Pm" | "map_Pr");
             if map == "map_Kd" {
                 line.push_str("map_Kd m\n");
             }
@@ -151,7 +155,8 @@ impl Description<'_> {
             transparent: self.notes.losses.transparent || is_glass,
             approximated: match self.metal() {
                 Some(metal) => {
-                    !matches!(metal, (0.0, 1.0) | (1.0, 0.0)) && visible(self.base().or(Some(DEFAULT)))
+                    let is_ideal = matches!(metal, (0.0, 1.0) | (1.0, 0.0)) && !self.notes.has_metal_texture;
+                    !is_ideal && visible(self.base().or(Some(DEFAULT)))
                 }
                 None => visible(self.base()) && visible(self.specular()),
             },
@@ -187,7 +192,8 @@ impl Description<'_> {
     fn mirror(&self) -> Option<Colour> {
         let base = self.base();
         if let Some((metallic, roughness)) = self.metal() {
-            return (metallic > roughness).then_some(base.unwrap_or(DEFAULT));
+            let is_mirror = metallic > roughness && !self.notes.has_metal_texture;
+            return is_mirror.then_some(base.unwrap_or(DEFAULT));
         }
         let specular = self.specular()?;
         let reflects = self.read.illumination_model == Some(MIRROR) && !specular.value.is_black();
@@ -235,10 +241,20 @@ fn colour(statement: &Statement<'_>, line: &mut String) -> Result<usize> {
     Ok(statement.line)
 }
 
-/// Passes a number of type `T`.
-fn number<T: FromStr>(statement: &Statement<'_>, line: &mut String) -> Result<()> {
+/// Passes the number of an illumination model.
+fn illumination_model(statement: &Statement<'_>, line: &mut String) -> Result<()> {
     let word = statement.words().next().unwrap_or_default();
-    statement.number::<T>(word)?;
+    statement.number::<u8>(word)?;
+    write(line, statement.keyword, [word].into_iter());
+    Ok(())
+}
+
+/// Passes a number within [0, 1].
+fn factor(statement: &Statement<'_>, line: &mut String) -> Result<()> {
+    let word = statement.words().next().unwrap_or_default();
+    if !(0.0..=1.0).contains(&statement.number::<f32>(word)?) {
+        return Err(statement.malformed(&format!("`{word}` is not within [0, 1]")));
+    }
     write(line, statement.keyword, [word].into_iter());
     Ok(())
 }

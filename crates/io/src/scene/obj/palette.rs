@@ -108,9 +108,7 @@ impl<'a> Palette<'a> {
         loading: &mut Loading<'_>,
     ) -> Result<bool> {
         let path = match loading.files.resolve(name, &statement.at()) {
-            Err(IoError::Reference { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
-                return Ok(false);
-            }
+            Err(IoError::Reference { source, .. }) if is_missing(source.kind()) => return Ok(false),
             path => path?,
         };
         let bytes = loading.files.read_named(&path, name, &statement.at())?;
@@ -151,4 +149,9 @@ fn in_order<'a>(statements: impl Iterator<Item = Statement<'a>>) -> Vec<Statemen
     let mut all: Vec<_> = statements.collect();
     all.sort_unstable_by_key(|statement| statement.line);
     all
+}
+
+/// Whether there is no file of a name. Several names together may be too long for one.
+fn is_missing(kind: io::ErrorKind) -> bool {
+    matches!(kind, io::ErrorKind::NotFound | io::ErrorKind::InvalidFilename)
 }
