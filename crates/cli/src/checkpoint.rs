@@ -2,11 +2,13 @@
 
 use crate::checkpoint_coverage::is_all_of;
 use crate::console;
-use anyhow::{Context, Error, Result};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use globillum::integrator::view_factors::ViewFactors;
 use globillum::integrator::{CheckpointError, CheckpointReader, Ending, Picture};
 use globillum::io::{AtomicFile, IoError};
+use std::ffi::OsString;
 use std::fs::File;
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -17,8 +19,8 @@ const FIRST: Duration = Duration::from_secs(5);
 pub(crate) trait Saved: Sized {
     fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError>;
     fn to_bytes(&self) -> Vec<u8>;
-    /// Whether the file at `path` is whole and holds all of the passes in `bytes` and more, as where another process went on.
-    fn is_surpassed(bytes: &[u8], path: &Path) -> bool;
+    /// What the file at `path` holds, compared with `bytes`.
+    fn held(bytes: &[u8], path: &Path) -> Held;
     /// Whether it holds no pass.
     fn is_empty(&self) -> bool;
     /// Why its computation ended.
@@ -31,6 +33,17 @@ pub(crate) trait Saved: Sized {
     }
 }
 
+/// What a file holds, compared with a result that is to replace it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Held {
+    /// A part of the result or all of it; or the file is missing or damaged.
+    Part,
+    /// All of the result and more, as where another process went on.
+    More,
+    /// What the result does not hold, as where two processes save in one file.
+    Other,
+}
+
 impl Saved for Picture {
     fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
         Self::from_bytes(bytes)
@@ -38,13 +51,18 @@ impl Saved for Picture {
     fn to_bytes(&self) -> Vec<u8> {
         self.to_bytes()
     }
-    fn is_surpassed(bytes: &[u8], path: &Path) -> bool {
-        let Ok(file) = File::open(path) else { return false };
+    fn held(bytes: &[u8], path: &Path) -> Held {
+        let Ok(file) = File::open(path) else { return Held::Part };
         let (Ok(own), Ok(other)) = (CheckpointReader::new(bytes), CheckpointReader::new(file)) else {
-            return false;
+            return Held::Part;
         };
         let (own, other) = (own.header(), other.header());
-        own.key == other.key && is_all_of(other, own) && !is_all_of(own, other) && read::<Self>(path).is_ok()
+        match own.key == other.key {
+            true if is_all_of(own, other) => Held::Part,
+            _ if read::<Self>(path).is_err() => Held::Part,
+            true if is_all_of(other, own) => Held::More,
+            _ => Held::Other,
+        }
     }
     fn is_empty(&self) -> bool {
         self.samples == 0
@@ -67,10 +85,12 @@ impl Saved for ViewFactors {
     fn to_bytes(&self) -> Vec<u8> {
         self.to_bytes()
     }
-    fn is_surpassed(bytes: &[u8], path: &Path) -> bool {
-        let passes = |factors: Self| (factors.key(), factors.passes());
-        let (own, other) = (Self::from_bytes(bytes).map(passes), read(path).map(passes));
-        matches!((own, other), (Ok((key, own)), Ok((other_key, other))) if other_key == key && other > own)
+    fn held(bytes: &[u8], path: &Path) -> Held {
+        match (Self::from_bytes(bytes), read::<Self>(path)) {
+            (Ok(own), Ok(other)) if own.key() != other.key() => Held::Other,
+            (Ok(own), Ok(other)) if other.passes() > own.passes() => Held::More,
+            _ => Held::Part,
+        }
     }
     fn is_empty(&self) -> bool {
         self.passes() == 0
@@ -90,13 +110,32 @@ pub(crate) fn read<R: Saved>(path: &Path) -> Result<R> {
     R::from_bytes(&bytes).with_context(name)
 }
 
-/// Replaces the file at `path` by the result in one step, unless it holds more of it. Returns whether it was replaced.
-fn write<R: Saved>(path: &Path, result: &R) -> Result<bool, IoError> {
+/// Replaces the file at `path` by the result in one step if it holds a [part](Held::Part) of it. Returns what it held.
+fn write<R: Saved>(path: &Path, result: &R) -> Result<Held, IoError> {
     let bytes = result.to_bytes();
-    if R::is_surpassed(&bytes, path) {
-        return Ok(false);
+    let held = R::held(&bytes, path);
+    if held == Held::Part {
+        AtomicFile::create(path)?.commit(|writer| writer.write_all(&bytes))?;
     }
-    AtomicFile::create(path)?.commit(|writer| writer.write_all(&bytes)).map(|()| true)
+    Ok(held)
+}
+
+/// The path with `extension` appended, and a number if there is such a file.
+pub(crate) fn free_path(path: &Path, extension: &str) -> Result<PathBuf> {
+    let numbered = (2..=u32::MAX).map(|number| format!(".{extension}{number}"));
+    for appended in iter::once(format!(".{extension}")).chain(numbered) {
+        let mut free = OsString::from(path);
+        free.push(appended);
+        if !exists(Path::new(&free))? {
+            return Ok(free.into());
+        }
+    }
+    bail!("{}: has no free name beside it", path.display())
+}
+
+/// Whether there is a file or folder. It is an error if that cannot be told, as where a server does not answer.
+pub(crate) fn exists(path: &Path) -> Result<bool> {
+    path.try_exists().with_context(|| path.display().to_string())
 }
 
 /// When a checkpoint is saved while its result is computed.
@@ -118,7 +157,7 @@ pub(crate) struct Checkpoint {
     saved: Option<Instant>,
     /// How long the last save took.
     took: Duration,
-    failed: Option<IoError>,
+    failed: Option<Error>,
 }
 
 impl Checkpoint {
@@ -140,7 +179,8 @@ impl Checkpoint {
         self.failed.is_some()
     }
 
-    /// Saves if it is time to. After an error [`Checkpoint::finish`] tries again.
+    /// Saves if it is time to. After an error [`Checkpoint::finish`] tries again, and so it does if the file holds what
+    /// another process saved.
     pub(crate) fn save_if_due(&mut self, result: &impl Saved) {
         let took = self.saved.map_or_else(|| estimate(result), |_| self.took);
         let wait = wait(self.every, self.saved.is_none(), took);
@@ -148,19 +188,37 @@ impl Checkpoint {
         if begun.duration_since(self.saved.unwrap_or(self.start)) < wait {
             return;
         }
-        self.failed = write(&self.path, result).err();
+        self.failed = match write(&self.path, result) {
+            Ok(Held::Other) => Some(self.conflict()),
+            Ok(_) => None,
+            Err(error) => Some(error.into()),
+        };
         (self.saved, self.took) = (Some(Instant::now()), begun.elapsed());
     }
 
-    /// Saves the last time. Fails too if an earlier save failed and `ended` the computation before it was complete.
+    /// Saves the last time. Fails too if an earlier save failed and `ended` the computation before it was complete, and if
+    /// the file holds what another process saved: then this result is saved beside it.
     pub(crate) fn finish(self, result: &impl Saved, ended: bool) -> Result<()> {
-        let Self { path, failed, .. } = self;
-        if !write(&path, result)? {
-            let path = path.display();
-            console::warn(format_args!("{path}: holds more passes, which another process saved; it is kept"));
+        match write(&self.path, result)? {
+            Held::Part => {}
+            Held::More => {
+                let path = self.path.display();
+                console::warn(format_args!(
+                    "{path}: holds more passes, which another process saved; it is kept"
+                ));
+            }
+            Held::Other => {
+                let free = free_path(&self.path, "other")?;
+                write(&free, result)?;
+                return Err(self.conflict().context(format!("{}: is saved", free.display())));
+            }
         }
-        let saved = || format!("{}: is saved, but a failed save ended the run early", path.display());
-        failed.filter(|_| ended).map_or(Ok(()), |error| Err(Error::new(error).context(saved())))
+        let saved = || format!("{}: is saved, but a failed save ended the run early", self.path.display());
+        self.failed.filter(|_| ended).map_or(Ok(()), |error| Err(error.context(saved())))
+    }
+
+    fn conflict(&self) -> Error {
+        anyhow!("{}: holds passes that another process saved; they are kept", self.path.display())
     }
 }
 
@@ -222,23 +280,39 @@ mod tests {
         };
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a");
-        // Other passes replace the file: what is asked for has changed.
-        for (held, written, there) in [
-            (0..1, true, 0..1),
-            (0..2, true, 0..2),
-            (1..2, false, 0..2),
-            (0..2, true, 0..2),
-            (2..3, true, 2..3),
+        for (held, expected, there) in [
+            (0..1, Held::Part, 0..1),
+            (0..2, Held::Part, 0..2),
+            (1..2, Held::More, 0..2),
+            (0..2, Held::Part, 0..2),
+            (2..3, Held::Other, 0..2),
+            (1..3, Held::Other, 0..2),
         ] {
-            assert_eq!(write(&path, &passes(held.clone())).expect("it can be written"), written, "{held:?}");
+            assert_eq!(write(&path, &passes(held.clone())).expect("it can be written"), expected, "{held:?}");
             let picture: Picture = read(&path).expect("it is whole");
             assert_eq!(picture.film.passes(), vec![there], "{held:?}");
+        }
+        // What the file does not hold is saved beside it.
+        for (extension, held) in [("other", 2..3), ("other2", 1..3)] {
+            let mut checkpoint = Checkpoint::new(&path, SaveEvery::Seconds(0.0)).expect("the folder is good");
+            checkpoint.save_if_due(&passes(held.clone()));
+            assert!(checkpoint.has_failed(), "it saves over {held:?}");
+            let error = checkpoint.finish(&passes(held.clone()), true).expect_err("it is not saved there");
+            let beside = folder.path().join(format!("a.{extension}"));
+            let said = [&beside, &path].map(|path| path.display().to_string());
+            let [saved, kept] = said;
+            assert_eq!(
+                format!("{error:#}"),
+                format!("{saved}: is saved: {kept}: holds passes that another process saved; they are kept")
+            );
+            assert_eq!(read::<Picture>(&beside).expect("it is whole").film.passes(), vec![held]);
+            assert_eq!(read::<Picture>(&path).expect("it is whole").film.passes(), vec![0..2]);
         }
         // A file that is damaged after its header holds nothing.
         let mut bytes = passes(0..3).to_bytes();
         *bytes.last_mut().expect("it is not empty") ^= 1;
         std::fs::write(&path, bytes).expect("it can be written");
-        assert!(write(&path, &passes(0..2)).expect("it can be written"));
+        assert_eq!(write(&path, &passes(0..2)).expect("it can be written"), Held::Part);
         assert_eq!(read::<Picture>(&path).expect("it is whole").film.passes(), vec![0..2]);
     }
 
@@ -252,8 +326,8 @@ mod tests {
         fn to_bytes(&self) -> Vec<u8> {
             Vec::new()
         }
-        fn is_surpassed(_: &[u8], _: &Path) -> bool {
-            false
+        fn held(_: &[u8], _: &Path) -> Held {
+            Held::Part
         }
         fn is_empty(&self) -> bool {
             false

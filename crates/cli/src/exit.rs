@@ -4,7 +4,6 @@ use crate::failures::Failures;
 use globillum::integrator::view_factors::FactorError;
 use globillum::integrator::{CheckpointError, RenderError};
 use std::io::{self, ErrorKind};
-use std::process::ExitCode;
 use thiserror::Error;
 
 /// What the exit codes mean, for `--help`.
@@ -20,11 +19,22 @@ Exit codes:
   141 the reader of standard output closed it before all data was written
   129, 130, 143  ended by SIGHUP (the terminal closed), SIGINT (Ctrl-C) or SIGTERM, except `task`";
 
+/// What signals do to the commands that work in passes, for `--help`.
+pub(crate) const SIGNALS: &str = "\
+Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the work after the passes that are complete: what was \
+asked for is written of these, and the exit code is 130, 143 or 129. If no pass is complete, no file is written. A second \
+SIGINT or SIGTERM ends the program at once. `nohup` keeps it going when the terminal closes.";
+
 /// A temporary error: the program may succeed if it is run again (`EX_TEMPFAIL` of sysexits.h).
 pub(crate) const TEMPORARY_FAILURE: u8 = 75;
 
 /// Data went to a pipe whose reader has gone away: 128 and the number of SIGPIPE, as shells say it.
 pub(crate) const CLOSED_PIPE: u8 = 141;
+
+const PERMANENT_FAILURE: u8 = 1;
+const INCOMPLETE: u8 = 3;
+const DIFFERENT: u8 = 4;
+const UNDECIDED: u8 = 5;
 
 /// Something is missing, and nothing is written.
 #[derive(Debug, Error)]
@@ -42,20 +52,20 @@ pub(crate) struct Differs(pub(crate) String);
 pub(crate) struct Undecided(pub(crate) String);
 
 /// The exit code of an error other than a signal.
-pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
+pub(crate) fn code_of(error: &anyhow::Error) -> u8 {
     if error.is::<Incomplete>() {
-        return ExitCode::from(3);
+        return INCOMPLETE;
     }
     if error.is::<Differs>() {
-        return ExitCode::from(4);
+        return DIFFERENT;
     }
     if error.is::<Undecided>() {
-        return ExitCode::from(5);
+        return UNDECIDED;
     }
     if causes(error).any(|kind| kind == ErrorKind::BrokenPipe) {
-        return ExitCode::from(CLOSED_PIPE);
+        return CLOSED_PIPE;
     }
-    if is_temporary(error) { ExitCode::from(TEMPORARY_FAILURE) } else { ExitCode::FAILURE }
+    if is_temporary(error) { TEMPORARY_FAILURE } else { PERMANENT_FAILURE }
 }
 
 /// The errors of the operating system that led to an error.
@@ -112,31 +122,31 @@ mod tests {
     #[test]
     fn temporary_errors_are_found_below_others() {
         let write = |kind: ErrorKind| IoError::Write { path: "a".into(), source: kind.into() };
-        let code =
-            |kind| format!("{:?}", code_of(&Err::<(), _>(write(kind)).context("b").expect_err("it is one")));
-        assert_eq!(code(ErrorKind::StorageFull), format!("{:?}", ExitCode::from(75)));
-        assert_eq!(code(ErrorKind::PermissionDenied), format!("{:?}", ExitCode::from(1)));
-        assert_eq!(code(ErrorKind::BrokenPipe), format!("{:?}", ExitCode::from(141)));
+        let code = |kind| code_of(&Err::<(), _>(write(kind)).context("b").expect_err("it is one"));
+        assert_eq!(code(ErrorKind::StorageFull), TEMPORARY_FAILURE);
+        assert_eq!(code(ErrorKind::PermissionDenied), PERMANENT_FAILURE);
+        assert_eq!(code(ErrorKind::BrokenPipe), CLOSED_PIPE);
         let read = |kind| anyhow::Error::from(CheckpointError::Read(kind)).context("a");
-        let code = |kind| format!("{:?}", code_of(&read(kind)));
-        assert_eq!(code(ErrorKind::StaleNetworkFileHandle), format!("{:?}", ExitCode::from(75)));
-        assert_eq!(code(ErrorKind::UnexpectedEof), format!("{:?}", ExitCode::from(1)));
+        let code = |kind| code_of(&read(kind));
+        assert_eq!(code(ErrorKind::StaleNetworkFileHandle), TEMPORARY_FAILURE);
+        assert_eq!(code(ErrorKind::UnexpectedEof), PERMANENT_FAILURE);
         let incomplete = anyhow::Error::from(Incomplete("a".into()));
-        assert_eq!(format!("{:?}", code_of(&incomplete)), format!("{:?}", ExitCode::from(3)));
+        assert_eq!(code_of(&incomplete), INCOMPLETE);
     }
 
     #[test]
     fn several_errors_are_temporary_if_all_are() {
         use ErrorKind::{PermissionDenied, QuotaExceeded, StorageFull};
-        for (kinds, code) in
-            [([StorageFull, QuotaExceeded], TEMPORARY_FAILURE), ([StorageFull, PermissionDenied], 1)]
-        {
+        for (kinds, code) in [
+            ([StorageFull, QuotaExceeded], TEMPORARY_FAILURE),
+            ([StorageFull, PermissionDenied], PERMANENT_FAILURE),
+        ] {
             let mut failures = Failures::default();
             for kind in kinds {
                 failures.keep::<(), _>(Err(io::Error::from(kind)));
             }
             let error = failures.into_result().expect_err("there are two");
-            assert_eq!(format!("{:?}", code_of(&error)), format!("{:?}", ExitCode::from(code)));
+            assert_eq!(code_of(&error), code);
         }
     }
 }

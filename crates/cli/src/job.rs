@@ -69,6 +69,8 @@ pub(crate) fn build(model: Model, accel: AccelKind) -> Result<(BuiltScene, f64)>
 pub(crate) struct Job {
     flags: RenderFlags,
     outputs: Outputs,
+    /// What the checkpoint holds, to be continued.
+    held: Option<Picture>,
     checkpoint: Option<Checkpoint>,
     pub(crate) interrupt: Interrupt,
 }
@@ -82,37 +84,37 @@ impl Job {
         let interrupt = Interrupt::catch()?;
         threads::start(flags.speed.threads)?;
         let outputs = Outputs::open(&flags.output, flags.report.stats.as_deref())?;
+        let held = flags.checkpoints.save.read()?;
         let checkpoint = flags.checkpoints.save.open()?;
-        Ok(Self { flags, outputs, checkpoint, interrupt })
+        Ok(Self { flags, outputs, held, checkpoint, interrupt })
     }
 
     /// Renders, writes what was asked for and can be written, and prints the figures.
     pub(crate) fn run(self, subject: Subject) -> Result<()> {
-        let Self { flags, outputs, checkpoint, interrupt } = self;
+        let Self { flags, outputs, held, checkpoint, interrupt } = self;
         flags.add_to(Uses::default().read(SCENE_FILE, &subject.files)).check()?;
         exr_range::check(&flags.output.out, subject.model.environment())?;
-        let BuiltSubject { name, scene, build_seconds, camera, camera_by } =
-            subject.build(&flags, &interrupt)?;
+        let subject = subject.build(&flags, &interrupt)?;
+        let BuiltSubject { scene, camera, build_seconds, .. } = &subject;
         let settings = flags.settings();
-        let render = flags.render(&scene, camera.sensor(), &settings)?;
+        let render = flags.render(scene, camera.sensor(), &settings, held);
         let shown = flags.picture.shown();
         let preview = flags
             .picture
             .preview
-            .then(|| Preview::new(&flags.output, |picture| picture_data(picture, &settings, &camera, shown)));
+            .then(|| Preview::new(&flags.output, |picture| picture_data(picture, &settings, camera, shown)));
         let monitor = RenderMonitor::new(checkpoint, &interrupt).with_preview(preview);
         let mut failures = Failures::default();
         let (picture, render_seconds, traced) = monitor
             .run(|monitor| render.monitor(monitor).run(), &mut failures)
             .map_err(|error| flags.checkpoints.save.explain(error))?;
         let ended_by = summary::reason(picture.ending, &flags.stop(), &interrupt);
-        let timing = Timing { build_seconds, render_seconds, traced, ended_by };
-        let by = (camera, camera_by);
-        let summary = PictureSummary::new(&name, &flags, &settings, &scene, by, &picture, timing);
+        let timing = Timing { build_seconds: *build_seconds, render_seconds, traced, ended_by };
+        let summary = PictureSummary::new(&subject, &flags, &settings, &picture, timing);
         let data_on_stdout = outputs.use_stdout();
-        let mut data = picture_data(&picture, &settings, &camera, shown);
+        let mut data = picture_data(&picture, &settings, camera, shown);
         if flags.picture.buffers {
-            let hits = failures.keep(FirstHits::of(&scene, camera.sensor(), &settings));
+            let hits = failures.keep(FirstHits::of(scene, camera.sensor(), &settings));
             data.first_hits = hits.map(|hits| shown.cut_hits(hits));
         }
         let shines = !scene.lights().is_empty() || !scene.environment().is_black();

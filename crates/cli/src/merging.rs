@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What came of a merge.
+/// The result of a merge.
 pub(crate) struct Merged {
     pub(crate) header: CheckpointHeader,
     pub(crate) error: ErrorEstimate,

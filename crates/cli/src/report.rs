@@ -25,7 +25,7 @@ pub fn report_and_exit<O>(
         return interrupted.exit_code();
     }
     console::note(format_args!("error: {}", in_one_line(&error)));
-    exit::code_of(&error)
+    ExitCode::from(exit::code_of(&error))
 }
 
 /// Prints help or version as clap does, in colour on a terminal.

@@ -1,4 +1,4 @@
-use crate::exit::CODES;
+use crate::exit::{CODES, SIGNALS};
 use crate::file_conflicts::Uses;
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
@@ -20,11 +20,7 @@ Scenes:
   1  the box with a knot, 100,000 triangles
   2  the box with a diffuse and a mirror knot under two lights, 200,000 triangles
   3  the box with a pine cone, 1,000,000 triangles
-  4  a hall of statues with a mirror wall and 7,680 light triangles, 1,000,000 triangles
-
-Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the render after the passes that are complete: \
-picture, figures and checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is \
-written. A second SIGINT or SIGTERM ends the program at once. `nohup` keeps the render going.";
+  4  a hall of statues with a mirror wall and 7,680 light triangles, 1,000,000 triangles";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -43,7 +39,7 @@ Examples:
 
 /// Renders a built-in scene: the Cornell box, or a hall of statues
 #[derive(clap::Args, Debug)]
-#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
+#[command(long_about = format!("{LONG_ABOUT}\n\n{SIGNALS}"), after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
 pub(crate) struct Options {
     /// Number of the scene, from 0 to 4
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::integer(0_u32..=4))]

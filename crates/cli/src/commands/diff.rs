@@ -176,13 +176,13 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// Warns of pictures with the same key, which includes the seed.
+    /// Warns of pictures of this program with the same seed.
     fn warn_if_dependent(&self, other: &Self) {
         let files =
             || self.paths.iter().chain(other.paths).zip(self.attributes.iter().chain(&other.attributes));
         for (at, (path, attributes)) in files().enumerate() {
-            let Some(key) = attributes.get("key") else { continue };
-            if let Some((twin, _)) = files().take(at).find(|(_, before)| before.get("key") == Some(key)) {
+            let Some(seed) = attributes.get("seed") else { continue };
+            if let Some((twin, _)) = files().take(at).find(|(_, before)| before.get("seed") == Some(seed)) {
                 let (path, twin) = (path.display(), twin.display());
                 console::warn(format_args!(
                     "{twin} and {path}: have the same seed, so their errors are not independent"

@@ -1,4 +1,4 @@
-use crate::exit::CODES;
+use crate::exit::{CODES, SIGNALS};
 use crate::failures::Failures;
 use crate::file_conflicts::{SCENE_FILE, Uses};
 use crate::flags::{LoadedScene, MeasureFlags, SceneFlags};
@@ -18,11 +18,7 @@ Measures irradiance at points of a scene, and writes it with its standard error,
 A point is a position and the unit normal of the plane on which irradiance is measured: columns x,y,z,nx,ny,nz. \
 Irradiance is radiance times cosine, integrated over the side of the normal, for each of red, green and blue: in W/m^2 \
 if the scene's lights are in watts. Points may lie on surfaces; they are not shadowed by the one they lie on. \
-docs/measuring.md has the definitions, and worked examples.
-
-Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the measurement after the passes that are complete: \
-readings, figures and checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is \
-written. A second SIGINT or SIGTERM ends the program at once.";
+docs/measuring.md has the definitions, and worked examples.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -35,7 +31,7 @@ Examples:
 
 /// Measures irradiance at points of a scene
 #[derive(clap::Args, Debug)]
-#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
+#[command(long_about = format!("{LONG_ABOUT}\n\n{SIGNALS}"), after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
 pub(crate) struct Options {
     #[command(flatten)]
     scene: SceneFlags,
@@ -82,6 +78,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let points = points::read(&options.points)?;
     let out = TextOutput::open(&options.out)?;
     let stats_output = stats.map(TextOutput::open).transpose()?;
+    let held = flags.checkpoints.save.read()?;
     let checkpoint = flags.checkpoints.save.open()?;
 
     let mut loaded = options.scene.load(flags.report.warnings(), &interrupt)?;
@@ -92,7 +89,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     interrupt.check()?;
 
     let settings = flags.settings(&points);
-    let render = flags.render(&scene, &points, &settings)?;
+    let render = flags.render(&scene, &points, &settings, held);
     let monitor = RenderMonitor::new(checkpoint, &interrupt);
     let mut failures = Failures::default();
     let (picture, render_seconds, traced) = monitor

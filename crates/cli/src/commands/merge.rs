@@ -7,7 +7,7 @@ use crate::flags::PictureOutput;
 use crate::interrupt::{Interrupt, NOTHING};
 use crate::merging::{self, Merged};
 use crate::output::{Outputs, STDOUT};
-use crate::{console, overwrite_check, parse, summary, threads};
+use crate::{checkpoint, console, overwrite_check, parse, summary, threads};
 use anyhow::{Context, Result, bail, ensure};
 use globillum::integrator::{CheckpointError, CheckpointHeader};
 use globillum::io::PictureData;
@@ -173,7 +173,11 @@ impl Expected {
     fn lacks(&self, task: &Task) -> anyhow::Error {
         let path = part_file(&self.job, task.index);
         let name = path.display();
-        if !path.exists() {
+        let exists = match checkpoint::exists(&path) {
+            Ok(exists) => exists,
+            Err(error) => return error,
+        };
+        if !exists {
             return Incomplete(format!("{name}: {task} is missing")).into();
         }
         match Part::read(&path, self.plan.key()) {

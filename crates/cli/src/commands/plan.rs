@@ -1,6 +1,6 @@
 use super::picture_command::PictureCommand;
 use crate::exit::CODES;
-use crate::farm::{Division, Plan, arrays, parts_folder};
+use crate::farm::{Division, Plan, Task, arrays, parts_folder};
 use crate::file_conflicts::Uses;
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
@@ -64,7 +64,7 @@ pub(crate) struct Options {
 
 pub(crate) fn run(options: &Options) -> Result<()> {
     let job = &options.job;
-    ensure!(!job.exists(), "{}: exists already", job.display());
+    ensure!(!checkpoint::exists(job)?, "{}: exists already", job.display());
     let interrupt = Interrupt::catch()?;
     let picture: Vec<String> = options.picture.iter().map(as_text).collect::<Result<_>>()?;
     let command = PictureCommand::parse(&picture)?;
@@ -126,15 +126,14 @@ fn passes_after(pilot: &Path, error: f64, key: u64, flags: &RenderFlags) -> Resu
 
 fn table(job: &Path, plan: &Plan, settings: &Settings, max_array_size: u32) -> String {
     let tasks: Vec<u32> = plan.tasks().map(|task| task.index).collect();
+    let most = |of: fn(&Task) -> usize| plan.tasks().map(|task| of(&task)).max().unwrap_or_default();
+    let (passes, rows) = (most(|task| task.passes.len()), most(|task| task.rows.len()));
+    let samples = (passes * settings.pass_samples as usize).min(plan.samples as usize);
+    let pixels = rows as u64 * u64::from(settings.width);
+    let megabytes = checkpoint::most_bytes(pixels, passes.next_power_of_two() as u32) as f64 / 1e6;
     let mut table = format!("tasks         {}\n", tasks.len());
-    if let Some(task) = plan.task(0) {
-        let (passes, rows) = (task.passes.len(), task.rows.len());
-        let samples = passes * settings.pass_samples as usize;
-        let pixels = rows as u64 * u64::from(settings.width);
-        let megabytes = checkpoint::most_bytes(pixels, passes.next_power_of_two() as u32) as f64 / 1e6;
-        table += &format!("of a task     {passes} passes, {samples} samples a pixel, of {rows} rows\n");
-        table += &format!("its part      {megabytes:.1} MB at most, in {}\n", parts_folder(job).display());
-    }
+    table += &format!("of a task     {passes} passes, {samples} samples a pixel, of {rows} rows, at most\n");
+    table += &format!("its part      {megabytes:.1} MB at most, in {}\n", parts_folder(job).display());
     for (offset, indices) in arrays(&tasks, max_array_size) {
         table += &format!("array         {indices}, offset {offset}\n");
     }

@@ -1,4 +1,4 @@
-use crate::exit::CODES;
+use crate::exit::{CODES, SIGNALS};
 use crate::file_conflicts::Uses;
 use crate::flags::{LoadedScene, RenderFlags, SceneFlags};
 use crate::interrupt::Interrupt;
@@ -13,11 +13,7 @@ What the file says and the renderer has not, such as textures, is left out with 
 The first warning of each kind is shown, with the number of such warnings; --verbose shows all.
 
 A file without cameras is framed automatically. A file in which nothing shines is rendered in a white \
-environment of radiance 1, in which surfaces of albedo 1 cannot be seen; --sun shows them.
-
-Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the render after the passes that are complete: \
-picture, figures and checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is \
-written. A second SIGINT or SIGTERM ends the program at once. `nohup` keeps the render going.";
+environment of radiance 1, in which surfaces of albedo 1 cannot be seen; --sun shows them.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -40,7 +36,7 @@ Examples:
 
 /// Renders a scene file
 #[derive(clap::Args, Debug)]
-#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
+#[command(long_about = format!("{LONG_ABOUT}\n\n{SIGNALS}"), after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
 pub(crate) struct Options {
     #[command(flatten)]
     scene: SceneFlags,

@@ -10,7 +10,6 @@ use crate::monitor::RenderMonitor;
 use crate::{checkpoint_coverage, console, parse, threads};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use globillum::integrator::{CheckpointError, Picture, Render, Settings};
-use std::iter;
 use std::path::{Path, PathBuf};
 
 const LONG_ABOUT: &str = "\
@@ -126,7 +125,7 @@ fn passes_of(picture: &Picture) -> u64 {
 
 /// The part that was saved before; one that is damaged or another's gets another name, so that the task begins again.
 fn read_or_set_aside(path: &Path, key: u64, task: &Task) -> Result<Option<Picture>> {
-    if !path.exists() {
+    if !checkpoint::exists(path)? {
         return Ok(None);
     }
     let part = Part::read(path, key)?;
@@ -150,10 +149,7 @@ fn read_or_set_aside(path: &Path, key: u64, task: &Task) -> Result<Option<Pictur
 
 /// Gives a part another name, which no file has, and says why.
 fn set_aside(path: &Path, extension: &str, reason: &str) -> Result<()> {
-    let numbered = (2..).map(|number| format!("part.{extension}{number}"));
-    let mut names = iter::once(format!("part.{extension}")).chain(numbered);
-    let free = names.find_map(|extension| Some(path.with_extension(extension)).filter(|path| !path.exists()));
-    let aside = free.context("no name is free")?;
+    let aside = checkpoint::free_path(path, extension)?;
     std::fs::rename(path, &aside).with_context(|| path.display().to_string())?;
     console::warn(format_args!("{}: {reason}; set aside as {}", path.display(), aside.display()));
     Ok(())

@@ -1,4 +1,4 @@
-use crate::exit::CODES;
+use crate::exit::{CODES, SIGNALS};
 use crate::failures::Failures;
 use crate::file_conflicts::{SCENE_FILE, Uses};
 use crate::flags::{SaveFlags, SpeedFlags};
@@ -27,11 +27,7 @@ the standard error of each.
 
 Triangles radiate from their front, from where their vertices run counter-clockwise, and block rays on both sides. \
 Hits of a back are listed as `back`, rays that hit nothing as `surroundings`; an object of such a name is written as \
-`object back` or `object surroundings`, with a warning.
-
-Ctrl-C (SIGINT), SIGTERM and a terminal that closes (SIGHUP) end the run after the passes that are complete: file and \
-checkpoint are written, and the exit code is 130, 143 or 129. If no pass is complete, no file is written. A second \
-SIGINT or SIGTERM ends the program at once.";
+`object back` or `object surroundings`, with a warning.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -45,7 +41,7 @@ Examples:
 
 /// Computes view factors between patches, and to the surroundings
 #[derive(clap::Args, Debug)]
-#[command(long_about = LONG_ABOUT, after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
+#[command(long_about = format!("{LONG_ABOUT}\n\n{SIGNALS}"), after_long_help = format!("{CODES}\n\n{EXAMPLES}"))]
 pub(crate) struct Options {
     /// Scene file: Wavefront OBJ, or glTF 2.0
     #[arg(value_name = "SCENE.{obj,gltf,glb}", help_heading = "Scene")]

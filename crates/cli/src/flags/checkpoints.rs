@@ -3,7 +3,7 @@ use crate::checkpoint::{self, Checkpoint, SaveEvery, Saved};
 use crate::output::STDOUT;
 use crate::parse;
 use anyhow::{Error, Result, bail, ensure};
-use globillum::integrator::{Render, RenderError};
+use globillum::integrator::{Picture, Render, RenderError};
 use serde::{Serialize, Serializer};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -62,7 +62,10 @@ impl SaveFlags {
 
     /// What the checkpoint holds, if it is there and to be continued.
     pub(crate) fn read<R: Saved>(&self) -> Result<Option<R>> {
-        let Some(path) = self.checkpoint.as_ref().filter(|path| path.exists()) else { return Ok(None) };
+        let Some(path) = self.path() else { return Ok(None) };
+        if !checkpoint::exists(path)? {
+            return Ok(None);
+        }
         ensure!(self.resume, "{}: exists already; --resume continues from it", path.display());
         checkpoint::read(path).map(Some)
     }
@@ -101,13 +104,13 @@ impl CheckpointFlags {
         self.passes.as_ref().map_or(passes, |asked| asked.end - asked.start)
     }
 
-    /// The same render, of the passes asked for, resumed from the checkpoint if it is there.
-    pub(crate) fn apply_to<'a>(&self, render: Render<'a>) -> Result<Render<'a>> {
+    /// The same render, of the passes asked for, resumed from what the checkpoint holds.
+    pub(crate) fn apply_to<'a>(&self, render: Render<'a>, held: Option<Picture>) -> Render<'a> {
         let render = match &self.passes {
             Some(passes) => render.passes(passes.clone()),
             None => render,
         };
-        Ok(self.save.read()?.into_iter().fold(render, Render::resume))
+        held.into_iter().fold(render, Render::resume)
     }
 }
 

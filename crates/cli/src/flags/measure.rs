@@ -5,7 +5,7 @@ use super::speed::SpeedFlags;
 use super::stop::StopFlags;
 use anyhow::Result;
 use globillum::geom::Accel;
-use globillum::integrator::{IrradiancePoints, Render, Scene, Settings, Stop};
+use globillum::integrator::{IrradiancePoints, Picture, Render, Scene, Settings, Stop};
 use serde::Serialize;
 
 /// How a list of points is measured.
@@ -34,6 +34,7 @@ impl MeasureFlags {
         let mut flags = self.clone();
         flags.sampling.spp = self.sampling.limit(&self.stop, &self.checkpoints);
         flags.speed.threads = self.speed.resolved_threads();
+        flags.sampling.leave_neighbours();
         let settings = flags.apply_to(Settings::new(1, 1, 1));
         flags.checkpoints.check(settings.passes(), settings.samples)?;
         flags.stop.check(flags.checkpoints.rendered(settings.passes()))?;
@@ -57,13 +58,14 @@ impl MeasureFlags {
         self.stop.conditions()
     }
 
-    /// The render that these flags ask for; a checkpoint to resume from is read.
+    /// The render that these flags ask for, resumed from what the checkpoint holds.
     pub(crate) fn render<'a>(
         &self,
         scene: &'a Scene<dyn Accel + 'a>,
         points: &'a IrradiancePoints,
         settings: &'a Settings,
-    ) -> Result<Render<'a>> {
-        self.checkpoints.apply_to(Render::new(scene, points, settings).until(self.stop()))
+        held: Option<Picture>,
+    ) -> Render<'a> {
+        self.checkpoints.apply_to(Render::new(scene, points, settings).until(self.stop()), held)
     }
 }

@@ -23,7 +23,7 @@ use crate::file_conflicts::Uses;
 use crate::load::Warnings;
 use anyhow::{Result, ensure};
 use globillum::geom::Accel;
-use globillum::integrator::{Render, Scene, Sensor, Settings, Stop};
+use globillum::integrator::{Picture, Render, Scene, Sensor, Settings, Stop};
 use output::ReportFlags;
 use picture::PictureFlags;
 use sampling::SamplingFlags;
@@ -117,6 +117,7 @@ impl RenderFlags {
             ("--error and --seconds", stop.is_given()),
             ("--checkpoint and --passes", checkpoints.is_given()),
             ("--out", !output.out.is_empty()),
+            ("--exposure", output.exposure != 0.0),
             ("--stats", report.stats.is_some()),
             ("--preview", picture.preview),
             ("--buffers", picture.buffers),
@@ -147,18 +148,19 @@ impl RenderFlags {
         self.stop.conditions()
     }
 
-    /// The render that these flags ask for; a checkpoint to resume from is read.
+    /// The render that these flags ask for, resumed from what the checkpoint holds.
     pub(crate) fn render<'a>(
         &self,
         scene: &'a Scene<dyn Accel + 'a>,
         sensor: &'a dyn Sensor,
         settings: &'a Settings,
-    ) -> Result<Render<'a>> {
+        held: Option<Picture>,
+    ) -> Render<'a> {
         let render = Render::new(scene, sensor, settings).until(self.stop());
         let render = match self.picture.rendered(settings.path_reuse) {
             Some([columns, rows]) => render.crop(columns, rows),
             None => render,
         };
-        self.checkpoints.apply_to(render)
+        self.checkpoints.apply_to(render, held)
     }
 }

@@ -51,10 +51,10 @@ pub(crate) struct SamplingFlags {
     /// Whether next event estimation also reaches lights by way of mirrors
     #[arg(long, value_enum, default_value_t = MirrorSamplingKind::Images)]
     mirror_sampling: MirrorSamplingKind,
-    /// Supersampling: whether the edges of lights get more camera rays
+    /// Supersampling: whether the edges of lights get more camera rays; off for points
     #[arg(long, value_enum, default_value_t = SupersamplingKind::Lights)]
     supersampling: SupersamplingKind,
-    /// Path reuse: whether pixels of a tile share path suffixes
+    /// Path reuse: whether pixels of a tile share path suffixes; off for points
     #[arg(long, value_enum, default_value_t = PathReuseKind::Tiles)]
     path_reuse: PathReuseKind,
     /// Path guiding: how diffuse surfaces sample the directions of scattered paths
@@ -80,6 +80,11 @@ impl SamplingFlags {
             None if stop.is_given() => None,
             None => Some(SAMPLES),
         })
+    }
+
+    /// Switches off what only pixels with neighbours have, which points have not.
+    pub(super) fn leave_neighbours(&mut self) {
+        (self.path_reuse, self.supersampling) = (PathReuseKind::Off, SupersamplingKind::Off);
     }
 
     /// Changes what these flags decide, but for the number of samples.

@@ -1,9 +1,9 @@
 use super::run::{RunFigures, Timing};
 use crate::flags::RenderFlags;
-use crate::view::{AnyCamera, CameraBy, CameraType, format_camera, format_vector};
-use globillum::geom::Accel;
+use crate::job::BuiltSubject;
+use crate::view::{CameraBy, CameraType, format_camera, format_vector};
 use globillum::glam::DVec3;
-use globillum::integrator::{Picture, Scene, Settings};
+use globillum::integrator::{Picture, Settings};
 use serde::Serialize;
 use std::fmt::{self, Display};
 use std::path::PathBuf;
@@ -34,16 +34,15 @@ pub(crate) struct PictureSummary<'a> {
 
 impl<'a> PictureSummary<'a> {
     /// Gathers the figures.
-    pub(crate) fn new<A: Accel>(
-        name: &'a str,
+    pub(crate) fn new(
+        subject: &'a BuiltSubject,
         flags: &'a RenderFlags,
         settings: &Settings,
-        scene: &Scene<A>,
-        (camera, camera_by): (AnyCamera, CameraBy),
         picture: &Picture,
         timing: Timing,
     ) -> Self {
         let pixels = u64::from(picture.film.width()) * u64::from(picture.film.height());
+        let BuiltSubject { name, scene, camera, camera_by, .. } = subject;
         let bounds = scene.triangles().bounds();
         Self {
             run: RunFigures::new(name, scene, picture, timing),
@@ -51,9 +50,9 @@ impl<'a> PictureSummary<'a> {
             roulette_start: settings.roulette.start,
             roulette_threshold: settings.roulette.threshold,
             bounds: [bounds.min, bounds.max].map(|corner| corner.to_array()),
-            camera: format_camera(&camera, bounds.center()),
+            camera: format_camera(camera, bounds.center()),
             camera_type: camera.camera_type(),
-            camera_by,
+            camera_by: *camera_by,
             accelerator_bytes: scene.accel().bytes(),
             samples_per_pixel: picture.samples,
             passes_held: picture.film.passes().into_iter().map(|range| [range.start, range.end]).collect(),

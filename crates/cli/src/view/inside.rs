@@ -136,6 +136,7 @@ fn brightness<A: Accel>(
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Result<f64, RenderError> {
     let mut settings = Settings::new(12, 8, 16);
+    settings.threads = rayon::current_num_threads();
     settings.max_bounces = Some(BOUNCES);
     let picture = Render::new(scene, camera, &settings).monitor(&Canceller(cancelled)).run()?;
     Ok(picture.film.image_mean().luminance())
