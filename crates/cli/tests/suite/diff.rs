@@ -123,6 +123,12 @@ fn the_same_seed_is_warned_of() {
     assert_eq!((code, warning.lines().count()), (Some(0), 1), "{warning}");
     assert!(warning.starts_with("warning: a.exr and a.exr: have the same seed"), "{warning}");
     assert!(said.contains("ratio         1.000000") && said.contains("differences are too small"), "{said}");
+    // Pictures by other settings have the same random numbers.
+    render(folder, "b.exr", &["--path-reuse", "off", "--estimator", "light"]);
+    let (_, _, warning) = diff(folder, &["a.exr", "b.exr"]);
+    assert!(warning.starts_with("warning: a.exr and b.exr: have the same seed"), "{warning}");
+    render(folder, "c.exr", &["--path-reuse", "off", "--seed", "1"]);
+    assert_eq!(diff(folder, &["a.exr", "c.exr"]).2, "");
 }
 
 #[test]

@@ -2,8 +2,8 @@ use super::checkpoint::{CheckpointReader, CheckpointWriter, Merge, resealed};
 use super::picture::Picture;
 use crate::{Estimates, MergeError};
 
-/// Reads `bytes` as a checkpoint, as they are and with their checksums made right, which nobody
-/// guesses; returns whether the latter is one.
+/// Reads `bytes` as a checkpoint, as they are and with correct checksums, which a fuzzer does not find by itself; returns
+/// whether the latter is one.
 ///
 /// # Panics
 /// If what is read does not come back from its own bytes, or tells what no picture can.

@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_hold_what_a_plain_sum_does() {
+    fn nodes_hold_what_a_plain_sum_does() {
         let film = film(0..37);
         let values: Vec<f64> = (0..37).map(|i| 1.0 / f64::from(3 + i)).collect();
         let mean = values.iter().sum::<f64>() / 37.0;

@@ -112,7 +112,7 @@ impl AsRef<PassNodeHeader> for PassNodeHeader {
 }
 
 /// The passes of `nodes`, as ranges in ascending order that neither meet nor overlap.
-pub(crate) fn passes_of<B: AsRef<PassNodeHeader>>(nodes: &[B]) -> Vec<Range<u32>> {
+pub(crate) fn passes_of<N: AsRef<PassNodeHeader>>(nodes: &[N]) -> Vec<Range<u32>> {
     let mut ranges: Vec<Range<u32>> = Vec::new();
     for node in nodes {
         let &PassNodeHeader { first, passes, .. } = node.as_ref();
@@ -125,10 +125,10 @@ pub(crate) fn passes_of<B: AsRef<PassNodeHeader>>(nodes: &[B]) -> Vec<Range<u32>
 }
 
 /// Adds a node of passes that are not in `nodes` yet, and joins what makes up a larger node.
-pub(crate) fn insert<B: AsRef<PassNodeHeader>>(
-    nodes: &mut Vec<B>,
-    node: B,
-    mut join: impl FnMut(&mut B, &B),
+pub(crate) fn insert<N: AsRef<PassNodeHeader>>(
+    nodes: &mut Vec<N>,
+    node: N,
+    mut join: impl FnMut(&mut N, &N),
 ) {
     let mut at = nodes.partition_point(|other| other.as_ref().first < node.as_ref().first);
     nodes.insert(at, node);

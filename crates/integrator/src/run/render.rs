@@ -145,7 +145,7 @@ impl<'a> Render<'a> {
     /// other crates. Parts of a picture have the same one, whatever their passes and rows; different pictures have equal
     /// ones with a probability of `2^-64`.
     pub fn key(&self) -> u64 {
-        picture_key(self.scene, self.sensor, &self.settings, self.crop.as_ref())
+        picture_key(self.scene, self.sensor, &self.settings.in_effect(self.sensor), self.crop.as_ref())
     }
 
     /// Continues `picture`: the passes that it holds are not rendered again.

@@ -295,8 +295,13 @@ impl Settings {
         if let Some(sensor) = sensor.size().filter(|&size| size != settings) {
             return Err(RenderError::SensorSize { settings, sensor });
         }
+        Ok(self.in_effect(sensor))
+    }
+
+    /// The settings as they are in effect for a render with `sensor`.
+    pub(crate) fn in_effect(&self, sensor: &dyn Sensor) -> Self {
         let alone = Self { path_reuse: PathReuse::Off, supersampling: Supersampling::Off, ..*self };
-        Ok(if sensor.has_neighbours() { *self } else { alone })
+        if sensor.has_neighbours() { *self } else { alone }
     }
 
     /// A number of samples or rays that are stratified together in a pass.

@@ -59,7 +59,7 @@ impl Picture {
     }
 }
 
-/// `bytes` with correct checksums, which nobody guesses; `None` if they are not even as long as their header.
+/// `bytes` with correct checksums, which a fuzzer does not find by itself; `None` if they are not even as long as their header.
 #[cfg(any(test, feature = "fuzz"))]
 pub(super) fn resealed(bytes: &[u8]) -> Option<Vec<u8>> {
     let content = CheckpointHeader::content(bytes)?;
