@@ -281,6 +281,9 @@ fn bits_depend_on_no_accelerator_thread_pass_or_part() {
     assert_eq!(settings.path_reuse, PathReuse::Tiles, "it is asked for, and has no effect on points");
     let film = render(&scene, &points, &settings).expect("all is good").film;
     assert_eq!(film.path_reuse(), PathReuse::Off);
+    let mut alone = settings;
+    alone.path_reuse = PathReuse::Off;
+    assert_eq!(Render::new(&scene, &points, &alone).key(), Render::new(&scene, &points, &settings).key());
     let render = || Render::new(&scene, &points, &settings);
     let part = |passes| render().passes(passes).run().expect("all is good").to_bytes();
     let mut merged = Picture::from_bytes(&part(1..3)).expect("its bytes are good");

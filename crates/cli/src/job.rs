@@ -1,4 +1,3 @@
-use crate::accel::AccelKind;
 use crate::brightness;
 use crate::checkpoint::Checkpoint;
 use crate::console;
@@ -11,59 +10,14 @@ use crate::json::to_json;
 use crate::monitor::RenderMonitor;
 use crate::output::Outputs;
 use crate::preview::Preview;
+use crate::subject::{BuiltSubject, Subject};
 use crate::summary::{self, PictureSummary, Timing};
 use crate::threads;
-use crate::view::{AnyCamera, CameraBy, View};
-use anyhow::{Context, Result};
-use globillum::geom::Accel;
-use globillum::integrator::{FirstHits, Model, Picture, Scene, Settings};
+use crate::view::AnyCamera;
+use anyhow::Result;
+use globillum::integrator::{FirstHits, Picture, Settings};
 use globillum::io::PictureData;
 use globillum::material::Rgb;
-use std::path::PathBuf;
-use std::time::Instant;
-
-/// What a picture shows.
-pub(crate) struct Subject {
-    /// What the figures call it.
-    pub(crate) name: String,
-    pub(crate) model: Model,
-    pub(crate) view: View,
-    /// The files that it was read from.
-    pub(crate) files: Vec<PathBuf>,
-}
-
-impl Subject {
-    /// Builds its scene, and finds the camera.
-    pub(crate) fn build(self, flags: &RenderFlags, interrupt: &Interrupt) -> Result<BuiltSubject> {
-        let Self { name, model, view, .. } = self;
-        let (scene, build_seconds) = build(model, flags.speed.accel)?;
-        interrupt.check()?;
-        let (camera, camera_by) = view
-            .camera(&scene, flags.picture.aspect(), &|| interrupt.is_asked())
-            .with_context(|| format!("{name}: cannot be seen whole"))?;
-        interrupt.check()?;
-        Ok(BuiltSubject { name, scene, build_seconds, camera, camera_by })
-    }
-}
-
-/// A subject whose accelerator is built.
-pub(crate) struct BuiltSubject {
-    pub(crate) name: String,
-    pub(crate) scene: BuiltScene,
-    pub(crate) build_seconds: f64,
-    pub(crate) camera: AnyCamera,
-    pub(crate) camera_by: CameraBy,
-}
-
-/// A scene with any accelerator.
-pub(crate) type BuiltScene = Scene<Box<dyn Accel>>;
-
-/// Builds a scene, and returns the seconds that it took.
-pub(crate) fn build(model: Model, accel: AccelKind) -> Result<(BuiltScene, f64)> {
-    let start = Instant::now();
-    let scene = Scene::build(model, |triangles| accel.build(triangles))?;
-    Ok((scene, start.elapsed().as_secs_f64()))
-}
 
 /// A picture to be rendered: its flags are checked, its files open.
 pub(crate) struct Job {

@@ -31,6 +31,7 @@ mod points;
 mod preview;
 mod progress;
 mod report;
+mod subject;
 mod summary;
 mod threads;
 mod usage;

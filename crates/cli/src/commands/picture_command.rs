@@ -1,7 +1,7 @@
 use super::{cornell, render};
 use crate::flags::RenderFlags;
 use crate::interrupt::Interrupt;
-use crate::job::BuiltSubject;
+use crate::subject::BuiltSubject;
 use crate::usage;
 use anyhow::{Result, anyhow};
 use clap::Parser;

@@ -2,7 +2,8 @@ use crate::exit::{CODES, SIGNALS};
 use crate::file_conflicts::Uses;
 use crate::flags::{LoadedScene, RenderFlags, SceneFlags};
 use crate::interrupt::Interrupt;
-use crate::job::{Job, Subject};
+use crate::job::Job;
+use crate::subject::Subject;
 use crate::view::{self, CameraType, Up, View, sun};
 use anyhow::{Result, anyhow};
 

@@ -1,6 +1,6 @@
 use super::run::{RunFigures, Timing};
 use crate::flags::RenderFlags;
-use crate::job::BuiltSubject;
+use crate::subject::BuiltSubject;
 use crate::view::{CameraBy, CameraType, format_camera, format_vector};
 use globillum::glam::DVec3;
 use globillum::integrator::{Picture, Settings};
