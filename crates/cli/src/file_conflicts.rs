@@ -2,10 +2,10 @@
 
 use crate::output::STDOUT;
 use anyhow::{Result, bail, ensure};
+use globillum::io::AtomicFile;
 use std::collections::HashMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::{fs, iter};
 
 /// What a file is that a scene is read from. Which files these are is known when it is loaded.
 pub(crate) const SCENE_FILE: &str = "the scene's file";
@@ -54,7 +54,7 @@ impl<'a> Uses<'a> {
         ensure!(streams.count() <= 1, "-: standard output can be given only once");
         let mut seen: HashMap<PathBuf, Use<'_>> = HashMap::new();
         for &one in self.0.iter().filter(|one| one.path != Path::new(STDOUT)) {
-            let Some(file) = regular_file(one.path) else { continue };
+            let Some(file) = AtomicFile::target(one.path) else { continue };
             match seen.insert(file, one) {
                 Some(other) if one.is_written || other.is_written => {
                     bail!("{other} and {one} are the same file")
@@ -70,35 +70,4 @@ impl fmt::Display for Use<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", self.name, self.path.display())
     }
-}
-
-/// The canonical path of a regular file, which may not exist yet. `None` of what is written through, of folders, and if
-/// its folder does not exist.
-pub(crate) fn regular_file(path: &Path) -> Option<PathBuf> {
-    if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
-        return None;
-    }
-    let target = followed(path);
-    let file = match fs::canonicalize(&target) {
-        Ok(file) => file,
-        Err(_) => fs::canonicalize(folder_of(&target)).ok()?.join(target.file_name()?),
-    };
-    // What the shell redirected a stream to is written through as well.
-    let streams = ["/dev/stdout", "/dev/stderr"];
-    let is_stream = streams.into_iter().any(|name| fs::canonicalize(name).is_ok_and(|stream| stream == file));
-    (!is_stream).then_some(file)
-}
-
-/// The most symbolic links that are followed, as in Linux.
-const MAX_LINKS: usize = 40;
-
-/// The name that symbolic links lead to from `path`, whether a file of that name exists or not.
-fn followed(path: &Path) -> PathBuf {
-    let next = |path: &PathBuf| Some(folder_of(path).join(fs::read_link(path).ok()?));
-    iter::successors(Some(path.to_path_buf()), next).take(1 + MAX_LINKS).last().unwrap_or_default()
-}
-
-/// The folder that contains `file`.
-fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }

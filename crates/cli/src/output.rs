@@ -49,10 +49,8 @@ impl Outputs {
 
     /// Whether a picture is written that `--exposure` changes: a PNG.
     pub(crate) fn show_exposed(&self) -> bool {
-        let is_png =
-            |path: &PathBuf| PictureFormat::of(path).is_ok_and(|format| format == PictureFormat::Png);
         self.pictures.iter().any(|picture| match picture {
-            Target::File(path, _) => is_png(path),
+            Target::File(path, _) => has_format(path, PictureFormat::Png),
             Target::StandardOutput => true,
         })
     }
@@ -123,4 +121,9 @@ impl<F> Target<F> {
     fn is_stdout(&self) -> bool {
         matches!(self, Self::StandardOutput)
     }
+}
+
+/// Whether the extension of a picture's file is that of `format`.
+pub(crate) fn has_format(path: &Path, format: PictureFormat) -> bool {
+    PictureFormat::of(path).is_ok_and(|of| of == format)
 }

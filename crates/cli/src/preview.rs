@@ -1,11 +1,10 @@
 //! Pictures of a render that is not finished, for viewers that load a file again when it changes.
 
 use crate::console;
-use crate::file_conflicts::regular_file;
 use crate::flags::PictureOutput;
 use crate::output::STDOUT;
 use globillum::integrator::Picture;
-use globillum::io::{IoError, PictureData, PictureFile};
+use globillum::io::{AtomicFile, IoError, PictureData, PictureFile};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -30,7 +29,8 @@ pub(crate) struct Preview<'a> {
 impl<'a> Preview<'a> {
     /// Previews in the files of `output` that are, or will be, regular ones; `data_of` a picture is written.
     pub(crate) fn new(output: &PictureOutput, data_of: impl Fn(&Picture) -> PictureData + Send + 'a) -> Self {
-        let is_file = |path: &&PathBuf| path.as_path() != Path::new(STDOUT) && regular_file(path).is_some();
+        let is_file =
+            |path: &&PathBuf| path.as_path() != Path::new(STDOUT) && AtomicFile::target(path).is_some();
         let paths = output.out.iter().filter(is_file).cloned().collect();
         let data_of = Box::new(data_of);
         Self { paths, exposure: output.exposure, data_of, start: Instant::now(), last: None }

@@ -83,8 +83,8 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         map.write_data(&colours(&comparison.pixels, size, |x, y| y * size.0 + x))?;
     }
     if let Some(map) = block_map {
-        let columns = comparison.blocks_width();
-        map.write_data(&colours(&comparison.blocks, size, |x, y| y / 4 * columns + x / 4))?;
+        let (side, columns) = (Estimates::BLOCK_SIDE, comparison.blocks_width());
+        map.write_data(&colours(&comparison.blocks, size, |x, y| y / side * columns + x / side))?;
     }
     console::print(table(&comparison, [&a, &b], options.false_alarm).as_bytes())?;
     judge(&comparison, options.false_alarm)

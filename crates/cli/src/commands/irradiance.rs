@@ -10,6 +10,7 @@ use crate::subject::build;
 use crate::summary::{PointsSummary, Timing, reason};
 use crate::{console, points, threads};
 use anyhow::{Result, ensure};
+use globillum::io::PictureFormat;
 use std::path::{Path, PathBuf};
 
 const LONG_ABOUT: &str = "\
@@ -54,9 +55,11 @@ pub(crate) struct Options {
 
 /// Refuses the name of a picture for a table.
 fn check_name(out: &Path) -> Result<()> {
-    let is_picture =
-        out.extension().is_some_and(|end| ["exr", "png"].iter().any(|name| end.eq_ignore_ascii_case(name)));
-    ensure!(!is_picture, "--out {}: is written as CSV, which is no picture; use .csv", out.display());
+    ensure!(
+        PictureFormat::of(out).is_err(),
+        "--out {}: is written as CSV, which is no picture; use .csv",
+        out.display()
+    );
     Ok(())
 }
 

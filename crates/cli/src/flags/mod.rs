@@ -21,9 +21,11 @@ pub(crate) use speed::SpeedFlags;
 
 use crate::file_conflicts::Uses;
 use crate::load::Warnings;
+use crate::output::has_format;
 use anyhow::{Result, ensure};
 use globillum::geom::Accel;
 use globillum::integrator::{Picture, Render, Scene, Sensor, Settings, Stop};
+use globillum::io::PictureFormat;
 use output::ReportFlags;
 use picture::PictureFlags;
 use sampling::SamplingFlags;
@@ -94,7 +96,7 @@ impl RenderFlags {
         if let Some(crop) = self.picture.crop.filter(|crop| !crop.is_within(width, height)) {
             anyhow::bail!("--crop {crop}: must lie within the picture of {width} x {height} pixels");
         }
-        let is_exr = |path: &PathBuf| path.extension().is_some_and(|end| end.eq_ignore_ascii_case("exr"));
+        let is_exr = |path: &PathBuf| has_format(path, PictureFormat::Exr);
         ensure!(
             !self.picture.buffers || self.output.out.iter().any(is_exr),
             "--buffers: only OpenEXR pictures hold them; --out names none"

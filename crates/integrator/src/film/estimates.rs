@@ -48,6 +48,9 @@ pub struct Estimates {
 }
 
 impl Estimates {
+    /// Pixels along each side of the blocks of [`Estimates::block_errors`]: 4.
+    pub const BLOCK_SIDE: u32 = BLOCK_SIDE;
+
     /// A picture of which nothing is known: black, with infinite errors.
     pub fn unknown(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;

@@ -65,6 +65,18 @@ impl AtomicFile {
         Ok(Self { path: target.into(), sink })
     }
 
+    /// The canonical path of the file that one of this name replaces, or creates in its folder. `None` of what is written
+    /// through, of folders, and if its folder does not exist.
+    pub fn target(path: impl AsRef<Path>) -> Option<PathBuf> {
+        let path = path.as_ref();
+        if fs::metadata(path).is_ok_and(|found| !special::is_replaced(&found)) {
+            return None;
+        }
+        let target = resolved(path);
+        let created = || Some(fs::canonicalize(folder_of(&target)).ok()?.join(target.file_name()?));
+        fs::canonicalize(&target).ok().or_else(created)
+    }
+
     /// Writes the content by `fill`, forces it to disk, and replaces the target by it. A target that is
     /// written through is neither forced to disk nor replaced.
     ///

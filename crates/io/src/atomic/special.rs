@@ -23,6 +23,11 @@ pub(crate) fn open(path: &Path) -> io::Result<Option<File>> {
     }
 }
 
+/// Whether a file that `metadata` describes is replaced: it is regular, and no stream of the process.
+pub(crate) fn is_replaced(metadata: &Metadata) -> bool {
+    metadata.is_file() && own_stream(metadata).is_none()
+}
+
 /// Standard output or standard error, if `metadata` describes it. Opened anew, a file behind it would be
 /// written from its start.
 #[cfg(unix)]

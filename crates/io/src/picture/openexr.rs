@@ -27,7 +27,7 @@ const COMPONENTS: [&str; 3] = ["R", "G", "B"];
 /// Errors of the means of blocks, each in all pixels of its block.
 const BLOCK_ERRORS: &str = "blockerr.";
 /// Pixels along a side of a block.
-const BLOCK: usize = 4;
+const BLOCK: usize = Estimates::BLOCK_SIDE as usize;
 const SAMPLES: &str = "samples.X";
 const OBSERVATIONS: &str = "observations.X";
 /// The index of nothing.

@@ -1,11 +1,8 @@
 //! The error of a picture against the truth, and its slope over the number of samples.
 
-use globillum::integrator::Film;
+use globillum::integrator::{Estimates, Film};
 use globillum::material::Rgb;
 use std::collections::BTreeMap;
-
-/// Pixels along each side of the blocks whose means are compared too.
-const BLOCK_SIDE: u32 = 4;
 
 /// The true or reference picture.
 #[derive(Clone, Debug)]
@@ -144,7 +141,8 @@ impl Errors {
         let (mse, mse_std_err) = mean_of_tiles(tiles().zip(squares().zip(own()).map(|(e, own)| e - own)));
         let (error, std_err) = mean_of_tiles(tiles().zip(differences().map(|e| e.mean())));
         let in_blocks = |values: Vec<f64>| {
-            let blocks = truth.of_counted(tiles_of_pixels(film.width(), film.height(), BLOCK_SIDE));
+            let blocks =
+                truth.of_counted(tiles_of_pixels(film.width(), film.height(), Estimates::BLOCK_SIDE));
             let mut sums = BTreeMap::new();
             for (block, value) in blocks.zip(values) {
                 let (sum, count) = sums.entry(block).or_insert((0.0, 0.0));
