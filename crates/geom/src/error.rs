@@ -40,8 +40,8 @@ pub enum GeomError {
         /// The valid range.
         range: &'static str,
     },
-    /// An accelerator with the requested options would exceed its memory budget. A grid, and a wide BVH
-    /// that is built quickly, is refused before anything is allocated; another wide BVH after its k-d tree is built.
+    /// An accelerator with the requested options would exceed its memory budget. A grid is refused before anything is
+    /// allocated, a wide BVH while it is built: each of its trees has the budget.
     #[error("{what}: {requested} asked for, the budget is {budget}")]
     Budget {
         /// The quantity that exceeds the budget.

@@ -1,7 +1,7 @@
 //! Accelerators that break the contract, each of which the conformance suite must refuse.
 
 use globillum_geom::conformance::{Regime, Seeded, Suite, Violation};
-use globillum_geom::{Aabb, Accel, BruteForce, Hit, Ray};
+use globillum_geom::{Aabb, Accel, BruteForce, GeomError, Hit, Ray, Triangles};
 use globillum_testkit::accelerators;
 
 /// What an accelerator does wrong.
@@ -16,6 +16,20 @@ enum Fault {
     DropsLast,
     /// `intersect_batch` finds no hit.
     FindsNoHits,
+    /// `intersect` finds no hit.
+    FindsNoHit,
+    /// `occluded` finds nothing.
+    FindsNoOccluder,
+    /// `occluded_batch` finds nothing.
+    FindsNoOccluders,
+    /// `intersect` returns the last of several hits at one distance.
+    LastOfTies,
+    /// `intersect` finds hits at the ends of the range.
+    ClosedRange,
+    /// `intersect` finds excluded triangles.
+    IgnoresExcluded,
+    /// `intersect` finds nothing along directions whose squared length overflows.
+    SquaresDirection,
     /// `bounds` is too large by one unit in the last place.
     WideBounds,
 }
@@ -24,23 +38,55 @@ enum Fault {
 #[derive(Debug)]
 struct Broken {
     sound: BruteForce,
+    /// Of the triangles in reverse order.
+    reversed: BruteForce,
+    triangles: u32,
     fault: Fault,
+}
+
+impl Broken {
+    fn new(triangles: &Triangles, fault: Fault) -> Result<Self, GeomError> {
+        let all = (0..triangles.len() as u32).rev().map(|index| *triangles.get(index));
+        let reversed = BruteForce::build(&Triangles::new(all.collect())?);
+        Ok(Self { sound: BruteForce::build(triangles), reversed, triangles: triangles.len() as u32, fault })
+    }
+
+    /// The last of several hits at one distance.
+    fn last_hit(&self, ray: &Ray) -> Option<Hit> {
+        let reverse = |index| match index {
+            Ray::NO_TRIANGLE => index,
+            index => self.triangles.wrapping_sub(index).wrapping_sub(1),
+        };
+        let hit = self.reversed.intersect(&Ray { excluded: ray.excluded.map(reverse), ..*ray })?;
+        Some(Hit { triangle: reverse(hit.triangle), ..hit })
+    }
 }
 
 impl Accel for Broken {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.sound.intersect(ray)
+        match self.fault {
+            Fault::FindsNoHit => None,
+            Fault::LastOfTies => self.last_hit(ray),
+            Fault::ClosedRange => {
+                self.sound.intersect(&ray.with_range(ray.t_min.next_down(), ray.t_max.next_up()))
+            }
+            Fault::IgnoresExcluded => self.sound.intersect(&Ray { excluded: [Ray::NO_TRIANGLE; 2], ..*ray }),
+            Fault::SquaresDirection if ray.direction.length_squared().is_infinite() => None,
+            _ => self.sound.intersect(ray),
+        }
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        self.sound.occluded(ray)
+        self.fault != Fault::FindsNoOccluder && self.sound.occluded(ray)
     }
 
     fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         if self.fault != Fault::AppendsHits {
             hits.clear();
         }
-        hits.extend(rays.iter().map(|ray| self.intersect(ray).filter(|_| self.fault != Fault::FindsNoHits)));
+        hits.extend(
+            rays.iter().map(|ray| self.sound.intersect(ray).filter(|_| self.fault != Fault::FindsNoHits)),
+        );
         if self.fault == Fault::DropsLast {
             hits.pop();
         }
@@ -50,7 +96,8 @@ impl Accel for Broken {
         if self.fault != Fault::AppendsOccluded {
             occluded.clear();
         }
-        occluded.extend(rays.iter().map(|ray| self.occluded(ray)));
+        let finds = self.fault != Fault::FindsNoOccluders;
+        occluded.extend(rays.iter().map(|ray| finds && self.sound.occluded(ray)));
     }
 
     fn bounds(&self) -> Aabb {
@@ -69,7 +116,7 @@ impl Accel for Broken {
 /// What the named cases find of brute force with `fault`.
 fn violation_of(fault: Fault) -> Option<Violation> {
     let suite = Suite::default();
-    suite.check_cases(|triangles| Ok(Broken { sound: BruteForce::build(triangles), fault })).err()
+    suite.check_cases(|triangles| Broken::new(triangles, fault)).err()
 }
 
 /// The number at the start of `text`.
@@ -96,6 +143,24 @@ fn a_batch_of_another_length_is_refused() {
         assert_eq!(expected.checked_add_signed(excess), Some(actual), "{fault:?}: {found}");
         let message = format!("{query}: expected {expected} entries, got {actual};");
         assert!(found.to_string().contains(&message), "{found}");
+    }
+}
+
+#[test]
+fn a_wrong_answer_is_refused() {
+    let faults = [
+        (Fault::FindsNoHit, "intersect"),
+        (Fault::FindsNoHits, "intersect_batch"),
+        (Fault::FindsNoOccluder, "occluded"),
+        (Fault::FindsNoOccluders, "occluded_batch"),
+        (Fault::LastOfTies, "intersect"),
+        (Fault::ClosedRange, "intersect"),
+        (Fault::IgnoresExcluded, "intersect"),
+        (Fault::SquaresDirection, "scaled"),
+    ];
+    for (fault, query) in faults {
+        let found = violation_of(fault).unwrap_or_else(|| panic!("{fault:?} is accepted"));
+        assert!(found.what.ends_with(&format!(", {query}")) && found.ray.is_some(), "{fault:?}: {found}");
     }
 }
 

@@ -74,7 +74,7 @@ fn every_family_hits_and_misses() {
 #[test]
 fn random_scenes_of_six_families() {
     [1, 2].into_par_iter().for_each(|seed| {
-        let suite = Suite { rays: 200_000 * u64::from(effort()), seed };
+        let suite = Suite { rays: 400_000 * u64::from(effort()), seed };
         match suite.check(Unanimous::build) {
             Ok(tally) => {
                 // A suite that hits nothing, or everything, compares little.

@@ -226,6 +226,7 @@ fn apart(source: &mut Seeded, size: f64) -> [Triangle; 2] {
 #[test]
 fn two_triangles_apart_never_shade_each_other() {
     let mut source = Seeded::new(50);
+    let mut count = 0;
     for size in SIZES {
         for _ in 0..2_000 * effort() as usize {
             let pair = apart(&mut source, size);
@@ -236,6 +237,7 @@ fn two_triangles_apart_never_shade_each_other() {
             };
             let segments: Vec<Ray> =
                 (0..10).filter_map(|_| point(0).segment_to(&point(1))).map(excluding_none).collect();
+            count += segments.len();
             for (name, build) in ACCELERATORS {
                 let accel = build(&triangles).expect("the accelerator can be built");
                 let shaded = segments.iter().find(|segment| accel.occluded(segment));
@@ -243,6 +245,7 @@ fn two_triangles_apart_never_shade_each_other() {
             }
         }
     }
+    assert!(count > 10_000 * SIZES.len() * effort() as usize, "{count}");
 }
 
 /// From next to the surface to a million times its size away.
@@ -289,6 +292,7 @@ fn triangle_around(source: &mut Seeded, center: DVec3, size: f64) -> Triangle {
 #[test]
 fn a_small_triangle_far_away_does_not_shade_itself() {
     let mut source = Seeded::new(501);
+    let mut count = 0;
     for (ratio, distance) in
         [1.0, 1e-1, 1e-3, 1e-6].into_iter().flat_map(|r| [3.0, 10.0, 1e2, 1e4, 1e6].map(|d| (r, d)))
     {
@@ -306,6 +310,7 @@ fn a_small_triangle_far_away_does_not_shade_itself() {
                 triangles.surface_point(index, u, v)
             };
             let (a, b) = (point(0), point(1));
+            count += usize::from(a.segment_to(&b).is_some());
             for (name, build) in ACCELERATORS {
                 let accel = build(&triangles).expect("the accelerator can be built");
                 for segment in [a.segment_to(&b), b.segment_to(&a)].into_iter().flatten().map(excluding_none)
@@ -315,6 +320,7 @@ fn a_small_triangle_far_away_does_not_shade_itself() {
             }
         }
     }
+    assert!(count > 1000 * effort() as usize, "{count}");
 }
 
 /// A lamp `2 a` by `2 b` in the middle of a ceiling three times as large, in one plane to the bit, and with
@@ -376,6 +382,7 @@ fn what_shares_a_lamps_plane_does_not_shade_it_from_far_away() {
 fn rays_exclude_the_triangles_at_their_ends() {
     let mut source = Seeded::new(503);
     let [triangles, _] = tetrahedra(1.0).map(|faces| Triangles::new(faces).expect("a tetrahedron is good"));
+    let mut count = 0;
     for _ in 0..1000 {
         let (from, to) = (source.below(4) as u32, source.below(4) as u32);
         let mut point = |index| {
@@ -389,9 +396,11 @@ fn rays_exclude_the_triangles_at_their_ends() {
             a.segment_to_position(b.position + 0.1 * in_cube(&mut source)).expect("it is off the plane");
         assert_eq!(segment.excluded, [from, Ray::NO_TRIANGLE]);
         let Some(segment) = a.segment_to(&b) else { continue };
+        count += 1;
         assert_eq!(segment.excluded, [from, to]);
         assert!(segment.excludes(from) && segment.excludes(to) && !segment.excludes(Ray::NO_TRIANGLE - 1));
     }
+    assert!(count > 400, "{count}");
     let given = triangles.given_point(DVec3::ONE, DVec3::Z).spawn_ray(DVec3::Z);
     assert_eq!(given, excluding_none(given));
 }

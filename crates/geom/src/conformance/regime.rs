@@ -22,7 +22,7 @@ pub enum Regime {
 }
 
 /// Rays per pencil: the size of a packet of the wide BVH.
-const PENCIL: usize = 64;
+pub(super) const PENCIL: usize = 64;
 
 impl Regime {
     /// All regimes.

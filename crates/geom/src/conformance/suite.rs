@@ -2,14 +2,14 @@
 
 use super::cases;
 use super::compare::{Tally, Violation};
-use super::regime::Regime;
+use super::regime::{PENCIL, Regime};
 use super::source::Seeded;
 use crate::{Accel, GeomError, Triangles};
 
 /// The extent of a check and the seed of its random scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Suite {
-    /// The approximate number of random rays, in addition to those of the named cases.
+    /// The number of random rays, rounded up to whole scenes, in addition to those of the named cases.
     pub rays: u64,
     /// The seed of the random scenes and rays.
     pub seed: u64,
@@ -21,7 +21,7 @@ impl Default for Suite {
     }
 }
 
-/// Random rays for each random scene.
+/// Random rays for each random scene, in addition to its pencil.
 const RAYS_PER_SCENE: usize = 64;
 
 impl Suite {
@@ -35,7 +35,7 @@ impl Suite {
     ) -> Result<Tally, Violation> {
         let mut tally = self.check_cases(&build)?;
         let mut source = Seeded::new(self.seed);
-        let scenes = self.rays / (RAYS_PER_SCENE * Regime::ALL.len()) as u64;
+        let scenes = self.rays.div_ceil(((PENCIL + RAYS_PER_SCENE) * Regime::ALL.len()) as u64);
         for _ in 0..scenes {
             for regime in Regime::ALL {
                 tally += regime.check(&mut source, RAYS_PER_SCENE, &build)?;

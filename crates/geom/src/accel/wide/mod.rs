@@ -19,9 +19,10 @@ mod simd;
 mod trace;
 mod tree;
 
+use crate::accel::by_query::accel_by_query;
 use crate::accel::query::{AnyHit, ClosestHit, Query};
 use crate::cpu::{SimdLevel, Token, vectorized};
-use crate::{Aabb, Accel, GeomError, Hit, KdOptions, QueryCounter, Ray, Traverse, Triangles};
+use crate::{Accel, GeomError, Hit, KdOptions, QueryCounter, Ray, Traverse, Triangles};
 use simd::PACKET;
 use std::fmt;
 use trace::{Scratch, query_one, query_others, query_others_exhaustively, query_packets};
@@ -91,8 +92,9 @@ impl WideBvh {
     }
 
     /// The options of [`WideBvh::build`], for leaves that are split further: those of [`KdOptions::default`], with a
-    /// [`traversal_cost`](KdOptions::traversal_cost) of 400 (measured, docs/performance.md). A cell is divided only where a
-    /// plane saves a ray that meets it more than 400 triangles, or 360 if it cuts off empty space.
+    /// [`traversal_cost`](KdOptions::traversal_cost) of 400 (measured, docs/performance.md). A cell of `n`
+    /// triangles is divided only where a ray that meets it would test fewer than `n - 400` of them, or fewer than
+    /// `n / 0.9 - 400` if the plane cuts off empty space.
     pub fn default_options() -> KdOptions {
         KdOptions { traversal_cost: 400.0, ..KdOptions::default() }
     }
@@ -145,7 +147,7 @@ impl WideBvh {
     #[cfg(feature = "conformance")]
     #[must_use]
     pub fn without_exhaustive_tests(mut self) -> Self {
-        self.trees.iter_mut().for_each(Tree::drop_projected);
+        self.trees.iter_mut().for_each(Tree::always_visit_nodes);
         self
     }
 
@@ -215,7 +217,7 @@ impl WideBvh {
         let first = answers.len();
         vectorized!(self.token, |simd| query_packets::<_, Q>(simd, tree, rays, scratch, answers));
         let answers = &mut answers[first..];
-        if tree.is_small() {
+        if tree.tests_exhaustively() {
             vectorized!(self.token, |simd| query_others_exhaustively::<_, Q>(
                 simd, tree, rays, scratch, answers
             ));
@@ -236,13 +238,7 @@ impl Traverse for WideBvh {
 }
 
 impl Accel for WideBvh {
-    fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.closest(ray, &mut ())
-    }
-
-    fn occluded(&self, ray: &Ray) -> bool {
-        self.any(ray, &mut ())
-    }
+    accel_by_query!();
 
     fn intersect_batch(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         self.query_batch::<ClosestHit>(rays, hits);
@@ -250,10 +246,6 @@ impl Accel for WideBvh {
 
     fn occluded_batch(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
         self.query_batch::<AnyHit>(rays, occluded);
-    }
-
-    fn bounds(&self) -> Aabb {
-        self.triangles.bounds()
     }
 
     fn bytes(&self) -> usize {

@@ -79,9 +79,9 @@ pub(super) struct BinaryTree {
     /// A power of two that brings the scene's surface into a range where `f32` suffices, so that costs
     /// do not depend on the unit of length.
     area_scale: f64,
-    /// The expected visits below which the triangles of a leaf block are not split: those of [`MIN_SPLIT_VISITS`] of the rays that meet
-    /// the scene.
-    few: f64,
+    /// The expected visits below which the triangles of a leaf block are not split: those of [`MIN_SPLIT_VISITS`] of the
+    /// rays that meet the scene.
+    min_split_visits: f64,
 }
 
 impl BinaryTree {
@@ -89,7 +89,7 @@ impl BinaryTree {
     pub(super) fn empty(bounds: &Aabb) -> Self {
         let area = bounds.half_area();
         let area_scale = if area > 0.0 { power_of_two_inverse(power_of_two_below(area)) } else { 1.0 };
-        Self { nodes: Vec::new(), area_scale, few: MIN_SPLIT_VISITS * area * area_scale }
+        Self { nodes: Vec::new(), area_scale, min_split_visits: MIN_SPLIT_VISITS * area * area_scale }
     }
 
     /// No nodes, of the same scene.
@@ -145,7 +145,7 @@ impl BinaryTree {
         let visits = expected_visits(&bounds) * self.area_scale;
         let (at, costs) = (self.nodes.len(), CollapseCosts::of_leaf(visits));
         self.nodes.push(BinaryNode { bounds, content: Content::Leaf(range), costs });
-        if visits < self.few {
+        if visits < self.min_split_visits {
             return;
         }
         let Some((axis, lower)) = split_in_bins(refs) else { return };
@@ -193,7 +193,7 @@ mod tests {
     }
 
     fn nothing() -> BinaryTree {
-        BinaryTree { nodes: Vec::new(), area_scale: 1.0, few: MIN_SPLIT_VISITS }
+        BinaryTree { nodes: Vec::new(), area_scale: 1.0, min_split_visits: MIN_SPLIT_VISITS }
     }
 
     /// How many of `lanes` the lower child of the root gets.
@@ -294,10 +294,10 @@ mod tests {
 
     #[test]
     fn what_few_rays_visit_is_not_split() {
-        for (few, count) in [(3.0, 5), (3.1, 1)] {
-            let mut walls = BinaryTree { few, ..nothing() };
+        for (min_split_visits, count) in [(3.0, 5), (3.1, 1)] {
+            let mut walls = BinaryTree { min_split_visits, ..nothing() };
             walls.add_refs(0, &mut corner(), MAX_LEVELS);
-            assert_eq!(walls.nodes.len(), count, "{few}");
+            assert_eq!(walls.nodes.len(), count, "{min_split_visits}");
         }
     }
 

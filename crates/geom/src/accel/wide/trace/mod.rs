@@ -65,11 +65,11 @@ pub(super) fn query_packets<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     rays: &[Ray],
-    Scratch { traversals, common_origin, general, starts, .. }: &mut Scratch,
+    Scratch { traversals, common_origin, general, set_starts, .. }: &mut Scratch,
     answers: &mut Vec<Q::Answer>,
 ) {
     let first = answers.len();
-    starts.clear();
+    set_starts.clear();
     for start in (0..rays.len()).step_by(PACKET) {
         // Packet by packet, so that answers are in the cache when they are overwritten.
         answers.resize(first + rays.len().min(start + PACKET), Q::Answer::default());
@@ -83,12 +83,12 @@ pub(super) fn query_packets<S: Simd, Q: Query>(
             |set| {
                 common_origin.query(simd, tree, set, &mut report)
                     || Q::ANY_HIT
-                        && !tree.is_small()
+                        && !tree.tests_exhaustively()
                         && general.query(simd, tree, set, traversals, &mut report)
             },
         );
         if !is_packet {
-            starts.push(start as u32);
+            set_starts.push(start as u32);
         }
     }
 }
@@ -99,22 +99,22 @@ pub(super) fn query_others<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     rays: &[Ray],
-    Scratch { traversals, starts, .. }: &mut Scratch,
+    Scratch { traversals, set_starts, .. }: &mut Scratch,
     answers: &mut [Q::Answer],
 ) {
-    query_stream(simd, tree, rays, starts, traversals, |i, query: Q| answers[i] = query.answer());
+    query_stream(simd, tree, rays, set_starts, traversals, |i, query: Q| answers[i] = query.answer());
 }
 
-/// [`query_others`] for a [small tree](Tree::is_small), of which all triangles are tested.
+/// [`query_others`] for a [small tree](Tree::tests_exhaustively), of which all triangles are tested.
 #[inline(always)]
 pub(super) fn query_others_exhaustively<S: Simd, Q: Query>(
     simd: S,
     tree: &Tree,
     rays: &[Ray],
-    Scratch { exhaustive, starts, .. }: &mut Scratch,
+    Scratch { exhaustive, set_starts, .. }: &mut Scratch,
     answers: &mut [Q::Answer],
 ) {
-    exhaustive.query(simd, tree, rays, starts, |i, query: Q| answers[i] = query.answer());
+    exhaustive.query(simd, tree, rays, set_starts, |i, query: Q| answers[i] = query.answer());
 }
 
 /// The memory that traversals work in, about 0.7 megabytes. Each thread that queries keeps one until it ends, so that later
@@ -126,7 +126,7 @@ pub(super) struct Scratch {
     common_origin: CommonOriginScratch,
     general: GeneralPacketScratch,
     /// Where in a batch the sets of rays start that are no packets, [`PACKET`] from each.
-    starts: Vec<u32>,
+    set_starts: Vec<u32>,
     exhaustive: ExhaustiveScratch,
     /// The rays of a batch for the next of several trees.
     pub(super) remaining: Vec<Ray>,
@@ -140,9 +140,11 @@ impl Scratch {
     /// Lends this thread's to `work`.
     #[inline(always)]
     pub(super) fn lend<T>(work: impl FnOnce(&mut Self) -> T) -> T {
-        let mut scratch = SCRATCH.take().unwrap_or_else(Self::idle);
+        // A query may come from the destructor of another of the thread's values, after that of this one.
+        let kept = SCRATCH.try_with(Cell::take).ok().flatten();
+        let mut scratch = kept.unwrap_or_else(Self::idle);
         let result = work(&mut scratch);
-        SCRATCH.set(Some(scratch));
+        let _ = SCRATCH.try_with(|kept| kept.set(Some(scratch)));
         result
     }
 
@@ -156,7 +158,7 @@ impl Scratch {
             traversals,
             common_origin: CommonOriginScratch::idle(),
             general: GeneralPacketScratch::idle(),
-            starts: Vec::new(),
+            set_starts: Vec::new(),
             exhaustive: ExhaustiveScratch::idle(),
             remaining: Vec::new(),
         })

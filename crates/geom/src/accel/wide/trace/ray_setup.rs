@@ -14,7 +14,7 @@ const FACE_ERR: f64 = 8.0;
 const VERTEX_ERR: f64 = 7.0;
 /// Error of a depth beyond that of the weights, in units of `W_F64`. The errors of tests of projected triangles are
 /// multiples of it, too: a smaller number needs other multiples.
-const DEPTH_ERR: f64 = 20.0;
+pub(super) const DEPTH_ERR: f64 = 20.0;
 /// A ray is lost if it comes from so far away that rounding moves it by this: nothing is known of its hits.
 const LOST_RAY_ERR: f64 = 0.25;
 /// Larger inverse direction components are clamped to this; the scene is 2 wide.

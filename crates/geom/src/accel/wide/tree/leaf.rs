@@ -78,8 +78,9 @@ pub(crate) struct LeafBlock<'a> {
 impl<'a> LeafBlock<'a> {
     pub(crate) const ROWS: usize = 10;
 
-    /// This bit makes an index, which has 30, the bits of a normal `f32`: the lanes beyond a row of coordinates may
-    /// hold indices, and denormal numbers are slow to compute with.
+    /// This bit makes an index, which has 30, the bits of an `f32` that is not denormal: the lanes beyond a row of
+    /// coordinates may hold indices, and denormal numbers are slow to compute with. Those lanes are masked, so that infinities
+    /// and NaNs, which the largest indices make, change no answer.
     const NORMAL: u32 = 1 << 30;
 
     /// The coordinates along `axis` of the three vertices.

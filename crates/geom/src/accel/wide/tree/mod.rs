@@ -42,13 +42,13 @@ impl Tree {
 
     /// Whether it has so few triangles that batches test all of them instead of its nodes.
     #[inline(always)]
-    pub(super) fn is_small(&self) -> bool {
+    pub(super) fn tests_exhaustively(&self) -> bool {
         !self.projected.is_empty()
     }
 
     /// Makes traversals visit nodes whatever the number of triangles.
     #[cfg(feature = "conformance")]
-    pub(super) fn drop_projected(&mut self) {
+    pub(super) fn always_visit_nodes(&mut self) {
         self.projected = ProjectedTriangles::default();
     }
 

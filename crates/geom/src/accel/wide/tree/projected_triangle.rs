@@ -9,9 +9,9 @@ use glam::DVec3;
 
 /// The largest number of triangles of a tree that stores them projected, so that batches test all of them (measured,
 /// docs/performance.md).
-pub(crate) const MAX_PROJECTED: usize = 96;
+pub(crate) const MAX_EXHAUSTIVE: usize = 96;
 
-/// The triangles of a tree by the axis along which they are projected; none if the tree has more than [`MAX_PROJECTED`].
+/// The triangles of a tree by the axis along which they are projected; none if the tree has more than [`MAX_EXHAUSTIVE`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ProjectedTriangles {
     by_axis: [OneAxis; 3],
@@ -37,7 +37,7 @@ impl ProjectedTriangles {
     /// The live triangles, if they are few.
     pub(crate) fn of_few(triangles: &Triangles, space: &NormalizedSpace) -> Self {
         let mut this = Self::default();
-        if triangles.live().len() <= MAX_PROJECTED {
+        if triangles.live().len() <= MAX_EXHAUSTIVE {
             for &index in triangles.live() {
                 let (axis, triangle) = ProjectedTriangle::new(triangles, index, space);
                 this.by_axis[axis].triangles.push(triangle);
@@ -151,11 +151,11 @@ mod tests {
 
     #[test]
     fn trees_of_at_most_96_triangles_are_small() {
-        for (count, is_small) in [(0, false), (1, true), (96, true), (97, false)] {
+        for (count, expected) in [(0, false), (1, true), (96, true), (97, false)] {
             let triangles =
                 Triangles::new(statue(2000).triangles()[..count].to_vec()).expect("valid triangles");
             let trees = build_quickly(&triangles).expect("the tree can be built");
-            assert_eq!(trees[0].is_small(), is_small, "{count} triangles");
+            assert_eq!(trees[0].tests_exhaustively(), expected, "{count} triangles");
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::Ray;
 use crate::accel::query::Query;
 use crate::accel::wide::simd::{Bits, LANES, PACKET, Simd, SimdBase};
 use crate::accel::wide::tree::Tree;
-use crate::accel::wide::tree::projected_triangle::MAX_PROJECTED;
+use crate::accel::wide::tree::projected_triangle::MAX_EXHAUSTIVE;
 use fearless_simd::SimdMask;
 use projected_test::ProjectedTest;
 use segment_bounds::SegmentBounds;
@@ -26,13 +26,13 @@ const NO_LIMIT: f32 = f32::INFINITY;
 pub(super) struct ExhaustiveScratch {
     setups: RaySetups<LANES>,
     /// The triangles that any of the rays may hit, and the results of their tests, lane by lane.
-    hits: [(u32, Filtered); MAX_PROJECTED],
+    hits: [(u32, Filtered); MAX_EXHAUSTIVE],
     candidates: [Candidates; LANES],
 }
 
 impl ExhaustiveScratch {
     pub(super) fn idle() -> Self {
-        let hits = [(0, Filtered::default()); MAX_PROJECTED];
+        let hits = [(0, Filtered::default()); MAX_EXHAUSTIVE];
         Self { setups: RaySetups::idle(), hits, candidates: [Candidates::default(); LANES] }
     }
 
@@ -134,14 +134,14 @@ impl ExhaustiveScratch {
                 }
             }
         }
-        kept.min(MAX_PROJECTED)
+        kept.min(MAX_EXHAUSTIVE)
     }
 
     /// Keeps the result of a test as the one of this number, if a hit is possible. Returns how many are added.
     #[inline(always)]
     fn keep(&mut self, number: usize, index: u32, filtered: Filtered) -> usize {
         // Without a branch, which would be mispredicted, and with a remainder instead of a check of bounds.
-        self.hits[number % MAX_PROJECTED] = (index, filtered);
+        self.hits[number % MAX_EXHAUSTIVE] = (index, filtered);
         usize::from(filtered.possible != 0)
     }
 
