@@ -210,7 +210,7 @@ impl Checkpoint {
             Held::Other => {
                 let free = free_path(&self.path, "other")?;
                 write(&free, result)?;
-                return Err(self.conflict().context(format!("{}: is saved", free.display())));
+                bail!("{}, and this run is saved as {}", self.conflict(), free.display());
             }
         }
         let saved = || format!("{}: is saved, but a failed save ended the run early", self.path.display());
@@ -299,12 +299,11 @@ mod tests {
             assert!(checkpoint.has_failed(), "it saves over {held:?}");
             let error = checkpoint.finish(&passes(held.clone()), true).expect_err("it is not saved there");
             let beside = folder.path().join(format!("a.{extension}"));
-            let said = [&beside, &path].map(|path| path.display().to_string());
-            let [saved, kept] = said;
-            assert_eq!(
-                format!("{error:#}"),
-                format!("{saved}: is saved: {kept}: holds passes that another process saved; they are kept")
+            let [kept, saved] = [&path, &beside].map(|path| path.display());
+            let said = format!(
+                "{kept}: holds passes that another process saved; they are kept, and this run is saved as {saved}"
             );
+            assert_eq!(format!("{error:#}"), said);
             assert_eq!(read::<Picture>(&beside).expect("it is whole").film.passes(), vec![held]);
             assert_eq!(read::<Picture>(&path).expect("it is whole").film.passes(), vec![0..2]);
         }
