@@ -86,7 +86,7 @@ impl WideBvh {
     /// The bounds that [`WideBvh::build_with`] states hold.
     ///
     /// # Errors
-    /// [`GeomError::Budget`] for more than about 134 million triangles.
+    /// [`GeomError::Budget`] for more than about 134 million triangles in one tree.
     pub fn build_quickly(triangles: &Triangles) -> Result<Self, GeomError> {
         Ok(Self::of(triangles, build::build_quickly(triangles)?))
     }
@@ -127,7 +127,7 @@ impl WideBvh {
     ///
     /// # Errors
     /// As [`KdTree::build_with`](crate::KdTree::build_with), and [`GeomError::Budget`] for more than about 134 million
-    /// references.
+    /// references in one tree.
     pub fn build_with(triangles: &Triangles, options: &KdOptions) -> Result<Self, GeomError> {
         Ok(Self::of(triangles, build::build(triangles, options)?))
     }
